@@ -30,7 +30,8 @@ def list_models() -> None:
 
     from firmware_bridge.cli.tables import terminal
     from fmu.errors import PlantError
-    from fmu.plants import find, names
+    from fmu.plants import names
+    from fmu.summary import summary
 
     table = Table(title="plants")
     for heading in ("model", "what it is", "states", "inputs", "outputs", "parameters", "robots"):
@@ -39,16 +40,15 @@ def list_models() -> None:
     failed = False
     for name in names():
         try:
-            model = find(name).model()
+            found = summary(name)
         except PlantError as error:
             # A stranger's mistake hides no other plant.
             table.add_row(name, str(error), *["-"] * 5)
             failed = True
         else:
-            outputs = sum(not row.local for row in model.outputs)
             used = ", ".join(robot.name for robot in robots if robot.plant.fmu == name) or "none"
-            counts = (len(model.states), len(model.inputs), outputs, len(model.parameters))
-            table.add_row(name, model.description, *map(str, counts), used)
+            counts = (found.states, found.inputs, found.outputs, found.parameters)
+            table.add_row(name, found.description, *map(str, counts), used)
     terminal().print(table)
     if failed:
         raise typer.Exit(FAILED)

@@ -98,6 +98,7 @@ def test_a_limit_that_is_too_high_is_found_and_driven_again_from_its_file() -> N
     assert broken == found.violation
 
 
+@pytest.mark.long(keeps=["climber"])
 @pytest.mark.parametrize("line", ["climber", "climber+cameras"])
 def test_a_climber_without_its_joints_rule_touches_the_stop(line: str) -> None:
     """In evenings that the rule keeps from it: backwards, with the joint bent to the other side."""

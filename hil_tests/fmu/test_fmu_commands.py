@@ -18,6 +18,7 @@ from fmu.build import ensure
 from fmu.errors import PlantError
 from fmu.plants import names
 from fmu.platforms import Platform, elsewhere, find_compiler, here
+from fmu.summary import summary
 
 
 def run(*words: str) -> tuple[int, str, str]:
@@ -43,6 +44,12 @@ def test_list_names_every_model_and_its_robot() -> None:
     for model in names():
         (row,) = [line for line in out.splitlines() if line.startswith(f"│ {model} ")]
         assert model != "rars" or [cell.strip() for cell in row.split("│")][3:7] == ["34", "4", "23", "79"]
+
+
+def test_a_plant_that_is_not_built_is_summed_up_by_its_equations(monkeypatch: pytest.MonkeyPatch) -> None:
+    built = summary("single_axis")
+    monkeypatch.setattr("fmu.summary.is_built", lambda _: False)
+    assert summary("single_axis") == built
 
 
 @pytest.mark.long(keeps=["3"])

@@ -53,10 +53,10 @@ class Beside:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.site = folder / "site"
+        # Plants are kept by their content: one that was built before is not built again.
         self.environment = {
             **os.environ,
             "PYTHONPATH": str(self.site),
-            "XDG_CACHE_HOME": str(folder / "cache"),
             "NO_COLOR": "1",
         }
 

@@ -41,6 +41,7 @@ def moves_of(rig: VirtualRig) -> Iterator[list[int]]:
         del wire.carry
 
 
+@pytest.mark.long(keeps=["ar2"])
 @pytest.mark.parametrize("robot", DOES)
 @every("order", STOPS.items(), ids=lambda it: it[0])
 def test_no_move_leaves_after_it(robot: str, order: tuple[str, object]) -> None:

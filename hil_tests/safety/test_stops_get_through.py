@@ -54,6 +54,7 @@ def ended(rig: VirtualRig) -> bool:
     return all(stop.progress in over for stop in rig.bench.bridge.stops.values())
 
 
+@pytest.mark.long(keeps=["20"])
 @every("robot", SHIELDS)
 @each_order
 @pytest.mark.parametrize("every_ms", [20, 50])
@@ -71,6 +72,7 @@ def test_a_board_that_prints_without_end_is_stopped(
         assert speed(rig) < 0.005
 
 
+@pytest.mark.long(keeps=["0.5"])
 @each_order
 @pytest.mark.parametrize("silent_s", [0.0, 0.5, 1.5])
 def test_two_stray_bytes_to_firmata_keep_no_stop(
@@ -123,7 +125,8 @@ def test_a_deaf_drive_at_standstill_loses_its_power_as_its_rows_say(
         assert not left.powered
 
 
-@every("robot", [ARM, *SHIELDS])
+@pytest.mark.long(keeps=[ARM, SHIELDS[0]])
+@pytest.mark.parametrize("robot", [ARM, *SHIELDS])
 @every("fault", ["board_silent", "board_brown_out", "board_hangs"])
 def test_the_end_of_the_program_comes_whatever_the_board_does(robot: str, fault: str) -> None:
     with driving(robot) as rig:

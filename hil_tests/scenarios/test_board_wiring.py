@@ -63,6 +63,9 @@ def test_a_bus_that_is_stuck_while_it_drives_takes_every_step_and_is_told_at_the
         assert len(rig.bridge.unconfirmed) == len(rig.robot.axes)
 
 
+@pytest.mark.long(
+    keeps=["encoder_swapped-arduinoio", "motor_leads_swapped-mw", "motor_leads_swapped-firmata"]
+)
 @pytest.mark.parametrize("protocol", FULL)
 @pytest.mark.parametrize("kind", ["encoder_swapped", "motor_leads_swapped"])
 def test_a_motor_that_runs_the_wrong_way_stops_the_base(protocol: str, kind: str) -> None:
