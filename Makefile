@@ -90,10 +90,10 @@ $(COMPILED)/.ready: $(READY) $(shell find firmware_bridge emulators fmu -name '*
 		"$$($(COMPILED)/bin/python -c 'import site; print(site.getsitepackages()[0])')/checkout.pth"
 	@touch $@
 
-# What may come out otherwise where the core is compiled: what is on the wires, states put back, whole stories.
+# What may come out otherwise where the core is compiled: what is on the wires, states put back, sessions played again.
 same: $(COMPILED)/.ready ## test that the compiled core does the same to the bit
 	@$(COMPILED)/bin/python -P -m pytest -n $(JOBS) --dist worksteal -q -m 'not interpreted and not long' \
-		hil_tests/golden hil_tests/scenarios hil_tests/wire \
+		hil_tests/golden hil_tests/scenarios/test_golden_traces.py hil_tests/scenarios/test_re*.py hil_tests/wire \
 		hil_tests/unit/epos2_serial hil_tests/unit/rewind hil_tests/unit/world
 
 compiled: $(COMPILED)/.ready ## install the program with its core compiled, in .venv/compiled
@@ -145,7 +145,7 @@ long: LANE = -m '(long or hypothesis) and not interpreted' --ignore=hil_tests/ar
 long: TESTER := $(COMPILED)/bin/python -P
 long: ALSO = $(BIN)/python -m pytest -n $(JOBS) --dist worksteal -q -m '(long or hypothesis) and interpreted' \
 	--ignore=hil_tests/architecture $(SHARE:%=--share %) || test $$? = 5 || status=1;
-long: $(COMPILED)/.ready ## run what `make test` has no time for, or a share of it: make long SHARE=3/16
+long: $(COMPILED)/.ready ## run what `make test` has no time for, or a share of it: make long SHARE=3/20
 	$(TESTED)
 
 # What takes hours: all of it on one commit, a step after the other; who ends it goes on later where it was.

@@ -14,7 +14,7 @@ OUTCOMES: Final = Path(__file__).with_name("nightly_results.toml")
 OWN: Final = ("tools/nightly_results.toml", "tools/mutate_results.toml", "docs/nightly.md")
 """What a night writes: no source of it."""
 PYTEST: Final = ".venv/bin/python -m pytest -q -p no:cacheprovider"
-SHARES: Final = 16
+SHARES: Final = 20
 HEAD: Final = (
     "# What came of each command of a night, written by tools/nightly.py; docs/nightly.md is made from it.\n"
 )
