@@ -1,6 +1,6 @@
 """Drive every cause of a stop in every way, and keep the worst: `python tools/measure_stops.py [-k TEXT]`.
 
-It writes `hil_tests/failures/measured.toml`, `boards.toml`, `every_robot.toml` and `encoders.toml`, of which
+It writes `measured.csv`, `boards.csv`, `every_robot.csv` and `encoders.csv` in `hil_tests/failures`, of which
 `make docs` makes tables; tests drive each row again. `-k boards` measures the boards alone, `-k robots` every
 robot in brief, `-k encoders` what a board does without one.
 """
@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from hil_tests.failures import boards, encoders, every_robot
 from hil_tests.failures.cases import CAUSES, Cause
 from hil_tests.failures.drive import draws, driven
-from hil_tests.failures.measured import Worst, kept, write
+from hil_tests.failures.measured import KEPT, Worst
 
 BOARDS = "boards"
 ROBOTS = "robots"
@@ -58,15 +58,18 @@ def main() -> None:
         if told.k in BOARDS:
             found = [row for rows in pool.map(run_on, boards.FULL) for row in rows]
             names = [cause.name for cause in boards.CAUSES]
-            boards.write(sorted(found, key=lambda row: names.index(row.cause)))
+            boards.KEPT.write(sorted(found, key=lambda row: names.index(row.cause)))
         if told.k in ROBOTS:
             lines = [line for lines in every_robot.LINES.values() for line in lines]
-            every_robot.write(row for rows in pool.map(on_line, lines) for row in rows)
+            order = [pair for robot in every_robot.LINES for pair in every_robot.wanted(robot)]
+            rows_of_all = [row for rows in pool.map(on_line, lines) for row in rows]
+            every_robot.KEPT.write(sorted(rows_of_all, key=lambda row: order.index((row.line, row.cause))))
         if told.k in ENCODERS:
-            encoders.write(pool.map(encoders.measured, *zip(*encoders.wanted(), strict=True)))
+            encoders.KEPT.write(pool.map(encoders.measured, *zip(*encoders.wanted(), strict=True)))
         for cause, rows in zip(chosen, pool.map(worst, chosen), strict=True):
-            others = [row for row in kept() if row.cause != cause.name]
-            write((*others, *rows))
+            names = {one.name for one in CAUSES} - {cause.name}
+            others = [row for row in KEPT.read() if row.cause in names]
+            KEPT.write(sorted((*others, *rows), key=lambda row: row.place))
             for row in rows:
                 print(f"{row.cause}, {row.link}, {row.motion}: {row.way_mm} mm, {row.rest_ms} ms")  # noqa: T201
 

@@ -1,19 +1,13 @@
 """How far ROME's base runs on when its board fails in mid-motion, firmware by firmware."""
 
-import json
-import tomllib
-from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Final
 
+from hil_tests.failures.kept import Kept
 from hil_tests.scenarios.rome_ride import FULL, STANDS_MPS, driven, held, speed
 from validation.pages.pages import table
 
-FILE: Final = Path(__file__).with_name("boards.toml")
-HEAD: Final = (
-    "# Made by tools/measure_stops.py: how far ROME's base runs on from 0.3 m/s when its board fails.\n"
-)
 FAILS_AT_S: Final = 6.5
 WATCHED_S: Final = 8.0
 LOOKS_S: Final = 0.01
@@ -56,6 +50,9 @@ class RunsOn:
     resets: int
 
 
+KEPT: Final = Kept(RunsOn, "boards")
+
+
 @dataclass(frozen=True, slots=True)
 class Seen:
     """What came of it."""
@@ -88,28 +85,13 @@ def seen(cause: Fails, protocol: str) -> Seen:
         return Seen(row, frozenset(held(rig)), rig.bridge.seen.facts.armed, powered)
 
 
-def kept() -> tuple[RunsOn, ...]:
-    """Return the rows of the file."""
-    text = FILE.read_text(encoding="utf-8") if FILE.exists() else ""
-    return tuple(RunsOn(**row) for row in tomllib.loads(text).get("runs_on", []))
-
-
-def write(rows: Iterable[RunsOn]) -> None:
-    """Write them."""
-    tables = (
-        "\n[[runs_on]]\n" + "".join(f"{key} = {json.dumps(it)}\n" for key, it in asdict(row).items())
-        for row in rows
-    )
-    FILE.write_text(HEAD + "".join(tables), encoding="utf-8")
-
-
 def sections() -> tuple[str, ...]:
     """Return the part of the page, in Markdown."""
     return ("### How far it runs on when its board fails", TEXT, table(HEADINGS, _lines()))
 
 
 def _lines() -> Iterator[tuple[str, ...]]:
-    rows = {(row.cause, row.protocol): row for row in kept()}
+    rows = {(row.cause, row.protocol): row for row in KEPT.read()}
     for cause in CAUSES:
         found = [rows[cause.name, protocol] for protocol in FULL]
         yield (

@@ -1,6 +1,6 @@
 """What stops RARS, asked for or failing: a row each, with how it begins and what has to notice it.
 
-`drive.py` drives them, `measured.toml` keeps the worst that came of it, and `docs/safety.md` shows both.
+`drive.py` drives them, `measured.csv` keeps the worst that came of it, and `docs/safety.md` shows both.
 """
 
 from collections.abc import Mapping

@@ -1,19 +1,15 @@
 """What an encoder that is off does to a base whose board regulates by it: measured."""
 
-import json
 import math
-import tomllib
-from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Final
 
 from emulators.testing.rig import STEP_S, VirtualRig
+from hil_tests.failures.kept import Kept
 from hil_tests.safety.driving import DRIVES_FOR_S, robot_of, speed
 from validation.pages.pages import table
 
-FILE: Final = Path(__file__).with_name("encoders.toml")
-HEAD: Final = "# Made by tools/measure_stops.py: what comes of an encoder that is off, on a board.\n"
 LINES: Final = {"rome": ("rome:ros-arduino-bridge", "rome:mw:3"), "rome_arm": ("rome_arm",)}
 SPEEDS: Final = (0.1, 0.2, 0.3)
 """m/s, ahead: wheels two and three carry it."""
@@ -42,6 +38,9 @@ class Off:
     above_twice_ms: int
     """For how long the base was faster than twice what it was told."""
     rest_ms: int
+
+
+KEPT: Final = Kept(Off, "encoders")
 
 
 def wanted() -> Iterator[tuple[str, str, float]]:
@@ -86,21 +85,6 @@ def _watched(rig: VirtualRig, told: float) -> tuple[float, float, float, float]:
     return worst, yaw, above, rest
 
 
-def kept() -> tuple[Off, ...]:
-    """Return the rows of the file."""
-    text = FILE.read_text(encoding="utf-8") if FILE.exists() else ""
-    return tuple(Off(**row) for row in tomllib.loads(text).get("came", []))
-
-
-def write(rows: Iterable[Off]) -> None:
-    """Write them."""
-    tables = (
-        "\n[[came]]\n" + "".join(f"{key} = {json.dumps(it)}\n" for key, it in asdict(row).items())
-        for row in rows
-    )
-    FILE.write_text(HEAD + "".join(tables), encoding="utf-8")
-
-
 def sections(robot: str) -> tuple[str, ...]:
     """Return the part of the page on safety, in Markdown."""
     lines = LINES.get(robot, ())
@@ -117,7 +101,7 @@ def sections(robot: str) -> tuple[str, ...]:
             f"{row.above_twice_ms / 1000:.2f} s",
             f"{row.rest_ms / 1000:.2f} s",
         )
-        for row in kept()
+        for row in KEPT.read()
         if row.line in lines
     )
     return ("### An encoder that is off", TEXT, table(headings, cells))

@@ -1,22 +1,18 @@
 """What comes of four failures and of what somebody orders, for every robot and on every link: measured."""
 
-import json
 import math
-import tomllib
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 from emulators.rig import BRIDGE
 from emulators.testing.rig import STEP_S, VirtualRig
 from firmware_bridge.bridge.stops import Progress
 from firmware_bridge.robot.settings.shield import ShieldLink
+from hil_tests.failures.kept import Kept
 from hil_tests.safety.driving import ARM, SPEEDS, driving, robot_of
 from validation.pages.pages import table
 
-FILE: Final = Path(__file__).with_name("every_robot.toml")
-HEAD: Final = "# Made by tools/measure_stops.py: what comes of failures and orders, robot by robot.\n"
 WATCHED_S: Final = 12.0
 STANDS_MPS: Final = 0.005
 LOOKS: Final = 10
@@ -97,6 +93,9 @@ class Row:
     """Who stopped it."""
 
 
+KEPT: Final = Kept(Row, "every_robot")
+
+
 def wanted(robot: str) -> Iterator[tuple[str, str]]:
     """Yield each way to reach a robot with each cause that it can have."""
     for line in LINES[robot]:
@@ -142,22 +141,6 @@ def _by(rig: VirtualRig, cause: str) -> str:
     return f"the bridge: {', '.join(sorted(last))}"
 
 
-def kept() -> tuple[Row, ...]:
-    """Return the rows of the file."""
-    text = FILE.read_text(encoding="utf-8") if FILE.exists() else ""
-    return tuple(Row(**row) for row in tomllib.loads(text).get("came", []))
-
-
-def write(rows: Iterable[Row]) -> None:
-    """Write them, robot by robot."""
-    order = [key for robot in LINES for key in wanted(robot)]
-    tables = (
-        "\n[[came]]\n" + "".join(f"{key} = {json.dumps(it)}\n" for key, it in asdict(row).items())
-        for row in sorted(rows, key=lambda row: order.index((row.line, row.cause)))
-    )
-    FILE.write_text(HEAD + "".join(tables), encoding="utf-8")
-
-
 def sections(robot: str) -> tuple[str, ...]:
     """Return the part of the page on safety, in Markdown."""
     lines = LINES.get(robot, ())
@@ -175,7 +158,7 @@ def _title(line: str) -> str:
 
 
 def _cells(lines: Sequence[str]) -> Iterator[tuple[str, ...]]:
-    rows = {(row.line, row.cause): row for row in kept()}
+    rows = {(row.line, row.cause): row for row in KEPT.read()}
     for cause in CAUSES:
         found = [rows.get((line, cause)) for line in lines]
         if any(found):

@@ -1,19 +1,11 @@
 """The worst that came of each cause of a stop, as `tools/measure_stops.py` has measured it."""
 
-import json
-import tomllib
-from collections.abc import Iterable
-from dataclasses import asdict, dataclass
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Final, Self
 
 from hil_tests.failures.cases import CAUSES, LINKS, MOTIONS, Cause
 from hil_tests.failures.drive import Came, Draw
-
-FILE: Final = Path(__file__).with_name("measured.toml")
-HEAD: Final = (
-    "# Made by tools/measure_stops.py: of all ways to begin it the one with the longest way to rest.\n"
-)
+from hil_tests.failures.kept import Kept
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,19 +45,4 @@ class Worst:
         return CAUSES.index(cause), LINKS.index(draw.link), draw.motion.lifts
 
 
-def kept() -> tuple[Worst, ...]:
-    """Return the rows of the file, without those of causes that there are no more."""
-    if not FILE.exists():
-        return ()
-    names = {cause.name for cause in CAUSES}
-    rows = tomllib.loads(FILE.read_text(encoding="utf-8")).get("worst", [])
-    return tuple(Worst(**row) for row in rows if row["cause"] in names)
-
-
-def write(rows: Iterable[Worst]) -> None:
-    """Write them, in the order of the causes."""
-    text = [HEAD]
-    for row in sorted(rows, key=lambda row: row.place):
-        keys = (f"{key} = {json.dumps(value)}\n" for key, value in asdict(row).items() if value is not None)
-        text.append("\n[[worst]]\n" + "".join(keys))
-    FILE.write_text("".join(text), encoding="utf-8")
+KEPT: Final = Kept(Worst, "measured")

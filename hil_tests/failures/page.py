@@ -12,7 +12,7 @@ from hil_tests.failures.cases import (
     STORIES,
     Cause,
 )
-from hil_tests.failures.measured import Worst, kept
+from hil_tests.failures.measured import KEPT, Worst
 from validation.pages.pages import table
 
 Cells: TypeAlias = tuple[str, ...]
@@ -66,7 +66,7 @@ def sections() -> tuple[str, ...]:
 
 def asked() -> Iterator[Cells]:
     """Yield the stops that somebody asks for."""
-    rows = kept()
+    rows = KEPT.read()
     for cause in ASKED:
         ways = [way for link in LINKS for way in _ways(cause, link, rows)]
         yield (cause.name, str(cause.category), cause.answer, *ways, cause.remains)
@@ -74,7 +74,7 @@ def asked() -> Iterator[Cells]:
 
 def fails() -> Iterator[Cells]:
     """Yield what fails."""
-    rows = kept()
+    rows = KEPT.read()
     for cause in FAILS:
         cells = [cell for link in LINKS for cell in (_noticed(cause, link, rows), *_ways(cause, link, rows))]
         yield (cause.name, cause.answer, *cells, cause.remains)

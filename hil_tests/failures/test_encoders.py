@@ -2,13 +2,13 @@
 
 import pytest
 
-from hil_tests.failures.encoders import TURNING, Off, kept, measured, wanted
+from hil_tests.failures.encoders import KEPT, TURNING, Off, measured, wanted
 
 ABOVE_MS = 300
 
 
 @pytest.mark.long(keeps=["rome:ros-arduino-bridge, while it drives, 200 mm/s"])
-@pytest.mark.parametrize("row", kept(), ids=lambda row: f"{row.line}, {row.when}, {row.told_mm_s} mm/s")
+@pytest.mark.parametrize("row", KEPT.read(), ids=lambda row: f"{row.line}, {row.when}, {row.told_mm_s} mm/s")
 def test_it_comes_to_what_was_measured(row: Off) -> None:
     """The same to the millimetre: time is virtual."""
     again = measured(row.line, row.when, row.told_mm_s / 1000)
@@ -16,12 +16,12 @@ def test_it_comes_to_what_was_measured(row: Off) -> None:
 
 
 def test_each_line_has_a_row_for_each_speed() -> None:
-    rows = [(row.line, row.when, row.told_mm_s) for row in kept()]
+    rows = [(row.line, row.when, row.told_mm_s) for row in KEPT.read()]
     assert rows == [(line, when, round(1000 * told)) for line, when, told in wanted()]
 
 
 def test_a_base_with_the_robot_file_s_usual_cycle_is_not_long_faster_than_twice_what_it_was_told() -> None:
-    rows = [row for row in kept() if row.when == TURNING and row.line.startswith("rome:")]
+    rows = [row for row in KEPT.read() if row.when == TURNING and row.line.startswith("rome:")]
     assert rows
     for row in rows:
         assert row.worst_mm_s <= 2.1 * row.told_mm_s, row

@@ -8,9 +8,9 @@ import pytest
 from emulators.bench.faults import KINDS
 from hil_tests.failures.cases import ALIKE, CAUSES, ELSEWHERE, STORIES, By
 from hil_tests.failures.drive import driven
-from hil_tests.failures.measured import Worst, kept
+from hil_tests.failures.measured import KEPT, Worst
 
-ROWS: Final = kept()
+ROWS: Final = KEPT.read()
 HERE: Final = Path(__file__).parent
 
 

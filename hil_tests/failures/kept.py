@@ -1,0 +1,40 @@
+"""Rows that were measured, a line each, in a file that tests and pages read: `tools/measure_stops.py`."""
+
+import csv
+from collections.abc import Iterable
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any, Generic, TypeVar, get_type_hints
+
+R = TypeVar("R")
+
+
+class Kept(Generic[R]):
+    """The rows of one file; its columns are the fields of their class, whole numbers or texts."""
+
+    def __init__(self, row: type[R], name: str) -> None:
+        """Name the class, and the file without its ending."""
+        self._row = row
+        self._file = Path(__file__).with_name(f"{name}.csv")
+        self._reads = {
+            name: str if hint is str else int
+            for name, hint in get_type_hints(row).items()
+            if name in {each.name for each in fields(row)}  # type: ignore[arg-type]
+        }
+
+    def read(self) -> tuple[R, ...]:
+        """Return them; none where nothing was measured yet."""
+        if not self._file.exists():
+            return ()
+        with self._file.open(encoding="utf-8", newline="") as file:
+            return tuple(self._row(**self._values(row)) for row in csv.DictReader(file))
+
+    def write(self, rows: Iterable[R]) -> None:
+        """Write them in this order."""
+        with self._file.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.DictWriter(file, list(self._reads), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(asdict(row) for row in rows)  # type: ignore[call-overload]
+
+    def _values(self, row: dict[str, str]) -> dict[str, Any]:
+        return {name: reads(row[name]) if row[name] else None for name, reads in self._reads.items()}
