@@ -33,7 +33,14 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("safety/guard/bounds", ("safety/test_guard_bounds",)),
     ("safety/guard/epos2_serial", (*LINES, "safety/test_guard_reports", *ACROSS, "safety/test_guard_zero")),
     ("safety/guard/capture", ("safety/test_guard_capture",)),
-    ("safety/guard/zeroing", ("safety/test_guard_zero", "safety/test_guard_homing")),
+    (
+        "safety/guard/zeroing",
+        ("safety/test_guard_zero", "safety/test_guard_homing", "safety/test_guard_zeroing_state"),
+    ),
+    (
+        "safety/guard/axis",
+        ("safety/test_guard_axis_state", *GUARD, *ACROSS, "safety/test_guard_zero", *LINES),
+    ),
     ("safety/guard/shield*", ("safety/test_guard_shield",)),
     ("safety/guard/ar2", ("safety/test_guard_ar2", "safety/test_guard_ar2_rules")),
     ("safety/guard/*", (*GUARD, *ACROSS, "safety/test_guard_zero", *LINES)),

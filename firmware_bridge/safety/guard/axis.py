@@ -104,7 +104,7 @@ class GuardedAxis:
         """Whether the set-point in force asks for motion, or its drive moves to find its zero."""
         if self._word == ENABLE:
             return self.target != 0 if self.by_speed else self._has_goal
-        return self.homes or (self._word == NEW_SET_POINT and not self.by_speed and self._has_goal)
+        return self.homes or (self._word == NEW_SET_POINT and self._has_goal)
 
     @property
     def homes(self) -> bool:

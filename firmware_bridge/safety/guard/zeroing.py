@@ -48,7 +48,6 @@ def by_file(axis: Axis) -> Mapping[Address, range]:
     if homing is None or axis.travel is None:
         return {}
     rpm, per_unit = abs(rpm_per_unit(axis)), qc_per_unit(axis)
-    current_a = 0.0 if homing.current_a is None else homing.current_a
     return {
         at.HOMING_METHOD: _only(homing.method),
         at.HOME_POSITION: _only(round(homing.at * per_unit)),
@@ -56,7 +55,7 @@ def by_file(axis: Axis) -> Mapping[Address, range]:
         at.HOMING_SPEED_SWITCH: _up_to(homing.speed * rpm),
         at.HOMING_SPEED_ZERO: _up_to(homing.zero_speed * rpm),
         at.HOMING_ACCELERATION: _up_to(homing.acceleration * rpm),
-        **({at.HOMING_CURRENT: _up_to(current_a * MILLIAMPERES)} if current_a else {}),
+        **({at.HOMING_CURRENT: _up_to(homing.current_a * MILLIAMPERES)} if homing.current_a else {}),
     }
 
 
@@ -109,9 +108,7 @@ class Zeroing:
         return self._said.get(at.HOMING_METHOD) != ACTUAL_POSITION
 
     def refuses_write(self, address: Address, value: int, word: int, moving: str | None) -> str | None:
-        """Return why an object may not be written now; `word` is in force, `moving` says who moves."""
-        if address not in WRITTEN:
-            return None
+        """Return why one of `WRITTEN` may not be written now; `word` is in force, `moving` says who moves."""
         if address == at.MODE and value == self._own:
             return (
                 "bit 4 is up, and would be a new position in another mode" if word == START_HOMING else None
@@ -132,10 +129,9 @@ class Zeroing:
         return None
 
     def wrote(self, address: Address, value: int) -> None:
-        """Note what was written: what the drive has said of it before counts no more."""
-        if address in WRITTEN:
-            self._said.pop(_SAME.get(address, address), None)
-            self.in_homing = self.in_homing or (address == at.MODE and value == Mode.HOMING)
+        """Note that one of `WRITTEN` was: what the drive has said of it before counts no more."""
+        self._said.pop(_SAME.get(address, address), None)
+        self.in_homing = self.in_homing or (address == at.MODE and value == Mode.HOMING)
 
     def read(self, address: Address, value: int) -> None:
         """Note what the drive has said."""

@@ -1,0 +1,133 @@
+"""What the guard knows of one drive's homing, object by object, asked directly."""
+
+from __future__ import annotations
+
+import pytest
+
+from firmware_bridge.safety.guard.epos2_words import (
+    DISABLE_VOLTAGE,
+    ENABLE,
+    HALT,
+    NEW_SET_POINT,
+    START_HOMING,
+)
+from firmware_bridge.safety.guard.zeroing import Zeroing, by_file
+from firmware_bridge.wire.cia402 import Mode
+from firmware_bridge.wire.epos2 import address as at
+from hil_tests.safety.guard_robots import RARS
+from hil_tests.scenarios.homed import LIFT, homed
+
+HOMED = homed(LIFT)
+PROFILE_POSITION, HOMING = int(Mode.PROFILE_POSITION), int(Mode.HOMING)
+
+
+def zeroing(name: str = "lift") -> Zeroing:
+    return Zeroing(next(axis for axis in RARS.axes if axis.name == name))
+
+
+def in_homing(one: Zeroing) -> Zeroing:
+    one.wrote(at.MODE, HOMING)
+    one.read(at.MODE_DISPLAY, HOMING)
+    return one
+
+
+def test_an_axis_without_travel_has_no_home() -> None:
+    one = zeroing("left")
+    assert one.homes is None
+    assert one.within_s == 0.0
+    in_homing(one)
+    one.read(at.HOMING_METHOD, 35)
+    one.read(at.HOME_POSITION, 0)
+    assert not one.prepared
+
+
+def test_where_it_stands_may_be_said_within_its_travel() -> None:
+    one = in_homing(zeroing())
+    assert one.homes is not None
+    one.read(at.HOMING_METHOD, 35)
+    for place, good in ((one.homes[0], True), (one.homes[-1], True), (one.homes[-1] + 1, False)):
+        one.read(at.HOME_POSITION, place)
+        assert one.prepared is good
+
+
+def test_a_homing_by_the_file_needs_a_current_only_where_the_file_tells_one() -> None:
+    axis = next(axis for axis in HOMED.axes if axis.name == "lift")
+    assert axis.zero.homing is not None
+    for current_a, needed in ((None, False), (0.5, True)):
+        homing = axis.zero.homing.model_copy(update={"current_a": current_a})
+        zero = axis.zero.model_copy(update={"homing": homing})
+        wanted = by_file(axis.model_copy(update={"zero": zero}))
+        assert (at.HOMING_CURRENT in wanted) is needed
+    assert wanted[at.HOMING_CURRENT] == range(1, 501), "mA"
+
+
+def test_a_speed_of_less_than_one_rpm_is_one() -> None:
+    """The drive takes whole numbers only, and none below 1."""
+    axis = next(axis for axis in HOMED.axes if axis.name == "lift")
+    assert axis.zero.homing is not None
+    homing = axis.zero.homing.model_copy(update={"zero_speed": 1e-4})
+    zero = axis.zero.model_copy(update={"homing": homing})
+    assert by_file(axis.model_copy(update={"zero": zero}))[at.HOMING_SPEED_ZERO] == range(1, 2)
+
+
+@pytest.mark.parametrize("address", [at.HOMING_METHOD, at.HOME_OFFSET])
+def test_only_the_mode_itself_is_left_while_the_word_that_starts_is_down(address: at.Address) -> None:
+    one = zeroing()
+    assert one.refuses_write(at.MODE, PROFILE_POSITION, ENABLE, "node 1") is None, "whoever moves"
+    assert "bit 4 is up" in str(one.refuses_write(at.MODE, PROFILE_POSITION, START_HOMING, None))
+    assert one.refuses_write(at.MODE, HOMING, START_HOMING, None) is None
+    assert one.refuses_write(address, PROFILE_POSITION, START_HOMING, None) is None
+    assert "may move" in str(one.refuses_write(address, PROFILE_POSITION, ENABLE, "node 1"))
+
+
+@pytest.mark.parametrize(
+    ("word", "by_object", "before", "since"),
+    [
+        (ENABLE, True, False, True),
+        (HALT, True, False, True),
+        (ENABLE, False, True, True),
+        (DISABLE_VOLTAGE, True, True, True),
+        (NEW_SET_POINT, False, True, False),
+    ],
+)
+def test_a_word_passes_by_object_or_as_a_set_point(
+    word: int, *, by_object: bool, before: bool, since: bool
+) -> None:
+    """Before the drive was sent to homing mode, and since."""
+    one = zeroing()
+    assert (one.refuses_word(word, by_object=by_object) is None) is before
+    one.wrote(at.MODE, HOMING)
+    assert (one.refuses_word(word, by_object=by_object) is None) is since
+
+
+@pytest.mark.parametrize(
+    ("address", "value", "left"),
+    [
+        (at.MODE, PROFILE_POSITION, True),
+        (at.MODE_DISPLAY, PROFILE_POSITION, True),
+        (at.MODE_DISPLAY, HOMING, False),
+        (at.HOMING_METHOD, PROFILE_POSITION, False),
+    ],
+)
+def test_homing_mode_is_left_when_the_drive_says_that_it_is_in_its_own(
+    address: at.Address, value: int, *, left: bool
+) -> None:
+    one = in_homing(zeroing())
+    one.read(address, value)
+    assert one.in_homing is not left
+
+
+def test_what_was_written_counts_when_the_drive_has_said_it_again() -> None:
+    one = in_homing(zeroing())
+    one.read(at.HOMING_METHOD, 35)
+    one.read(at.HOME_POSITION, 0)
+    assert one.prepared
+    for address, value in ((at.HOMING_METHOD, 35), (at.HOME_POSITION, 0)):
+        one.wrote(address, value)
+        assert not one.prepared
+        one.read(address, value)
+        assert one.prepared
+    one.wrote(at.MODE, HOMING)
+    assert not one.prepared
+    one.read(at.MODE_DISPLAY, HOMING)
+    assert one.prepared
