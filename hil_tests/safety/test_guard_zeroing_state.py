@@ -121,13 +121,15 @@ def test_what_was_written_counts_when_the_drive_has_said_it_again() -> None:
     one = in_homing(zeroing())
     one.read(at.HOMING_METHOD, 35)
     one.read(at.HOME_POSITION, 0)
-    assert one.prepared
-    for address, value in ((at.HOMING_METHOD, 35), (at.HOME_POSITION, 0)):
+    found = []
+    for address, value, says in (
+        (at.HOMING_METHOD, 35, at.HOMING_METHOD),
+        (at.HOME_POSITION, 0, at.HOME_POSITION),
+        (at.MODE, HOMING, at.MODE_DISPLAY),
+    ):
+        before = one.prepared
         one.wrote(address, value)
-        assert not one.prepared
-        one.read(address, value)
-        assert one.prepared
-    one.wrote(at.MODE, HOMING)
-    assert not one.prepared
-    one.read(at.MODE_DISPLAY, HOMING)
-    assert one.prepared
+        since = one.prepared
+        one.read(says, value)
+        found.append((before, since, one.prepared))
+    assert found == [(True, False, True)] * 3
