@@ -9,6 +9,7 @@ import importlib.abc
 import importlib.machinery
 import os
 import pickle
+import re
 import resource
 import signal
 import sys
@@ -187,17 +188,25 @@ class _Order(_Same):
     """Pytest's plugin that runs some tests only, in their order, and writes down which one fails."""
 
     def __init__(self, tests: Sequence[str], into: int) -> None:
-        self._rank = {test: place for place, test in enumerate(tests)}
+        self._rank = {_once(test): place for place, test in enumerate(tests)}
         self._into = into
 
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         items[:] = sorted(
-            (item for item in items if item.nodeid in self._rank), key=lambda item: self._rank[item.nodeid]
+            (item for item in items if _once(item.nodeid) in self._rank),
+            key=lambda item: self._rank[_once(item.nodeid)],
         )
+        if len(items) != len(self._rank):
+            raise pytest.UsageError("a test that is to be run is not found")
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         if report.failed:
             os.write(self._into, report.nodeid.encode())
+
+
+def _once(name: str) -> str:
+    """Return a test's name without what pytest escapes anew each time that a process collects it."""
+    return re.sub(r"\\+", "/", name)
 
 
 def in_a_fork(work: Callable[[], T]) -> T:
@@ -272,6 +281,7 @@ class _Campaign:
     def __init__(self, target: str, reach: Reach) -> None:
         self._finder = _Finder({module_of(target): None})
         self._reach = reach
+        self._names = {_once(test): test for test in reach.seconds}
         self._noticed: list[str] = []
         """The tests that have noticed a mutant, the newest first."""
 
@@ -316,7 +326,10 @@ class _Campaign:
         mutant, told = running.pop(child)
         with os.fdopen(told, encoding="utf-8") as pipe:
             test = pipe.read()
+        if os.waitstatus_to_exitcode(status) == pytest.ExitCode.USAGE_ERROR:
+            raise Unsound(f"a test that may notice a mutant of {mutant.target} was not found")
         if test:
+            test = self._names.get(_once(test), test)
             self._noticed = [test, *(one for one in self._noticed if one != test)]
         if status == 0:
             yield mutant

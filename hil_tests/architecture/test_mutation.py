@@ -3,6 +3,7 @@
 import ast
 from pathlib import Path
 
+import campaign
 import pytest
 from breaks import COUNTER, changes, is_tuned, names_in
 from mutants import mutants, telling
@@ -196,3 +197,34 @@ def test_a_sample_is_the_same_for_the_same_seed_and_within_its_budget() -> None:
 def test_what_somebody_has_tuned_is_left_as_it_is(source: str, tuned: bool) -> None:  # noqa: FBT001
     assert is_tuned(ast.parse(source).body[0]) is tuned
     assert is_tuned(ast.parse("500 * MILLISECOND", mode="eval").body)
+
+
+def test_a_test_is_found_by_its_name_however_often_a_process_collects_it(tmp_path: Path) -> None:
+    file = tmp_path / "test_bytes.py"
+    file.write_text(
+        "import pytest\n"
+        "@pytest.mark.parametrize('data', [b'\\\\x00', b'\\x01', b'a'], ids=str)\n"
+        "def test_it(data): pass\n"
+    )
+    collected: list[list[str]] = []
+
+    class Names:
+        def pytest_collection_finish(self, session: pytest.Session) -> None:
+            collected.append([item.nodeid for item in session.items])
+
+    def runs() -> tuple[list[int], list[int]]:
+        first = campaign._status([str(file)], Names())  # noqa: SLF001 - what a mutant's process does
+        again = [
+            campaign._status([str(file)], campaign._Order(collected[0], 1), Names())  # noqa: SLF001 - as above
+            for _ in range(3)
+        ]
+        return [first, *again], [len(names) for names in collected]
+
+    assert campaign.in_a_fork(runs) == ([0] * 4, [3] * 4)
+
+
+def test_a_test_that_is_not_found_makes_a_campaign_worth_nothing(tmp_path: Path) -> None:
+    file = tmp_path / "test_one.py"
+    file.write_text("def test_it(): pass\n")
+    status = campaign.in_a_fork(lambda: campaign._status([str(file)], campaign._Order(["gone"], 1)))  # noqa: SLF001
+    assert status == pytest.ExitCode.USAGE_ERROR
