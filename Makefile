@@ -141,10 +141,10 @@ test: $(READY) ## run the tests, every behaviour once; `make check` judges the s
 	$(TESTED)
 
 # Three times as fast there, and the compiled core is what `make same` shows to be the same.
-long: LANE = -m '(long or hypothesis) and not interpreted' --ignore=hil_tests/architecture $(SHARE:%=--share %)
+long: LANE = -m '(long or hypothesis) and not interpreted' --ignore=hil_tests/architecture $(SHARE:%=-p hil_tests.lanes --share %)
 long: TESTER := $(COMPILED)/bin/python -P
 long: ALSO = $(BIN)/python -m pytest -n $(JOBS) --dist worksteal -q -m '(long or hypothesis) and interpreted' \
-	--ignore=hil_tests/architecture $(SHARE:%=--share %) || test $$? = 5 || status=1;
+	--ignore=hil_tests/architecture $(SHARE:%=-p hil_tests.lanes --share %) || test $$? = 5 || status=1;
 long: $(COMPILED)/.ready ## run what `make test` has no time for, or a share of it: make long SHARE=3/20
 	$(TESTED)
 

@@ -14,8 +14,8 @@ from typing import Final
 
 import pytest
 
+import hil_tests.lanes  # noqa: F401 - what Hypothesis draws
 from hil_tests import rows as tables
-from hil_tests.lanes import Share
 
 AT_HAND: Final = {
     "vcan": Path("/sys/class/net/vcan0").exists(),
@@ -30,12 +30,6 @@ ON_DEMAND: Final = ("platforms", "avr", "installed", "released")
 
 def pytest_configure(config: pytest.Config) -> None:
     tables.configure(config)
-
-
-def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption(
-        "--share", type=Share.parse, metavar="K/N", help="only the K-th of N shares of the tests"
-    )
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:
@@ -60,9 +54,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     missing = [marker for marker, there in AT_HAND.items() if not there]
     missing += [marker for marker in ON_DEMAND if marker not in config.getoption("markexpr")]
     without = [item for item in items if any(item.get_closest_marker(marker) for marker in missing)]
-    share: Share | None = config.getoption("share")
-    if share is not None:
-        without = [item for item in items if item in without or not share.has(item.nodeid)]
     if without:
         config.hook.pytest_deselected(items=without)
         items[:] = [item for item in items if item not in without]

@@ -1,7 +1,8 @@
 """How many examples a test draws, and which share of the tests runs.
 
 All that a test asks for, or a tenth of them in the first lane. Hypothesis times none: the tests' time is
-virtual, and the wall's says how busy the machine is.
+virtual, and the wall's says how busy the machine is. As a plugin of pytest, `-p hil_tests.lanes --share K/N`,
+it leaves out what is not in the share.
 """
 
 import argparse
@@ -9,6 +10,7 @@ import hashlib
 from dataclasses import dataclass
 from typing import Final
 
+import pytest
 from hypothesis import settings
 
 FULL: Final = 100
@@ -42,3 +44,16 @@ class Share:
     def has(self, name: str) -> bool:
         """Return whether the test of this name is in it."""
         return int(hashlib.sha256(name.encode()).hexdigest(), 16) % self.of == self.number - 1
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the option."""
+    parser.addoption("--share", type=Share.parse, metavar="K/N", help="run the K-th of N shares of the tests")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out what is in another share."""
+    share: Share | None = config.getoption("share", None)
+    if share is not None:
+        config.hook.pytest_deselected(items=[item for item in items if not share.has(item.nodeid)])
+        items[:] = [item for item in items if share.has(item.nodeid)]

@@ -14,6 +14,7 @@ from hil_tests.conftest import AT_HAND, ON_DEMAND
 from hil_tests.lanes import FIRST_LANE
 
 ROOT = Path(__file__).parents[2]
+SHARE = "$(SHARE:%=-p hil_tests.lanes --share %)"
 LISTING = """
 import json, sys, pytest
 
@@ -39,7 +40,7 @@ def test_one_lane_is_what_the_other_is_not_and_both_are_checked() -> None:
     others = " --ignore=hil_tests/architecture"
     assert lanes == {
         "test": f" -m 'not long' --hypothesis-profile={FIRST_LANE}{others}",
-        "long": f" -m '(long or hypothesis) and not interpreted'{others} $(SHARE:%=--share %)",
+        "long": f" -m '(long or hypothesis) and not interpreted'{others} {SHARE}",
     }
     assert "worksteal -q -m '(long or hypothesis) and interpreted'" in makefile
     assert "pytest -q -p no:xdist hil_tests/architecture" in makefile

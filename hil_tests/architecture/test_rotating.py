@@ -1,5 +1,6 @@
 """The rotating share: it covers the long lane, and what failed before a change is not the change's."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +10,7 @@ import rotating
 
 from hil_tests.lanes import Share
 
+ROOT = Path(__file__).parents[2]
 MAKEFILE = f"long:\n\t@echo share $(SHARE)\n\t@{sys.executable} -m pytest -q\n"
 GOOD, BAD = "def test_{}() -> None:\n    pass\n", "def test_{}() -> None:\n    assert False\n"
 
@@ -40,6 +42,20 @@ def test_each_test_is_in_one_share_and_all_are_about_as_large() -> None:
         (holder,) = (number for number, share in enumerate(shares) if share.has(name))
         sizes[holder] += 1
     assert min(sizes) > 150
+
+
+def test_pytest_runs_a_share_and_no_more(tmp_path: Path) -> None:
+    (tmp_path / "test_many.py").write_text(
+        "import pytest\n@pytest.mark.parametrize('n', range(40))\ndef test_it(n): pass\n"
+    )
+    counts = []
+    for share in ("1/3", "2/3", "3/3"):
+        words = ("-m", "pytest", "-q", "-p", "hil_tests.lanes", "--share", share, str(tmp_path))
+        ended = subprocess.run([sys.executable, *words], cwd=ROOT, capture_output=True, text=True, check=True)
+        (count,) = re.findall(r"(\d+) passed", ended.stdout)
+        counts.append(int(count))
+    assert sum(counts) == 40
+    assert min(counts) > 5
 
 
 @pytest.mark.parametrize("text", ["", "3", "0/4", "5/4", "1/0", "a/b", "-1/4"])
