@@ -191,13 +191,20 @@ class _Order(_Same):
         self._rank = {_once(test): place for place, test in enumerate(tests)}
         self._into = into
 
-    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        items[:] = sorted(
-            (item for item in items if _once(item.nodeid) in self._rank),
-            key=lambda item: self._rank[_once(item.nodeid)],
-        )
-        if len(items) != len(self._rank):
-            raise pytest.UsageError("a test that is to be run is not found")
+    def pytest_collection_modifyitems(self, session: pytest.Session, items: list[pytest.Item]) -> None:
+        found = {_once(item.nodeid) for item in items}
+        # What a mutant changes may stand in a case's name: then all cases of its test are run.
+        other = {name.partition("[")[0] for name in self._rank if name not in found}
+        last = len(self._rank)
+        places = {
+            item: self._rank.get(_once(item.nodeid), last)
+            for item in items
+            if _once(item.nodeid) in self._rank or _once(item.nodeid).partition("[")[0] in other
+        }
+        there = {_once(item.nodeid).partition("[")[0] for item in places}
+        if other - there and not session.testsfailed:
+            raise pytest.UsageError(f"not found: {', '.join(sorted(other - there))}")
+        items[:] = sorted(places, key=places.__getitem__)
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         if report.failed:
