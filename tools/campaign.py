@@ -33,6 +33,8 @@ PATIENCE: Final = 4
 """Times what its tests take with nothing broken, and five seconds: longer than that a mutant never ends."""
 MOST: Final = 60
 """Tests that a mutant meets beside those that are chosen by name, or have the module's in their file's."""
+LACKS: Final = 99
+"""Exit status of a mutant's process that has not found a test."""
 FIRST: Final = 12
 """Tests that a mutant meets first: those that have noticed others. Most get no further."""
 QUICK: Final = (
@@ -190,6 +192,8 @@ class _Order(_Same):
     def __init__(self, tests: Sequence[str], into: int) -> None:
         self._rank = {_once(test): place for place, test in enumerate(tests)}
         self._into = into
+        self.lacks: list[str] = []
+        """Tests of which no case is there, though nothing has kept pytest from collecting."""
 
     def pytest_collection_modifyitems(self, session: pytest.Session, items: list[pytest.Item]) -> None:
         found = {_once(item.nodeid) for item in items}
@@ -202,8 +206,7 @@ class _Order(_Same):
             if _once(item.nodeid) in self._rank or _once(item.nodeid).partition("[")[0] in other
         }
         there = {_once(item.nodeid).partition("[")[0] for item in places}
-        if other - there and not session.testsfailed:
-            raise pytest.UsageError(f"not found: {', '.join(sorted(other - there))}")
+        self.lacks = [] if session.testsfailed else sorted(other - there)
         items[:] = sorted(places, key=places.__getitem__)
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
@@ -333,8 +336,8 @@ class _Campaign:
         mutant, told = running.pop(child)
         with os.fdopen(told, encoding="utf-8") as pipe:
             test = pipe.read()
-        if os.waitstatus_to_exitcode(status) == pytest.ExitCode.USAGE_ERROR:
-            raise Unsound(f"a test that may notice a mutant of {mutant.target} was not found")
+        if os.waitstatus_to_exitcode(status) == LACKS:
+            raise Unsound(f"{test}, which may notice a mutant of {mutant.target}, was not found")
         if test:
             test = self._names.get(_once(test), test)
             self._noticed = [test, *(one for one in self._noticed if one != test)]
@@ -349,7 +352,11 @@ class _Campaign:
         self._finder.loaders[module_of(mutant.target)] = partial(_Loader, mutant=mutant)
         try:
             for some in self._in_turn(tests):
-                status = _status(sorted({test.partition("::")[0] for test in some}), _Order(some, into))
+                order = _Order(some, into)
+                status = _status(sorted({test.partition("::")[0] for test in some}), order)
+                if order.lacks:
+                    os.write(into, order.lacks[0].encode())
+                    os._exit(LACKS)
                 if status:
                     break
         except BaseException:  # noqa: BLE001 - a mutant may fail in any way, and all of them are noticed

@@ -223,8 +223,13 @@ def test_a_test_is_found_by_its_name_however_often_a_process_collects_it(tmp_pat
     assert campaign.in_a_fork(runs) == ([0] * 4, [3] * 4)
 
 
-def test_a_test_that_is_not_found_makes_a_campaign_worth_nothing(tmp_path: Path) -> None:
+def test_a_test_that_is_not_found_is_told(tmp_path: Path) -> None:
     file = tmp_path / "test_one.py"
     file.write_text("def test_it(): pass\n")
-    status = campaign.in_a_fork(lambda: campaign._status([str(file)], campaign._Order(["gone"], 1)))  # noqa: SLF001
-    assert status == pytest.ExitCode.USAGE_ERROR
+
+    def lacks() -> list[str]:
+        order = campaign._Order([f"{file}::test_gone[1]"], 1)  # noqa: SLF001 - what a mutant's process does
+        campaign._status([str(file)], order)  # noqa: SLF001 - as above
+        return order.lacks
+
+    assert campaign.in_a_fork(lacks) == [f"{file}::test_gone"]
