@@ -11,6 +11,7 @@ or motion that has no reason; with `--ci` or `-k`, when one survives that is not
 import argparse
 import os
 import sys
+import tempfile
 import time
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
@@ -202,8 +203,12 @@ def work(options: argparse.Namespace) -> int:
 
 def main() -> int:
     """Work until the end, or until somebody ends it."""
+    options = options_of()
     try:
-        return work(options_of())
+        # A mutant's process ends without tidying up.
+        with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
+            tempfile.tempdir = os.environ["TMPDIR"] = folder
+            return work(options)
     except Unsound as problem:
         say(f"worth nothing: {problem}")
         return 1

@@ -17,7 +17,7 @@ OPERATORS: Final = ("breaks.py", "mutants.py")
 GUARD: Final = tuple(
     f"safety/test_guard_{what}" for what in ("power", "watch", "frames", "writes", "reports")
 )
-LINES: Final = ("safety/test_guard_serial", "safety/test_guard_serial_answers")
+LINES: Final = tuple(f"safety/test_guard_serial{what}" for what in ("", "_answers", "_rules"))
 ACROSS: Final = tuple(
     f"safety/test_guard_{what}" for what in ("across_rules", "exclusive", "links", "sums", "homing", "shield")
 )

@@ -120,7 +120,7 @@ def test_a_sum_that_stands_beyond_ends_after_a_cycle_from_when_it_was_passed_las
 
 
 def test_nobody_goes_on_from_mixture_to_mixture() -> None:
-    """Of each cycle 19 ms are beyond, and each time the other axis could mend it: the integral ends that."""
+    """Of each cycle 15 ms are beyond, and each time the other axis could mend it: the integral ends that."""
     trio = pair()
     for name, speed in (("a", 50.0), ("b", -50.0), ("a", 100.0), ("b", -100.0)):
         assert trio.sent(name, 0, speed) == NEVER
@@ -131,9 +131,20 @@ def test_nobody_goes_on_from_mixture_to_mixture() -> None:
             refused = cycle
             break
         trio.sent("b", now, 1.0)
-        trio.sent("b", now + 19 * MILLISECOND, -100.0)
-    # Two cycles of 200 are 8,000; each cycle is 51 x 19 ms beyond, and 50 x 1 ms within.
-    assert refused == 10
+        trio.sent("b", now + 15 * MILLISECOND, -100.0)
+    # Two cycles of 200 are 8,000; each cycle is 51 x 15 ms beyond, and 50 x 5 ms within.
+    assert refused == 17
+
+
+def test_who_was_sent_something_since_the_bound_was_passed_mends_nothing_later() -> None:
+    trio = Trio(SpeedSum, name="sum", of={"a": 1.0, "b": 1.0, "c": 1.0}, bound=50.0)
+    for name in "abc":
+        trio.sent(name, 0, 0.0)
+    now = CYCLE
+    assert trio.sent("a", now, 80.0) == now + CYCLE
+    assert trio.sent("b", now + 1, 0.0) == now + CYCLE, "c may"
+    assert trio.sent("c", now + 2, -40.0) == NEVER
+    assert trio.sent("a", now + 2, 100.0) == now + 2, "at the same instant b, which had its turn, may not"
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -194,8 +205,9 @@ def test_a_homing_lasts_no_longer_than_its_time() -> None:
     trio = Trio()
     for axis in trio.axes.values():
         axis.homes_within_s, axis.moving = 2.0, True
-    for begin in (0, 100 * SECOND):
-        assert trio.sent("b", begin) == NEVER, "nobody homes"
+    for begin in (0, 100 * SECOND, 200 * SECOND):
+        for name in "bcb"[: 1 + begin // (100 * SECOND)]:
+            assert trio.sent(name, begin) == NEVER, "nobody homes"
         trio.axes["a"].homes = True
         assert trio.sent("a", begin) == begin + 2 * SECOND + HALTED_WITHIN
         assert trio.sent("b", begin + SECOND) == begin + 2 * SECOND + HALTED_WITHIN, "a still homes"

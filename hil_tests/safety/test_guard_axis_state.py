@@ -144,3 +144,17 @@ def test_a_place_that_was_rested_at_is_forgotten_with_another_mode() -> None:
     assert not one.moves_with(SetPoint(NEW_SET_POINT, 501))
     one.wrote(at.MODE, int(Mode.HOMING).to_bytes(1, "little", signed=True))
     assert one.moves_with(SetPoint(NEW_SET_POINT, 501))
+
+
+def test_who_says_that_its_homing_turns_nothing_is_in_nobodys_way() -> None:
+    """Method 35 takes the place where it stands."""
+    one, other = axis("lift"), axis("left")
+    sends(other, ENABLE, 100)
+    one.all = other.all = (one, other)
+    one.wrote(at.MODE, int(Mode.HOMING).to_bytes(1, "little"))
+    one.read(at.MODE_DISPLAY, int(Mode.HOMING).to_bytes(1, "little"))
+    one.read(at.HOME_POSITION, bytes(4))
+    start = START_HOMING.to_bytes(2, "little")
+    assert one.refuses_write(at.CONTROLWORD, start, (one,), by_object=True) is not None
+    one.read(at.HOMING_METHOD, (35).to_bytes(1, "little"))
+    assert one.refuses_write(at.CONTROLWORD, start, (one,), by_object=True) is None

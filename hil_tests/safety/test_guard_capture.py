@@ -8,6 +8,7 @@ from firmware_bridge.kinds import find
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.safety.guard import Refusal, guarded
+from firmware_bridge.safety.guard.capture import CaptureRules
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.internet import number_of
 from firmware_bridge.wire.natnet.messages import MessageId, packet, text_payload
@@ -76,3 +77,13 @@ def test_a_fault_of_cameras_wants_cameras() -> None:
         fault = read({"kind": kind, "at_s": 1.0, "until_s": 2.0})
         assert list(fault.problems(captured_carrier())) == []
         assert list(fault.problems(find("rars"))) == [("kind", "rars has no link to a capture system")]
+
+
+def test_what_follows_a_listener_s_number_does_not_matter_and_the_number_is_of_two_bytes() -> None:
+    rules = CaptureRules(captured_carrier(), CAMERAS)
+    assert not rules.waiting
+    keep = int(MessageId.KEEPALIVE)
+    more = Packet(CAMERAS, SERVER, keep.to_bytes(2, "little") + (3).to_bytes(2, "little") + b"abc")
+    assert rules.refuses(more, 0) is None
+    other = Packet(CAMERAS, SERVER, (keep + 256).to_bytes(2, "little") + bytes(2))
+    assert rules.refuses(other, 0) is not None

@@ -41,6 +41,11 @@ def test_an_axis_without_travel_has_no_home() -> None:
     assert not one.prepared
 
 
+def test_a_travel_to_both_sides_is_one_of_homes_to_both_sides() -> None:
+    """60 degrees of steering are 2.666 rad of the pinion, 159 times 2000 quadcounts a turn."""
+    assert zeroing("steer").homes == range(-134_953, 134_954)
+
+
 def test_where_it_stands_may_be_said_within_its_travel() -> None:
     one = in_homing(zeroing())
     assert one.homes is not None

@@ -214,8 +214,7 @@ class GuardedAxis:
         if kind is None:
             return None
         moving = next((f"node {axis.node}" for axis in link if axis.moving), None)
-        word = DISABLE_VOLTAGE if self._word is None else self._word
-        return self.zeroing.refuses_write(address, kind.decode(raw), word, moving)
+        return self.zeroing.refuses_write(address, kind.decode(raw), self._word, moving)
 
     def _homes_beside(self, word: int) -> str | None:
         """Return who moves, on whatever link, itself included, where a word starts a homing that moves."""

@@ -107,7 +107,7 @@ class Zeroing:
         """Whether to start its homing would turn its shaft, as far as it has said."""
         return self._said.get(at.HOMING_METHOD) != ACTUAL_POSITION
 
-    def refuses_write(self, address: Address, value: int, word: int, moving: str | None) -> str | None:
+    def refuses_write(self, address: Address, value: int, word: int | None, moving: str | None) -> str | None:
         """Return why one of `WRITTEN` may not be written now; `word` is in force, `moving` says who moves."""
         if address == at.MODE and value == self._own:
             return (
