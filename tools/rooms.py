@@ -41,7 +41,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
         "safety/guard/axis",
         ("safety/test_guard_axis_state", *GUARD, *ACROSS, "safety/test_guard_zero", *LINES),
     ),
-    ("safety/guard/shield*", ("safety/test_guard_shield",)),
+    ("safety/guard/shield*", ("safety/test_guard_shield", "safety/test_guard_shield_words")),
     ("safety/guard/ar2", ("safety/test_guard_ar2", "safety/test_guard_ar2_rules")),
     ("safety/guard/*", (*GUARD, *ACROSS, "safety/test_guard_zero", *LINES)),
     ("safety/following", (*FOLLOWING, "unit/pipeline/test_disbelieved")),

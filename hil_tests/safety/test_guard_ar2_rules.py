@@ -225,3 +225,56 @@ def test_what_other_axes_must_know_of_a_joint() -> None:
     assert (joint.homes, joint.homes_within_s, joint.speed) == (False, 0.0, 0.0)
     assert joint.commanded_at < -1_000_000 * 10**9, "nobody has said anything yet"
     assert joint.cycle == ROBOT.cycle * ROBOT.ar2_link(ARM).every
+
+
+def test_a_joint_moves_though_nobody_has_said_where_the_others_stand() -> None:
+    rules = rules_of(places=None)
+    sends(rules, words.test(words.place(1, 100)))
+    for number in range(3):
+        assert refuses(rules, move(5)) is None
+        sends(rules, move(5))
+        assert [joint.powered for joint in joints(rules)] == [True, *[False] * 5]
+        proven(rules, f"q{number}")
+        assert not any(joint.powered for joint in joints(rules))
+    assert [joint.place for joint in joints(rules)] == [115, *[None] * 5]
+    assert "nobody has said" in str(refuses(rules, move(5, 5)))
+
+
+@pytest.mark.parametrize("rounds", [1, 2, 3])
+def test_an_older_echo_never_proves_a_newer_move(rounds: int) -> None:
+    rules = rules_of()
+    for _ in range(rounds):
+        proven(rules, "q1")
+        sends(rules, move(3))
+        sends(rules, words.test("q1"))
+        hears(rules, b"x")
+        assert "was proved" in str(refuses(rules, move(3)))
+        hears(rules, words.echo("q1"))
+
+
+def test_an_echo_that_only_ends_like_it_proves_nothing() -> None:
+    rules = rules_of()
+    sends(rules, move(3))
+    sends(rules, words.test("q12"))
+    hears(rules, words.echo("q112"))
+    assert "was proved" in str(refuses(rules, move(3)))
+
+
+def test_a_packet_without_bytes_is_no_loss() -> None:
+    rules = rules_of()
+    hears(rules, b"")
+    assert [joint.place for joint in joints(rules)] == [100] * 6
+
+
+def test_a_line_that_is_served_each_second_cycle_has_twice_the_time() -> None:
+    table = ROBOT.links[ARM].model_copy(update={"every": 2})
+    slower = rules_of(ROBOT.model_copy(update={"links": {**ROBOT.links, ARM: table}}))
+    for joint, usual in zip(joints(slower), joints(rules_of()), strict=True):
+        assert joint.cycle == 2 * usual.cycle
+        assert joint.at_once - 1 == pytest.approx(2 * (usual.at_once - 1), abs=2)
+
+
+def test_a_joint_that_counts_the_other_way_round_goes_as_far() -> None:
+    axes = tuple(axis.model_copy(update={"direction": -axis.direction}) for axis in ROBOT.axes)
+    mirrored = Ar2Rules(ROBOT.model_copy(update={"axes": axes}), ARM)
+    assert [joint.at_once for joint in joints(mirrored)] == [joint.at_once for joint in joints(rules_of())]

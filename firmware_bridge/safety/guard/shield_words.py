@@ -67,7 +67,7 @@ def _ros(data: bytes, board: Board) -> Word | None:
     if data in {ros.encode("r"), ros.encode("u", (gains.kp, gains.kd, gains.ki, gains.ko))}:
         return AT_REST
     words = rest.split(" ")
-    if letter != "m" or len(words) != len(board.motors) or not all(_is_number(word) for word in words):
+    if len(words) != len(board.motors) or not all(_is_number(word) for word in words):
         return None
     speeds = tuple(map(int, words))
     if data != ros.encode("m", speeds, len(speeds)):
@@ -79,7 +79,7 @@ def _ros(data: bytes, board: Board) -> Word | None:
 
 def _is_number(word: str) -> bool:
     digits = word.removeprefix("-")
-    return digits.isascii() and digits.isdigit() and len(digits) < ros.WORD - 1
+    return digits.isdigit() and len(digits) < ros.WORD - 1
 
 
 def _arduinoio(data: bytes, board: Board) -> Word | None:
@@ -145,10 +145,12 @@ def _firmata(data: bytes, board: Board) -> Word | None:
     if message.code == firmata.I2C_REQUEST and message.data[:2] == bytes((motor_shield.ADDRESS, 0)):
         values = firmata.unpaired(message.data[2:])
         return None if any(value > 0xFF for value in values) else _written(bytes(values), board)  # noqa: PLR2004
-    return AT_REST if message.code == firmata.I2C_CONFIG else _QUERIES.get((message.code, message.data))
+    if message.code == firmata.I2C_CONFIG:
+        return AT_REST
+    return NOTHING if message in _QUERIES else None
 
 
-_QUERIES: Final = {(firmata.FIRMWARE, b""): NOTHING, (firmata.VERSION, b""): NOTHING}
+_QUERIES: Final = (firmata.Message(firmata.FIRMWARE, b"", exclusive=True), firmata.Message(firmata.VERSION))
 
 
 def _written(data: bytes, board: Board) -> Word | None:

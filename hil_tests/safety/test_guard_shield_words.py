@@ -1,0 +1,145 @@
+"""What each firmware's words mean to the guard, and what is none of them."""
+
+from typing import Final
+
+import pytest
+
+from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.kinds import find
+from firmware_bridge.safety.guard.shield_words import READERS, Board, Inputs, Word, libraries_in, no_motion
+from firmware_bridge.wire.arduino import arduinoio, firmata, motor_shield, mw
+from firmware_bridge.wire.arduino import mw_messages as messages
+from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
+from firmware_bridge.wire.arduino.motor_shield import Pin
+from hil_tests.safety.test_guard_shield import channel, pwm, way
+
+NOTHING: Final = Word()
+AT_REST: Final = Word(at_rest=True)
+OFF: Final = Inputs(0, in1=False, in2=False)
+RELEASED: Final = Inputs(None, in1=False, in2=False)
+
+
+def board(protocol: str, libraries: tuple[str, ...] = mw.LIBRARIES) -> Board:
+    return Board(over_protocol(find("rome"), protocol).shield_link("board"), (1, 2, 3), libraries)
+
+
+def encoder(*data: int) -> bytes:
+    return firmata.exclusive(firmata.ENCODER, bytes(data))
+
+
+def written(low: int, high: int) -> bytes:
+    """A write of M1's PWM whose third byte is this, in two times seven bits."""
+    whole = firmata.i2c_write(motor_shield.ADDRESS, motor_shield.encode_channel(1, Pin.PWM, 255))
+    return whole[:8] + bytes((low, high)) + whole[10:]
+
+
+@pytest.mark.parametrize(
+    ("protocol", "data", "means"),
+    [
+        ("ros-arduino-bridge", b"b\r", NOTHING),
+        ("ros-arduino-bridge", b"e\r", NOTHING),
+        ("ros-arduino-bridge", b"r\r", AT_REST),
+        ("ros-arduino-bridge", b"m 0 0 0\r", Word({1: OFF, 2: OFF, 3: OFF})),
+        (
+            "ros-arduino-bridge",
+            b"m 1 0 -1\r",
+            Word(
+                {
+                    1: Inputs(1, in1=True, in2=False),
+                    2: Inputs(0, in1=True, in2=False),
+                    3: Inputs(1, in1=False, in2=True),
+                }
+            ),
+        ),
+        ("ros-arduino-bridge", f"m {'9' * (ros.WORD - 1)} 0 0\r".encode(), None),
+        ("ros-arduino-bridge", b"b 1\r", None),
+        ("ros-arduino-bridge", b"x 1 0 1\r", None),
+        ("ros-arduino-bridge", "m \u0661 0 1\r".encode(), None),
+        ("arduinoio", b"", None),
+        ("arduinoio", b"?", None),
+        ("arduinoio", b"C" + way(2, "f")[1:], None),
+        ("mw", b"\x01" + mw.encode_request(messages.GetServerInfo(), 1)[1:], None),
+        ("firmata", firmata.exclusive(firmata.VERSION), None),
+        ("firmata", firmata.exclusive(firmata.FIRMWARE, b"\1"), None),
+        ("firmata", firmata.exclusive(firmata.FIRMWARE) * 2, None),
+        ("firmata", b"", None),
+        ("firmata", encoder(), None),
+        ("firmata", firmata.exclusive(0x71, channel(2, Pin.PWM, 255)[2:-1]), None),
+        ("firmata", channel(4, Pin.PWM, 9), None),
+        ("arduinoio", arduinoio.encode("9", 9), NOTHING),
+        ("arduinoio", arduinoio.encode("G", 1), NOTHING),
+        ("arduinoio", arduinoio.encode("H", 1), AT_REST),
+        ("arduinoio", arduinoio.encode("E", 0, 2, 3), AT_REST),
+        ("arduinoio", arduinoio.encode("E", 0, 2, 3)[:-1] + b"\0", None),
+        ("arduinoio", pwm(2, 16), Word({2: Inputs(16, None, None)})),
+        ("arduinoio", way(2, "f"), Word({2: Inputs(None, in1=True, in2=False)})),
+        ("arduinoio", way(2, "b"), Word({2: Inputs(None, in1=False, in2=True)})),
+        ("arduinoio", way(2, "r"), Word({2: RELEASED})),
+        ("arduinoio", way(4, "f"), None),
+        ("mw", mw.encode_request(messages.GetServerInfo(), 1), NOTHING),
+        ("mw", mw.encode_request(messages.ReadCount(0, 0), 1), NOTHING),
+        ("mw", mw.encode_request(messages.ReadCount(0, 1), 1), None),
+        ("mw", mw.encode_request(messages.StopMotor(0, 2), 1), Word({3: RELEASED})),
+        ("mw", mw.encode_request(messages.StopMotor(0, 0), 1), Word({1: RELEASED})),
+        ("mw", mw.encode_request(messages.StopMotor(0, 3), 1), None),
+        ("mw", mw.encode_request(messages.StopMotor(0, 0), 1) + bytes(9), Word({1: RELEASED})),
+        ("mw", mw.encode_request(messages.StopMotor(0, 0), 1) + b"\0\1", None),
+        (
+            "mw",
+            mw.encode_request(messages.SetMotorSpeed(0, 2, 9, 2), 1),
+            Word({3: Inputs(9, in1=False, in2=True)}),
+        ),
+        ("firmata", firmata.exclusive(firmata.FIRMWARE), NOTHING),
+        ("firmata", firmata.exclusive(firmata.I2C_CONFIG, bytes(2)), AT_REST),
+        ("firmata", encoder(0, 0, 18, 19), AT_REST),
+        ("firmata", encoder(1, 0), NOTHING),
+        ("firmata", encoder(2), NOTHING),
+        ("firmata", encoder(3, 0), AT_REST),
+        ("firmata", encoder(4, 0), None),
+        ("firmata", channel(2, Pin.IN1, 1), Word({2: Inputs(None, in1=True, in2=None)})),
+        ("firmata", channel(2, Pin.IN2, 0), Word({2: Inputs(None, in1=None, in2=False)})),
+        ("firmata", channel(2, Pin.PWM, 255), Word({2: Inputs(255, None, None)})),
+        ("firmata", channel(2, Pin.PWM, 9) + b"\xf0", None),
+        ("firmata", written(0, 2), None),
+    ],
+)
+def test_a_word_means_what_its_firmware_makes_of_it(protocol: str, data: bytes, means: Word | None) -> None:
+    one = board(protocol)
+    assert READERS[one.link.protocol](data, one) == means
+
+
+def test_a_library_that_the_board_has_not_told_is_not_listed() -> None:
+    one = board("mw", (mw.SHIELD,))
+    request = mw.encode_request(messages.ReadCount(0, 0), 1, (mw.SHIELD, mw.ENCODER))
+    assert READERS[one.link.protocol](request, one) is None
+
+
+def test_what_takes_a_motors_speed_is_for_that_motor() -> None:
+    (stops,) = no_motion(2, board("mw"))
+    assert READERS[board("mw").link.protocol](stops, board("mw")) == Word({2: RELEASED})
+
+
+def test_the_version_is_asked_for_in_a_message_of_its_own() -> None:
+    one = board("firmata")
+    asks = firmata.encode(firmata.Message(firmata.VERSION))
+    assert READERS[one.link.protocol](asks, one) == NOTHING
+
+
+def test_gains_leave_as_the_file_has_them_and_in_its_order() -> None:
+    one = board("ros-arduino-bridge")
+    gains = one.link.gains.model_copy(update={"kp": 21, "kd": 12, "ki": 3, "ko": 50})
+    other = one._replace(link=one.link.model_copy(update={"gains": gains}))
+    for four, means in (((21, 12, 3, 50), AT_REST), ((21, 12, 3, 21), None), ((12, 21, 3, 50), None)):
+        assert READERS[one.link.protocol](ros.encode("u", four), other) == means
+
+
+def test_a_board_that_has_not_told_its_shield_is_told_nothing() -> None:
+    assert list(no_motion(1, board("mw", (mw.ENCODER,)))) == []
+
+
+def test_libraries_are_those_of_the_answer_that_tells_them() -> None:
+    row = mw.row_of(messages.GetServerInfo())
+    told = row.answer.encode(messages.ServerInfo(1, 0, b"board", 0, (b"one", b"two")))
+    answers: list[mw.Traced | mw.Answered] = [mw.Traced(b"hello"), mw.Answered(row.code, told)]
+    assert libraries_in(iter(answers)) == ("one", "two")
+    assert libraries_in(iter(answers[:1])) is None
