@@ -5,10 +5,15 @@ from typing import Any
 
 import pytest
 
-from firmware_bridge.drivers.driver import Stop
-from firmware_bridge.intent import NEVER_HEARD
-from firmware_bridge.safety.row import Row
+from firmware_bridge.drivers.driver import Feedback, Power, Stop, Tells
+from firmware_bridge.intent import NEVER_HEARD, AgeLimit
+from firmware_bridge.kinds import find
+from firmware_bridge.safety.common import AXIS_ANSWERS, AXIS_UNMEASURED
+from firmware_bridge.safety.interlock import AxisInterlock
+from firmware_bridge.safety.operator_rows import operator_rows
+from firmware_bridge.safety.row import Row, Severity
 from firmware_bridge.safety.snapshot import Facts, Following, Hold
+from firmware_bridge.units import MILLISECOND, SECOND
 
 
 def test_an_axis_that_was_never_seen_is_told_to_stand_and_owes_nothing() -> None:
@@ -36,3 +41,68 @@ def test_a_hold_is_the_same_whosever_it_is(change: dict[str, Any], *, same: bool
     hold = Hold("axis silent: lift", "silent", row, 0)
     assert hold.axis == ""
     assert (replace(hold, **change) == hold) is same
+
+
+@pytest.mark.parametrize(
+    ("age_ms", "dated", "silent_ms", "lives_ms"),
+    [
+        (None, True, 400, 400),
+        (None, False, 400, 400),
+        (300, False, 400, 400),
+        (0, True, 400, 400),
+        (200, True, 400, 300),
+        (50, True, 400, 400),
+        (499, True, 400, 1),
+        (500, True, 400, 400),
+        (900, True, 400, 400),
+    ],
+)
+def test_a_command_counts_until_it_is_as_old_as_one_may_be(
+    age_ms: int | None, silent_ms: int, lives_ms: int, *, dated: bool
+) -> None:
+    """500 ms; whoever is older is judged by its age, and what nothing dates lives as long as silence may."""
+    needed: dict[str, Any] = {"axes": {}, "sensors": {}, "links_lost": {}}
+    facts = Facts(
+        now=SECOND,
+        armed=True,
+        emergency_stopped=False,
+        heard_at=SECOND,
+        neutral=False,
+        said_at=None if age_ms is None else SECOND - age_ms * MILLISECOND,
+        dated=dated,
+        age_limit=AgeLimit(most=500 * MILLISECOND, needed=False),
+        **needed,
+    )
+    assert facts.lives_for(silent_ms * MILLISECOND) == lives_ms * MILLISECOND
+
+
+def test_a_row_that_is_confined_to_some_groups_is_the_same_else() -> None:
+    row = AxisInterlock(
+        "hot",
+        lambda *_: None,
+        "let it cool",
+        needs=frozenset({Tells.POWER}),
+        clear_after=7,
+        severity=Severity.EMERGENCY,
+        takes_power=True,
+    )
+    confined = row.confined(frozenset({"base"}))
+    assert (confined.name, confined.remedy, confined.judge) == (row.name, row.remedy, row.judge)
+    assert (confined.needs, confined.clear_after) == (row.needs, 7)
+    assert (confined.severity, confined.takes_power) == (Severity.EMERGENCY, True)
+    assert (confined.stops, confined.disarms) == (frozenset({"base"}), False)
+
+
+def test_a_pause_is_no_more_than_a_notice() -> None:
+    rows: Any = operator_rows()
+    (row,) = (row for row in rows if row.name == "paused")
+    assert row.severity is Severity.NOTICE
+
+
+@pytest.mark.parametrize("row", [AXIS_ANSWERS, AXIS_UNMEASURED], ids=lambda row: row.name)
+def test_a_weaker_row_says_for_how_long_an_axis_was_not_heard(row: AxisInterlock) -> None:
+    (axis,) = (axis for axis in find("rars").axes if axis.name == "left")
+    feedback = Feedback("left", Power.ON, 3 * SECOND, 3 * SECOND, position=0.0, velocity=0.0)
+    needed: dict[str, Any] = {"axes": {}, "sensors": {}, "links_lost": {}}
+    facts = Facts(now=5 * SECOND, armed=True, emergency_stopped=False, heard_at=0, neutral=True, **needed)
+    assert "was last heard 2.00 s ago" in str(row.judge(axis, feedback, facts, SECOND))

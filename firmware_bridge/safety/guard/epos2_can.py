@@ -158,7 +158,7 @@ class Epos2CanRules(WireRules):
         if axis is not None:
             return axis.zeroing.refuses_word(_STATUSWORD.unpack_from(packet.payload)[0], by_object=False)
         requested = self._by_request.get(packet.address)
-        written = None if requested is None else _written(packet.payload)
+        written = _written(packet.payload)
         return None if requested is None or written is None else self._refuses_write(requested, *written)
 
     def _refuses_write(self, axis: GuardedAxis, address: Address, raw: bytes) -> str | None:
@@ -199,7 +199,7 @@ class Epos2CanRules(WireRules):
             self._commands(packet.payload[0], packet.payload[1])
             return ()
         axis = self._by_request.get(packet.address)
-        written = None if axis is None else _written(packet.payload)
+        written = _written(packet.payload)
         if axis is None or written is None:
             return ()
         address, raw = written
