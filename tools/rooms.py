@@ -49,7 +49,10 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("safety/charge", ("unit/pipeline/test_charge",)),
     ("safety/operator_rows", (*GATE, "safety/test_one_cause_one_hold", "safety/test_snapshot")),
     ("safety/rules", (*GATE, "unit/pipeline/test_rest")),
-    ("safety/*", (*GATE, "safety/test_weaker_rows", "safety/test_snapshot")),
+    (
+        "safety/*",
+        (*GATE, "safety/test_weaker_rows", "safety/test_snapshot", "safety/test_rows_as_a_table"),
+    ),
     ("bridge/*", ("unit/bridge/*", "unit/pipeline/*")),
     ("drivers/capture/*", ("unit/capture_driver/*",)),
     ("drivers/commissioning/*", ("unit/commissioning/*",)),

@@ -105,4 +105,6 @@ def test_a_weaker_row_says_for_how_long_an_axis_was_not_heard(row: AxisInterlock
     feedback = Feedback("left", Power.ON, 3 * SECOND, 3 * SECOND, position=0.0, velocity=0.0)
     needed: dict[str, Any] = {"axes": {}, "sensors": {}, "links_lost": {}}
     facts = Facts(now=5 * SECOND, armed=True, emergency_stopped=False, heard_at=0, neutral=True, **needed)
-    assert "was last heard 2.00 s ago" in str(row.judge(axis, feedback, facts, SECOND))
+    said = str(row.judge(axis, feedback, facts, SECOND))
+    assert said.startswith(f"{axis.called} does not tell ")
+    assert "was last heard 2.00 s ago" in said
