@@ -61,7 +61,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("drivers/shield/*", ("unit/shield/*", "failures/test_boards")),
     ("drivers/*stop*", ("unit/bridge/*", "unit/drivers/*")),
     ("drivers/*", ("unit/drivers/*", "unit/serial_drive/*")),
-    ("motion/model", ("unit/pilot/test_predictor",)),
+    ("motion/model", ("unit/motion/test_model", "unit/pilot/test_predictor")),
     ("motion/*", ("unit/motion/*",)),
     ("robots/*/station", ("unit/teleop/*",)),
     ("robots/rars/model", ("unit/pilot/test_predictor",)),

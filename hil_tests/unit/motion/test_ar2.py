@@ -131,3 +131,12 @@ def test_angles_about_the_axes_are_those_that_turn_the_frame() -> None:
 
     pose = about(2, 0.7) @ about(1, -0.4) @ about(0, 2.0)
     assert roll_pitch_yaw(pose) == pytest.approx((2.0, -0.4, 0.7))
+
+
+@pytest.mark.parametrize("joint", range(6))
+@pytest.mark.parametrize("upper", [True, False])
+def test_a_margin_counts_at_both_ends_of_each_joint(joint: int, *, upper: bool) -> None:
+    angles = [(low + high) / 2.0 for low, high in zip(AR2.least, AR2.most, strict=True)]
+    for inside, good in ((0.02, True), (0.005, False), (-0.005, False)):
+        angles[joint] = AR2.most[joint] - inside if upper else AR2.least[joint] + inside
+        assert AR2.reaches(np.array(angles), margin=0.01) is good

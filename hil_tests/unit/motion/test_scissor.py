@@ -44,3 +44,13 @@ def test_height_and_screw_undo_each_other(height: float) -> None:
 @given(st.floats(-1e6, 1e6))
 def test_no_reading_of_the_encoder_is_an_error(screw: float) -> None:
     assert -0.16 < scissor.height_from_screw(LIFT, screw) < 1.8
+
+
+@pytest.mark.parametrize(("extended", "good"), [(5.1, True), (5.0, False), (4.0, False)])
+def test_it_extends_upwards(extended: float, *, good: bool) -> None:
+    table = LIFT.model_dump() | {"collapsed_angle_deg": 5.0, "extended_angle_deg": extended}
+    if good:
+        assert type(LIFT).model_validate(table).extended_angle_deg == extended
+    else:
+        with pytest.raises(ValueError, match="must be larger than collapsed_angle_deg"):
+            type(LIFT).model_validate(table)
