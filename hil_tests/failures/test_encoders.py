@@ -7,7 +7,7 @@ from hil_tests.failures.encoders import KEPT, TURNING, Off, measured, wanted
 ABOVE_MS = 300
 
 
-@pytest.mark.long(keeps=["rome:ros-arduino-bridge, while it drives, 200 mm/s"])
+@pytest.mark.long(keeps=["rome:ros-arduino-bridge, before it starts, 200 mm/s"])
 @pytest.mark.parametrize("row", KEPT.read(), ids=lambda row: f"{row.line}, {row.when}, {row.told_mm_s} mm/s")
 def test_it_comes_to_what_was_measured(row: Off) -> None:
     """The same to the millimetre: time is virtual."""

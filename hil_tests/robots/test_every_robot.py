@@ -155,6 +155,7 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
             yield f"{row}: {axis.name}", {"following": {axis.name: following}}
 
 
+@pytest.mark.long(keeps=["ar2", "carrier", "rars", "rome"])
 @every
 def test_the_common_rows_stop_all_of_it_whatever_it_is_asked(name: str) -> None:
     robot = find(name)
