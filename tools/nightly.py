@@ -99,9 +99,13 @@ def listed(outcomes: Mapping[str, Outcome]) -> None:
 def main() -> int:
     """Work until the end, or until somebody ends it."""
     parser = argparse.ArgumentParser(description="Run everything that .ci/run leaves out.")
-    parser.add_argument("step", nargs="*", choices=[[], *(step.name for step in STEPS)], help="only these")
+    names = ", ".join(step.name for step in STEPS)
+    parser.add_argument("step", nargs="*", help=f"only these, of {names}")
     parser.add_argument("--list", action="store_true", help="say what there is, and run nothing")
     options = parser.parse_args()
+    unknown = set(options.step) - {step.name for step in STEPS}
+    if unknown:
+        parser.error(f"no step {', '.join(sorted(unknown))}; there are {names}")
     outcomes = read()
     if options.list:
         listed(outcomes)

@@ -69,8 +69,10 @@ STEPS: Final = (
             _adversary("rome_arm", "honest", 0.5),
         ),
     ),
-    Step("fuzz", "a stranger who sends a drive frames of any kind, its winding watched", ("make fuzz",)),
-    Step("twins", "lines said to a sketch's binary and to the emulated board", ("make twins",)),
+    Step(
+        "fuzz", "any frames sent to a drive by another node, the current of its motor watched", ("make fuzz",)
+    ),
+    Step("twins", "the same lines sent to a sketch's binary and to the emulated board", ("make twins",)),
     Step(
         "mutation", "the program, broken in one place at a time", (".venv/bin/python tools/mutate.py -j 2",)
     ),

@@ -16,7 +16,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
-SHARES: Final = 20
+from nights import SHARES
+
 RUN_AGAIN_UP_TO: Final = 20
 """Failing tests: more are no accident of one share."""
 FAILED: Final = Path(".pytest_cache/v/cache/lastfailed")

@@ -8,8 +8,6 @@ import typer
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import FAILED, say
 
-_STYLES: Final = {"ok": "green", "careful": "yellow", "missing": "yellow"}
-
 _NEEDED: Final = "red"
 
 
@@ -34,9 +32,10 @@ def doctor(
     from rich.text import Text
 
     from emulators.doctor.gather import gather
-    from emulators.doctor.rows import ROWS, lacks
+    from emulators.doctor.rows import ROWS, Verdict, lacks
     from firmware_bridge.cli.tables import terminal
 
+    styles = {Verdict.OK: "green", Verdict.CAREFUL: "yellow", Verdict.MISSING: "yellow"}
     facts = gather()
     said = [(row, row.judge(facts)) for row in ROWS]
     missing = lacks(facts)
@@ -57,7 +56,7 @@ def doctor(
         for heading in ("looked at", "found", "", "how to mend it"):
             table.add_column(heading, overflow="fold")
         for row, one in said:
-            style = _NEEDED if row.title in missing else _STYLES[one.verdict.value]
+            style = _NEEDED if row.title in missing else styles[one.verdict]
             verdict = Text(one.verdict.value, style)
             table.add_row(Text(row.title), Text(one.found), verdict, Text(one.remedy))
         terminal().print(table)

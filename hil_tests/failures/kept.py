@@ -4,9 +4,12 @@ import csv
 from collections.abc import Iterable
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import Any, Generic, TypeVar, get_type_hints
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, get_type_hints
 
-R = TypeVar("R")
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+R = TypeVar("R", bound="DataclassInstance")
 
 
 class Kept(Generic[R]):
@@ -19,7 +22,7 @@ class Kept(Generic[R]):
         self._reads = {
             name: str if hint is str else int
             for name, hint in get_type_hints(row).items()
-            if name in {each.name for each in fields(row)}  # type: ignore[arg-type]
+            if name in {each.name for each in fields(row)}
         }
 
     def read(self) -> tuple[R, ...]:
@@ -34,7 +37,7 @@ class Kept(Generic[R]):
         with self._file.open("w", encoding="utf-8", newline="") as file:
             writer = csv.DictWriter(file, list(self._reads), lineterminator="\n")
             writer.writeheader()
-            writer.writerows(asdict(row) for row in rows)  # type: ignore[call-overload]
+            writer.writerows(asdict(row) for row in rows)
 
     def _values(self, row: dict[str, str]) -> dict[str, Any]:
         return {name: reads(row[name]) if row[name] else None for name, reads in self._reads.items()}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 import pytest
 
 from firmware_bridge.kinds import find
-from firmware_bridge.robot import GuardExclusive, GuardSum
+from firmware_bridge.robot import AnyRobot, GuardExclusive, GuardSum
 from firmware_bridge.safety.guard.across_axes import (
     HALTED_WITHIN,
     AxesRule,
@@ -19,6 +19,7 @@ from firmware_bridge.safety.guard.across_axes import (
 )
 from firmware_bridge.safety.guard.in_force import Asked
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
+from hil_tests.scenarios.homed import homed
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -215,9 +216,12 @@ def test_a_homing_lasts_no_longer_than_its_time() -> None:
         assert trio.sent("a", begin + 2 * SECOND) == NEVER
 
 
-@pytest.mark.parametrize(("robot", "homes"), [("rars", False), ("climber", False)])
-def test_a_robot_has_the_rules_of_its_file(robot: str, *, homes: bool) -> None:
-    machine = find(robot)
+@pytest.mark.parametrize(
+    ("machine", "homes"),
+    [(find("rars"), False), (find("climber"), False), (homed(), True)],
+    ids=["rars", "climber", "rars that homes"],
+)
+def test_a_robot_has_the_rules_of_its_file(machine: AnyRobot, *, homes: bool) -> None:
     axes = {axis.name: cast("Any", with_table(axis)) for axis in machine.axes}
     rules = rules_across(machine, axes)
     sums, sides = machine.guard.sums, machine.guard.exclusive
