@@ -19,7 +19,7 @@ ROOT: Final = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 from hil_tests.adversary import beyond  # noqa: E402 - it is found from the checkout only
-from hil_tests.failures import boards, encoders, every_robot  # noqa: E402 - as above
+from hil_tests.failures import encoders  # noqa: E402 - as above
 from hil_tests.failures.page import sections  # noqa: E402 - as above
 
 EMERGENCY: Final = "emergency"
@@ -47,12 +47,10 @@ def _codes(function: ast.FunctionDef, mark: str) -> Iterator[int]:
 
 def made() -> Mapping[str, str]:
     """Return every page by its file name."""
-    found = {"rars": sections(), "rome": boards.sections()}
     measured = {
         name: (
-            *every_robot.sections(name),
+            *sections(name),
             *encoders.sections(name),
-            *found.get(name, ()),
             *beyond.sections(name),
         )
         for name in names()

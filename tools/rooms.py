@@ -58,7 +58,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("drivers/commissioning/*", ("unit/commissioning/*",)),
     ("drivers/epos2/serial/*", ("unit/serial_drive/*", "unit/drivers/*")),
     ("drivers/ar2/*", ("unit/ar2_driver/*", "scenarios/test_ar2_stories")),
-    ("drivers/shield/*", ("unit/shield/*", "failures/test_boards")),
+    ("drivers/shield/*", ("unit/shield/*", "failures/test_failures")),
     ("drivers/*stop*", ("unit/bridge/*", "unit/drivers/*")),
     ("drivers/*", ("unit/drivers/*", "unit/serial_drive/*")),
     ("motion/model", ("unit/motion/test_model", "unit/pilot/test_predictor")),

@@ -1,150 +1,229 @@
-"""Drives one cause of a stop on the whole bench, and measures by the plant's truth what comes of it."""
+"""Drives a robot into one cause of a stop, and measures by the plant's truth what comes of it."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 from typing import Final, NamedTuple
 
-import numpy as np
+from emulators.testing.rig import STEP_S, VirtualRig
+from firmware_bridge.bridge.stops import Progress
+from firmware_bridge.units import MILLISECOND
+from firmware_bridge.wire.epos2.address import ERROR_HISTORY_COUNT, Address
+from hil_tests.failures.causes import (
+    ASKED,
+    COMMON,
+    HIT,
+    KILLED,
+    LINE_CUT,
+    PHASES_MS,
+    STRAIGHT,
+    Cause,
+    Fault,
+    Motion,
+)
+from hil_tests.failures.kept import Kept
+from hil_tests.failures.rars import FAILS
+from hil_tests.failures.temporary import TEMPORARY
+from hil_tests.safety.driving import ARM, SPEEDS, robot_of
 
-from emulators.bench.faults import Fault
-from emulators.rig import BRIDGE
-from emulators.robots.rars import RarsStep as Step
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.kinds import find
-from firmware_bridge.robot import AnyRobot
-from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
-from hil_tests.failures.cases import LETS_GO, MOTIONS, PHASES_MS, By, Cause, Motion
-from hil_tests.scenarios.ride import ARMED, STANDS, Ride, fault, ride, step, story
-
-RARS: Final[AnyRobot] = find("rars")
-ROBOTS: Final = {"can": RARS, "serial": over_serial(RARS)}
-MOVES_S: Final = 4.0
-BEGINS_S: Final = 6.0
-THEN_S: Final = 0.1
-WATCHED_S: Final = 15.0
-LASTS_S: Final = 60.0
-STILL_S: Final = 1.5
-"""Who has not moved for so long has come to rest; no step of a stop takes longer."""
+CAUSES: Final = {cause.name: cause for cause in (*ASKED, *COMMON, *FAILS, *TEMPORARY)}
+MOVES_S: Final = 2.0
+WATCHED_S: Final = 12.0
+STILL_S: Final = 3.0
+"""A robot that has not moved for so long has come to rest: no step of a stop takes longer."""
 SLOWER_MPS: Final = 0.005
-"""The base's: free tyres swing by less for seconds. The lift has no tyres, but shares the rule."""
+TURNS_AT_M: Final = 0.15
+"""Where turning counts as motion: ROME's wheels."""
+LOOKS: Final = 10
+"""Samples over which motion is the mean where there are steppers: their rotors swing with each step."""
+AGAIN: Final = 0.5
+"""How fast it is driven again, of what it was."""
+NO_ONE: Final = "no one"
+ALONE: Final = "the devices by themselves"
 
 
-class Draw(NamedTuple):
-    """One way to begin."""
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What came of one cause, begun in one way, by the plant's truth."""
 
-    link: str
-    motion: Motion
+    cause: str
+    line: str
+    motion: str
     phase_ms: int
+    way_mm: int
+    """How far the base, the tool or the lift went at most until it stood, or until the end of the look."""
+    rest_ms: int
+    """When it stood; -1 where it never did."""
+    noticed_ms: int | None
+    """Until the first of the interlocks that notice it; None where none did."""
+    by: str
+    """Who stopped it."""
 
     @property
-    def begins(self) -> Nanoseconds:
-        """The instant."""
-        return from_seconds(BEGINS_S) + self.phase_ms * MILLISECOND
+    def case(self) -> "Case":
+        """How it was begun."""
+        cause = CAUSES[self.cause]
+        motion = next(one for one in (STRAIGHT, *cause.worst_of) if one.name == self.motion)
+        return Case(cause, self.line, motion, self.phase_ms)
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Came:
-    """What came of it, by the plant's truth."""
-
-    way_mm: int
-    """Of the base's reference point along its path, or of the lift, until it came to rest."""
-    rest_ms: int
-    noticed_ms: int | None
-    """Until the first of the holds that notice it; None where there was none."""
+KEPT: Final = Kept(Outcome, "outcomes")
 
 
-class Driven(NamedTuple):
-    """What came of it, and what was held since."""
+class Case(NamedTuple):
+    """One cause, begun in one way."""
 
-    came: Came
+    cause: Cause
+    line: str
+    motion: Motion
+    phase_ms: int = 0
+
+    @property
+    def place(self) -> tuple[int, str, bool, bool]:
+        """Its place in the file; of cases with the same place the worst is kept."""
+        straight = self.motion is STRAIGHT
+        return list(CAUSES).index(self.cause.name), self.line, straight, self.motion.lifts
+
+
+class Found(NamedTuple):
+    """What came of it, what began to hold, what the drives recorded, and how it is driven again."""
+
+    outcome: Outcome
     holds: frozenset[str]
+    codes: dict[str, tuple[int, ...]]
+    again: float
+    """The share of the speed it had; 0 where nobody drove it again."""
 
 
-class Moving:
-    """A robot that drives or lifts as a motion says; each cause goes on from there."""
-
-    def __init__(self, link: str, motion: Motion) -> None:
-        """Drive until just before anything begins."""
-        moves = {"at_s": MOVES_S, "title": "it moves", **motion.steps}
-        self._begun: Final = (ARMED, Step.model_validate(moves))
-        self._ride: Final = ride(*self._begun, seconds=LASTS_S, robot=ROBOTS[link])
-        self._ride.runs_until(BEGINS_S - 0.1)
-        self._moment: Final = self._ride.rig.snapshot()
-
-    def fork(self, steps: Sequence[Step], faults: Sequence[Fault]) -> Ride:
-        """Go back, and on with these steps and faults."""
-        self._ride.rig.restore(self._moment)
-        self._ride.operator.take_over(story(STANDS, *self._begun, *steps, seconds=LASTS_S))
-        self._ride.rig.faults.plan(faults)
-        return Ride(self._ride.rig, self._ride.operator)
+def cases(cause: Cause) -> Iterator[Case]:
+    """Yield every way to begin it."""
+    for line in cause.lines:
+        yield Case(cause, line, STRAIGHT)
+    for motion in cause.worst_of:
+        for line in cause.on:
+            for phase_ms in PHASES_MS:
+                yield Case(cause, line, motion, phase_ms)
 
 
-@cache
-def moving(link: str, motion: str) -> Moving:
-    """Return the robot that moves so; it is driven there once."""
-    return Moving(link, next(one for one in MOTIONS if one.name == motion))
-
-
-def driven(cause: Cause, draw: Draw) -> Driven:
-    """Drive it; who moved at the end has come to no rest, and AssertionError says so."""
-    steps, faults = [], []
-    second = BEGINS_S + draw.phase_ms / 1000.0
-    if cause.by is By.OPERATOR:
-        steps.append(step(second, **_meant(cause.how, draw.motion)))
-    if cause.by is By.FAULT:
-        hit = {"node": draw.motion.axis} if cause.hits else {}
-        faults.append(fault(cause.what, second, **hit, **cause.how))
-    if cause.also:
-        steps.append(step(second, **_meant(cause.also, draw.motion)))
-    elif cause.hits and draw.motion.then:
-        steps.append(step(second + THEN_S, **draw.motion.then))
-    one = moving(draw.link, draw.motion.name).fork(steps, faults)
-    came = _watched(one, cause, draw)
-    return Driven(came, frozenset(hold.name for hold in one.rig.holds if hold.began >= draw.begins))
-
-
-def _meant(keys: Mapping[str, object], motion: Motion) -> dict[str, object]:
-    """Return the keys of a step; a channel that the motion leaves alone stays alone."""
-    return {key: value for key, value in keys.items() if key not in LETS_GO or key in motion.steps}
-
-
-def _watched(one: Ride, cause: Cause, draw: Draw) -> Came:
-    one.rig.run(draw.begins)
-    if cause.what == "ends":
-        one.ends()
-    elif cause.what == "dies":
-        one.rig.world.silence(BRIDGE, one.rig.world.now)
-    ways = np.zeros(1)
-    while one.rig.world.now < draw.begins + from_seconds(WATCHED_S):
-        one.runs(0.5)
-        ways = _ways(one, draw)
-        if len(ways) * 10 > STILL_S * 1000 and ways[-1] - ways[-int(STILL_S * 100)] < SLOWER_MPS * STILL_S:
-            break
-    moving = np.nonzero(np.diff(ways) > SLOWER_MPS / 100.0)[0]
-    last = int(moving[-1]) + 1 if moving.size else 0
-    assert last < len(ways) - 1, f"{cause.name}: it still moves {WATCHED_S:g} s later"
-    began = [hold.began for hold in one.rig.holds if hold.name.startswith(cause.tells or ("-",))]
-    noticed = min((at for at in began if at >= draw.begins), default=None)
-    return Came(
-        way_mm=round(1000.0 * ways[last]),
-        rest_ms=10 * last,
-        noticed_ms=None if noticed is None else (noticed - draw.begins) // MILLISECOND,
-    )
-
-
-def _ways(one: Ride, draw: Draw) -> np.ndarray:
-    """Return how far it has gone since it began, at each sample since."""
-    rows = [row for row in one.rig.samples if row.at >= draw.begins]
-    if draw.motion.lifts:
-        steps = np.abs(np.diff([row["lift_m"] for row in rows]))
+@lru_cache(maxsize=3)
+def _moving(line: str, motion: str) -> VirtualRig:
+    """Return a robot that moves so; it is driven there once, and taken back there."""
+    rig = VirtualRig(robot_of(line))
+    rig.arms()
+    steps = next(one.steps for one in (STRAIGHT, *KILLED.worst_of) if one.name == motion)
+    if steps:
+        rig.operator.does(**steps)
     else:
-        steps = np.hypot(np.diff([row["x_m"] for row in rows]), np.diff([row["y_m"] for row in rows]))
-    return np.concatenate(([0.0], np.cumsum(steps)))
+        _ahead(rig, 1.0)
+    rig.runs(MOVES_S)
+    return rig
 
 
-def draws(cause: Cause) -> list[Draw]:
-    """Return every way to begin it."""
-    return [
-        Draw(link, motion, phase) for link in cause.links for motion in cause.motions for phase in PHASES_MS
-    ]
+def _ahead(rig: VirtualRig, share: float) -> None:
+    if rig.robot.kind == ARM:
+        rig.operator.does(input="twist", speed_mps=0.02 * share)
+    else:
+        rig.operator.drives(SPEEDS.get(rig.robot.kind, 0.3) * share)
+
+
+def driven(case: Case) -> Found:
+    """Drive it."""
+    try:
+        with _moving(case.line, case.motion.name).branch() as rig:
+            return _driven(rig, case)
+    except BaseException:
+        _moving.cache_clear()
+        raise
+
+
+def _driven(rig: VirtualRig, case: Case) -> Found:
+    rig.runs(case.phase_ms / 1000.0)
+    began, speed = rig.bench.world.now, rig.body.speed_mps
+    _begin(rig, case)
+    way, rest = _watched(rig, case.motion)
+    cause = case.cause
+    holds = {hold.name: hold.began for hold in reversed(rig.held) if hold.began >= began}
+    times = [at for name, at in holds.items() if cause.tells and name.startswith(cause.tells)]
+    outcome = Outcome(
+        cause.name,
+        case.line,
+        case.motion.name,
+        case.phase_ms,
+        round(1000 * way),
+        -1 if rest is None else round(1000 * rest),
+        min((at - began) // MILLISECOND for at in times) if times else None,
+        NO_ONE if rest is None else _by(rig, case.cause),
+    )
+    codes = {name: codes for name in rig.bench.devices.drives if (codes := _history(rig, name))}
+    return Found(outcome, frozenset(holds), codes, _again(rig) / speed if cause.again else 0.0)
+
+
+def _begin(rig: VirtualRig, case: Case) -> None:
+    cause, motion = case.cause, case.motion
+    if cause.order is not None:
+        cause.order(rig.operator)
+    what = _fault(rig, cause)
+    if what is not None:
+        hit = {"node": motion.axis or HIT[rig.robot.kind]} if what.hits else {}
+        boards = [*rig.robot.shield_links, *rig.robot.ar2_links]
+        link = {"link": boards[0]} if what.kind.startswith("board_") and len(boards) > 1 else {}
+        rig.fault(what.kind, **hit, **link, **what.keys)
+    if cause.lets_go:
+        rig.operator.lets_go()
+    elif what is not None and what.hits and motion.then:
+        rig.operator.does(**motion.then)
+
+
+def _fault(rig: VirtualRig, cause: Cause) -> Fault | None:
+    if cause.fault is None or isinstance(cause.fault, Fault):
+        return cause.fault
+    boards = rig.robot.shield_links or rig.robot.ar2_links
+    return cause.fault["board" if boards else "serial" if rig.bench.lines else "can"]
+
+
+def _watched(rig: VirtualRig, motion: Motion) -> tuple[float, float | None]:
+    """Return how far it went, m, and when it stood, s; None where it did not stand."""
+    looks = LOOKS if rig.robot.ar2_links else 1
+    began, rest, way, places = rig.now, 0.0, 0.0, [_place(rig, motion)]
+    while rig.now < began + min(WATCHED_S, rest + STILL_S):
+        rig.runs(STEP_S)
+        places.append(_place(rig, motion))
+        mean = math.dist(places[-1], places[-1 - looks :][0]) / (looks * STEP_S)
+        if max(mean, TURNS_AT_M * abs(rig.body.yaw_rate_rad_s)) > SLOWER_MPS:
+            rest, way = rig.now - began, max(way, math.dist(places[-1], places[0]))
+    return way, None if rest > WATCHED_S - 1.0 else rest
+
+
+def _place(rig: VirtualRig, motion: Motion) -> tuple[float, ...]:
+    """Return where the base is, an arm's tool, or the lift."""
+    names = ("x_m", "tool_y_m", "y_m") if rig.robot.kind == ARM else ("x_m", "y_m")
+    return tuple(getattr(rig.body, name) for name in (("lift_m",) if motion.lifts else names))
+
+
+def _by(rig: VirtualRig, cause: Cause) -> str:
+    """Return who stopped it: the bridge by the last step of a stop, or the devices by themselves."""
+    stops = rig.bench.bridge.stops.values()
+    lost = any(stop.progress in (Progress.GIVEN_UP, Progress.NOT_ASKED) for stop in stops)
+    if cause is KILLED or (cause is LINE_CUT and lost):
+        return ALONE
+    last = {stop.steps[min(stop.place, len(stop.steps) - 1)].name for stop in stops if stop.steps}
+    return f"the bridge: {', '.join(sorted(last))}"
+
+
+def _history(rig: VirtualRig, drive: str) -> tuple[int, ...]:
+    """Return the codes in a drive's error history, newest first."""
+    store = rig.bench.devices.drives[drive].store
+    count = store.get(ERROR_HISTORY_COUNT)
+    return tuple(store.get(Address(0x1003, number + 1)) & 0xFFFF for number in range(count))
+
+
+def _again(rig: VirtualRig) -> float:
+    """Arm it, drive it straight ahead at half its speed, and return that speed, m/s."""
+    rig.operator.lets_go()
+    rig.runs(0.5)
+    rig.operator.arms()
+    rig.runs(1.5)
+    _ahead(rig, AGAIN)
+    rig.runs(2.5)
+    return rig.body.speed_mps

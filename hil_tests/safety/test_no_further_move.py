@@ -10,7 +10,7 @@ from emulators.rig import BRIDGE
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.packet import Packet
 from hil_tests.rows import every
-from hil_tests.safety.driving import ORDERS, robot_of
+from hil_tests.safety.driving import ORDERS, changed, robot_of
 
 MOVE: Final = b"MJ"
 PHASES: Final = tuple(0.0237 * place for place in range(5))
@@ -25,20 +25,15 @@ STOPS: Final = ORDERS | {"disarm": lambda rig: rig.operator.disarms()}
 @contextmanager
 def moves_of(rig: VirtualRig) -> Iterator[list[int]]:
     """Collect when the bridge sends a move."""
-    wire: Any = rig.bench.lines["arm"].wire
     sent = list[int]()
-    carry, bridge = wire.carry, rig.bench.world._stations[BRIDGE]  # noqa: SLF001 - what is on the line
 
-    def noted(sender: object, packet: Packet) -> None:
-        if sender is bridge and packet.payload.startswith(MOVE):
+    def noted(packet: Packet) -> tuple[Packet, ...]:
+        if packet.payload.startswith(MOVE):
             sent.append(rig.bench.world.now)
-        carry(sender, packet)
+        return (packet,)
 
-    wire.carry = noted
-    try:
+    with changed(rig, BRIDGE, noted):
         yield sent
-    finally:
-        del wire.carry
 
 
 @pytest.mark.long(keeps=["ar2"])

@@ -18,8 +18,6 @@ from firmware_bridge.motion.ar2 import AR2
 
 STILL_M = 3e-4
 """Less than two steps of its shoulder take the tool."""
-RINGS_S = 0.3
-"""After its last step the arm swings for so long."""
 GOES = """
 title = "upwards"
 duration_s = 20.0
@@ -113,34 +111,6 @@ def test_at_full_stick_it_loses_no_step(stick: dict[str, float]) -> None:
     assert max(lags) < 1.5 * math.tau / 200.0
     assert rig.bench.guard.refused == 0
     rig.finish()
-
-
-@pytest.mark.long(keeps=["silent", "board reset"])
-@pytest.mark.parametrize(
-    ("later", "faults", "name", "within_s"),
-    [
-        (step(6.0, "silent_s = 10.0"), "", "operator silent", 0.5 + 0.2),
-        (step(6.0, "emergency_stop = true"), "", "emergency stop", 0.3),
-        (step(6.0, "disarm = true"), "", "not armed", 0.3),
-        ("", fault(6.0, "board_silent", "for_s = 3.0"), "axis silent: j1", 0.2),
-        ("", fault(6.0, "board_hangs"), "axis silent: j1", 0.2),
-        ("", fault(6.0, "board_reset"), "axis restarted: j1", 0.2),
-        ("", fault(6.0, "serial_unplugged", "for_s = 2.0"), "link lost: arm", 0.2),
-    ],
-    ids=["silent", "emergency stop", "disarmed", "board silent", "board hangs", "board reset", "unplugged"],
-)
-def test_whatever_stops_it_the_move_under_way_is_the_last(
-    later: str, faults: str, name: str, within_s: float
-) -> None:
-    with driven(later, faults) as rig:
-        rig.runs(8.0)
-        assert moved(rig, 5.0, 6.0) > 10 * STILL_M
-        assert moved(rig, 6.0 + within_s + RINGS_S, 8.0) < STILL_M
-        assert any(record.name == name for record in rig.holds), [record.name for record in rig.holds]
-        kept = height(rig)
-        rig.runs(4.0)
-        assert height(rig) == pytest.approx(kept, abs=5e-4), "its motors hold it"
-        assert moved(rig, 8.0, 12.0) < STILL_M
 
 
 def test_after_a_reset_nothing_moves_until_somebody_has_said_where_it_stands() -> None:

@@ -95,38 +95,6 @@ def test_a_steering_that_ignores_its_target_does_not_follow(rides: Ridden) -> No
     assert noticed(ride, "axis position repeats: steer", 8.0) < NOTICED_S
 
 
-@pytest.mark.long(keeps=["can-0.3"])
-@pytest.mark.parametrize("speed", [0.05, 0.3])
-@LINKS
-def test_a_wheel_whose_encoder_stands_is_noticed_and_loses_its_power(
-    rides: Ridden, speed: float, robot: AnyRobot | None
-) -> None:
-    """It shows 0 while it turns, and its regulator drives it harder: to ramp it down would drive it on."""
-    ride = rides(
-        ARMED,
-        step(4.0, speed_mps=speed),
-        seconds=20,
-        robot=robot,
-        faults=[fault("encoder_frozen", 6.0, node="left")],
-    )
-    ride.runs_until(10.0)
-    assert noticed(ride, "axis position repeats: left", 6.0) < NOTICED_S
-    axes = {axis.name: axis for axis in ride.rig.devices.bank.axes}
-    assert {name for name, axis in axes.items() if not axis.powered} == {"left"}
-    assert ride.fastest(6.0, 10.0) < speed + 0.1
-    assert ride.fastest(9.0, 10.0) < 0.01, "it has rolled out"
-
-
-def test_a_lift_whose_encoder_stands_is_noticed(rides: Ridden) -> None:
-    ride = rides(
-        ARMED, step(4.5, lift_m=0.05), seconds=20, faults=[fault("encoder_frozen", 4.2, node="lift")]
-    )
-    ride.runs_until(6.0)
-    held = ride.held_between(4.5, 4.5 + NOTICED_S)
-    assert held & {"axis position repeats: lift", "axis fault: lift"}, "the drive may be faster"
-    assert not ride.now["armed"]
-
-
 def commanded_by_another(ride: Ride, rpm: dict[str, int], began: float, ended: float) -> None:
     """Let a stranger send these speeds to enabled drives, ten times as often as the bridge."""
     master = ride.rig.world.attach("another master", Stranger(), {CAN: ride.rig.can_wire})

@@ -63,20 +63,6 @@ def test_a_bus_that_is_stuck_while_it_drives_takes_every_step_and_is_told_at_the
         assert len(rig.bridge.unconfirmed) == len(rig.robot.axes)
 
 
-@pytest.mark.long(
-    keeps=["encoder_swapped-arduinoio", "motor_leads_swapped-mw", "motor_leads_swapped-firmata"]
-)
-@pytest.mark.parametrize("protocol", FULL)
-@pytest.mark.parametrize("kind", ["encoder_swapped", "motor_leads_swapped"])
-def test_a_motor_that_runs_the_wrong_way_stops_the_base(protocol: str, kind: str) -> None:
-    with driven(protocol, "speed_mps = 0.2", 20.0, fault(kind, 6.5, 'node = "two"'), FULL[protocol]) as rig:
-        rig.runs(7.2)
-        assert {"axis moves unasked: two", "axis does not follow: two"} & held(rig)
-        assert not rig.bridge.seen.facts.armed
-        rig.runs(2.0)
-        assert speed(rig) < STANDS_MPS
-
-
 @pytest.mark.parametrize("kind", ["encoder_swapped", "motor_leads_swapped"])
 def test_wires_that_were_exchanged_before_are_found_at_the_first_motion(kind: str) -> None:
     with driven("ros-arduino-bridge", "speed_mps = 0.2", 20.0, fault(kind, 0.0, 'node = "two"')) as rig:

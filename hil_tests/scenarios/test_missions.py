@@ -112,7 +112,7 @@ INDEX_FAULTS: Final = 3
 """The first one at a wrong count, channels exchanged, counts lost."""
 
 
-@pytest.mark.long(beside="test_one_drive_that_fails_stops_the_robot_by_name_and_code")
+@pytest.mark.long(beside="test_a_cause_has_the_outcome_that_was_measured")
 def test_what_goes_wrong_in_the_mission_of_faults_is_held_and_named(driven: Driven) -> None:
     told = summary(driven("faults"))
     assert told["max_speed_mps"] <= LARGEST_SPEED_MPS
@@ -128,7 +128,7 @@ def test_what_goes_wrong_in_the_mission_of_faults_is_held_and_named(driven: Driv
     assert {"operator silent", "axis silent", "axis fault", "axis not enabled", "not armed"} <= names
 
 
-@pytest.mark.long(beside="test_one_drive_that_fails_stops_the_robot_by_name_and_code")
+@pytest.mark.long(beside="test_a_cause_has_the_outcome_that_was_measured")
 def test_nothing_but_rolling_out_follows_a_fault_that_stops_the_robot(driven: Driven) -> None:
     """From the titles: until the seventeenth second nobody stops; after each later fault all do."""
     told = summary(driven("faults"))

@@ -154,7 +154,7 @@ def test_when_the_bridge_dies_all_four_drives_stop_by_their_own_watch(rides: Rid
     assert one.stands_from(CUT_S, slower_than=0.01) < CUT_S + BRAKED_S
 
 
-@pytest.mark.long(beside="test_an_unplugged_adapter_is_named_and_its_drives_stop_by_themselves")
+@pytest.mark.long(beside="test_a_cause_has_the_outcome_that_was_measured")
 def test_an_adapter_that_is_unplugged_is_told_within_a_cycle_and_needs_a_new_arm(rides: Ridden) -> None:
     one = rides(
         *DRIVING,
@@ -215,7 +215,7 @@ def test_a_drive_behind_the_gateway_that_falls_silent_stops_the_robot(rides: Rid
     assert armed(one)
 
 
-@pytest.mark.long(beside="test_a_drive_that_restarts_is_not_enabled_before_it_is_armed_again")
+@pytest.mark.long(beside="test_a_cause_has_the_outcome_that_was_measured")
 def test_a_drive_that_restarts_behind_the_gateway_is_noticed_and_set_up_again(rides: Ridden) -> None:
     """Its target is 0 again then: the one that it was told before must be written anew."""
     one = rides(

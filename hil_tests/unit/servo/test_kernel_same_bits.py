@@ -11,7 +11,19 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from emulators.servo import kernel
-from emulators.servo.axis import AT_REST, CURRENT_LIMITED, FOLLOWING_ERROR, TARGET_REACHED, UNDER_VOLTAGE
+from emulators.servo.axis import (
+    AT_REST,
+    CURRENT_LIMITED,
+    ELECTRONIC_GEAR,
+    FOLLOWING_ERROR,
+    MOVE,
+    PROFILE_DONE,
+    RAMP,
+    SINE,
+    SPLINE,
+    TARGET_REACHED,
+    UNDER_VOLTAGE,
+)
 from hil_tests.lanes import examples
 from hil_tests.unit.servo.campaign import KINDS, PLANNED_KINDS, Draw, digest, legs, tame, wild
 from hil_tests.unit.servo.side_by_side import (
@@ -53,21 +65,23 @@ def pair(plant_library: ctypes.CDLL, native: kernel.Found) -> Pair:
 @pytest.mark.parametrize("much", TICKS)
 @pytest.mark.parametrize("draw", [tame, wild])
 def test_millions_of_ticks_agree_to_the_bit(pair: Pair, draw: Draw, much: str) -> None:
-    ticks, seed, seen = 0, 0, 0
+    ticks, seed, seen, shapes = 0, 0, 0, set()
     while ticks < TICKS[much]:
         twin, one = pair(draw, seed, fmi=2 + seed % 2, noise=(0.0, 0.02, 0.2)[seed % 3])
-        for leg in legs(np.random.default_rng(seed), 40):
+        for leg in legs(np.random.default_rng(seed), 60, KINDS + PLANNED_KINDS):
             events = twin.lives(leg)
             assert events == one.lives(leg)
             assert not difference(twin, one)
             ticks += leg.ticks * COUNT
             for axis in one.axes:
                 seen |= axis.flags
+                shapes.add((axis.profile, axis.shape))
             if isinstance(events, str):
                 break
         seed += 1
-    everything = AT_REST | CURRENT_LIMITED | FOLLOWING_ERROR | TARGET_REACHED
+    everything = AT_REST | CURRENT_LIMITED | FOLLOWING_ERROR | TARGET_REACHED | PROFILE_DONE
     assert much == "few" or seen & everything == everything
+    assert shapes >= {(MOVE, SINE), (RAMP, SINE), (SPLINE, 0), (ELECTRONIC_GEAR, 0)}
 
 
 ORDERS = st.builds(

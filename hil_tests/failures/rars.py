@@ -1,0 +1,222 @@
+"""What fails on RARS, at one axis that moves or for all, a row each, and what other tests show."""
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+from hil_tests.failures.causes import (
+    AHEAD,
+    BACK,
+    CAN,
+    KILLED,
+    LINK_DEAD,
+    ON_A_SLOPE,
+    SERIAL,
+    TURNING,
+    WATCH,
+    WORST_OF,
+    Cause,
+    Fault,
+    fault,
+    hits,
+)
+
+_ONE_OFF: Final = "that drive has no power, the others ramp"
+_ESCALATES: Final = "the others ramp; that one by the next step, and the next"
+_ROLLS_OUT: Final = "that axis rolls out, or drops what it holds: brakes"
+_FAULT: Final = ("axis fault",)
+_SILENT: Final = ("axis silent",)
+_SILENT_OR_FAULT: Final = ("axis silent", "axis fault")
+_GONE: Final = ("axis silent", "axis not enabled", "axis zero lost", "axis restarted")
+_MASTER: Final = ("another master", "axis fault", *_GONE)
+_BELIEF: Final = ("axis fault", "axis does not follow", "axis moves unasked", "axis position repeats")
+
+
+def _fails(name: str, what: Fault, answer: str, tells: tuple[str, ...], **row: Any) -> Cause:
+    return Cause(name=name, fault=what, answer=answer, tells=tells, **{"worst_of": WORST_OF, **row})
+
+
+def _rolls(name: str, what: Fault, tells: tuple[str, ...], answer: str = _ONE_OFF) -> Cause:
+    return _fails(name, what, answer, tells, remains=_ROLLS_OUT)
+
+
+FAILS: Final = (
+    LINK_DEAD,
+    _fails(
+        "operator's messages late by 0.6 s",
+        fault("datagram_late", by_ms=600.0),
+        "ramp; held while they are so old",
+        ("operator silent", "word too old"),
+    ),
+    KILLED,
+    _fails("bridge off the bus", fault("node_silent", node="bridge"), WATCH, _SILENT, remains=ON_A_SLOPE),
+    _fails(
+        "serial adapter unplugged",
+        fault("serial_unplugged"),
+        WATCH,
+        ("link lost",),
+        on=SERIAL,
+        remains=ON_A_SLOPE,
+    ),
+    _fails(
+        "cable cut before all drives",
+        fault("can_cut", between=["bridge", "left"]),
+        WATCH,
+        _SILENT,
+        on=CAN,
+        remains=ON_A_SLOPE,
+    ),
+    _fails(
+        "cable cut behind one drive",
+        fault("can_cut", between=["left", "right"]),
+        "the drives beyond it stop by their own watch, that one is stopped",
+        _SILENT,
+        remains=ON_A_SLOPE,
+    ),
+    _fails("wires of one drive swapped", hits("can_swapped"), WATCH, _SILENT_OR_FAULT),
+    _fails(
+        "a babbling node",
+        fault("babbling_node", every_us=100),
+        WATCH,
+        (*_SILENT_OR_FAULT, "axis answers late"),
+    ),
+    _fails("all frames of one drive damaged", hits("frame_error"), _ESCALATES, _SILENT_OR_FAULT),
+    _fails("one drive hears no frame whole", hits("reception_error"), _ESCALATES, _SILENT_OR_FAULT),
+    _fails("one drive's frames are lost", hits("frame_loss"), _ESCALATES, _SILENT),
+    _fails("one drive misses frames", hits("receive_overrun"), _ESCALATES, _SILENT_OR_FAULT),
+    _fails("one drive off the bus", hits("bus_off"), _ESCALATES, _SILENT),
+    _fails("one drive's cables out", hits("node_silent"), _ESCALATES, _SILENT),
+    _rolls("one drive restarts", hits("drive_restart"), _GONE),
+    _fails(
+        "another master stops a drive's process data",
+        hits("nmt_stranger", command="stop"),
+        _ESCALATES,
+        _MASTER,
+    ),
+    _rolls("another master resets a drive", hits("nmt_stranger", command="reset_node"), _MASTER),
+    _fails(
+        "another master resets a drive's communication",
+        hits("nmt_stranger", command="reset_communication"),
+        _ESCALATES,
+        _MASTER,
+    ),
+    _fails(
+        "one drive ignores set-points",
+        hits("set_points_ignored"),
+        _ESCALATES,
+        _BELIEF,
+        lets_go=True,
+        worst_of=(AHEAD, BACK, TURNING),  # the lift's last target is near
+    ),
+    _rolls("one drive's supply too low", hits("supply_sag", to_v=5.0), _FAULT),
+    _fails(
+        "all drives' supply too low",
+        fault("supply_sag", to_v=5.0),
+        "no drive has power",
+        _FAULT,
+        remains="the robot rolls out: brakes",
+    ),
+    _rolls("one encoder's cable out", hits("encoder_cut"), _FAULT),
+    _rolls("one encoder's channels swapped", hits("encoder_swapped"), _BELIEF),
+    _rolls("one encoder loses half its counts", hits("encoder_counts_lost", share=0.5), _BELIEF),
+    _rolls(
+        "one encoder stands",
+        hits("encoder_frozen"),
+        _BELIEF,
+        "that drive's power is taken, the others ramp",
+    ),
+)
+"""Each at the worst of RARS's motions."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What else goes wrong, where no distance says what matters: a test of its own shows it."""
+
+    name: str
+    noticed: str
+    answer: str
+    test: str
+
+
+SHOWN: Final = (
+    Shown(
+        "another master drives the disarmed robot",
+        "another master; axis moves unasked",
+        "power taken within 0.5 s, and with each of the bridge's frames",
+        "test_another_master_does_not_drive_a_disarmed_robot_for_long",
+    ),
+    Shown(
+        "a second bridge is started",
+        "its own: somebody else sends",
+        "it sends nothing, and ends",
+        "test_a_second_bridge_refuses_to_start_and_says_why",
+    ),
+    Shown(
+        "a drive has lost its zero with the lift up",
+        "axis zero lost",
+        "no arming before somebody has said where it stands",
+        "test_a_raised_lift_that_restarts_is_believed_where_somebody_saw_it",
+    ),
+    Shown(
+        "a wrong zero is confirmed",
+        "-: it is believed within the travel",
+        "none: look twice",
+        "test_a_raised_lift_that_restarts_is_believed_where_somebody_saw_it",
+    ),
+    Shown(
+        "the battery is low",
+        "battery low",
+        "ramp, no arming",
+        "test_a_battery_that_stays_low_stops_the_robot_and_lets_nobody_arm",
+    ),
+    Shown(
+        "another station joins in",
+        "control: reported",
+        "who does not drive is not listened to, but for an emergency stop",
+        "test_a_second_station_takes_nothing_from_who_drives",
+    ),
+    Shown(
+        "somebody forges an emergency stop",
+        "emergency stop",
+        "obeyed: the robot stands, and who drives clears it",
+        "test_anybodys_emergency_stop_is_obeyed_and_only_the_driver_clears_it",
+    ),
+    Shown(
+        "a crowd floods the operator's link",
+        "-",
+        "who drives is heard and answered first",
+        "test_a_crowd_that_beats_does_not_starve_who_drives",
+    ),
+    Shown(
+        "an emergency stop on a slope",
+        "held with power",
+        "power kept until it is ordered off",
+        "test_an_emergency_stop_ends_without_power_where_the_robot_stands_by_itself",
+    ),
+    Shown(
+        "the bridge dies on a slope",
+        "by the drives",
+        "it stops, then rolls: brakes",
+        "test_a_bridge_that_dies_on_a_slope_leaves_the_robot_to_roll",
+    ),
+    Shown(
+        "nothing reaches a drive any more",
+        "reset unconfirmed",
+        "reported; the emergency stop switch of the robot",
+        "test_where_nothing_helps_the_operator_and_the_program_say_so",
+    ),
+)
+
+ELSEWHERE: Final = {
+    **dict.fromkeys(("second_bridge", "second_station", "stray_frames"), "a test of its own"),
+    **dict.fromkeys(
+        ("load_lifted", "board_chatters", "i2c_stuck", "shield_absent"),
+        "tests of the board and its wiring",
+    ),
+    **dict.fromkeys(
+        ("board_brown_out", "line_garbage", "capture_late", "capture_loss"), "the adversary's evenings"
+    ),
+    **dict.fromkeys(("body_hidden", "body_shakes", "markers_swapped"), "tests of robots that cameras see"),
+    "grip_lost": "a test of the climber",
+}
+"""Kinds of faults that are no cause here, and why."""
