@@ -155,7 +155,8 @@ class Captured:
     def _judge(self, sight: Sight, now: Nanoseconds) -> None:
         """Believe a captured pose, or refuse it."""
         located = self.located
-        if sight.at < now - REMEMBERED:
+        numbers = all(map(math.isfinite, (sight.pose.x_m, sight.pose.y_m, sight.pose.heading_rad)))
+        if sight.at < now - REMEMBERED or not numbers:
             self._refuse(located.off_m, located.off_rad)
             return
         then = self._odometry_at(sight.at)
@@ -171,14 +172,10 @@ class Captured:
             # No further than a robot that is not lost can be: else any jump were believed in the end.
             far_m = bounds.jump_m + min(self._uncertain_m(), bounds.lost_m)
             far_rad = bounds.jump_rad + min(bounds.slips * self._turn_rad, bounds.jump_rad)
-            # Said so that what is no number is refused, too.
-            if not (off_m <= far_m and abs(off_rad) <= far_rad):
+            if off_m > far_m or abs(off_rad) > far_rad:
                 self._refuse(off_m, off_rad)
                 return
             self._slip = self._slipped(off, sight.at - self._believed_at)
-        if not all(map(math.isfinite, (sight.pose.x_m, sight.pose.y_m, heading))):
-            self._refuse(off_m, off_rad)
-            return
         seen = Pose(sight.pose.x_m, sight.pose.y_m, heading), then
         if self._anchor is None and not self._agrees(*seen):
             return
@@ -217,7 +214,7 @@ class Captured:
     def _located(self, odometry: Pose, now: Nanoseconds) -> Located:
         was = self.located
         if self._anchor is None:
-            return replace(was, source=Source.UNSEEN, uncertain_m=0.0)
+            return was
         uncertain = self._uncertain_m()
         source = Source.CAPTURED
         if now - self._believed_at > self._bounds.silent:

@@ -127,7 +127,7 @@ def _anomaly(first: float, radial: float, inverse: float, time: float) -> float:
         value, slope = _late(first, radial, inverse, guess)
         low, high = (guess, high) if value < time else (low, guess)
         better = guess - (value - time) / slope
-        better = better if low < better < high else 0.5 * (low + high)
+        better = better if low <= better <= high else 0.5 * (low + high)
         if abs(better - guess) <= EXACT * max(1.0, abs(guess)):
             return better
         guess = better

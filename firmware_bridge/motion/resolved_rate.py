@@ -155,7 +155,7 @@ def _weight(angle: float, least: float, most: float, rate: float) -> float:
     """Return 1 where a joint goes away from its limit, and more the nearer it comes, `HEAVIEST` at most."""
     above, below = most - angle, angle - least
     if above <= 0.0 or below <= 0.0:
-        return HEAVIEST
+        return HEAVIEST if (above <= 0.0) == (rate > 0.0) else 1.0
     slope = (most - least) ** 2 * (2.0 * angle - most - least) / (4.0 * above**2 * below**2)
     return min(1.0 + abs(slope), HEAVIEST) if slope * rate > 0.0 else 1.0
 

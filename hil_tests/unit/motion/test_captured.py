@@ -114,6 +114,8 @@ def test_standing_still_it_is_never_lost_for_being_hidden() -> None:
         (math.nan, 0.0, False),
         (0.0, math.nan, False),
         (math.inf, 0.0, False),
+        (0.0, math.inf, False),
+        (0.0, -math.inf, False),
     ],
 )
 def test_a_jump_is_refused(aside: float, turn: float, *, believed: bool) -> None:

@@ -107,3 +107,8 @@ def test_the_ramp_arrives_and_stays(speed: float, turn: float) -> None:
     for _ in range(400):
         at = RAMP.step(at, (0.0, 0.0), CYCLE)
     assert at == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(("elapsed", "share"), [(0, 0.0), (CYCLE // 2, 0.5), (CYCLE, 1.0), (4 * CYCLE, 1.0)])
+def test_a_step_is_as_long_as_its_time_but_no_longer_than_a_cycle(elapsed: int, share: float) -> None:
+    assert RAMP.step((0.0, 0.0), (1.0, 0.0), elapsed) == pytest.approx((0.02 * share, 0.0))

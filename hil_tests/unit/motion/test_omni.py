@@ -59,8 +59,6 @@ def test_the_ramp_goes_straight_to_its_target_and_no_faster_than_either_bound() 
     assert step == pytest.approx((0.015, 0.02, 0.005))
     turns = ramp.step(Twist(0.0, 0.0, 0.0), Twist(0.0, 0.01, 1.0), 50 * MILLISECOND)
     assert turns == pytest.approx((0.0, 0.001, 0.1))
-    late = ramp.step(Twist(0.0, 0.0, 0.0), Twist(1.0, 0.0, 0.0), 500 * MILLISECOND)
-    assert late == pytest.approx((0.025, 0.0, 0.0))
     assert ramp.step(step, Twist(0.016, 0.02, 0.005), 50 * MILLISECOND) == (0.016, 0.02, 0.005)
 
 
@@ -81,3 +79,26 @@ def test_a_turn_to_either_side_is_ramped_and_rolled_alike(turn: float) -> None:
     assert end.x_m == pytest.approx(1.0 + x * cosine - y * sine)
     assert end.y_m == pytest.approx(2.0 + x * sine + y * cosine)
     assert end.heading_rad == pytest.approx(begin.heading_rad + angle)
+
+
+@pytest.mark.parametrize(("elapsed_ms", "ahead"), [(0, 0.0), (25, 0.0125), (50, 0.025), (500, 0.025)])
+def test_a_step_is_as_long_as_its_time_but_no_longer_than_a_cycle(elapsed_ms: int, ahead: float) -> None:
+    ramp = OmniRamp(0.5, 2.0, 50 * MILLISECOND)
+    stepped = ramp.step(Twist(0.0, 0.0, 0.0), Twist(1.0, 0.0, 0.0), elapsed_ms * MILLISECOND)
+    assert stepped == pytest.approx((ahead, 0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("way", "end"),
+    [
+        (Twist(0.5, -0.25, 0.0), Pose(0.5, -0.25, 0.0)),
+        (Twist(0.0, 0.0, 1.0), Pose(0.0, 0.0, 1.0)),
+        # Sideways on a quarter of a circle: a radius to the left, and one back where it turned left.
+        (Twist(0.0, math.pi / 2.0, math.pi / 2.0), Pose(-1.0, 1.0, math.pi / 2.0)),
+        (Twist(0.0, math.pi / 2.0, -math.pi / 2.0), Pose(1.0, 1.0, -math.pi / 2.0)),
+    ],
+)
+def test_a_way_along_one_axis_or_on_the_spot(way: Twist, end: Pose) -> None:
+    moved_to = moved(Pose(), way)
+    expected = (end.x_m, end.y_m, end.heading_rad)
+    assert (moved_to.x_m, moved_to.y_m, moved_to.heading_rad) == pytest.approx(expected)

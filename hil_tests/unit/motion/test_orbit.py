@@ -171,6 +171,7 @@ def test_the_printed_orbit_fits_the_floor_and_its_speeds_the_base() -> None:
     assert np.ptp([it.place for it in shown], axis=0)[:2] == pytest.approx((2.9, 3.5), abs=0.05)
     fastest = max(float(np.hypot(*it.speed[:2])) for it in shown)
     assert fastest == pytest.approx(0.406, abs=5e-4)
+    assert scale.on_floor(THESIS).place == pytest.approx((-0.2394, 0.66536, 0.01116))
     assert scale.slowed(path, 0.5, 0.2) == scale
     slower = scale.slowed(path, 0.3, 10.0)
     assert slower.seconds_per_tu == pytest.approx(fastest / 0.3)

@@ -27,7 +27,7 @@ TU_S = math.sqrt(RADIUS_KM**3 / MU)
 def test_it_says_what_the_report_has_printed(
     minutes: float, place_km: tuple[float, ...], speed_km_s: tuple[float, ...]
 ) -> None:
-    found = state_of_tle(*FIVE, minutes)
+    found = state_of_tle(*FIVE, minutes) if minutes else state_of_tle(*FIVE)
     assert [it * RADIUS_KM for it in found.place] == pytest.approx(place_km, abs=1e-6)
     assert [it * RADIUS_KM / TU_S for it in found.speed] == pytest.approx(speed_km_s, abs=1e-8)
 
@@ -68,3 +68,14 @@ def test_without_the_library_the_extra_is_named(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setitem(sys.modules, "sgp4.api", None)
     with pytest.raises(ValueError, match=r"pip install 'firmware-bridge\[orbit\]'"):
         state_of_tle(*FIVE)
+
+
+def test_each_line_of_each_set_has_its_length() -> None:
+    """The last digit twice: it is still the sum of those that count."""
+    first, second = FIVE
+    for _ in range(2):
+        state_of_tle(first, second)
+        with pytest.raises(ValueError, match="line 1 of"):
+            state_of_tle(first + first[-1], second)
+        with pytest.raises(ValueError, match="line 2 of"):
+            state_of_tle(first, second + second[-1])

@@ -75,11 +75,13 @@ def test_a_target_above_what_the_turn_allows_is_the_turns_top_speed() -> None:
     assert back == -speed
 
 
-def test_near_the_turns_top_speed_nothing_is_left_to_speed_up() -> None:
-    top = math.sqrt(1.3 / 0.5)
-    assert RAMP.step(top - 0.001, 9.0, 0.5, CYCLE) == pytest.approx(top - 0.001, abs=1e-8)
-    assert RAMP.step(top, 9.0, 0.5, CYCLE) == pytest.approx(top)
-    assert RAMP.step(top + 0.001, 9.0, 0.5, CYCLE) == pytest.approx(top)
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_near_the_turns_top_speed_nothing_is_left_to_speed_up(sign: float) -> None:
+    top = sign * math.sqrt(1.3 / 0.5)
+    little = sign * 0.001
+    assert RAMP.step(top - little, sign * 9.0, 0.5, CYCLE) == pytest.approx(top - little, abs=1e-8)
+    assert RAMP.step(top, sign * 9.0, 0.5, CYCLE) == pytest.approx(top)
+    assert RAMP.step(top + little, sign * 9.0, 0.5, CYCLE) == pytest.approx(top)
 
 
 @pytest.mark.parametrize(("speed", "sign"), [(2.0, 1), (-2.0, -1)])
@@ -90,10 +92,11 @@ def test_braking_is_always_possible(speed: float, sign: int) -> None:
     assert demand == pytest.approx(speed - sign * 0.5 * STEP)
 
 
-def test_braking_uses_more_than_its_share_where_there_is_room() -> None:
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_braking_uses_more_than_its_share_where_there_is_room(sign: float) -> None:
     along = math.sqrt(1.3**2 - (0.9**2) ** 2)
     assert along > 0.5 * 1.3
-    assert RAMP.step(0.9, 0.0, 1.0, CYCLE) == pytest.approx(0.9 - along * 0.05)
+    assert RAMP.step(sign * 0.9, 0.0, 1.0, CYCLE) == pytest.approx(sign * (0.9 - along * 0.05))
 
 
 def test_speeding_up_has_no_reserved_share() -> None:

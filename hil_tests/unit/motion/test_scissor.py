@@ -54,3 +54,10 @@ def test_it_extends_upwards(extended: float, *, good: bool) -> None:
     else:
         with pytest.raises(ValueError, match="must be larger than collapsed_angle_deg"):
             type(LIFT).model_validate(table)
+
+
+@pytest.mark.parametrize(("travel", "angle_deg"), [(-1.0, 0.0), (0.0, 5.0), (0.3, 90.0), (1.0, 90.0)])
+def test_a_travel_that_it_cannot_make_counts_as_its_nearest_end(travel: float, angle_deg: float) -> None:
+    """N l (sin(theta) - sin(5 degrees)); from 5 degrees flat is 1.1 mm on, and upright 0.299 m."""
+    rise = math.sin(math.radians(angle_deg)) - math.sin(math.radians(5.0))
+    assert scissor.height_from_travel(LIFT, travel) == pytest.approx(6 * 0.3 * rise, abs=1e-9)
