@@ -15,6 +15,8 @@ from hypothesis import settings
 
 FULL: Final = 100
 FIRST_LANE: Final = "first-lane"
+HUNG_S: Final = 300.0
+"""After so long a process that should have ended hangs; a busy machine takes less."""
 
 settings.register_profile("virtual time", settings(deadline=None, max_examples=FULL))
 settings.register_profile(FIRST_LANE, settings(deadline=None, max_examples=FULL // 10))

@@ -13,6 +13,8 @@ from typing import Final
 
 import pytest
 
+from hil_tests.lanes import HUNG_S
+
 pytestmark = [pytest.mark.vcan, pytest.mark.timeout(120)]
 
 CHANNEL: Final = "vcan0"
@@ -50,7 +52,7 @@ def bus(tmp_path: Path) -> Iterator[Bus]:
     time.sleep(0.3)
     yield Bus(log)
     dump.terminate()
-    dump.wait(timeout=10)
+    dump.wait(timeout=HUNG_S)
 
 
 @pytest.fixture
@@ -61,7 +63,7 @@ def drives(bus: Bus, tmp_path: Path) -> Iterator[None]:
     assert bus.hears("701#00", START_WITHIN_S), (tmp_path / "emulate.log").read_text()
     yield
     emulation.send_signal(signal.SIGINT)
-    assert emulation.wait(timeout=20) == 0
+    assert emulation.wait(timeout=HUNG_S) == 0
 
 
 @pytest.mark.usefixtures("drives")
@@ -86,7 +88,7 @@ def test_the_configuration_of_a_running_drive_is_read_over_the_bus(bus: Bus, tmp
     assert bus.hears("582#6083600000000000")
     path = tmp_path / "node2.dcf"
     command = [PROGRAM, "epos2", "dcf", "--node", "2", "-i", "socketcan", "-c", CHANNEL, "--out", str(path)]
-    subprocess.run(command, check=True, timeout=60)
+    subprocess.run(command, check=True, timeout=HUNG_S)
     text = path.read_text()
     assert "ProductName=EPOS2 50/5" in text
     assert "NodeID=2" in text

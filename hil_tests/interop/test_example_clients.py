@@ -7,6 +7,7 @@ from typing import Final
 
 import pytest
 
+from hil_tests.lanes import HUNG_S
 from hil_tests.scenarios.test_board_on_a_pty import emulated
 
 CLIENTS: Final = Path(__file__).parents[2] / "examples" / "arduino"
@@ -27,7 +28,7 @@ def test_it_turns_what_it_says(
     link = tmp_path / "board.tty"
     with emulated(link, "--firmware", *board):
         script = [sys.executable, str(CLIENTS / client), str(link), *words]
-        done = subprocess.run(script, capture_output=True, text=True, timeout=90, check=False)
+        done = subprocess.run(script, capture_output=True, text=True, timeout=HUNG_S, check=False)
     assert done.returncode == 0, done.stderr
     counts = [int(word) for word in done.stdout.splitlines()[-1].split()]
     assert min(counts) >= 200, done.stdout

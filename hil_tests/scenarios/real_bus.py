@@ -17,6 +17,8 @@ import can
 import pytest
 from pymavlink import mavutil
 
+from hil_tests.lanes import HUNG_S
+
 SOCKETCAN: Final = ("socketcan", "vcan0")
 MULTICAST: Final = ("udp_multicast", "239.74.163.2")
 SDO_ANSWERS: Final = [can.typechecking.CanFilter(can_id=0x580, can_mask=0x780)]
@@ -46,7 +48,7 @@ class Program:
     def ends(self, number: int = signal.SIGINT) -> int:
         if self.process.poll() is None:
             self.process.send_signal(number)
-        return self.process.wait(timeout=20)
+        return self.process.wait(timeout=HUNG_S)
 
 
 @dataclass

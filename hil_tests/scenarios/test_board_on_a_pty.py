@@ -13,6 +13,7 @@ import pytest
 
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.units import MILLISECOND, SECOND
+from hil_tests.lanes import HUNG_S
 
 PROGRAM: Final = Path(sys.executable).with_name("firmware-bridge")
 WITHIN: Final = 30 * SECOND
@@ -93,14 +94,14 @@ def test_a_client_drives_a_wheel_and_reads_its_encoder(firmware: str, client: st
     link = tmp_path / "board.tty"
     with emulated(link, "--firmware", firmware, "--record", str(tmp_path)) as board:
         script = [sys.executable, "-c", client, str(link)]
-        done = subprocess.run(script, capture_output=True, text=True, timeout=60, check=False)
+        done = subprocess.run(script, capture_output=True, text=True, timeout=HUNG_S, check=False)
         assert done.returncode == 0, done.stderr
         one, two, three = (int(it) for it in done.stdout.split())
         assert one > 100
         assert two == 0
         assert three < -100
         board.send_signal(signal.SIGINT)
-        said, _ = board.communicate(timeout=20)
+        said, _ = board.communicate(timeout=HUNG_S)
         assert board.returncode == 0, said
     assert not link.is_symlink()
     (log,) = tmp_path.glob("*/serial.log")

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 from firmware_bridge.cli import program
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.units import MILLISECOND, SECOND
+from hil_tests.lanes import HUNG_S
 
 PROGRAM = Path(sys.executable).with_name("firmware-bridge")
 WITHIN = 20 * SECOND
@@ -34,7 +35,7 @@ def emulated(link: Path, *words: str) -> Iterator[str]:
             yield str(link)
         finally:
             running.send_signal(signal.SIGINT)
-            said, complained = running.communicate(timeout=20)
+            said, complained = running.communicate(timeout=HUNG_S)
     assert running.returncode == 0, complained
     assert str(link) in said
 

@@ -19,6 +19,7 @@ from firmware_bridge.wire.maxon.lines import host_end
 from firmware_bridge.wire.maxon.messages import Answer, ObjectRead, ReadObject, Request, WriteObject
 from firmware_bridge.wire.maxon.opcodes import decode_answer, encode_request
 from firmware_bridge.wire.maxon.v1 import FRAME_TIMEOUT
+from hil_tests.lanes import HUNG_S
 
 PROGRAM = Path(sys.executable).with_name("firmware-bridge")
 WITHIN = 20 * SECOND
@@ -54,7 +55,7 @@ def line(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Line]:
         finally:
             program.send_signal(signal.SIGCONT)
             program.send_signal(signal.SIGINT)
-            said, complained = program.communicate(timeout=10)
+            said, complained = program.communicate(timeout=HUNG_S)
     assert program.returncode == 0, complained
     assert f"{link} ({generation.value})" in said
     assert not link.is_symlink()
@@ -130,7 +131,7 @@ def test_a_process_that_stands_still_for_a_while_invents_no_time_out(line: Line)
 )
 def test_mistakes_are_told_in_one_message(words: tuple[str, ...], message: str) -> None:
     with emulate(*words) as program:
-        _, complained = program.communicate(timeout=20)
+        _, complained = program.communicate(timeout=HUNG_S)
     assert program.returncode == 2
     assert complained.startswith(f"firmware-bridge: {message}")
     assert complained.count("\n") == 1
@@ -142,7 +143,7 @@ def test_a_recording_that_cannot_be_made_leaves_no_link_behind(tmp_path: Path) -
     with emulate(
         "--serial", "pty", "--serial-link", str(link), "--record", str(tmp_path / "file")
     ) as program:
-        _, complained = program.communicate(timeout=20)
+        _, complained = program.communicate(timeout=HUNG_S)
     assert program.returncode == 2
     assert complained.startswith("firmware-bridge: cannot record in ")
     assert not link.is_symlink()

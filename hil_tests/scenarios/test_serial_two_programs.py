@@ -16,6 +16,7 @@ from pymavlink.dialects.v20 import common as mavlink
 
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.units import MILLISECOND, SECOND
+from hil_tests.lanes import HUNG_S
 
 PROGRAM = Path(sys.executable).with_name("firmware-bridge")
 WITHIN: Final = 30 * SECOND
@@ -44,7 +45,7 @@ class Program:
 
     def ends(self) -> int:
         self.process.send_signal(signal.SIGINT)
-        return self.process.wait(timeout=20)
+        return self.process.wait(timeout=HUNG_S)
 
     def dies(self) -> None:
         if self.process.poll() is None:
@@ -214,6 +215,6 @@ def test_mistakes_are_told_in_one_message(
     start: Callable[..., Program], words: tuple[str, ...], message: str
 ) -> None:
     program = start("drive", "rars", *words)
-    assert program.process.wait(timeout=30) == 2
+    assert program.process.wait(timeout=HUNG_S) == 2
     assert program.told.startswith(f"firmware-bridge: {message}")
     assert program.told.count("\n") == 1

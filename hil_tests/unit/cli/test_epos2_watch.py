@@ -14,6 +14,7 @@ import pytest
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports import PseudoTerminal
 from firmware_bridge.units import MILLISECOND, SECOND
+from hil_tests.lanes import HUNG_S
 from hil_tests.unit.cli.bench_drives import Bench, ask, bench
 
 PROGRAM = Path(sys.executable).with_name("firmware-bridge")
@@ -37,7 +38,7 @@ def begun(
     ) as running:
         try:
             yield running
-            running.wait(timeout=20)
+            running.wait(timeout=HUNG_S)
         finally:
             running.kill()
     complaint = running.stderr.read().decode() if running.stderr and not running.stderr.closed else ""
@@ -64,7 +65,7 @@ def test_without_a_terminal_each_change_is_a_line_and_ctrl_c_ends_it_well(on: Be
         assert ask("write", "profile-velocity", "700", *on.can).status == 0
         assert b"700 rpm" in running.stdout.readline()
         running.send_signal(signal.SIGINT)
-        rest, complaint = running.communicate(timeout=20)
+        rest, complaint = running.communicate(timeout=HUNG_S)
     assert (rest, complaint, running.returncode) == (b"", b"", 0)
 
 
@@ -76,7 +77,7 @@ def test_on_a_terminal_it_is_drawn_anew(on: Bench) -> None:
         assert ask("write", "profile-velocity", "700", *on.can).status == 0
         assert "\x1b[" in shown_until(screen, "700 rpm"), "the cursor goes back"
         running.send_signal(signal.SIGINT)
-        assert running.wait(timeout=20) == 0
+        assert running.wait(timeout=HUNG_S) == 0
     os.close(screen)
 
 
@@ -105,7 +106,7 @@ def test_an_interrupted_command_says_so() -> None:
         while not clock.wait([silent.fileno()], clock.now() + 100 * MILLISECOND):
             assert clock.now() < WITHIN
         running.send_signal(signal.SIGINT)
-        _, complaint = running.communicate(timeout=20)
+        _, complaint = running.communicate(timeout=HUNG_S)
     silent.close()
     assert running.returncode == 130
     assert b"interrupted; the drive on" in complaint
@@ -117,7 +118,7 @@ def test_a_question_comes_before_what_may_move(on: Bench, answer: str, status: i
     keyboard, other = os.openpty()
     os.write(keyboard, f"{answer}\n".encode())
     with begun("state", "enable", *on.serial, keyboard=other) as running:
-        said, complaint = running.communicate(timeout=20)
+        said, complaint = running.communicate(timeout=HUNG_S)
     os.close(keyboard)
     os.close(other)
     assert b"it may start to move. Is everybody out of the way? [y/N]" in complaint

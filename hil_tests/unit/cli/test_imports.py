@@ -13,6 +13,8 @@ from typing import Final
 
 import pytest
 
+from hil_tests.lanes import HUNG_S
+
 OWN: Final = {"firmware_bridge", "emulators", "fmu"}
 TYPER: Final = {"typer", "annotated_doc", "shellingham"}
 """Reads the command line."""
@@ -139,7 +141,7 @@ def processor_time_before_the_first_byte() -> float:
     try:
         ready, _, _ = select.select([near], [], [], 600)
         fields = Path(f"/proc/{process.pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
-        assert ready, process.communicate(timeout=60)
+        assert ready, process.communicate(timeout=HUNG_S)
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
     finally:
         process.kill()
