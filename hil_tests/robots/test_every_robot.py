@@ -10,11 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emulators.bench import mission as missions
 from emulators.bench.cases import Situation
-from emulators.bench.operator import ScriptedOperator
 from emulators.bench.rehearsal import rehearsal_of
-from emulators.rig import BRIDGE, Rig
+from emulators.rig import BRIDGE
 from firmware_bridge.drivers.driver import Position, Power, Speed
 from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.kinds import find, kind_of
@@ -39,6 +37,7 @@ from hil_tests.robots.gate import (
     seen,
     silence_of,
 )
+from hil_tests.scenarios.scripted import mission_of, scripted
 
 ROUNDING: Final = 1.0 + 1e-9
 CYCLES: Final = 200
@@ -352,11 +351,8 @@ def test_a_stop_brings_every_axis_to_rest(name: str) -> None:
 @pytest.mark.parametrize(("name", "mission"), MISSIONS)
 def test_its_missions_drive_without_a_refusal_and_it_ends_without_power(name: str, mission: str) -> None:
     robot = find(name)
-    rehearsal = rehearsal_of(robot)
-    script = missions.find(mission, robot, rehearsal)
-    operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng(0))
-    rig = Rig(robot, rehearsal, operator, seed=0, noise=script.noise, faults=script.fault)
-    try:
+    script, rehearsal = mission_of(robot, mission), rehearsal_of(robot)
+    with scripted(robot, script, noise=script.noise) as rig:
         rig.run(from_seconds(script.duration_s))
         assert rig.guard.refused == 0, rig.guard.refusals
         speed = rig.samples.column("speed_mps")
@@ -367,5 +363,3 @@ def test_its_missions_drive_without_a_refusal_and_it_ends_without_power(name: st
         rig.runs(ORDERLY_S)
         assert rig.bridge.finished
         assert not any(axis.powered for axis in rig.devices.bank.axes)
-    finally:
-        rig.finish()

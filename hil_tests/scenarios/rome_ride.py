@@ -5,14 +5,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final
 
-import numpy as np
-
-from emulators.bench import mission as missions
-from emulators.bench.operator import ScriptedOperator
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
 from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.kinds import find
+from hil_tests.scenarios.scripted import scripted
 
 FULL: Final = {"ros-arduino-bridge": 3, "arduinoio": 3, "mw": 3, "firmata": 2}
 STANDS_MPS: Final = 0.005
@@ -37,16 +33,9 @@ def driven(
     protocol: str, word: str, duration: float, faults: str = "", encoders: int | None = None
 ) -> Iterator[Rig]:
     """A rig on which the operator arms, and says one thing after it."""
-    robot = over_protocol(find("rome"), protocol, encoders)
-    rehearsal = rehearsal_of(robot)
     text = AHEAD.format(duration=duration, faults=faults, title="go", word=word)
-    script = missions.parse(text, "story.toml", robot, rehearsal)
-    operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng(0))
-    rig = Rig(robot, rehearsal, operator, faults=script.fault)
-    try:
+    with scripted(over_protocol(find("rome"), protocol, encoders), text) as rig:
         yield rig
-    finally:
-        rig.finish()
 
 
 def speed(rig: Rig) -> float:

@@ -7,14 +7,12 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 
-from emulators.bench import mission as missions
-from emulators.bench.operator import ScriptedOperator
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import BRIDGE, Rig
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.cli import program
 from firmware_bridge.kinds import find
 from firmware_bridge.motion.ar2 import AR2
+from hil_tests.scenarios.scripted import scripted
 
 STILL_M = 3e-4
 """Less than two steps of its shoulder take the tool."""
@@ -42,15 +40,8 @@ up_mps = 0.012
 @contextmanager
 def driven(later: str = "", faults: str = "") -> Iterator[Rig]:
     """A rig whose operator says where the arm stands, arms, and lifts the tool with 12 mm/s from 3.5 s on."""
-    robot = find("ar2")
-    rehearsal = rehearsal_of(robot)
-    script = missions.parse(GOES.format(later=later, faults=faults), "story.toml", robot, rehearsal)
-    operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng(0))
-    rig = Rig(robot, rehearsal, operator, faults=script.fault)
-    try:
+    with scripted(find("ar2"), GOES.format(later=later, faults=faults)) as rig:
         yield rig
-    finally:
-        rig.finish()
 
 
 def step(at_s: float, word: str) -> str:
@@ -160,32 +151,21 @@ def test_its_board_speaks_one_language(capsys: pytest.CaptureFixture[str]) -> No
 
 def test_where_no_joint_can_stand_is_refused() -> None:
     wrong = GOES.replace("j3 = 90.0", "j3 = 0.5")
-    robot = find("ar2")
-    rehearsal = rehearsal_of(robot)
-    script = missions.parse(wrong.format(later="", faults=""), "story.toml", robot, rehearsal)
-    operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng(0))
-    rig = Rig(robot, rehearsal, operator)
-    try:
+    with scripted(find("ar2"), wrong.format(later="", faults="")) as rig:
+        texts: list[bytes] = []
+        rig.operator_wire.observe(lambda _now, _sender, packet: texts.append(packet.payload))
         rig.runs(6.0)
-        assert any(
-            "zero: j3 at 0.5 deg is not within 1 to 141" in entry.text for entry in operator.diary.entries
-        )
+        assert any(b"zero: j3 at 0.5 deg is not within 1 to 141" in text for text in texts)
         assert not rig.bridge.seen.facts.armed
         assert moved(rig, 0.5, 6.0) < STILL_M
-    finally:
-        rig.finish()
 
 
 def test_the_law_takes_the_tool_to_its_pose_in_the_times_of_the_source() -> None:
     """Fig. 4.3 and 4.4: the position within 1 s, the orientation within 5 s; by truth."""
-    robot = find("ar2")
-    rehearsal = rehearsal_of(robot)
-    script = missions.find("pose", robot, rehearsal)
-    rig = Rig(robot, rehearsal, ScriptedOperator(robot, rehearsal, script, np.random.default_rng(0)))
-    try:
+    with scripted(find("ar2"), "pose") as rig:
         rig.runs(4.9)
         wanted = pose(rig)
-        courses = robot.geometry.courses.pose
+        courses = rig.robot.geometry.courses.pose
         angle = math.radians(math.hypot(*courses.tilt_deg))
         wanted[:3, 3] += courses.by_m
         wanted[:3, :3] = turned(courses.tilt_deg) @ wanted[:3, :3]
@@ -195,8 +175,6 @@ def test_the_law_takes_the_tool_to_its_pose_in_the_times_of_the_source() -> None
         rig.runs(4.0)
         assert apart(wanted, pose(rig))[0] < 3e-4
         assert apart(wanted, pose(rig))[1] < math.radians(0.1)
-    finally:
-        rig.finish()
 
 
 def turned(degrees: tuple[float, float, float]) -> np.ndarray:

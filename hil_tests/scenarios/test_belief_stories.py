@@ -3,14 +3,9 @@
 from collections.abc import Mapping
 from typing import Final
 
-import numpy as np
 import pytest
 
-from emulators.bench import mission as missions
 from emulators.bench.faults.site import Stranger
-from emulators.bench.operator import ScriptedOperator
-from emulators.bench.rehearsal import rehearsal_of
-from emulators.rig import Rig
 from firmware_bridge.drivers.driver import Feedback, Position, Power
 from firmware_bridge.drivers.epos2.process_data import SET_POINT, SET_POINT_COB_ID
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
@@ -23,6 +18,7 @@ from firmware_bridge.safety.following import Followers, bounds_of
 from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.units import MILLISECOND, from_seconds, to_seconds
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step
+from hil_tests.scenarios.scripted import mission_of, scripted
 
 RARS: Final[AnyRobot] = find("rars")
 WATCHED: Final = ("axis does not follow", "axis moves unasked", "axis position repeats")
@@ -216,12 +212,8 @@ def test_no_ordinary_mission_comes_near_a_bound(
         return known
 
     monkeypatch.setattr(Followers, "saw", measured)
-    rehearsal = rehearsal_of(robot)
-    script = missions.find(mission, robot, rehearsal)
-    operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng(0))
-    rig = Rig(robot, rehearsal, operator, seed=0, noise=script.noise, faults=script.fault)
-    rig.run(from_seconds(script.duration_s))
-    held = {hold.name for hold in rig.holds if hold.name.startswith(WATCHED)}
-    rig.finish()
-    assert held == set()
+    script = mission_of(robot, mission)
+    with scripted(robot, script, noise=script.noise) as rig:
+        rig.run(from_seconds(script.duration_s))
+        assert [hold.name for hold in rig.holds if hold.name.startswith(WATCHED)] == []
     assert max(worst.values()) < 0.5

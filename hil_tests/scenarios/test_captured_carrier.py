@@ -4,17 +4,14 @@ import math
 from collections.abc import Iterator
 from typing import Any, Final
 
-import numpy as np
 import pytest
 
 from emulators.bench.faults import read
-from emulators.bench.mission import parse
-from emulators.bench.operator import ScriptedOperator
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
 from firmware_bridge.motion.captured import Bounds, Captured, Located, Sight, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.units import MILLISECOND, SECOND, from_seconds
+from hil_tests.scenarios.scripted import scripted
 from hil_tests.unit.capture_driver.captured_carrier import captured_carrier
 
 STORY: Final = """
@@ -38,13 +35,8 @@ BOUNDS: Final = Bounds(0.03, 0.1, 0.05, 0.05, 150 * MILLISECOND)
 
 @pytest.fixture(scope="module")
 def rig() -> Iterator[Rig]:
-    robot = captured_carrier()
-    rehearsal = rehearsal_of(robot)
-    mission = parse(STORY, "story.toml", robot, rehearsal)
-    operator = ScriptedOperator(robot, rehearsal, mission, np.random.default_rng(0))
-    made = Rig(robot, rehearsal, operator, faults=[read(each) for each in FAULTS])
-    yield made
-    made.finish()
+    with scripted(captured_carrier(), STORY, faults=[read(each) for each in FAULTS]) as made:
+        yield made
 
 
 def truth(rig: Rig) -> Pose:

@@ -6,15 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from emulators.bench import mission as missions
-from emulators.bench.operator import ScriptedOperator
 from emulators.bench.path_error import path_error
 from emulators.bench.rehearsal import rehearsal_of
-from emulators.rig import Rig
 from emulators.run import Order, followed
 from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import from_seconds
+from hil_tests.scenarios.scripted import mission_of, scripted
 
 CLOSED = ("square", "triangle", "diamond")
 STOP_DEG, BOUND_DEG = 25.0, 15.0
@@ -24,11 +22,8 @@ class Ridden:
     """A mission that was driven: its figures, its largest distance from the path, and what held."""
 
     def __init__(self, robot: AnyRobot, name: str, until_s: float | None = None, seed: int = 0) -> None:
-        rehearsal = rehearsal_of(robot)
-        mission = missions.find(name, robot, rehearsal)
-        operator = ScriptedOperator(robot, rehearsal, mission, np.random.default_rng(seed))
-        rig = Rig(robot, rehearsal, operator, seed=seed, faults=mission.fault)
-        try:
+        rehearsal, mission = rehearsal_of(robot), mission_of(robot, name)
+        with scripted(robot, mission, stream=seed, seed=seed) as rig:
             rig.run(from_seconds(mission.duration_s if until_s is None else until_s))
             order = Order(robot, rehearsal, name, mission, seed, None)  # type: ignore[arg-type] # no files
             self.path = path_error(rig.samples, followed(order), 0.0)
@@ -37,8 +32,6 @@ class Ridden:
             self.held = {hold.name: hold.reason for hold in rig.holds if hold.began > from_seconds(4.0)}
             self.samples = rig.samples
             self.refused = rig.guard.refused
-        finally:
-            rig.finish()
 
 
 def changed(table: str, **values: Any) -> AnyRobot:

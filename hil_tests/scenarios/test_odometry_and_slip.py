@@ -13,18 +13,15 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from emulators.bench import mission
 from emulators.bench.columns import SAMPLE_EVERY, Samples
-from emulators.bench.operator import ScriptedOperator
 from emulators.bench.summary import mean_acceleration, odometry_errors
-from emulators.rig import Rig
-from emulators.robots.rars import REHEARSAL
 from emulators.run import HAND_STREAM
 from firmware_bridge.drivers.epos2.scale import Scale
 from firmware_bridge.kinds import find
 from firmware_bridge.motion.ramp import MARGIN
 from firmware_bridge.units import from_seconds, to_seconds
 from fmu.rars.parameters import PARAMETERS
+from hil_tests.scenarios.scripted import mission_of, scripted
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -50,17 +47,14 @@ def driven(plant: tuple[tuple[str, float], ...] = ()) -> Drive:
     rars = find("rars")
     parameters: Mapping[str, float] = dict(plant)
     robot = rars.model_copy(update={"plant": rars.plant.model_copy(update={"parameters": parameters})})
-    script = mission.find("interlocks", robot, REHEARSAL)
-    operator = ScriptedOperator(robot, REHEARSAL, script, np.random.default_rng([0, HAND_STREAM]))
-    rig = Rig(robot, REHEARSAL, operator, seed=0, noise=script.noise)
-    wheels = rig.devices.servo_bank.axes[:2]
+    script = mission_of(robot, "interlocks")
     counts = []
-    while rig.world.now < from_seconds(script.duration_s):
-        rig.run(rig.world.now + SAMPLE_EVERY)
-        counts.append([wheel.position for wheel in wheels])
-    rows = rig.samples
-    rig.finish()
-    return Drive(rows, np.array(counts, dtype=np.float64))
+    with scripted(robot, script, stream=(0, HAND_STREAM), noise=script.noise) as rig:
+        wheels = rig.devices.servo_bank.axes[:2]
+        while rig.world.now < from_seconds(script.duration_s):
+            rig.run(rig.world.now + SAMPLE_EVERY)
+            counts.append([wheel.position for wheel in wheels])
+        return Drive(rig.samples, np.array(counts, dtype=np.float64))
 
 
 def rolled(drive: Drive) -> complex:

@@ -10,11 +10,9 @@ import numpy as np
 import pytest
 
 from emulators.bench import mission
-from emulators.bench.operator import ScriptedOperator
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.recorded import CHUNKS, FRAMES, SIGHTS, WORDS, recorded
 from emulators.replay import Into, Order, RecordingFileError, replay
-from emulators.rig import Rig
 from emulators.run import HAND_STREAM
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.shield.fleet import over_protocol
@@ -35,6 +33,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.maxon.frame import Generation
+from hil_tests.scenarios.scripted import mission_of, scripted
 
 REAL: Final = 1_700_000_000 * SECOND
 """Some clock of a real machine."""
@@ -72,13 +71,12 @@ def folder_of(title: str, seconds: float | None = None) -> Path:
 
 def driven(run: Run, seconds: float, folder: Path) -> None:
     """Drive the first seconds of a run, and record it in a folder as `bench` does."""
-    rehearsal = rehearsal_of(run.robot)
-    script = mission.find(run.mission, run.robot, rehearsal)
-    operator = ScriptedOperator(run.robot, rehearsal, script, np.random.default_rng([1, HAND_STREAM]))
-    rig = Rig(run.robot, rehearsal, operator, seed=1, noise=script.noise)
-    with recorded(rig, folder):
+    script = mission_of(run.robot, run.mission)
+    with (
+        scripted(run.robot, script, stream=(1, HAND_STREAM), seed=1, noise=script.noise) as rig,
+        recorded(rig, folder),
+    ):
         rig.run(from_seconds(seconds))
-    rig.finish()
 
 
 def read(folder: Path, name: str = CHUNKS) -> list[str]:

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from emulators.bench import mission as missions
-from emulators.bench.operator import ScriptedOperator
 from emulators.bench.path_error import Followed, path_error
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
 from firmware_bridge.kinds import find
 from firmware_bridge.robot import Robot
 from firmware_bridge.units import from_seconds
+from hil_tests.scenarios.scripted import mission_of, scripted
 
 STILL_M = 1e-3
 FLIES = """
@@ -60,16 +60,9 @@ def flown(
 ) -> Iterator[tuple[Rig, missions.Mission]]:
     """A rig that flies the orbit from 3.5 s on."""
     robot = find("rome_arm") if robot is None else robot
-    rehearsal = rehearsal_of(robot)
-    script = missions.parse(
-        FLIES.format(later=later, faults=faults, lasts=lasts), "story.toml", robot, rehearsal
-    )
-    operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng(0))
-    rig = Rig(robot, rehearsal, operator, faults=script.fault)
-    try:
+    script = mission_of(robot, FLIES.format(later=later, faults=faults, lasts=lasts))
+    with scripted(robot, script) as rig:
         yield rig, script
-    finally:
-        rig.finish()
 
 
 def off(rig: Rig, script: missions.Mission) -> float:

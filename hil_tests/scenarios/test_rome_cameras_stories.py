@@ -5,17 +5,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final
 
-import numpy as np
 import pytest
 
 from emulators.bench import mission as missions
-from emulators.bench.operator import ScriptedOperator
 from emulators.bench.path_error import Followed, path_error
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
 from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.kinds import find
 from firmware_bridge.motion.captured import Source
+from hil_tests.scenarios.scripted import scripted
 
 GUIDED_S: Final = 3.0
 STANDS_MPS: Final = 0.005
@@ -39,15 +38,8 @@ SWAPPED: Final = '[[fault]]\nkind = "markers_swapped"\nat_s = {at}\nuntil_s = {u
 @contextmanager
 def circling(name: str, more: str = "", protocol: str | None = None) -> Iterator[Rig]:
     """A rig on which a guide drives the circle."""
-    robot = over_protocol(find(name), protocol)
-    rehearsal = rehearsal_of(robot)
-    script = missions.parse(CIRCLE.format(more=more), "story.toml", robot, rehearsal)
-    operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng(0))
-    rig = Rig(script.on(robot), rehearsal, operator, faults=script.fault)
-    try:
+    with scripted(over_protocol(find(name), protocol), CIRCLE.format(more=more)) as rig:
         yield rig
-    finally:
-        rig.finish()
 
 
 def source(rig: Rig) -> Source:
