@@ -2,7 +2,8 @@
 
 Sources: CiA 301 v4.02, error control; EPOS2 Application Notes, p. 158; EPOS Firmware Specification, by
 analogy. Where they are silent: the first heartbeat leaves as soon as the period is written; a boot-up
-message is no heartbeat; a watch that ended in silence begins anew with the next heartbeat.
+message is no heartbeat; a watch that ended in silence begins again with the next heartbeat; a time that is
+written once more as it stands changes nothing: it ends no watch, and shifts no heartbeat.
 """
 
 from functools import partial
@@ -113,8 +114,8 @@ class ErrorControl:
         self.consumers = (Consumer(), Consumer())
         self._touched = False
         store.on_write(at.PRODUCER_HEARTBEAT, self._take_period)
-        store.on_write(GUARD_TIME, lambda value: self.guard.configure(value, store.get(LIFE_TIME_FACTOR)))
-        store.on_write(LIFE_TIME_FACTOR, lambda value: self.guard.configure(store.get(GUARD_TIME), value))
+        for address in (GUARD_TIME, LIFE_TIME_FACTOR):
+            store.on_write(address, partial(self._take_guarding, address))
         for place in range(len(CONSUMERS)):
             store.on_write(CONSUMERS[place], partial(self._take_consumer, place))
 
@@ -167,7 +168,16 @@ class ErrorControl:
             watch.due = NEVER
         return bool(silent)
 
+    def _take_guarding(self, address: Address, value: int) -> None:
+        time_ms, factor = (
+            value if each == address else self._store.get(each) for each in (GUARD_TIME, LIFE_TIME_FACTOR)
+        )
+        if value != self._store.get(address):
+            self.guard.configure(time_ms, factor)
+
     def _take_period(self, period_ms: int) -> None:
+        if period_ms == self._store.get(at.PRODUCER_HEARTBEAT):
+            return
         self.producer.configure(period_ms)
         if self.producer.active:
             # Heartbeat has priority: guarding is disabled with it.
@@ -180,5 +190,6 @@ class ErrorControl:
             raise SdoAbort(AbortCode.RANGE, address)
         if node and word & TIME_MASK and elsewhere & TIME_MASK and node == elsewhere >> 16:
             raise SdoAbort(AbortCode.PARAMETER_CLASH, address)
-        self.consumers[place].configure(word)
-        self._touched = True
+        if word != self._store.get(address):
+            self.consumers[place].configure(word)
+            self._touched = True

@@ -89,9 +89,8 @@ class DeviceControl:
             power.give_up_release()
             self._obey(word, before)
         elif power.under_way or power.state in TIMED:
-            # What waits for the brake keeps its edges; other states have none to keep.
-            since = before if self._delayed is None else self._delayed[1]
-            self._delayed = word, since if power.releasing else word
+            # What waits keeps its edges: a set-point that comes while the drive enables is taken then.
+            self._delayed = word, before if self._delayed is None else self._delayed[1]
         elif power.state is not State.FAULT_REACTION_ENABLED:
             self._obey(word, before)
 

@@ -61,7 +61,7 @@ class DigitalPosition(ModeOfOperation):
 
     def _follow(self) -> None:
         store, axis = self.shaft.store, self.shaft.axis
-        axis.gear_counted = axis.master
+        axis.gear_counted, axis.gear_rest = axis.master, 0
         self._gear(store.get(NUMERATOR), store.get(DENOMINATOR), store.get(POLARITY))
         low, high = self.shaft.limits()
         axis.lowest, axis.highest = low << axis.fraction, high << axis.fraction
@@ -74,6 +74,7 @@ class DigitalPosition(ModeOfOperation):
 
     def _gear(self, numerator: int, denominator: int, polarity: int) -> None:
         axis = self.shaft.axis
-        axis.gear_numerator = -numerator if polarity else numerator
-        axis.gear_denominator = denominator
-        axis.gear_rest = 0
+        numerator = -numerator if polarity else numerator
+        # What the scaling leaves over belongs to the gear that it is left by.
+        if (numerator, denominator) != (axis.gear_numerator, axis.gear_denominator):
+            axis.gear_numerator, axis.gear_denominator, axis.gear_rest = numerator, denominator, 0

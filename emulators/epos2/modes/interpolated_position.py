@@ -1,7 +1,8 @@
 """Interpolated position mode: runs a path through position, velocity and time, record by record.
 
 Source: application note Interpolation Position Mode, December 2008. Where it is silent:
-* the path begins with a rising edge of bit 4, outside a halt;
+* the path begins with a rising edge of bit 4, outside a halt, and with each controlword that is written with
+  it by SDO or a serial command where none runs: maxon's command library never lowers the bit (recorded);
 * halt, or bit 4 going down, brakes with 0x6084, drops the records and ends the path: one that went on later
   would begin with a jump;
 * a full buffer is a fault only in this mode;
@@ -34,6 +35,7 @@ class InterpolatedPosition(ModeOfOperation):
     """Follows the records of 0x20C1."""
 
     heeds_halt: ClassVar[bool] = True
+    goes_by_writes: ClassVar[bool] = True
 
     def __init__(self, shaft: Shaft) -> None:
         super().__init__(shaft)

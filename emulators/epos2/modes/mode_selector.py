@@ -95,10 +95,13 @@ class ModeSelector:
         self.mode.begin()
 
     def change(self, number: int, *, enabled: bool) -> None:
-        """Take a mode over, with the halt that stands and without a set-point that nobody has taken."""
-        self._latching = False
+        """Take a mode over, with the halt that stands and without a set-point that nobody has taken.
+
+        The mode that is set already changes nothing: the default RPDO2 carries it behind each controlword.
+        """
         if number == self.number:
             return
+        self._latching = False
         self.mode.forget()
         self.set(number)
         if enabled:

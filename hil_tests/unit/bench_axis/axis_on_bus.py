@@ -37,8 +37,9 @@ class AxisOnBus:
                 for k, (address, text) in enumerate(frames)
             )
         )
+        self.store = made["axis"].store
         self.world.attach("axis", made["axis"], {CAN: wire})
         self.world.attach("master", self.master, {CAN: wire})
         self.world.run(50 * MILLISECOND)
         for address, value in TUNED.items():
-            made["axis"].store.write(address, value.to_bytes(OBJECTS[address].type.size, "little"))
+            self.store.write(address, value.to_bytes(OBJECTS[address].type.size, "little"))

@@ -147,3 +147,26 @@ def test_life_guarding_starts_with_the_first_request() -> None:
     desk.hears("701#R1")
     assert desk.waits(300 * MILLISECOND - 1) == []
     assert desk.waits(1) == [LOST]
+
+
+def test_a_time_that_is_written_as_it_stands_changes_nothing() -> None:
+    """No watch ends by it, and no heartbeat is shifted."""
+    desk = watching()
+    desk.hears("764#05")
+    desk.waits(150 * MILLISECOND)
+    assert desk.writes(0x1016, 1, (BRIDGE << 16 | 200).to_bytes(4, "little")) == "ok"
+    assert desk.waits(50 * MILLISECOND) == [LOST]
+
+    desk = producing(100)
+    desk.waits(60 * MILLISECOND)
+    assert desk.hears("601#2B17100064000000") == ["581#6017100000000000"]
+    assert desk.waits(40 * MILLISECOND) == ["701#7F"]
+
+    desk = powered()
+    desk.writes(0x100C, 0, (100).to_bytes(2, "little"))
+    desk.writes(0x100D, 0, b"\x03")
+    desk.hears("701#R1")
+    desk.waits(200 * MILLISECOND)
+    desk.writes(0x100C, 0, (100).to_bytes(2, "little"))
+    desk.writes(0x100D, 0, b"\x03")
+    assert desk.waits(100 * MILLISECOND) == [LOST]

@@ -10,6 +10,7 @@ from emulators.epos2.modes.digital_position import DENOMINATOR, NUMERATOR, OFFSE
 from emulators.epos2.objects.axis_parameters import DIGITAL_POSITION
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
 from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import make_drive
@@ -44,6 +45,18 @@ def test_the_shaft_follows_by_the_gear(  # noqa: PLR0917 - a row of the table
     assert drive.read(at.POSITION_DEMAND) == drive.read(DIGITAL_POSITION) == expected
     assert drive.read(at.POSITION_ACTUAL) == pytest.approx(expected, abs=2)
     assert drive.reported == []
+
+
+@pytest.mark.parametrize("address", [NUMERATOR, DENOMINATOR, POLARITY, OFFSET])
+def test_a_gear_that_is_written_as_it_stands_loses_nothing(drive: "Drive", address: Address) -> None:
+    drive.write(DENOMINATOR, 7)
+    drive.enable(mode=-5)
+    drive.run(5)
+    for _ in range(100):
+        turn(drive, 5, 1)
+        drive.write(address, drive.read(address))
+    drive.run(500)
+    assert drive.read(at.POSITION_DEMAND) == 71
 
 
 def test_what_the_master_did_before_does_not_count_and_the_offset_does(drive: "Drive") -> None:

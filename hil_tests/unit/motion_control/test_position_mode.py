@@ -109,8 +109,9 @@ def test_homing_keeps_its_edge(drive: "Drive") -> None:
         assert drive.read(at.POSITION_ACTUAL) == position
 
 
-def test_profile_position_alone_goes_by_writes() -> None:
-    assert [number for number, mode in MODES.items() if mode.goes_by_writes] == [Mode.PROFILE_POSITION]
+def test_paths_and_profile_position_alone_go_by_writes() -> None:
+    by_writes = {number for number, mode in MODES.items() if mode.goes_by_writes}
+    assert by_writes == {Mode.INTERPOLATED_POSITION, Mode.PROFILE_POSITION}
 
 
 def test_relative_counts_from_the_position_demand(drive: "Drive") -> None:

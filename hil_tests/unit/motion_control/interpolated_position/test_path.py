@@ -136,15 +136,19 @@ def test_any_path_within_the_limits_passes_every_knot_and_is_continuous(
 
 def test_a_rising_bit_4_in_a_halt_starts_nothing(ready: "Drive") -> None:
     feed(ready, (0, 0, 20), (100, 0, 0))
-    ready.command(0x010F, 0x011F)
-    ready.run(60)
-    assert ready.read(at.POSITION_DEMAND) == 0
-    ready.command(0x001F)
-    ready.run(60)
-    assert ready.read(at.POSITION_DEMAND) == 0
-    ready.command(0x000F, 0x001F)
-    ready.run(60)
-    assert ready.read(at.POSITION_DEMAND) == 100
+    for words, position in (((0x010F, 0x011F), 0), ((0x001F,), 0), ((0x000F, 0x001F), 100)):
+        for word in words:
+            ready.carries((at.CONTROLWORD, word))
+        ready.run(60)
+        assert ready.read(at.POSITION_DEMAND) == position
+
+
+def test_a_written_word_with_bit_4_starts_the_path_once_the_halt_is_over(ready: "Drive") -> None:
+    feed(ready, (0, 0, 20), (100, 0, 0))
+    for word, position in ((0x010F, 0), (0x011F, 0), (0x001F, 100)):
+        ready.command(word)
+        ready.run(60)
+        assert ready.read(at.POSITION_DEMAND) == position
 
 
 def test_a_last_record_with_a_velocity_brakes_from_there(ready: "Drive") -> None:
