@@ -100,6 +100,14 @@ class DrivesOptions(Outside):
         typer.Option("--dip-off", help="DIP switch at 0: the number saved in 0x2000 counts, 1 at first."),
     ] = False
     realistic_latency: LatencyOption = True
+    boot_time: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TIME",
+            help="From power-on or a reset to the boot-up message, as 262.5ms or 2s.",
+            show_default="262.5ms, or 0ms with --no-latency",
+        ),
+    ] = None
     choice: Annotated[
         list[str] | None,
         typer.Option(
@@ -150,7 +158,7 @@ def run(given: DrivesOptions) -> None:
     order = Order(
         nodes=nodes,
         profile=replace(
-            _profile(given.profile, rate, given.choice or (), latency=given.realistic_latency),
+            _profile(given.profile, rate, _choices(given), latency=given.realistic_latency),
             rs232_rate=_rs232(given.baud, given.serial, given.protocol),
         ),
         bit_rate=rate,
@@ -178,6 +186,11 @@ def run(given: DrivesOptions) -> None:
             ServoError,
             clock=LivedClock(),
         )
+
+
+def _choices(given: DrivesOptions) -> list[str]:
+    """Return the choices; that of the boot time has an option, too."""
+    return [*(given.choice or ()), *([] if given.boot_time is None else [f"boot-time={given.boot_time}"])]
 
 
 def _profile(name: str, rate: int, choices: Sequence[str], *, latency: bool) -> DeviceProfile:

@@ -40,8 +40,8 @@ LatencyOption = Annotated[
     bool,
     typer.Option(
         "--realistic-latency/--no-latency",
-        help="Answer SDO requests after the time that maxon has published and start in 300 ms, or do both "
-        "at once.",
+        help="Answer SDO requests after the time that maxon has published and start 262.5 ms after a reset, "
+        "as recorded, or do both at once.",
     ),
 ]
 

@@ -85,8 +85,11 @@ def speed_rpm(axis: Record, units: int) -> int:
 
 
 def raw_speed_rpm(axis: Record) -> int:
-    """Return the last ms's quadcounts in rpm, towards zero: 0x606C (EPOS Firmware Specification)."""
-    rpm = abs(axis.step) * MILLISECONDS_PER_MINUTE // axis.resolution
+    """Return the last ms's quadcounts in rpm, to nearest: 0x606C as recorded of two drives, 59, 117, 410 ...
+
+    ASSUME: halves, and negative speeds, which no recording has, away from zero.
+    """
+    rpm = nearest(abs(axis.step) * MILLISECONDS_PER_MINUTE, axis.resolution)
     return rpm if axis.step >= 0 else -rpm
 
 

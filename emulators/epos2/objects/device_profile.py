@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Annotated, Final, get_type_hints
 
-from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
+from firmware_bridge.units import MICROSECOND, Nanoseconds
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -38,9 +38,8 @@ ANSWER_TIME: Final[Nanoseconds] = 550 * MICROSECOND
 """What an SDO transfer takes beside its two frames: 0.794 ms in all at 1 Mbit/s, 12.4 ms at 20 kbit/s, and
 five more between them (EPOS2 Application Notes, p. 168), less the frames with their stuff bits. ASSUME: all
 of it is the drive's; the figures were taken with a PC and its CAN card, whose part nobody has published."""
-BOOT_TIME: Final[Nanoseconds] = 300 * MILLISECOND
-"""From a reset to the boot-up message. ASSUME: no source tells it; maxon's library waits 100 ms and then
-asks for 8 s, and a master that is to hear the message must be given time to listen."""
+BOOT_TIME: Final[Nanoseconds] = 262_500 * MICROSECOND
+"""From a reset to the boot-up message, as recorded of an EPOS2 (reset node, over slcan)."""
 BIT_RATES: Final[Mapping[int, int]] = MappingProxyType(
     {0: 1_000_000, 1: 800_000, 2: 500_000, 3: 250_000, 4: 125_000, 6: 50_000, 7: 20_000}
 )

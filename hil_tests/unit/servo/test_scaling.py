@@ -114,9 +114,26 @@ def test_speeds_survive_the_way_to_units_and_back(pulses: int, rpm: int) -> None
     assert speed_rpm(axis, speed_units(axis, rpm)) == rpm
 
 
-@pytest.mark.parametrize(("step", "rpm"), [(1, 30), (-1, -30), (0, 0), (137, 4110), (-137, -4110)])
-def test_the_raw_velocity_has_the_resolution_of_one_quadcount_per_ms(step: int, rpm: int) -> None:
-    axis = axis_with()
+@pytest.mark.parametrize(
+    ("pulses", "step", "rpm"),
+    [
+        *((500, 1, 30), (500, -1, -30), (500, 0, 0), (500, 137, 4110), (500, -137, -4110)),
+        # Recorded of a drive with 256 pulses, n x 58.59375 rpm, and of another one; then halves.
+        *((256, 1, 59), (256, 2, 117), (256, 7, 410), (256, 8, 469), (256, 9, 527), (256, 10, 586)),
+        *(
+            (256, 70, 4102),
+            (256, -1, -59),
+            (256, -7, -410),
+            (1024, 1, 15),
+            (1024, 32, 469),
+            (1024, -32, -469),
+        ),
+    ],
+)
+def test_the_raw_velocity_is_the_quadcounts_of_one_ms_to_the_nearest_rpm(
+    pulses: int, step: int, rpm: int
+) -> None:
+    axis = axis_with(encoder_pulses=pulses)
     axis.step = step
     assert raw_speed_rpm(axis) == rpm
 
