@@ -15,7 +15,7 @@ from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon.frame import DLE, Frame, Generation
 from firmware_bridge.wire.maxon.lines import device_end
-from firmware_bridge.wire.maxon.opcodes import COMMANDS
+from firmware_bridge.wire.maxon.opcodes import COMMANDS, acknowledged
 
 USB_BAUD: Final = 1_000_000
 BITS_PER_BYTE: Final = 10
@@ -120,7 +120,8 @@ class SerialPort:
         self._serving = True
         while frame is not None:
             row = COMMANDS.get(frame.opcode)
-            self._silent = row is not None and self.generation not in row.answered
+            answered = row is None or self.generation in row.answered
+            self._silent = not (answered and acknowledged(frame))
             body = self._server.begin(frame, now)
             early = self._early_answer()
             frame = self._say(early if body is None else body, now)

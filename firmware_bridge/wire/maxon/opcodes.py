@@ -10,11 +10,14 @@ from struct import Struct
 from types import MappingProxyType
 from typing import Any, Final, TypeAlias
 
+from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.epos2.rows import LIBRARY, Provenance
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.frame import Frame, Generation
 from firmware_bridge.wire.maxon.messages import Answer, Done, Request
 
+NMT_SERVICE: Final = 0x0E
 COMMUNICATION_GUIDE: Final = "EPOS Communication Guide, October 2006 (EPOS1)"
 BOTH: Final = frozenset(Generation)
 V2_ONLY: Final = frozenset({Generation.V2})
@@ -74,7 +77,7 @@ _FRAME: Final = _shape(messages.FrameRead, "I8s")
 _BY_NAME: Final = "a name in maxon's command library, never sent"
 
 ROWS: Final[tuple[Opcode, ...]] = (
-    Opcode(0x0E, "SendNMTService", _shape(messages.SendNmtService, "HH"), _DONE, V2_ONLY),
+    Opcode(NMT_SERVICE, "SendNMTService", _shape(messages.SendNmtService, "HH"), _DONE, V2_ONLY),
     Opcode(0x10, "ReadObject", _shape(messages.ReadObject, "HBB"), _shape(messages.ObjectRead, "I4s")),
     Opcode(0x11, "WriteObject", _shape(messages.WriteObject, "HBB4s"), _DONE),
     Opcode(
@@ -122,6 +125,10 @@ ROWS: Final[tuple[Opcode, ...]] = (
     ),
 )
 
+_RESETS: Final = frozenset({NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION})
+RESETS_WITHIN: Final[Nanoseconds] = 100 * MILLISECOND
+"""ASSUME: a device that acknowledges a reset all the same, or has not understood it, says so by then."""
+
 COMMANDS: Final[Mapping[int, Opcode]] = MappingProxyType({row.opcode: row for row in ROWS if row.request})
 """Commands that a device knows, by opcode."""
 _BY_REQUEST: Final = {row.request.message: row for row in ROWS if row.request}
@@ -130,6 +137,18 @@ _BY_REQUEST: Final = {row.request.message: row for row in ROWS if row.request}
 def row_of(request: Request) -> Opcode:
     """Return the row of a request."""
     return _BY_REQUEST[type(request)]
+
+
+def acknowledged(frame: Frame) -> bool:
+    """Return whether a device says that it has the command: not where it resets a node, or communication.
+
+    Source: comments in maxon's own library for PCs, which takes the silence for success. ASSUME: so it is
+    for a node behind the gateway, too.
+    """
+    if frame.opcode != NMT_SERVICE:
+        return True
+    request = decode_request(frame)
+    return not isinstance(request, messages.SendNmtService) or request.command not in _RESETS
 
 
 def encode_request(request: Request) -> Frame:

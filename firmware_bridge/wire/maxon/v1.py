@@ -1,8 +1,9 @@
 """V1 on RS232, both ends: the handshake byte by byte, and a frame as it comes in.
 
 Source: EPOS2 Application Notes Collection, April 2013, p. 11-166; EPOS Communication Guide, October 2006.
-A command goes `opcode`, then `O` or `F` comes back; the rest goes, and again `O` or `F` comes; the answer's
-opcode 0 comes, and the host says `O`; its rest comes, and the host says `O` or `F`. Where they are silent:
+A command goes `opcode`, then `O` or `F` comes back; the rest goes, and again `O` or `F` comes, but no `O` for
+one that resets a node or its communication. The answer's opcode 0 comes, and the host says `O`; its rest
+comes, and the host says `O` or `F`. Where they are silent:
 
 * Bytes that arrive while the device works on a command wait, up to `ROOM` of them, and count afterwards.
 * Whatever the host says instead of `O` is dropped together with the answer; its last `F` repeats nothing.
@@ -26,7 +27,7 @@ from firmware_bridge.wire.maxon.frame import (
     checksum,
     encode_v1,
 )
-from firmware_bridge.wire.maxon.opcodes import COMMANDS
+from firmware_bridge.wire.maxon.opcodes import COMMANDS, RESETS_WITHIN, acknowledged
 
 OKAY: Final = 0x4F
 FAILED: Final = 0x46
@@ -142,7 +143,9 @@ class V1Device(LineEnd):
             self._sent.append(FAILED)
             self._rests()
             return None
-        self._say(OKAY, _DevicePhase.WORK, now)
+        if acknowledged(frame):
+            self._sent.append(OKAY)
+        self._enter(_DevicePhase.WORK, now)
         self.due = NEVER
         return frame
 
@@ -185,7 +188,7 @@ class V1Host(LineEnd):
         self._quiet = quiet
         self._phase = _HostPhase.IDLE
         self._command = b""
-        self._answered = True
+        self._answered = self._acknowledged = True
         self._rest = Rest(0)
 
     @property
@@ -198,7 +201,7 @@ class V1Host(LineEnd):
         if self.busy:
             raise RuntimeError("the line carries one command at a time")
         self._command = encode_v1(frame)
-        self._answered = answered
+        self._answered, self._acknowledged = answered, acknowledged(frame)
         self._sent.append(frame.opcode)
         self._enter(_HostPhase.OPCODE, now)
 
@@ -211,8 +214,11 @@ class V1Host(LineEnd):
         return None
 
     def wake(self, now: Nanoseconds) -> Outcome | None:
-        """Give up a command that has had no answer in time."""
-        return self._end(Failure.SILENCE, now) if self.due <= now else None
+        """Give up a command that has had no answer in time; silence is a reset's."""
+        if self.due > now:
+            return None
+        done = self._phase is _HostPhase.COMMAND and not self._acknowledged
+        return self._end(Answered(b"") if done else Failure.SILENCE, now)
 
     def _take(self, byte: int, now: Nanoseconds) -> Outcome | None:
         if self._phase in _ACCEPTING:
@@ -239,6 +245,8 @@ class V1Host(LineEnd):
         if first:
             self._sent += self._command[1:]
             self._enter(_HostPhase.COMMAND, now)
+            if not self._acknowledged:
+                self.due = now + RESETS_WITHIN
         elif self._answered:
             self._enter(_HostPhase.WORK, now)
         else:

@@ -29,6 +29,7 @@ from firmware_bridge.wire.maxon.frame import (
     checksum,
     encode_v2,
 )
+from firmware_bridge.wire.maxon.opcodes import RESETS_WITHIN, acknowledged
 
 ROOM: Final = 1024
 _HEAD: Final = 2
@@ -174,6 +175,7 @@ class V2Host(LineEnd):
         self._quiet = quiet
         self._reader = FrameReader()
         self._busy = False
+        self._acknowledged = True
 
     @property
     def busy(self) -> bool:
@@ -181,14 +183,15 @@ class V2Host(LineEnd):
         return self._busy
 
     def ask(self, frame: Frame, now: Nanoseconds, *, answered: bool = True) -> None:
-        """Begin a command; V2 answers each. RuntimeError while another is under way."""
+        """Begin a command; V2 answers each but resets. RuntimeError while another is under way."""
         if self._busy:
             raise RuntimeError("the line carries one command at a time")
         del answered
         self._reader.reset()
         self._busy = True
+        self._acknowledged = acknowledged(frame)
         self._sent += encode_v2(frame)
-        self.due = now + self._timeout
+        self.due = now + (self._timeout if self._acknowledged else RESETS_WITHIN)
 
     def hear(self, chunk: bytes, now: Nanoseconds) -> Outcome | None:
         """Take bytes; return how the command ended, once. What follows in the same bytes is dropped."""
@@ -201,8 +204,10 @@ class V2Host(LineEnd):
         return None
 
     def wake(self, now: Nanoseconds) -> Outcome | None:
-        """Give up a command that has had no answer in time."""
-        return self._end(Failure.SILENCE, now) if self.due <= now else None
+        """Give up a command that has had no answer in time; silence is a reset's."""
+        if self.due > now:
+            return None
+        return self._end(Failure.SILENCE if self._acknowledged else Answered(b""), now)
 
     def _end(self, outcome: Outcome, now: Nanoseconds) -> Outcome:
         self._busy = False
