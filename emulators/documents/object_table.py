@@ -6,7 +6,6 @@ from typing import Final
 
 from emulators.epos2.objects.device_profile import DeviceProfile
 from emulators.epos2.objects.saved_parameters import is_parameter
-from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.epos2.rows import DataType, ObjectRow
 
 HEADINGS: Final = (
@@ -76,7 +75,7 @@ def entries(profile: DeviceProfile, node: int = 1) -> tuple[ObjectEntry, ...]:
     """Return every object of such a drive with this number, in the order of the addresses."""
     differing, bounds = profile.differing(node), profile.bounds()
     made = []
-    for address, row in OBJECTS.items():
+    for address, row in profile.objects.items():
         low, high = bounds.get(address, (row.minimum, row.maximum))
         default = differing.get(address, row.default_for(node))
         made.append(ObjectEntry(_marked(row, profile), default, low, high))

@@ -52,7 +52,9 @@ class Epos2:
             raise ValueError(f"a DIP switch says a number between 0 and {LAST_NODE}, not {node_id}")
         self.profile: Final = profile
         self._identity = Identity(node_id, bus_rate)
-        self.store: Final = ObjectStore(self.node_id, profile.differing(node_id), profile.bounds())
+        self.store: Final = ObjectStore(
+            self.node_id, profile.differing(node_id), profile.bounds(), profile.objects
+        )
         self._now: Nanoseconds = 0
         self._boot_due: Nanoseconds = NEVER
         self._powered = False

@@ -9,7 +9,7 @@ from firmware_bridge.drivers.commissioning.words import mode_of, words
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.differences import ANY_TYPE
 from firmware_bridge.wire.epos2.objects_pdo import (
     PDOS,
     RECEIVE_MAPPING,
@@ -52,7 +52,7 @@ class Nodes:
         written = self._written.setdefault(node, {})
         if address == _SAVE:
             self._saved[node] = dict(written)
-        row = OBJECTS.get(address)
+        row = ANY_TYPE.get(address)
         if row is not None and row.type.size:
             written[address] = row.type.decode(raw[: row.type.size])
 
@@ -75,12 +75,12 @@ class Nodes:
         """Return a number in a node's dictionary: what was written, or the default of the EPOS2."""
         address = Address(index, subindex)
         value = self._written.get(node, {}).get(address)
-        default = OBJECTS[address].default_for(node) if value is None else value
+        default = ANY_TYPE[address].default_for(node) if value is None else value
         return default if isinstance(default, int) else 0
 
     def value(self, node: int, address: Address, raw: bytes) -> str:
         """Return an object's value for people, with its unit and what its bits say."""
-        row = OBJECTS.get(address)
+        row = ANY_TYPE.get(address)
         if row is not None and 0 < row.type.size < len(raw):
             raw = raw[: row.type.size]  # a client that does not tell the size sends four bytes
         value = decode(address, raw)

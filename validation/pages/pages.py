@@ -31,10 +31,11 @@ from validation.pages.safety_texts import (
 
 MADE: Final = "This page is made by `make docs` from the tables in the code; change those."
 OBJECTS_TEXT: Final = """{objects} objects under {indexes} indexes, as a 70/10 has them; the other types
-differ in identity and current limits only. `receive` and `transmit` say which PDOs may carry an object;
-`kept` says whether 'save' (0x1010) stores it; an empty bound is the type's own. To the serial number
-(0x1018:04, 0x2004, 0x2FFF) each emulated drive adds its node: no two have the same. How far each is known
-stands in [fidelity](fidelity.md). The same as JSON: `firmware-bridge epos2 objects --json`."""
+differ in identity and current limits, and where a row of `wire.epos2.differences` says so. `receive` and
+`transmit` say which PDOs may carry an object; `kept` says whether 'save' (0x1010) stores it; an empty bound
+is the type's own. To the serial number (0x1018:04, 0x2004, 0x2FFF) each emulated drive adds its node: no
+two have the same. How far each is known stands in [fidelity](fidelity.md). The same as JSON:
+`firmware-bridge epos2 objects --json`."""
 FIDELITY_TEXT: Final = """* **Proven**: from maxon's EDS of the 70/10, or recorded from a device.
 * **Documented**: from a document on the EPOS2, from maxon's command library, or from the standard that the
   device claims.

@@ -16,7 +16,6 @@ from firmware_bridge.units import MICROSECOND, Nanoseconds
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.canopen import COB_ID_INVALID, COB_ID_MASK, COB_ID_NO_REMOTE, NmtState
 from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.epos2.objects_pdo import (
     RECEIVE_MAPPING,
     RECEIVE_PARAMETER,
@@ -169,5 +168,5 @@ class PdoSettings:
 
     def _carries(self, word: int) -> bool:
         entry = MappingEntry.decode(word)
-        row = OBJECTS.get(entry.address)
+        row = self._store.objects.get(entry.address)
         return row is not None and self._direction.carries(row) and entry.bits == row.type.bits

@@ -2,7 +2,7 @@
 
 What no source tells of a type is marked, not invented: a hardware version that is not known is none, and the
 drive says 0. Limits that are assumed are there because a drive needs a limit, and say that they are assumed.
-All types answer with the object dictionary of the 70/10, the only one whose EDS is known.
+Types without a row in `wire.epos2.differences` answer with the object dictionary of the 70/10.
 """
 
 from collections.abc import Mapping
@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Final
 
 from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile, Known
+from firmware_bridge.wire.epos2.differences import EDS_50_5
 from firmware_bridge.wire.epos2.hardware import TYPES
 from firmware_bridge.wire.epos2.rows import EDS, Provenance
 
@@ -51,15 +52,31 @@ EPOS2_24_5: Final = DeviceProfile(
     supply_v=24,
     marks=_marked(order_numbers=_UNKNOWN),
 )
+_OWN_EDS: Final = Known(Provenance.PROVEN, EDS_50_5)
 EPOS2_50_5: Final = DeviceProfile(
-    name=TYPES[0x6320],
+    name=TYPES[0x6322],
     order_numbers=("347717",),
+    hardware_version=0x6322,
+    continuous_current_ma=5_000,
+    peak_current_ma=10_000,
+    supply_v=50,
+    marks=_marked(
+        order_numbers=_OWN_EDS,
+        hardware_version=_OWN_EDS,
+        software_version=_OWN_EDS,
+        continuous_current_ma=_OWN_EDS,
+        peak_current_ma=_OWN_EDS,
+    ),
+)
+EPOS2_50_5_OTHER: Final = DeviceProfile(
+    name=TYPES[0x6320],
     hardware_version=0x6320,
     continuous_current_ma=5_000,
     peak_current_ma=10_000,
     supply_v=50,
-    marks=_marked(hardware_version=Known(Provenance.DOCUMENTED, f"{_FIRMWARE_FILE}; also seen: 0x6322")),
+    marks=_marked(order_numbers=_UNKNOWN),
 )
+"""Another hardware version of it, of which names of firmware files and users' drivers tell."""
 EPOS2_MODULE_36_2: Final = DeviceProfile(
     name=TYPES[0x6120],
     order_numbers=("360665",),
@@ -76,6 +93,7 @@ PROFILES: Final[Mapping[str, DeviceProfile]] = MappingProxyType(
         "24/5": EPOS2_24_5,
         "36/2": EPOS2_MODULE_36_2,
         "50/5": EPOS2_50_5,
+        "50/5-6320": EPOS2_50_5_OTHER,
         "70/10": EPOS2_70_10,
     }
 )

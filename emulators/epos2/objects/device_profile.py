@@ -13,6 +13,7 @@ from firmware_bridge.units import MICROSECOND, Nanoseconds
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.differences import DIFFERENCES, objects_of
 from firmware_bridge.wire.epos2.hardware import TYPES
 from firmware_bridge.wire.epos2.rows import (
     APPLICATION_NOTES,
@@ -22,6 +23,7 @@ from firmware_bridge.wire.epos2.rows import (
     EDS,
     FIRMWARE_SPECIFICATION,
     LIBRARY,
+    ObjectRow,
     Provenance,
 )
 
@@ -177,6 +179,11 @@ class DeviceProfile:
         """Return which field of the profile an object's default comes from; None where the table gives it."""
         return _FIELDS.get(address)
 
+    @property
+    def objects(self) -> Mapping[Address, ObjectRow]:
+        """Every object that the type has."""
+        return objects_of(self.hardware_version)
+
     def bounds(self) -> Mapping[Address, tuple[int, int]]:
         """Return the ranges in which this drive differs from the object table."""
         return MappingProxyType(
@@ -189,8 +196,10 @@ class DeviceProfile:
     def differing(self, dip_switch: int) -> Mapping[Address, int | bytes]:
         """Return the defaults in which this drive differs from the object table."""
         hardware = self.hardware_version or 0
+        difference = DIFFERENCES.get(hardware)
         return MappingProxyType(
             {
+                **({} if difference is None else difference.defaults),
                 at.PRODUCT_CODE: hardware << 16 | self.application_number,
                 at.REVISION: self.software_version << 16 | self.application_version,
                 at.SERIAL_NUMBER: self.serial_number & 0xFFFF_FFFF,

@@ -12,17 +12,11 @@ from typing import Final
 
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.objects import INDEXES, OBJECTS
+from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.epos2.rows import ObjectRow
 
 LARGEST_DOMAIN: Final = 4096
 """Bytes that a domain takes (ASSUME: no limit is documented)."""
-
-
-_BOUNDS: Final[Mapping[Address, tuple[int, int]]] = MappingProxyType(
-    {row.address: row.bounds for row in OBJECTS.values() if row.type.size}
-)
-"""The range that a client may write, of every object that holds a number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,17 +38,21 @@ class ObjectStore:
         node_id: int = 1,
         differing: Mapping[Address, int | bytes] = MappingProxyType({}),
         bounds: Mapping[Address, tuple[int, int]] = MappingProxyType({}),
+        objects: Mapping[Address, ObjectRow] = OBJECTS,
     ) -> None:
         """Fill the store with the defaults of the drive `node_id`; `differing` replaces some of them.
 
-        `bounds` replaces the table's range of some objects.
+        `bounds` replaces the table's range of some objects; `objects` are those of its type.
         """
         self.node_id = node_id
+        self.objects: Final = objects
+        self._indexes: Final = frozenset(address.index for address in objects)
         self._differing = dict(differing)
-        unknown = [str(address) for address in self._differing if address not in OBJECTS]
+        unknown = [str(address) for address in self._differing if address not in objects]
         if unknown:
             raise ValueError(f"no such object: {', '.join(unknown)}")
-        self._bounds = MappingProxyType({**_BOUNDS, **bounds})
+        own = {row.address: row.bounds for row in objects.values() if row.type.size}
+        self._bounds = MappingProxyType({**own, **bounds})
         self.changes = 0
         """How often the drive itself has given a number another value."""
         self.asked = False
@@ -66,7 +64,7 @@ class ObjectStore:
         self._sources: dict[Address, Callable[[], int]] = {}
         self._sinks: dict[Address, tuple[Callable[[int], None], ...]] = {}
         self._domains: dict[Address, Callable[[], bytes | None]] = {}
-        for row in OBJECTS.values():
+        for row in objects.values():
             default = self.default(row.address)
             if isinstance(default, bytes):
                 self._texts[row.address] = default
@@ -114,9 +112,9 @@ class ObjectStore:
 
     def row(self, address: Address) -> ObjectRow:
         """Return an object's row; SdoAbort when there is none."""
-        row = OBJECTS.get(address)
+        row = self.objects.get(address)
         if row is None:
-            missing = AbortCode.NO_SUBINDEX if address.index in INDEXES else AbortCode.NO_OBJECT
+            missing = AbortCode.NO_SUBINDEX if address.index in self._indexes else AbortCode.NO_OBJECT
             raise SdoAbort(missing, address)
         return row
 
@@ -139,7 +137,7 @@ class ObjectStore:
 
     def cell(self, address: Address) -> Cell:
         """Return the cell of a number, for those who come back often."""
-        return Cell(OBJECTS[address], partial(self.live, address), partial(self._accept, address))
+        return Cell(self.objects[address], partial(self.live, address), partial(self._accept, address))
 
     def on_read(self, address: Address, source: Callable[[], int]) -> None:
         """Let clients read what `source` gives; a number too large for the type wraps."""
@@ -168,12 +166,12 @@ class ObjectStore:
     def default(self, address: Address) -> int | bytes:
         """Return an object's default in this drive."""
         given = self._differing.get(address)
-        return OBJECTS[address].default_for(self.node_id) if given is None else given
+        return self.objects[address].default_for(self.node_id) if given is None else given
 
     def numbers(self) -> Iterator[tuple[ObjectRow, int]]:
         """Give every object that holds a number, with its stored value, in the order of the addresses."""
         for address, value in self._numbers.items():
-            yield OBJECTS[address], value
+            yield self.objects[address], value
 
     def load_default(self, address: Address) -> None:
         """Bring a number back to its default without hooks."""

@@ -11,7 +11,7 @@ from firmware_bridge.drivers.commissioning.words import words
 from firmware_bridge.wire.abort import meaning_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.differences import ANY_TYPE
 
 _SIMPLE: Final = re.compile(r"[A-Za-z/]+")
 """Units as people say them: rpm, mA, pulses/turn."""
@@ -41,7 +41,7 @@ def value_text(reading: Reading, address: Address) -> str:
 
 def object_record(reading: Reading, address: Address) -> dict[str, Any]:
     """Return what `line` says as JSON can hold it; `value` or `error` is there, not both."""
-    row = OBJECTS.get(address)
+    row = ANY_TYPE.get(address)
     found: dict[str, Any] = {
         "index": f"0x{address.index:04X}",
         "subindex": address.subindex,

@@ -17,7 +17,7 @@ from firmware_bridge.drivers.commissioning.names import called
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.abort import AbortCode, meaning_of
 from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.differences import ANY_TYPE
 
 REMEDIES: Final[Mapping[int, str]] = MappingProxyType(
     {
@@ -70,7 +70,7 @@ def _what(job: Job) -> str:
 
 
 def _value(job: WriteJob) -> str:
-    row = OBJECTS.get(job.address)
+    row = ANY_TYPE.get(job.address)
     known = row is not None and row.type.size == len(job.raw)
     value = row.type.decode(job.raw) if known and row is not None else None
     return f"0x{int.from_bytes(job.raw, 'little'):0{2 * len(job.raw)}X}" if value is None else f"{value}"
@@ -84,7 +84,7 @@ def _range(job: Job, code: int) -> str:
 
 
 def _bounds(address: Address) -> str:
-    row = OBJECTS.get(address)
+    row = ANY_TYPE.get(address)
     if row is None or (row.minimum is None and row.maximum is None):
         return ""
     low, high = row.bounds

@@ -11,7 +11,7 @@ from typing import Final
 
 from firmware_bridge.drivers.commissioning.client import CommissioningError
 from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.differences import ANY_TYPE
 from firmware_bridge.wire.epos2.rows import ObjectRow
 
 MOST_SUGGESTED: Final = 5
@@ -31,7 +31,7 @@ def squashed(name: str) -> str:
 
 def _by_name() -> Mapping[str, tuple[ObjectRow, ...]]:
     found: dict[str, tuple[ObjectRow, ...]] = {}
-    for row in OBJECTS.values():
+    for row in ANY_TYPE.values():
         key = squashed(row.name)
         found[key] = (*found.get(key, ()), row)
     return MappingProxyType(found)
@@ -69,7 +69,7 @@ def find(text: str) -> Address:
 
 def name_of(address: Address) -> str:
     """Return an object's name; empty where it is not in the table."""
-    row = OBJECTS.get(address)
+    row = ANY_TYPE.get(address)
     return "" if row is None else row.name
 
 

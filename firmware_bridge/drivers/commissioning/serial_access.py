@@ -23,7 +23,7 @@ from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.differences import ANY_TYPE
 from firmware_bridge.wire.maxon import messages
 from firmware_bridge.wire.maxon.frame import Failure, Generation
 from firmware_bridge.wire.maxon.frame import Outcome as LineOutcome
@@ -185,5 +185,5 @@ class SerialAccess:
 
 def size_of(address: Address) -> int:
     """Return an object's bytes: 0 where its length varies; four where it is not in the table."""
-    row = OBJECTS.get(address)
+    row = ANY_TYPE.get(address)
     return DIRECT if row is None else row.type.size

@@ -14,7 +14,7 @@ from firmware_bridge.drivers.commissioning.names import called, squashed
 from firmware_bridge.wire.cia402 import Mode
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.differences import ANY_TYPE
 from firmware_bridge.wire.epos2.rows import DataType, ObjectRow
 
 LONGEST_WRITE: Final = 4
@@ -48,7 +48,7 @@ class ValueTextError(CommissioningError):
 
 def size_of_write(address: Address, size: int | None) -> int:
     """Return how many bytes to write: those asked for, or the object's own; ValueTextError."""
-    row = OBJECTS.get(address)
+    row = ANY_TYPE.get(address)
     own = LONGEST_WRITE if row is None else row.type.size
     if size is None and not 0 < own <= LONGEST_WRITE:
         length = f"{own} bytes" if own else "no fixed length"
@@ -64,7 +64,7 @@ def parse(address: Address, text: str, size: int | None = None) -> bytes:
     `size` in bytes overrides the object's own. ValueTextError where the text, its unit or its size cannot be.
     """
     length = size_of_write(address, size)
-    row = OBJECTS.get(address)
+    row = ANY_TYPE.get(address)
     number = _WORDS.get(address, {}).get(squashed(text))
     if number is None:
         number = _number(address, text.strip(), row)
@@ -110,7 +110,7 @@ def _factor(address: Address, text: str, unit: str, row: ObjectRow | None) -> De
 
 def decode(address: Address, raw: bytes) -> int | str:
     """Return what was read: a number, text, or bytes in hexadecimal where no type of this size is known."""
-    row = OBJECTS.get(address)
+    row = ANY_TYPE.get(address)
     if row is not None and row.type is DataType.VISIBLE_STRING:
         return raw.decode("ascii", errors="replace").rstrip("\0")
     if row is None or row.type.size != len(raw) or not raw:
@@ -120,5 +120,5 @@ def decode(address: Address, raw: bytes) -> int | str:
 
 def unit_of(address: Address) -> str:
     """Return an object's unit; empty where it has none."""
-    row = OBJECTS.get(address)
+    row = ANY_TYPE.get(address)
     return "" if row is None else row.unit

@@ -15,6 +15,7 @@ from firmware_bridge.wire import cia402
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.functions import OUTPUT_MASK, OUTPUT_PINS, OutputFunction
+from firmware_bridge.wire.epos2.hardware import alike
 from firmware_bridge.wire.epos2.rows import APPLICATION_NOTES, CIA_301, EDS, FIRMWARE_SPECIFICATION, DataType
 
 U8: Final = DataType.UNSIGNED8
@@ -49,6 +50,12 @@ class Row:
     source: str = EDS
     read_back: bool = False
     """Safety hangs on this value: it is read again after it was written."""
+    also: frozenset[int] = frozenset()
+    """Values that are as good."""
+
+    def has(self, raw: bytes) -> bool:
+        """Return whether this is the value, or as good."""
+        return raw == self.raw or raw in {self.type.encode(value) for value in self.also}
 
     @property
     def raw(self) -> bytes:
@@ -109,6 +116,7 @@ def identity(axis: Axis) -> tuple[Row, ...]:
             axis.epos2.product_code,
             "product code",
             "the drive that the robot file names",
+            also=alike(axis.epos2.product_code),
         ),
     )
 

@@ -36,7 +36,7 @@ class _Expected:
         row = self.row
         if isinstance(outcome, SdoError):
             raise StartupError(self.axis, f"{outcome} (expected {row.expected})") from outcome
-        if outcome != row.raw:
+        if not row.has(outcome):
             problem = f"SDO upload {row.address} gave {row.show(outcome)} (expected {row.expected})"
             raise StartupError(self.axis, problem)
         return ()

@@ -23,6 +23,14 @@ TYPES: Final[Mapping[int, str]] = MappingProxyType(
 _VERSION_SHIFT: Final = 16
 
 
+def alike(product_code: int) -> frozenset[int]:
+    """Return the product codes of the same type, whatever its hardware version; at least this one."""
+    application = product_code & (1 << _VERSION_SHIFT) - 1
+    name = type_of(product_code)
+    versions = [version for version in TYPES if name is not None and TYPES[version] == name]
+    return frozenset({product_code, *(version << _VERSION_SHIFT | application for version in versions)})
+
+
 def type_of(product_code: int) -> str | None:
     """Return the type that a product code tells; None for one that no source knows."""
     return TYPES.get(product_code >> _VERSION_SHIFT)

@@ -17,7 +17,7 @@ from emulators.documents.eds import dcf, eds
 from emulators.documents.object_reader import SilentNodeError, read_all
 from emulators.documents.object_table import as_json, entries
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.epos2.objects.device_profile import EPOS2_70_10
+from emulators.epos2.objects.device_profile import EPOS2_70_10, DeviceProfile
 from firmware_bridge.cli import program
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
@@ -30,9 +30,14 @@ from hil_tests.unit.epos2.quiet_motion import Desk, powered
 
 
 @pytest.fixture(scope="module", params=PROFILES)
-def sheet(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def profile(request: pytest.FixtureRequest) -> DeviceProfile:
+    return PROFILES[request.param]
+
+
+@pytest.fixture(scope="module")
+def sheet(profile: DeviceProfile, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("eds") / "epos2.eds"
-    path.write_text(eds(PROFILES[request.param]), encoding="ascii")
+    path.write_text(eds(profile), encoding="ascii")
     return path
 
 
@@ -44,11 +49,11 @@ def flat(dictionary: Any) -> dict[Address, Any]:
     return found
 
 
-def test_canopen_reads_the_sheet_row_by_row(sheet: Path) -> None:
+def test_canopen_reads_the_sheet_row_by_row(sheet: Path, profile: DeviceProfile) -> None:
     dictionary = canopen.import_od(str(sheet), node_id=5)
     read = flat(dictionary)
-    assert set(read) == set(OBJECTS)
-    for address, row in OBJECTS.items():
+    assert set(read) == set(profile.objects)
+    for address, row in profile.objects.items():
         entry = read[address]
         assert entry.data_type == row.type.code, address
         assert entry.access_type == row.access.value, address

@@ -73,6 +73,31 @@ def test_an_axis_without_travel_has_no_position_limits() -> None:
     assert not {at.MIN_POSITION_LIMIT, at.MAX_POSITION_LIMIT} & {row.address for row in without}
 
 
+@pytest.mark.parametrize(
+    ("named", "found", "right"),
+    [
+        # The 50/5 has two hardware versions: 0x6322 by its EDS, 0x6320 by names of firmware files.
+        (0x6320_0000, 0x6322_0000, True),
+        (0x6322_0000, 0x6320_0000, True),
+        (0x6322_0000, 0x6322_0000, True),
+        (0x6322_0000, 0x6322_0001, False),
+        (0x6322_0000, 0x6420_0000, False),
+        (0x6420_0000, 0x6322_0000, False),
+        # What no source names is like itself alone.
+        (0x1234_0000, 0x1234_0000, True),
+        (0x1234_0000, 0x1235_0000, False),
+        (0x6120_0000, 0x6220_0000, False),
+    ],
+)
+def test_the_identity_is_the_types_whatever_its_hardware_version(
+    named: int, found: int, *, right: bool
+) -> None:
+    epos2 = RARS.axes[0].epos2.model_copy(update={"product_code": named})
+    product = setup.identity(RARS.axes[0].model_copy(update={"settings": epos2}))[2]
+    assert product.expected == f"product code 0x{named:08X}"
+    assert product.has(found.to_bytes(4, "little")) is right
+
+
 def test_an_answer_of_the_wrong_length_is_shown_as_bytes() -> None:
     row = setup.identity(RARS.axes[0])[2]
     assert row.expected == "product code 0x64200000"

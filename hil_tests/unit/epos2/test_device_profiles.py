@@ -15,7 +15,8 @@ KNOWN = {
     "24/2": (0, 2_000),
     "24/5": (0x6220, 5_000),
     "36/2": (0x6120, 2_000),
-    "50/5": (0x6320, 5_000),
+    "50/5": (0x6322, 5_000),
+    "50/5-6320": (0x6320, 5_000),
     "70/10": (0x6420, 10_000),
 }
 
@@ -65,7 +66,36 @@ def test_a_peak_current_without_a_document_is_an_assumption() -> None:
     proven = {
         name for name in NAMES if PROFILES[name].known("peak_current_ma").provenance is Provenance.PROVEN
     }
-    assert proven == {"70/10"}
+    assert proven == {"50/5", "70/10"}
+
+
+def test_what_the_50_5_has_otherwise_than_the_70_10() -> None:
+    """maxon's EDS of the 50/5 (347717)."""
+    desk, other = powered(PROFILES["50/5"]), powered(PROFILES["70/10"])
+    for index, subindex, value, in_70_10 in (
+        (0x2070, 0, 10, 9),
+        (0x2070, 10, 6, "06090011"),
+        (0x2071, 2, 0xE3C7, 0xE387),
+        (0x202E, 0, 11, 12),
+        (0x202E, 12, "06090011", 0),
+        (0x207E, 0, 0, "06020000"),
+    ):
+        assert desk.reads(index, subindex) == value, f"{index:04X}:{subindex}"
+        assert other.reads(index, subindex) == in_70_10, f"{index:04X}:{subindex}"
+    assert desk.writes(0x207E, 0, b"\x34\x12") == "ok"
+    assert desk.reads(0x207E) == 0x1234
+    assert powered(PROFILES["50/5-6320"]).reads(0x207E) == "06020000"
+
+
+def test_the_analog_output_of_the_50_5_is_carried_by_a_receive_pdo() -> None:
+    mapping = ((0x1600, 0, b"\0"), (0x1600, 1, (0x207E_0010).to_bytes(4, "little")), (0x1600, 0, b"\x01"))
+    desk, other = powered(PROFILES["50/5"]), powered(PROFILES["70/10"])
+    assert [desk.writes(*write) for write in mapping] == ["ok"] * 3
+    desk.hears("000#0101")
+    desk.hears("201#CDAB")
+    assert desk.reads(0x207E) == 0xABCD
+    assert other.writes(*mapping[0]) == "ok"
+    assert other.writes(*mapping[1]) == "06040041"
 
 
 def test_the_70_10_is_as_before_the_others_came() -> None:

@@ -1,0 +1,71 @@
+"""What the object dictionary of a type has otherwise than the 70/10's, a row each, with its source.
+
+A type without a row here is not known to differ, for want of its EDS.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache
+from types import MappingProxyType
+from typing import Final
+
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.objects import OBJECTS
+from firmware_bridge.wire.epos2.rows import EDS, Access, DataType, ObjectRow, row
+
+EDS_50_5: Final = "maxon EDS, EPOS2 50/5 (347717), software 2126h, hardware 6322h"
+
+
+_U16: Final = DataType.UNSIGNED16
+
+
+def _own(known: ObjectRow) -> ObjectRow:
+    found = replace(known, source=EDS_50_5)
+    return replace(found, default_source=EDS_50_5) if known.default_source == EDS else found
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """The objects of one hardware version."""
+
+    source: str
+    own: tuple[ObjectRow, ...] = ()
+    """Objects that the 70/10 has not."""
+    absent: frozenset[Address] = frozenset()
+    """Objects of the 70/10 that it has not."""
+    defaults: Mapping[Address, int] = field(default_factory=lambda: MappingProxyType({}))
+    """Other defaults."""
+
+
+DIFFERENCES: Final[Mapping[int, Difference]] = MappingProxyType(
+    {
+        0x6322: Difference(
+            EDS_50_5,
+            own=(
+                _own(row(0x2070, 10, "Configuration of Digital Input10", _U16, Access.RW, default=6)),
+                _own(row(0x207E, 0, "Analog Output 1", _U16, Access.RWW, mapped=True)),
+            ),
+            absent=frozenset({Address(0x202E, 12)}),
+            defaults=MappingProxyType(
+                {Address(0x2070, 0): 10, Address(0x2071, 2): 0xE3C7, Address(0x202E, 0): 11}
+            ),
+        )
+    }
+)
+"""By hardware version (0x2003:2)."""
+
+
+@cache
+def objects_of(hardware: int | None) -> Mapping[Address, ObjectRow]:
+    """Return every object of a type by its hardware version, in the order of the addresses."""
+    found = DIFFERENCES.get(hardware or 0)
+    if found is None:
+        return OBJECTS
+    rows = [*(row for row in OBJECTS.values() if row.address not in found.absent), *found.own]
+    return MappingProxyType({row.address: row for row in sorted(rows, key=lambda row: row.address)})
+
+
+ANY_TYPE: Final[Mapping[Address, ObjectRow]] = MappingProxyType(
+    {address: row for hardware in (None, *DIFFERENCES) for address, row in objects_of(hardware).items()}
+)
+"""The objects of all types: what a client can name."""
