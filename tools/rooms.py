@@ -23,7 +23,7 @@ ACROSS: Final = tuple(
 )
 FOLLOWING: Final = tuple(f"safety/test_following{what}" for what in ("", "_power", "_homing", "_halted"))
 GATE: Final = (
-    *("safety/test_gate_lift", "safety/test_gate_limits", "safety/test_gate_stops"),
+    *(f"safety/test_gate_{what}" for what in ("lift", "limits", "rows", "stops")),
     "safety/test_what_follows",
 )
 
@@ -41,14 +41,17 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
         "safety/guard/axis",
         ("safety/test_guard_axis_state", *GUARD, *ACROSS, "safety/test_guard_zero", *LINES),
     ),
-    ("safety/guard/shield*", ("safety/test_guard_shield", "safety/test_guard_shield_words")),
+    (
+        "safety/guard/shield*",
+        tuple(f"safety/test_guard_shield{what}" for what in ("", "_motors", "_words")),
+    ),
     ("safety/guard/ar2", ("safety/test_guard_ar2", "safety/test_guard_ar2_rules")),
     ("safety/guard/*", (*GUARD, *ACROSS, "safety/test_guard_zero", *LINES)),
     ("safety/following", (*FOLLOWING, "unit/pipeline/test_disbelieved")),
     ("safety/snapshot", ("safety/test_snapshot", *FOLLOWING, *GATE)),
     ("safety/charge", ("unit/pipeline/test_charge",)),
     ("safety/operator_rows", (*GATE, "safety/test_one_cause_one_hold", "safety/test_snapshot")),
-    ("safety/rules", (*GATE, "unit/pipeline/test_rest")),
+    ("safety/rules", (*GATE, "safety/test_rules", "unit/pipeline/test_rest")),
     (
         "safety/*",
         (*GATE, "safety/test_weaker_rows", "safety/test_snapshot", "safety/test_rows_as_a_table"),

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
-from firmware_bridge.drivers.driver import Position, Speed, Stop
+from firmware_bridge.drivers.driver import Homed, Position, Speed, Stop
 from firmware_bridge.intent import NEVER_HEARD, AgeLimit
 from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
@@ -64,6 +64,7 @@ OPERATOR_GONE: Final = 10 * SECOND
 DRIVE_LIMIT: Final = 250 * MILLISECOND
 LINK: Final = 200 * MILLISECOND
 HALTS: Final = 40 * MILLISECOND
+OWES: Final = 100 * MILLISECOND
 
 CASES: Final = (
     Case("emergency stop", {"emergency_stopped": True}, {}, "the emergency stop is latched"),
@@ -234,6 +235,13 @@ CASES: Final = (
         LINK,
     ),
     Case(
+        "axis moves unasked: lift",
+        follows("lift", unasked=True, obeyed_at=START - DRIVE_LIMIT, demand=Homed()),
+        follows("lift", unasked=True, obeyed_at=START - DRIVE_LIMIT + 1, demand=Homed()),
+        f"{TITLES['lift']}, told to find its zero, moves with 0.25 rad/s for 0.25 s",
+        LINK,
+    ),
+    Case(
         "axis does not follow: steer",
         follows("steer", obeyed_at=START - DRIVE_LIMIT, demand=Position(1.0)),
         {},
@@ -264,6 +272,28 @@ CASES: Final = (
         "axis does not follow: left",
         follows("left", obeyed_at=START - DRIVE_LIMIT, place_at=START - DRIVE_LIMIT // 2 + 1),
         {},
+        f"{TITLES['left']}, told 1.50 rad/s, moves with 0.25 rad/s for 0.25 s",
+        LINK,
+    ),
+    Case(
+        # It owes its way since it strays.
+        "axis does not follow: left",
+        follows(
+            "left",
+            obeyed_at=START - DRIVE_LIMIT,
+            settled_at=START - DRIVE_LIMIT,
+            place_at=START - DRIVE_LIMIT,
+        ),
+        {},
+        f"{TITLES['left']}, told 1.50 rad/s, moves with 0.25 rad/s for 0.25 s",
+        LINK,
+        also=("axis position repeats: left",),
+    ),
+    Case(
+        # It owes its way since 100 ms.
+        "axis does not follow: left",
+        follows("left", obeyed_at=START - DRIVE_LIMIT, settled_at=START - OWES, place_at=START - OWES),
+        follows("left", obeyed_at=START - DRIVE_LIMIT + 1, settled_at=START - OWES, place_at=START - OWES),
         f"{TITLES['left']}, told 1.50 rad/s, moves with 0.25 rad/s for 0.25 s",
         LINK,
     ),
@@ -304,6 +334,19 @@ CASES: Final = (
             f"{TITLES[name]}: its zero is lost, nobody knows where it stands",
         )
         for name in ("steer", "lift")
+    ),
+    Case(
+        "axis zero lost: steer",
+        drive("steer", zero_lost=True) | {"stood": {"steer": "12.50 deg", "lift": "0.10 m"}},
+        drive("left", zero_lost=True),
+        f"{TITLES['steer']}: its zero is lost, nobody knows where it stands (last known: 12.50 deg)",
+    ),
+    Case(
+        "axis silent: steer",
+        drive("steer", heard_at=NEVER_HEARD, zero_lost=True, **said(None)),
+        drive("right", zero_lost=True),
+        f"{TITLES['steer']} has never been heard",
+        LINK,
     ),
     *(
         Case(

@@ -1,7 +1,8 @@
 """The range in which an axis may be after its demands, and at both edges of each bound what it is called."""
 
 import math
-from typing import Final
+from dataclasses import asdict
+from typing import Any, Final
 
 import pytest
 
@@ -64,6 +65,27 @@ def test_what_a_robot_file_says_counts() -> None:
     assert (axis.rests_below, axis.holds_with) == (0.3, 5.0)
     assert within(axis, SECOND) == 70 * MILLISECOND
     assert within(WHEEL, SECOND) == SECOND
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "changes"),
+    [
+        ("speed", 1.0, {"speed": 1.0}),
+        ("position", 2.0, {"position": 2.0}),
+        ("ramp", 3.0, {"ramp": 3.0}),
+        ("cruise", 4.0, {"cruise": 4.0}),
+        ("lag_ms", 60, {"lag_s": 0.06}),
+        ("rests_below", 0.3, {"creep": 0.3 * 0.25}),
+        ("within_ms", 70, {"creep": 0.2 * 0.07}),
+    ],
+)
+def test_each_key_of_a_robot_file_changes_its_own_bound_alone(
+    key: str, value: Any, changes: dict[str, float]
+) -> None:
+    """RARS's wheel rests below 0.2 rad/s, an 80th of 16; its link allows a silence of 250 ms."""
+    axis = WHEEL.model_copy(update={"belief": Belief(**{key: value})})
+    left_out, bounds = asdict(bounds_of(RARS, WHEEL)), asdict(bounds_of(RARS, axis))
+    assert bounds == pytest.approx(left_out | changes)
 
 
 def test_a_link_of_every_second_cycle_has_twice_the_way() -> None:
@@ -180,7 +202,33 @@ def test_a_range_reaches_to_each_new_speed_and_keeps_what_it_has(sign: float) ->
     assert sorted((sign * known.low, sign * known.high)) == [0.0, 5.0]
 
 
+@pytest.mark.parametrize("between", [1, 2, 3, 4])
+def test_each_of_several_demands_between_two_samples_counts(between: int) -> None:
+    one = rested(Speed(0.0))
+    for number in range(1, between + 1):
+        one.told(Speed(float(number)))
+        one.told(Speed(-float(number)))
+    one.told(Speed(0.0))
+    known = one.does(0.0)
+    assert (known.low, known.high) == (-between, between)
+
+
+def test_while_it_strays_the_last_sample_that_obeyed_is_kept() -> None:
+    one = rested(Speed(0.0))
+    last = one.now
+    assert [one.does(3.0).obeyed_at for _ in range(3)] == [last] * 3
+    assert one.does(0.0).obeyed_at == one.now
+
+
 # Positions
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.01, -0.01])
+def test_where_it_obeys_a_position_it_does_not_move_unasked(speed: float) -> None:
+    one = rested(Position(0.0), STEERING)
+    known = one.does(speed)
+    assert known.obeyed_at == known.sampled_at
+    assert not known.unasked
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -294,6 +342,15 @@ def test_a_position_that_repeats_owes_what_its_range_has_left_behind(sign: float
     nearest = known.low if sign > 0.0 else known.high
     assert known.owes == pytest.approx(sign * (nearest - known.position))
     assert known.owes > bounds_of(RARS, STEERING).creep
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_axis_that_moves_too_slowly_to_its_position_owes_nothing(sign: float) -> None:
+    """It does not follow; its position does not repeat."""
+    one = rested(Position(sign * 1.0), STEERING)
+    known = one.does(sign * 0.001, 20)
+    assert known.obeyed_at < known.sampled_at
+    assert (known.owes, known.settled_at) == (0.0, known.sampled_at)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

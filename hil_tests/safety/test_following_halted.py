@@ -2,8 +2,9 @@
 
 import pytest
 
-from firmware_bridge.drivers.driver import Demand, Speed, Stop
-from hil_tests.safety.following_bench import rested, settled
+from firmware_bridge.drivers.driver import Demand, Position, Speed, Stop
+from firmware_bridge.safety.following import bounds_of
+from hil_tests.safety.following_bench import RARS, STEERING, Told, rested, settled
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -55,8 +56,9 @@ def test_what_it_may_creep_it_may_owe_to_the_last_bit() -> None:
     least = one.follower.following.low
     for creeps, halted in ((least, False), (least * (1.0 - 1e-12), True)):
         one = rested(Speed(0.125), rests_below=creeps, within_ms=50)
-        one.does(0.125, 200)
-        assert one.does(0.0).halted is halted
+        moved = one.does(0.125, 200).sampled_at
+        known = one.does(0.0)
+        assert (known.halted, known.settled_at) == (halted, moved if halted else one.now)
 
 
 def test_a_wheel_that_has_not_begun_to_turn_has_not_halted() -> None:
@@ -64,12 +66,28 @@ def test_a_wheel_that_has_not_begun_to_turn_has_not_halted() -> None:
     assert not any(one.does(0.0).halted for _ in range(8))
 
 
-def test_while_it_need_not_move_it_does_not_turn() -> None:
+@pytest.mark.parametrize("speed", [0.5, 2.9])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_while_it_need_not_move_it_does_not_turn(sign: float, speed: float) -> None:
     """Blocked it owes its way; then it is told to stand, and shows a speed without a way."""
-    one = rested(Speed(3.0))
+    one = rested(Speed(sign * 3.0))
     one.does(0.0, 8)
     one.told(Speed(0.0))
-    assert not any(one.known_later(0.5).halted for _ in range(3))
+    assert not any(one.known_later(sign * speed).halted for _ in range(3))
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_an_axis_on_its_way_to_a_position_has_not_turned(sign: float) -> None:
+    """A halt is judged of speeds only: on its way to a position an axis may wait."""
+    one = Told(STEERING)
+    one.position = sign * 0.2
+    one.told(Position(sign * 0.2))
+    one.does(0.0, 3)
+    one.told(Position(sign * 4.0))
+    one.does(sign * 0.25, 8)
+    known = [one.does(0.0) for _ in range(4)]
+    assert known[1].owes > bounds_of(RARS, STEERING).creep
+    assert not any(sample.halted for sample in known)
 
 
 def test_however_slowly_it_turns_it_turns() -> None:

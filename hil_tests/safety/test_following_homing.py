@@ -6,6 +6,7 @@ from firmware_bridge.drivers.driver import Homed, Stop
 from firmware_bridge.robot import Axis
 from firmware_bridge.safety.following import bounds_of
 from hil_tests.safety.following_bench import RARS, Told
+from hil_tests.scenarios.homed import LIFT as HOMING
 from hil_tests.scenarios.homed import homed
 
 LIFT: Final[Axis] = homed().axes[3]
@@ -57,3 +58,15 @@ def test_a_gentle_homing_is_awaited_as_gently() -> None:
     assert bounds_of(RARS, gentle).ramp == 0.5 * 40.0
     steep = RARS.axes[3]
     assert bounds_of(RARS, steep).ramp > 0.5 * 40.0
+
+
+def test_a_steep_homing_is_awaited_as_its_drive_ramps() -> None:
+    steep = homed(HOMING.replace("acceleration = 40.0", "acceleration = 2000.0")).axes[3]
+    assert bounds_of(RARS, steep).ramp == bounds_of(RARS, RARS.axes[3]).ramp
+
+
+def test_an_axis_without_a_homing_has_no_speed_for_it() -> None:
+    assert {axis.name: bounds_of(RARS, axis).homing for axis in RARS.axes} == {
+        axis.name: 0.0 for axis in RARS.axes
+    }
+    assert bounds_of(RARS, LIFT).homing == FAST

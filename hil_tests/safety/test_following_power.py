@@ -53,10 +53,13 @@ def test_an_axis_that_was_moved_by_hand_may_be_where_it_is_when_its_power_comes_
     one.told(Position(sign * 1.0))
     one.position = sign * 1.0
     one.does(0.0, 3)
-    one.position = sign * 1.5
-    one.does(0.0, power=Power.OFF)
-    one.does(0.0)
-    assert not one.strays(0.0)
+    for place in (1.5, 2.0, 2.5, 3.0):
+        one.position = sign * place
+        one.does(0.0, power=Power.OFF)
+        one.does(0.0)
+        assert not one.strays(0.0)
+        known = one.follower.following
+        assert sorted((sign * known.low, sign * known.high)) == [1.0, place]
 
 
 @pytest.mark.parametrize("power", [Power.ON, Power.UNKNOWN, Power.STOPPED])
@@ -76,10 +79,50 @@ def test_a_device_that_has_stopped_by_itself_is_to_stand_whatever_it_is_told() -
     assert known.demand == Speed(3.0), "the demand itself is kept"
 
 
-def test_a_sample_that_was_seen_changes_nothing() -> None:
+@pytest.mark.parametrize("speed", [3.0, 0.0])
+def test_a_sample_that_was_seen_changes_nothing(speed: float) -> None:
+    """An axis that follows, and one that owes its way."""
     one = settled(Speed(3.0), 3.0)
-    known = one.follower.following
+    known = one.does(speed, 4)
+    assert (known.settled_at == known.sampled_at) is (speed != 0.0)
     assert one.known(99.0) is known
+
+
+@pytest.mark.parametrize("cycles", [1, 2, 5, 50])
+def test_a_sample_older_than_the_newest_is_not_judged(cycles: int) -> None:
+    """Four cycles of a way that is owed; the older sample shows another place and too much speed."""
+    one = settled(Speed(3.0), 3.0)
+    one.does(0.0, 4)
+    one.now -= cycles * CYCLE
+    one.position += 99.0
+    known = one.known(9.0)
+    assert known.sampled_at == known.obeyed_at == known.settled_at == known.place_at == one.now
+    assert (known.position, known.owes, known.unasked) == (one.position, 0.0, False)
+    known = one.does(9.0)
+    assert known.obeyed_at == known.settled_at == one.now
+    assert one.does(9.0).high == 9.0, "its range begins with the speed that it had"
+
+
+def test_each_time_that_its_power_comes_back_it_is_judged_from_the_second_sample_on() -> None:
+    one = rested(Speed(0.0))
+    for _ in range(4):
+        assert not one.strays(9.0, power=Power.OFF)
+        assert not one.strays(0.0)
+        assert one.strays(9.0)
+
+
+def test_its_range_reaches_to_rest_and_back_each_time_that_a_device_stops_and_goes_on() -> None:
+    """Between the stops 60 cycles of 50 ms: the range has shrunk to what is demanded."""
+    one = settled(Speed(3.0), 3.0)
+    for _ in range(3):
+        known = one.does(3.0, power=Power.STOPPED)
+        assert (known.low, known.high) == pytest.approx((0.0, 3.0), abs=1e-3)
+        known = one.does(0.0, 60, power=Power.STOPPED)
+        assert (known.low, known.high) == pytest.approx((0.0, 0.0), abs=1e-3)
+        known = one.does(0.0)
+        assert (known.low, known.high) == pytest.approx((0.0, 3.0), abs=1e-3)
+        known = one.does(3.0, 60)
+        assert (known.low, known.high) == pytest.approx((3.0, 3.0), abs=1e-3)
 
 
 def test_a_device_that_was_not_heard_or_counts_anew_is_not_judged() -> None:

@@ -48,8 +48,8 @@ def test_a_number_is_told_in_the_unit_of_its_bound_unless_another_is_named() -> 
         (0.0, 0.0, False),
         (0.49, 0.49, False),
         (0.5, 0.5, False),
-        (0.5 * (1 + 0.9e-6), 0.5, False),
-        (0.5 * (1 + 1.1e-6), 0.5, True),
+        (0.5 * (1 + 0.999e-6), 0.5, False),
+        (0.5 * (1 + 1.001e-6), 0.5, True),
         (0.6, 0.5, True),
         (60.0, 0.5, True),
     ],
@@ -271,6 +271,20 @@ def test_older_words_are_obeyed_at_less_speed(
     ruling = gate_of(robot).rule(snapshot)
     assert ruling.allowed.speed_mps == pytest.approx(allowed, rel=1e-9)
     assert names(ruling) == held
+
+
+def test_the_delay_limit_names_both_ages_and_is_shown_for_300_milliseconds(robot: Rars, well: Well) -> None:
+    gate = gate_of(robot)
+    limit = AgeLimit(1000 * MILLISECOND)
+    snapshot = well(START, intent={"speed_mps": 0.5}, demanded_speed_mps=0.5, age_limit=limit)
+    (hold, *_) = gate.rule(snapshot).holds
+    assert (hold.name, hold.reason) == (
+        "delay limit",
+        "asked for 0.50 m/s, allowed is 0.25 m/s while words may be 1000 ms instead of 500 ms old",
+    )
+    clear = START + SECOND
+    for now, shown in ((clear, True), (clear + SHOWN_FOR - 1, True), (clear + SHOWN_FOR, False)):
+        assert ("delay limit" in names(gate.rule(well(now, age_limit=limit)))) is shown
 
 
 @pytest.mark.parametrize(("asked_s", "ms"), [(None, 500), (0.05, 50), (1.0, 1000), (2.0, 2000)])

@@ -7,7 +7,7 @@ from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.robots.rars import KIND
 from firmware_bridge.safety.common import AXIS_ROWS, whole_robot_rows
 from firmware_bridge.safety.snapshot import Hold
-from firmware_bridge.units import SECOND, Nanoseconds
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.rows import every
 from hil_tests.safety.gate_bench import (
     Rars,
@@ -148,6 +148,16 @@ def test_it_trips_again_at_once_after_it_has_let_go(robot: Rars, well: Well, cas
 
 def _at(hold: Hold, now: Nanoseconds) -> Hold:
     return Hold(hold.name, hold.reason, hold.row, now)
+
+
+def test_a_low_battery_holds_at_once_while_disarmed_and_after_10_seconds_while_armed(
+    robot: Rars, well: Well
+) -> None:
+    low = well(START, battery_low_since=START - MILLISECOND)
+    assert names(gate_of(robot).rule(low)) == ()
+    assert names(gate_of(robot).rule(with_facts(low, armed=False))) == ("battery low", "not armed")
+    without = robot.model_copy(update={"battery": None})
+    assert names(gate_of(without).rule(with_facts(low, battery_low_since=0))) == ()
 
 
 def test_an_extended_lift_counts_as_retracted_only_well_below_the_threshold(robot: Rars, well: Well) -> None:

@@ -17,6 +17,7 @@ NOTHING: Final = Word()
 AT_REST: Final = Word(at_rest=True)
 OFF: Final = Inputs(0, in1=False, in2=False)
 RELEASED: Final = Inputs(None, in1=False, in2=False)
+AHEAD_0: Final = Inputs(0, in1=True, in2=False)
 
 
 def board(protocol: str, libraries: tuple[str, ...] = mw.LIBRARIES) -> Board:
@@ -52,6 +53,12 @@ def written(low: int, high: int) -> bytes:
             ),
         ),
         ("ros-arduino-bridge", f"m {'9' * (ros.WORD - 1)} 0 0\r".encode(), None),
+        (
+            # The firmware has room for 15 characters of a number, its sign among them.
+            "ros-arduino-bridge",
+            b"m -99999999999999 0 0\r",
+            Word({1: Inputs(99_999_999_999_999, in1=False, in2=True), 2: AHEAD_0, 3: AHEAD_0}),
+        ),
         ("ros-arduino-bridge", b"b 1\r", None),
         ("ros-arduino-bridge", b"x 1 0 1\r", None),
         ("ros-arduino-bridge", "m \u0661 0 1\r".encode(), None),
@@ -82,6 +89,7 @@ def written(low: int, high: int) -> bytes:
         ("mw", mw.encode_request(messages.StopMotor(0, 2), 1), Word({3: RELEASED})),
         ("mw", mw.encode_request(messages.StopMotor(0, 0), 1), Word({1: RELEASED})),
         ("mw", mw.encode_request(messages.StopMotor(0, 3), 1), None),
+        *(("mw", mw.encode_asked(mw.Asked(1, 2, stepper, bytes(4))), None) for stepper in (6, 7, 8, 9)),
         ("mw", mw.encode_request(messages.StopMotor(0, 0), 1) + bytes(9), Word({1: RELEASED})),
         ("mw", mw.encode_request(messages.StopMotor(0, 0), 1) + b"\0\1", None),
         (

@@ -90,6 +90,21 @@ def test_a_bridge_that_speaks_again_is_trusted_again_and_watched_again(bench: Be
     assert bench.guard.refused == 2
 
 
+@pytest.mark.parametrize("cycles", [1, 2, 3])
+def test_each_silence_is_recorded_and_its_deadline_is_counted_from_the_newest_set_points(
+    bench: Bench, cycles: int
+) -> None:
+    for number in range(1, 5):
+        for cycle in range(10 * number, 10 * number + cycles):
+            now = cycle * CYCLE
+            bench.puppet.says = MOVES
+            assert bench.guard.wake(now) == Reaction(MOVES, now + PATIENCE)
+        due = now + PATIENCE
+        assert bench.guard.wake(due) == Reaction(SAFE, due + CYCLE)
+        assert bench.guard.refused == number
+        assert (bench.guard.refusals[-1].at, bench.guard.refusals[-1].packet) == (due, None)
+
+
 def test_it_stays_watchful_until_every_axis_is_spoken_for_again(bench: Bench) -> None:
     bench.says(*MOVES, now=CYCLE)
     bench.guard.wake(10 * CYCLE)
@@ -155,6 +170,15 @@ def test_while_it_ends_a_bridge_is_still_watched_and_then_let_go(robot: AnyRobot
     puppet.wake_at = NEVER
     assert bench.says(Packet(OPERATOR, 0, b"bye"), now=CYCLE + PATIENCE + 1) == (Packet(OPERATOR, 0, b"bye"),)
     assert bench.guard.wake(99 * CYCLE) == Reaction((), NEVER)
+
+
+def test_each_guard_in_a_process_lets_go_of_its_own_bridge_at_the_end(robot: AnyRobot) -> None:
+    for _ in range(3):
+        puppet = Stopping()
+        bench = Bench(robot, puppet)
+        bench.says(*MOVES, now=CYCLE)
+        assert bench.guard.stop(CYCLE) == Reaction((), NEVER)
+        assert bench.guard.wake(99 * CYCLE) == Reaction((), NEVER)
 
 
 def test_a_bridge_that_fails_while_stopping_is_made_safe(robot: AnyRobot) -> None:

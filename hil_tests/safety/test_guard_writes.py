@@ -79,6 +79,17 @@ GAINS: Final = (
 )  # fmt: skip
 
 
+def with_ramps(robot: AnyRobot, **ramps: int) -> AnyRobot:
+    """Return a robot whose drives have these accelerations."""
+    axes = []
+    for axis in robot.axes:
+        profile = axis.epos2.profile.model_copy(update=ramps)
+        axes.append(
+            axis.model_copy(update={"settings": axis.settings.model_copy(update={"profile": profile})})
+        )
+    return robot.model_copy(update={"axes": tuple(axes)})
+
+
 @pytest.mark.parametrize(("node", "index", "subindex", "size", "may", "beyond"), WRITES)
 def test_an_object_may_be_written_within_its_bounds(
     bench: Bench,
@@ -117,6 +128,28 @@ def test_an_object_may_be_written_within_its_bounds(
 )
 def test_a_refused_write_is_told_with_its_bounds(bench: Bench, packet: Packet, reason: str) -> None:
     assert bench.refuses(packet)[0] == reason
+
+
+@pytest.mark.parametrize(
+    ("index", "may", "beyond"),
+    [
+        (0x6083, (1, 1_000), (0, 1_001, 2_000, 3_000)),
+        (0x6084, (2_000,), (1_000, 1_999, 2_001, 3_000)),
+        (0x6085, (3_000,), (1_000, 2_000, 2_999, 3_001)),
+    ],
+)
+def test_acceleration_deceleration_and_quick_stop_have_a_bound_each(
+    robot: AnyRobot, index: int, may: tuple[int, ...], beyond: tuple[int, ...]
+) -> None:
+    bench = Bench(
+        with_ramps(robot, acceleration_rpm_s=1_000, deceleration_rpm_s=2_000, quick_stop_rpm_s=3_000)
+    )
+    for node in (1, 2, 3, 4):
+        for value in may:
+            packet = write(node, index, 0, raw(value, 4))
+            assert bench.says(packet) == (packet,)
+        for value in beyond:
+            assert f"0x{index:04X} set to {value}, " in bench.refuses(write(node, index, 0, raw(value, 4)))[0]
 
 
 @pytest.mark.parametrize(("index", "subindex", "name"), GAINS)

@@ -233,6 +233,18 @@ def test_no_new_position_in_homing_mode_and_no_other_mode_while_bit_4_is_up(made
     assert line.writes(LIFT, at.MODE, 1) == "bit 4 is up, and would be a new position in another mode"
 
 
+@pytest.mark.parametrize("unused", [b"\0\0\0", b"\x01\0\0", b"\xff\xff\xff"])
+def test_bytes_of_a_write_that_are_not_used_do_not_count(unused: bytes) -> None:
+    """CiA 301: an expedited download says how many of its four bytes contain no data."""
+    line = OverCan()
+    prepared(line)
+    assert line.writes(LIFT, at.CONTROLWORD, START) is None
+    mode = guard_bench.write(LIFT, at.MODE.index, at.MODE.subindex, b"\x01")
+    packet = Packet(mode.link, mode.address, mode.payload[:5] + unused)
+    reason, _ = line.bench.refuses(packet, now=line.now + 1)
+    assert reason == "bit 4 is up, and would be a new position in another mode"
+
+
 @BOTH
 def test_a_drive_that_was_reset_has_said_nothing(made: Made) -> None:
     line = prepared(made())

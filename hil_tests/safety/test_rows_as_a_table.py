@@ -5,6 +5,7 @@ from typing import Any
 from firmware_bridge.kinds import find
 from firmware_bridge.safety.common import (
     AXIS_ANSWERS,
+    AXIS_RESTARTED,
     AXIS_ROWS,
     AXIS_UNMEASURED,
     LEFT_OUT_ROW,
@@ -36,6 +37,7 @@ axis zero lost         critical   0     disarms   blocks arming
 axis does not follow   critical   200   disarms   blocks arming
 axis moves unasked     critical   200   disarms   blocks arming  takes power
 axis position repeats  critical   200   disarms   blocks arming  takes power
+axis restarted         critical   0     disarms   blocks arming
 axis left out          warning    0     disarms   blocks arming
 axis unmeasured        warning    200   disarms   blocks arming
 axis answers late      warning    200   disarms   blocks arming
@@ -53,7 +55,7 @@ def test_each_row_is_as_bad_as_the_table_says() -> None:
     """One link stops everything, the other one its own group."""
     links = {**ROBOT.links, "arm": ROBOT.links["arm"].model_copy(update={"stops": ("arm",)})}
     common: Any = whole_robot_rows({}, links)
-    rows = [*common, *AXIS_ROWS, LEFT_OUT_ROW, AXIS_UNMEASURED, AXIS_ANSWERS]
+    rows = [*common, *AXIS_ROWS, AXIS_RESTARTED, LEFT_OUT_ROW, AXIS_UNMEASURED, AXIS_ANSWERS]
     wanted = [
         [word.strip() for word in line.split("  ") if word.strip()] for line in TABLE.strip().split("\n")
     ]

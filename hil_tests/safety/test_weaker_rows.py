@@ -19,6 +19,7 @@ from firmware_bridge.safety.gate import axis_rows
 from firmware_bridge.safety.interlock import AxisInterlock
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.safety.gate_bench import Gate, Rars, Snapshot, names, with_facts
+from hil_tests.scenarios.homed import homed
 
 Well: TypeAlias = Callable[..., Snapshot]
 
@@ -32,6 +33,10 @@ WATCHED: Final = ("axis does not follow", "axis moves unasked", "axis position r
 UNMEASURED: Final = "axis unmeasured"
 LIMIT: Final = 250 * MILLISECOND
 """The silence that RARS's link allows."""
+RARS: Final = kinds.find("rars")
+ZERO_LOST: Final = next(row for row in common.AXIS_ROWS if row.name == "axis zero lost")
+RESTARTED: Final = " has restarted, or was not asked about since the bridge began"
+HOME_IT: Final = "; home it (drive --home, or MAV_CMD_USER_1 with NaN)"
 
 
 def tells_of(robot: Rars, **others: frozenset[Tells]) -> dict[str, frozenset[Tells]]:
@@ -194,3 +199,31 @@ def test_a_device_without_a_word_for_its_zero_is_asked_about_when_it_restarts(
         axes[name] = replace(axes[name], zero_lost=True)
         ruling = gate.Gate(robot, KIND.rules(robot), told).rule(with_facts(well(SECOND), axes=axes))
         assert set(names(ruling)) == holds
+
+
+def test_one_that_was_never_heard_is_silent_and_has_not_restarted(robot: Rars, well: Well) -> None:
+    told = tells_of(robot, lift=EVERYTHING - {Tells.ZERO})
+    axes = {**well(SECOND).facts.axes, "lift": Feedback("lift", zero_lost=True)}
+    ruling = gate.Gate(robot, KIND.rules(robot), told).rule(with_facts(well(SECOND), axes=axes))
+    assert set(names(ruling)) == {"axis silent: lift"}
+
+
+@pytest.mark.parametrize(
+    ("axis", "stood", "ending"),
+    [
+        (RARS.axes[3], {}, ""),
+        (RARS.axes[3], {"lift": "0.10 m"}, " (last known: 0.10 m)"),
+        (homed().axes[3], {}, HOME_IT),
+        (homed().axes[3], {"lift": "0.10 m"}, f" (last known: 0.10 m){HOME_IT}"),
+    ],
+)
+def test_a_lost_zero_is_reported_with_the_last_known_place_and_the_way_to_home(
+    well: Well, axis: Axis, stood: dict[str, str], ending: str
+) -> None:
+    lost = Feedback("lift", Power.ON, heard_at=SECOND, zero_lost=True)
+    facts = with_facts(well(SECOND), stood=stood).facts
+    for row, reason in (
+        (ZERO_LOST, ": its zero is lost, nobody knows where it stands"),
+        (common.AXIS_RESTARTED, f"{RESTARTED}: nobody knows where it stands"),
+    ):
+        assert row.judge(axis, lost, facts, LIMIT) == f"node 4 (scissor lift){reason}{ending}"

@@ -77,5 +77,6 @@ def test_each_line_of_each_set_has_its_length() -> None:
         state_of_tle(first, second)
         with pytest.raises(ValueError, match="line 1 of"):
             state_of_tle(first + first[-1], second)
-        with pytest.raises(ValueError, match="line 2 of"):
-            state_of_tle(first, second + second[-1])
+        for _ in range(2):
+            with pytest.raises(ValueError, match="line 2 of"):
+                state_of_tle(first, second + second[-1])

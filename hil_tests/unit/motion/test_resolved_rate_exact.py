@@ -55,14 +55,17 @@ def test_a_joint_weighs_more_by_the_slope_towards_its_nearer_limit(
 
 @every("room", [1e-6, 0.0, -0.001, -0.5])
 def test_at_its_limit_and_beyond_a_joint_does_a_millionth(room: float) -> None:
-    assert_shared(1.0, room, 0.1, 1e6)
-    assert_shared(room, 1.0, -0.1, 1e6)
+    for wish in (0.1, 1e-4):
+        assert_shared(1.0, room, wish, 1e6)
+        assert_shared(room, 1.0, -wish, 1e6)
+        assert_shared(min(room, 0.0), 0.005, -wish, 1e6)  # a joint of little travel
 
 
 @every("room", [1e-6, 0.0, -0.001, -0.5])
 def test_at_its_limit_and_beyond_a_joint_is_free_to_go_back(room: float) -> None:
-    assert_shared(1.0, room, -0.1, 1.0)
-    assert_shared(room, 1.0, 0.1, 1.0)
+    for wish in (0.1, 1e-4):
+        assert_shared(1.0, room, -wish, 1.0)
+        assert_shared(room, 1.0, wish, 1.0)
 
 
 @every(
