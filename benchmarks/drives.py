@@ -7,9 +7,10 @@ from functools import partial
 from typing import Final
 
 from emulators.epos2.drive import Epos2
+from emulators.mounted import PULSES
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
-from emulators.single import QUADCOUNTS
+from emulators.single import QUADRATURE
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.node import CAN
@@ -130,7 +131,7 @@ def crowd(
     cycle: Cycle | None = None,
 ) -> Crowd:
     """Put so many drives onto a bus, above motors in C where that library is given, and run them in."""
-    axes = [ServoAxis(f"motor{node}", QUADCOUNTS) for node in range(1, count + 1)]
+    axes = [ServoAxis(f"motor{node}", QUADRATURE * PULSES) for node in range(1, count + 1)]
     bank = None if motors is None else ServoBank(Motors(motors, count=count), axes, supply=3 * count)
     world, wire = World(bank), CanWire(BIT_RATE)
     master = Master(set_up(count, heartbeat_ms), cycle or partial(exchange, count), every)

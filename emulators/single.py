@@ -3,26 +3,30 @@
 It refuses to know which bus they are on.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Final
 
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.device_profile import DeviceProfile, numbered
+from emulators.epos2.objects.saved_parameters import Volatile
 from emulators.epos2.serial.serial_drive import SerialEpos2
+from emulators.mounted import Comparison, Mounted, Torque
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import Plant, ServoBank
 from emulators.servo.fmu_axes import fmu_bank, fmu_plant, tell_motor
-from emulators.servo.motor import MOTOR, SUPPLY_MV, DcMotor, DcMotors
+from emulators.servo.motor import SUPPLY_MV, DcMotors
 from emulators.servo.winding import tell
-from emulators.storage import ParameterFile
+from emulators.storage import Commissioned, ParameterFile
+from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.plant import FmuPlant
 
-QUADCOUNTS: Final = 2_000
-"""Of the encoder in one turn: the default of 0x2210:1, 500 pulses."""
+QUADRATURE: Final = 4
+"""Edges of both channels for each pulse."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +36,8 @@ class Order:
     nodes: Sequence[int]
     profile: DeviceProfile
     bit_rate: int
-    motor: DcMotor = MOTOR
+    mounted: Mounted = field(default_factory=Mounted)
+    """At each of them."""
     plant: Path | None = None
     plant_parameters: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     """The FMU's parameters that are to be set, by their names."""
@@ -43,6 +48,8 @@ class Order:
     """The folder that keeps saved parameters; None keeps them as long as the drives live."""
     dip_off: bool = False
     """Whether the DIP switches say 0, so that the saved number counts."""
+    commissioned: Mapping[Address, int] = field(default_factory=lambda: MappingProxyType({}))
+    """Parameters of a drive that somebody has set up, until it saves others."""
     serial: Mapping[int, Generation | None] = field(default_factory=lambda: MappingProxyType({}))
     """The nodes with a host on their serial port, and the protocol that they speak; None as the host does."""
 
@@ -52,35 +59,48 @@ class Order:
         return list(self.axes) or [f"motor{node}" for node in self.nodes]
 
 
-def drives(order: Order) -> tuple[dict[str, Epos2], ServoBank]:
+def drives(order: Order, say: Callable[[str], None] | None = None) -> tuple[dict[str, Epos2], ServoBank]:
     """Build the drives by the names of their axes, and what moves them.
 
-    PlantError where the FMU cannot be used, StorageError where saved parameters cannot be read.
+    `say` takes what a client has set up otherwise than it is mounted. PlantError where the FMU cannot be
+    used, StorageError where saved parameters cannot be read.
     """
     names = order.names
     plant: Plant = (
-        DcMotors((order.motor,) * len(names))
+        DcMotors((order.mounted.shaft,) * len(names))
         if order.plant is None
         else fmu_plant(order.plant, names, order.plant_parameters)
     )
-    axes = [ServoAxis(name, QUADCOUNTS, supply_mv=order.supply_mv) for name in names]
+    axes = [ServoAxis(name, QUADRATURE * order.mounted.pulses, supply_mv=order.supply_mv) for name in names]
     for axis in axes:
+        order.mounted.mount(axis)
         if isinstance(plant, FmuPlant):
             tell_motor(plant, axis)
         else:
-            motor = order.motor
-            tell(axis, motor.torque_constant, motor.resistance, motor.inductance)
+            shaft = order.mounted.shaft
+            tell(axis, shaft.torque_constant, shaft.resistance, shaft.inductance)
     made = {
         name: _drive(order, node, axis) for name, node, axis in zip(names, order.nodes, axes, strict=True)
     }
+    if isinstance(plant, DcMotors):
+        for place, (name, axis) in enumerate(zip(names, axes, strict=True)):
+            Torque(order.mounted, made[name].store, axis, partial(plant.becomes, place))
+    for node, name in zip(order.nodes, names, strict=True):
+        if say is not None:
+            Comparison(order.mounted, made[name].store, _at(node, say))
     return made, fmu_bank(plant, axes) if isinstance(plant, FmuPlant) else ServoBank(plant, axes)
 
 
 def _drive(order: Order, node: int, axis: ServoAxis) -> Epos2:
     switch = 0 if order.dip_off else node
     profile = numbered(order.profile, node)
-    storage = None if order.parameters is None else ParameterFile(order.parameters / f"node-{node}.json")
+    kept = None if order.parameters is None else ParameterFile(order.parameters / f"node-{node}.json")
+    storage = Commissioned(order.commissioned, kept or Volatile()) if order.commissioned else kept
     if node not in order.serial:
         return Epos2(switch, axis, profile, storage=storage, bus_rate=order.bit_rate)
     generation = order.serial[node]
     return SerialEpos2(switch, axis, profile, generation=generation, storage=storage, bus_rate=order.bit_rate)
+
+
+def _at(node: int, say: Callable[[str], None]) -> Callable[[str], None]:
+    return lambda text: say(f"node {node}: {text}")

@@ -1,17 +1,17 @@
 """Drives without a robot at the command line: `emulate epos2`."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from emulators.cli.options import LatencyOption, ParametersOption, ProfileOption, find_profile
 from emulators.epos2.objects.device_profile import BAUDS, BIT_RATES, DeviceProfile, realistic
-from emulators.servo.motor import MOTOR, SUPPLY_MV, DcMotor
-from firmware_bridge.cli.commands import command
-from firmware_bridge.cli.console import one_message, refusal
+from emulators.servo.motor import MOTOR, SUPPLY_MV
+from firmware_bridge.cli.commands import command, completing
+from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.options import (
     DurationOption,
     until,
@@ -22,11 +22,21 @@ from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
 from firmware_bridge.wire.maxon.frame import Generation
 
+if TYPE_CHECKING:
+    from emulators.mounted import Load, Mounted
+    from firmware_bridge.wire.epos2.address import Address
+
 EXAMPLES: Final = """Examples:
 
 `firmware-bridge emulate epos2 --node 1 --profile 70/10 -i socketcan -c vcan0`
 
 `firmware-bridge emulate epos2 --node 1-8 --load 5e-5,0.002 -i socketcan -c vcan0`
+
+`firmware-bridge emulate epos2 --motor 148867 --encoder 1024 --gear 26 --load 0.002,0.05 -i socketcan -c
+vcan0`
+
+`firmware-bridge emulate epos2 --profile 50/5 --motor "EC 45 flat 70W 24V" --encoder 2048,no-index --dcf
+drive.dcf --serial pty`
 
 `firmware-bridge emulate epos2 --node 1-2 --plant my.fmu --axes left,right -i socketcan -c vcan0`
 
@@ -61,8 +71,42 @@ class DrivesOptions(Outside):
         str | None,
         typer.Option(
             metavar="INERTIA,FRICTION",
-            help="At each shaft, the rotor's own included: kg m2 and N m.",
-            show_default=f"{MOTOR.inertia:g},{MOTOR.friction:g}",
+            help="At each motor: kg m2 and N m. With --motor what its gear turns, without it the rotor's own "
+            "included.",
+            show_default=f"nothing, or without --motor {MOTOR.inertia:g},{MOTOR.friction:g}",
+        ),
+    ] = None
+    motor: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|ORDER-NUMBER|FILE.toml",
+            help="The motor at each drive, as `new --motor` takes it: one that is known, or a file with its "
+            "data. An EC motor is emulated as the DC motor that it is equivalent to.",
+            show_default="no particular one, with which any motor type 0x6402 is right",
+            autocompletion=completing("emulators.motors:names"),
+        ),
+    ] = None
+    encoder: Annotated[
+        str,
+        typer.Option(
+            metavar="PULSES[,no-index]",
+            help="The encoder at each motor: pulses in one turn, and whether it lacks the index channel.",
+        ),
+    ] = "500"
+    pole_pairs: Annotated[
+        int | None,
+        typer.Option(min=1, max=255, help="The motor's pole pairs.", show_default="as --motor has them"),
+    ] = None
+    gear: Annotated[float, typer.Option(metavar="RATIO", help="Turns of the motor for one of the load.")] = (
+        1.0
+    )
+    dcf: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Parameters of a drive, as `epos2 dcf` or EPOS Studio writes them (CiA 306), until others "
+            "are saved.",
+            show_default=False,
         ),
     ] = None
     plant: Annotated[
@@ -130,6 +174,8 @@ class DrivesOptions(Outside):
 
 
 DEFAULT_BIT_RATE: Final = 1_000_000
+PULSES: Final = range(16, 2_500_001)
+"""Of an encoder in one turn, as 0x2210:1 takes them."""
 
 
 def run(given: DrivesOptions) -> None:
@@ -153,6 +199,7 @@ def run(given: DrivesOptions) -> None:
         raise refusal(
             f"--axes {given.axes}: there are {len(nodes)} nodes and {len(names)} axes; name one for each"
         )
+    mounted = _mounted(given)
     rate = given.bit_rate or DEFAULT_BIT_RATE
     near = on_the_line(given, nodes)
     order = Order(
@@ -162,7 +209,8 @@ def run(given: DrivesOptions) -> None:
             rs232_rate=_rs232(given.baud, given.serial, given.protocol),
         ),
         bit_rate=rate,
-        motor=_loaded(given.load),
+        mounted=mounted,
+        commissioned={} if given.dcf is None else _commissioned(given.dcf),
         plant=given.plant,
         plant_parameters=_settings(given.values or [], given.plant),
         axes=names,
@@ -172,7 +220,7 @@ def run(given: DrivesOptions) -> None:
         serial={} if given.serial is None else {near: given.protocol},
     )
     with one_message(PlantError, StorageError, ServoError):
-        made, bank = drives(order)
+        made, bank = drives(order, say)
     owner = order.names[nodes.index(near)]
     line = "" if given.serial is None else f", node {near} on the line"
     with recording(given.record, {CAN: CAN_LOG, SERIAL: SERIAL_LOG}) as (around, _):
@@ -181,7 +229,7 @@ def run(given: DrivesOptions) -> None:
             around(Cluster(made, bank, links={owner: {CAN: CAN, SERIAL: SERIAL}})),
             openers,
             until(given.duration),
-            f"{order.profile.name} on {where}: node {given.node}{line}",
+            f"{order.profile.name} on {where}: node {given.node}{line}; {_text(mounted, given.plant)}",
             PlantError,
             ServoError,
             clock=LivedClock(),
@@ -190,7 +238,16 @@ def run(given: DrivesOptions) -> None:
 
 def _choices(given: DrivesOptions) -> list[str]:
     """Return the choices; that of the boot time has an option, too."""
-    return [*(given.choice or ()), *([] if given.boot_time is None else [f"boot-time={given.boot_time}"])]
+    from emulators.epos2.objects.choices import ChoiceError, chosen
+
+    if given.boot_time is None:
+        return given.choice or []
+    choice = f"boot-time={given.boot_time}"
+    try:
+        chosen(find_profile(given.profile), [choice])
+    except ChoiceError:
+        raise refusal(f"--boot-time {given.boot_time}: say a time, as 262.5ms or 2s, 60s at most") from None
+    return [*(given.choice or ()), choice]
 
 
 def _profile(name: str, rate: int, choices: Sequence[str], *, latency: bool) -> DeviceProfile:
@@ -230,16 +287,66 @@ def _settings(values: Sequence[str], plant: Path | None) -> dict[str, float]:
     return found
 
 
-def _loaded(load: str | None) -> DcMotor:
-    if load is None:
-        return MOTOR
+def _mounted(given: DrivesOptions) -> "Mounted":
+    """Return what hangs on each drive; what makes no sense ends the program with a message."""
+    from emulators.motors import MotorError, motor
+    from emulators.mounted import Mounted
+
+    if given.plant is not None:
+        for name in ("motor", "load", "pole_pairs"):
+            if getattr(given, name) is not None:
+                raise refusal(
+                    f"--{name.replace('_', '-')}: the plant has motors of its own; leave one of them out"
+                )
+    if not 0.0 < given.gear < float("inf"):
+        raise refusal(f"--gear {given.gear:g}: say how often the motor turns for one turn of the load, as 26")
+    pulses, index = _encoder(given.encoder)
+    with one_message(MotorError):
+        return Mounted(
+            motor=None if given.motor is None else motor(given.motor),
+            pulses=pulses,
+            index=index,
+            pole_pairs=given.pole_pairs,
+            gear=given.gear,
+            load=None if given.load is None else _load(given.load, named=given.motor is not None),
+        )
+
+
+def _text(mounted: "Mounted", plant: Path | None) -> str:
+    if plant is None:
+        return f"mounted: {mounted.text}"
+    index = "with" if mounted.index else "without"
+    return f"mounted: the plant {plant.name}, encoders with {mounted.pulses} pulses {index} index"
+
+
+def _encoder(text: str) -> tuple[int, bool]:
+    pulses, _, rest = text.partition(",")
+    if not pulses.isdigit() or int(pulses) not in PULSES or rest not in {"", "no-index"}:
+        raise refusal(
+            f"--encoder {text}: say PULSES or PULSES,no-index, {PULSES.start} to {PULSES.stop - 1} in a turn"
+        )
+    return int(pulses), not rest
+
+
+def _load(text: str, *, named: bool) -> "Load":
+    from emulators.mounted import Load
+
     try:
-        inertia, friction = (float(part) for part in load.split(","))
+        inertia, friction = (float(part) for part in text.split(","))
     except ValueError:
-        raise refusal(f"--load {load}: say INERTIA,FRICTION in kg m2 and N m, as 2e-5,0.001") from None
-    if not (0.0 < inertia < float("inf") and 0.0 <= friction < float("inf")):
-        raise refusal(f"--load {load}: the inertia must be more than 0, the friction not less")
-    return replace(MOTOR, inertia=inertia, friction=friction)
+        raise refusal(f"--load {text}: say INERTIA,FRICTION in kg m2 and N m, as 2e-5,0.001") from None
+    least = inertia >= 0.0 if named else inertia > 0.0
+    if not (least and inertia < float("inf") and 0.0 <= friction < float("inf")):
+        than = "not less than" if named else "more than"
+        raise refusal(f"--load {text}: the inertia must be {than} 0, the friction not less")
+    return Load(inertia, friction)
+
+
+def _commissioned(file: Path) -> "Mapping[Address, int]":
+    from emulators.documents.dcf_reader import DcfError, parameters
+
+    with one_message(DcfError):
+        return parameters(file)
 
 
 emulate: Final = command(EXAMPLES, work=run)(DrivesOptions)

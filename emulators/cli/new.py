@@ -56,7 +56,7 @@ def new(
             "--motor",
             metavar="NAME|FILE",
             help="A motor that is known, or a file (.toml) with its data.",
-            autocompletion=completing("emulators.starter.motors:names"),
+            autocompletion=completing("emulators.motors:names"),
         ),
     ] = "RE40",
     gear: Annotated[
@@ -84,8 +84,8 @@ def new(
     The gains are worked out from the motor's data and the mass. Look at each number marked ASSUME before the
     real robot moves.
     """
-    from emulators.starter import motors
-    from emulators.starter.motors import MotorError
+    from emulators import motors
+    from emulators.motors import MotorError
     from emulators.starter.numbers import Specification, SpecificationError
     from emulators.starter.package import kinds, write
     from firmware_bridge.robot.settings.epos2 import Epos2Device

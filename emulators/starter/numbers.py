@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.starter.motors import Motor
+from emulators.motors import Motor
 from emulators.starter.tuning import VELOCITY_P_UNIT, velocity_gains
 from firmware_bridge.robot.settings.epos2 import Epos2Device
 

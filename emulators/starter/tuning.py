@@ -10,7 +10,7 @@ Units of the gains: those of the objects 0x60F6 and 0x60F9 of the EPOS2.
 import math
 from typing import Final
 
-from emulators.starter.motors import Motor
+from emulators.motors import Motor
 from firmware_bridge.robot.settings.epos2 import Gains
 
 CURRENT_STEP_S: Final = 1e-4

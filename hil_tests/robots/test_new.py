@@ -16,7 +16,7 @@ import pytest
 from carrier.plant import PLANT
 from typer.testing import CliRunner
 
-from emulators.starter.motors import MOTORS
+from emulators.motors import MOTORS
 from emulators.starter.numbers import Specification
 from emulators.starter.package import written
 from emulators.starter.tuning import velocity_gains
@@ -222,7 +222,8 @@ def test_what_makes_no_robot_is_refused_in_one_line_and_nothing_is_written(
 def test_a_motor_of_ones_own_comes_from_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     data = "\n".join(
-        f"{key} = {value!r}".replace("'", '"') for key, value in MOTORS["RE25"].model_dump().items()
+        f"{key} = {value!r}".replace("'", '"')
+        for key, value in MOTORS["RE25"].model_dump(exclude_none=True).items()
     )
     Path("mine.toml").write_text(data.replace("maxon RE25", "my RE25"), encoding="utf-8")
     words = ["--wheel-radius", "0.05", "--track", "0.25", "--mass", "8", "--gear", "20"]

@@ -87,7 +87,7 @@ def test_what_is_no_list_of_nodes_is_refused(text: str) -> None:
 
 
 def test_mistakes_are_answered_with_what_there_is() -> None:
-    assert "24/2, 24/5, 36/2, 50/5, 70/10" in refused("--profile", "90/9")
+    assert "24/2, 24/5, 36/2, 50/5, 50/5-6320, 70/10" in refused("--profile", "90/9")
     assert "800000" in refused("--bitrate", "100000")
     assert "INERTIA,FRICTION" in refused("--load", "1")
     assert "more than 0" in refused("--load", "0,0.1")

@@ -1,0 +1,159 @@
+"""What is mounted at a single drive: motor, encoder, gear and load; and whether the client has set it up so.
+
+A real drive cannot know what hangs on it, and neither does the emulated one: with other settings it counts,
+commutates and supervises by those. ASSUME: a brushed motor at a drive that is set up for hall sensors shows
+none of them; a motor with three phases at one that is set up for a brushed motor gives no torque.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+from emulators.epos2.control.sensing import BRUSHLESS, WITH_INDEX
+from emulators.epos2.objects.store import ObjectStore
+from emulators.motors import Motor
+from emulators.servo.axis import ServoAxis
+from emulators.servo.motor import MOTOR, DcMotor
+from emulators.servo.sensors import HALL_LINES, HALL_LOW, INDEX_MISSING
+from emulators.servo.winding import tell
+from firmware_bridge.wire.cia402 import Command, command_of
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+
+POLE_PAIRS: Final = Address(0x6410, 3)
+PULSES: Final = 500
+"""Of an encoder in one turn: the default of 0x2210:1."""
+NO_TORQUE: Final = 1e-9
+"""The constant of a motor that turns no current into torque, N m/A: 0 would divide."""
+UNKNOWN: Final = f"no particular motor ({MOTOR.torque_constant:g} N m/A, {MOTOR.resistance:g} Ohm)"
+
+
+class Load(NamedTuple):
+    """What hangs on the shaft: kg m2 and N m."""
+
+    inertia_kg_m2: float
+    friction_nm: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mounted:
+    """What hangs on one drive."""
+
+    motor: Motor | None = None
+    """None: no particular one, with which every motor type is right."""
+    pulses: int = PULSES
+    """Of the encoder at the motor's shaft, in one turn."""
+    index: bool = True
+    """Whether the encoder has a third channel."""
+    pole_pairs: int | None = None
+    """None: the motor's own."""
+    gear: float = 1.0
+    """Turns of the motor for one of the load."""
+    load: Load | None = None
+    """At the output of the gear; without a motor at its shaft, the rotor's own included."""
+
+    @property
+    def pairs(self) -> int:
+        """The motor's pole pairs; 0 where nobody has told them."""
+        own = None if self.motor is None else self.motor.pole_pairs
+        return self.pole_pairs or own or 0
+
+    @property
+    def shaft(self) -> DcMotor:
+        """The motor with all that hangs on it, seen at its shaft."""
+        motor, load = self.motor, self.load
+        if motor is None:
+            load = load or Load(MOTOR.inertia, MOTOR.friction)
+            return DcMotor(
+                MOTOR.resistance,
+                MOTOR.inductance,
+                MOTOR.torque_constant,
+                load.inertia_kg_m2 / self.gear**2,
+                load.friction_nm / self.gear,
+                MOTOR.damping,
+            )
+        load = load or Load(0.0, 0.0)
+        return DcMotor(
+            motor.resistance_ohm,
+            motor.inductance_h,
+            motor.torque_constant_nm_a,
+            motor.rotor_inertia_kg_m2 + load.inertia_kg_m2 / self.gear**2,
+            motor.friction + load.friction_nm / self.gear,
+        )
+
+    @property
+    def text(self) -> str:
+        """What is mounted, in words."""
+        kinds = {"dc": "brushed", "ec": "EC, as its DC equivalent"}
+        motor = UNKNOWN if self.motor is None else f"{self.motor.title} ({kinds[self.motor.kind]})"
+        pairs = f", {self.pairs} pole pairs" if self.pairs > 1 else ""
+        index = "with" if self.index else "without"
+        gear = f", gear {self.gear:g}:1" if self.gear != 1.0 else ""
+        return f"{motor}{pairs}, encoder with {self.pulses} pulses {index} index{gear}"
+
+    def mount(self, axis: ServoAxis) -> None:
+        """Put all of it at an axis that was made for this encoder."""
+        if not self.index:
+            axis.sensor_faults |= INDEX_MISSING
+        if self.motor is not None and self.motor.kind == "dc":
+            axis.sensor_faults |= HALL_LINES << HALL_LOW
+        else:
+            axis.mounted_pole_pairs = self.pairs
+
+    def contradicts(self, get: Callable[[Address], int]) -> Iterator[str]:
+        """Yield what a client has set up otherwise than it is mounted; `get` reads an object."""
+        pulses, sensor, kind = get(at.ENCODER_PULSES), get(at.SENSOR_TYPE), get(at.MOTOR_TYPE)
+        if pulses != self.pulses:
+            yield f"0x2210:1 says {pulses} pulses, the mounted encoder has {self.pulses} (--encoder)"
+        if sensor in WITH_INDEX and not self.index:
+            yield f"0x2210:2 says {sensor}, with index; the mounted encoder has none (--encoder)"
+        if self.motor is None:
+            return
+        brushless = kind in BRUSHLESS
+        if brushless != (self.motor.kind == "ec"):
+            mounted = "an EC motor is mounted" if self.motor.kind == "ec" else "a brushed motor is mounted"
+            yield f"0x6402 says motor type {kind}, {mounted} (--motor)"
+        elif brushless and self.pairs and get(POLE_PAIRS) != self.pairs:
+            said = get(POLE_PAIRS)
+            yield f"0x6410:3 says {said} pole pairs, the mounted motor has {self.pairs} (--pole-pairs)"
+
+
+class Comparison:
+    """Says once, when the drive is enabled, what was set up otherwise than it is mounted."""
+
+    def __init__(self, mounted: Mounted, store: ObjectStore, say: Callable[[str], None]) -> None:
+        """Look at each controlword that a client sends."""
+        self._mounted = mounted
+        self._store = store
+        self._say = say
+        self._said: tuple[str, ...] = ()
+        store.on_write(at.CONTROLWORD, self._look)
+
+    def _look(self, word: int) -> None:
+        if command_of(word) is Command.ENABLE_OPERATION:
+            found = tuple(self._mounted.contradicts(self._store.get))
+            if found and found != self._said:
+                self._say("; ".join(found))
+            self._said = found
+
+
+class Torque:
+    """Takes an EC motor's torque away while the drive is set up for a brushed one."""
+
+    def __init__(
+        self, mounted: Mounted, store: ObjectStore, axis: ServoAxis, becomes: Callable[[DcMotor], None]
+    ) -> None:
+        """`becomes` puts another motor in the place of the present one."""
+        self._mounted = mounted
+        self._axis = axis
+        self._becomes = becomes
+        if mounted.motor is not None and mounted.motor.kind == "ec":
+            store.on_write(at.MOTOR_TYPE, self._take)
+            self._take(store.get(at.MOTOR_TYPE))
+
+    def _take(self, kind: int) -> None:
+        shaft = self._mounted.shaft
+        if kind not in BRUSHLESS:
+            shaft = DcMotor(shaft.resistance, shaft.inductance, NO_TORQUE, shaft.inertia, shaft.friction)
+        tell(self._axis, shaft.torque_constant, shaft.resistance, shaft.inductance)
+        self._becomes(shaft)

@@ -1,0 +1,240 @@
+"""Motor, encoder, gear and load of the user's own at an emulated drive; settings that contradict them."""
+
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import pytest
+from typer.testing import CliRunner
+
+from emulators.documents.dcf_reader import DcfError, parameters
+from emulators.documents.eds import dcf
+from emulators.epos2.objects.catalogue import PROFILES
+from emulators.motors import MotorError, catalogue, motor
+from emulators.mounted import Load, Mounted
+from emulators.single import Order, drives
+from emulators.wires import CanWire
+from emulators.world import World
+from firmware_bridge.cli import program
+from firmware_bridge.node import CAN
+from firmware_bridge.packet import Packet
+from firmware_bridge.units import SECOND
+from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.objects import OBJECTS
+from hil_tests.rows import every
+from hil_tests.unit.world.players import Player
+
+RE_40: Final = motor("148867")
+EC_45: Final = motor("397172")
+POLE_PAIRS: Final = Address(0x6410, 3)
+BRUSHED: Final = {at.MOTOR_TYPE: 1}
+RPM: Final = 600
+
+
+class Came(NamedTuple):
+    """What came of it: emergency codes, the true speed of the shaft in rpm, and what the console says."""
+
+    codes: list[int]
+    rpm: float
+    said: list[str]
+
+
+def turned(mounted: Mounted, settings: dict[Address, int]) -> Came:
+    """Set a drive up, and have it turn in profile velocity mode with its default gains."""
+    said: list[str] = []
+    made, bank = drives(Order((1,), PROFILES["70/10"], 1_000_000, mounted=mounted), said.append)
+    world, wire = World(bank), CanWire(1_000_000)
+    writes = [(0x000, "0100"), *(_write(*each) for each in (settings | {at.MODE: 3}).items())]
+    writes += [(0x201, "0600"), (0x201, "0F00"), (0x501, "0F00" + RPM.to_bytes(4, "little").hex())]
+    packets = [Packet(CAN, address, bytes.fromhex(text)) for address, text in writes]
+    master = Player(*((SECOND // 10 + SECOND // 50 * k, packet) for k, packet in enumerate(packets)))
+    world.attach("motor1", made["motor1"], {CAN: wire})
+    world.attach("master", master, {CAN: wire})
+    world.run(3 * SECOND // 2)
+    before = bank.axes[0].encoder
+    world.run(2 * SECOND)
+    codes = [int.from_bytes(p.payload[:2], "little") for _, p in master.heard if p.address == 0x081]
+    turns = (bank.axes[0].encoder - before) / (4 * mounted.pulses)
+    return Came(codes, 120.0 * turns, said)
+
+
+def _write(address: Address, value: int) -> tuple[int, str]:
+    size = OBJECTS[address].type.size
+    command = {1: 0x2F, 2: 0x2B, 4: 0x23}[size]
+    raw = (value & (1 << 8 * size) - 1).to_bytes(size, "little").ljust(4, b"\0")
+    return 0x601, bytes((command, *address.index.to_bytes(2, "little"), address.subindex, *raw)).hex()
+
+
+def with_encoder(pulses: int, sensor: int = 1) -> dict[Address, int]:
+    return BRUSHED | {at.ENCODER_PULSES: pulses, at.SENSOR_TYPE: sensor}
+
+
+def test_with_the_settings_of_what_is_mounted_it_turns_as_it_is_commanded() -> None:
+    for pulses in (500, 1024, 2048):
+        came = turned(Mounted(motor=RE_40, pulses=pulses), with_encoder(pulses))
+        assert (came.codes, came.said) == ([], [])
+        assert came.rpm == pytest.approx(RPM, rel=0.02)
+
+
+def test_a_wrong_pulse_number_is_found_by_the_index_and_named_by_the_console() -> None:
+    """The recorded inputs of a user: 1024 at an encoder of 500, and the other way round."""
+    for mounted, written in ((500, 1024), (1024, 500), (500, 256)):
+        came = turned(Mounted(motor=RE_40, pulses=mounted), with_encoder(written))
+        assert came.codes[0] in {0xFF02, 0xFF03}
+        assert came.said == [
+            f"node 1: 0x2210:1 says {written} pulses, the mounted encoder has {mounted} (--encoder)"
+        ]
+
+
+def test_without_an_index_a_wrong_pulse_number_is_a_wrong_speed() -> None:
+    came = turned(Mounted(motor=RE_40, pulses=500, index=False), with_encoder(1024, sensor=2))
+    assert came.codes == []
+    assert came.rpm == pytest.approx(RPM * 1024 / 500, rel=0.03)
+
+
+def test_an_index_that_is_set_up_and_not_there_is_missed() -> None:
+    came = turned(Mounted(motor=RE_40, index=False), with_encoder(500))
+    assert came.codes == [0xFF02]
+    assert came.said == ["node 1: 0x2210:2 says 1, with index; the mounted encoder has none (--encoder)"]
+
+
+def test_a_wrong_sign_runs_away_until_a_limit_trips() -> None:
+    came = turned(Mounted(motor=RE_40), with_encoder(500) | {Address(0x2210, 4): 1})
+    assert came.codes != []
+
+
+@every(
+    ("kind", "pairs", "codes", "rpm", "says"),
+    [
+        (10, 8, [], RPM, ""),
+        (11, 8, [], RPM, ""),
+        (10, 1, [0xFF08], 0, "0x6410:3 says 1 pole pairs, the mounted motor has 8 (--pole-pairs)"),
+        (1, 8, [], 0, "0x6402 says motor type 1, an EC motor is mounted (--motor)"),
+    ],
+)
+def test_an_ec_motor_turns_where_the_drive_is_set_up_for_it(
+    kind: int, pairs: int, codes: list[int], rpm: int, says: str
+) -> None:
+    came = turned(Mounted(motor=EC_45), {at.MOTOR_TYPE: kind, POLE_PAIRS: pairs})
+    assert came.codes == codes
+    assert came.rpm == pytest.approx(rpm, rel=0.03, abs=1.0)
+    assert came.said == ([f"node 1: {says}"] if says else [])
+
+
+def test_a_brushed_motor_shows_no_hall_sensors() -> None:
+    came = turned(Mounted(motor=RE_40), {at.MOTOR_TYPE: 10, POLE_PAIRS: 1})
+    assert came.codes == [0xFF04], "hall sensor not found"
+    assert came.said == ["node 1: 0x6402 says motor type 10, a brushed motor is mounted (--motor)"]
+
+
+def test_what_is_no_particular_motor_is_right_with_any_type() -> None:
+    for kind in (1, 10):
+        came = turned(Mounted(), {at.MOTOR_TYPE: kind})
+        assert (came.codes, came.said) == ([], [])
+        assert came.rpm == pytest.approx(RPM, rel=0.02)
+
+
+def test_the_load_is_seen_through_the_gear() -> None:
+    shaft = Mounted(motor=RE_40, gear=26.0, load=Load(0.1, 2.6)).shaft
+    assert shaft.inertia == pytest.approx(142e-7 + 0.1 / 676)
+    # The no-load current's torque, 0.137 A x 30.2 mN m/A, and a 26th of the load's.
+    assert shaft.friction == pytest.approx(0.137 * 0.0302 + 0.1)
+    assert Mounted(motor=RE_40).shaft.inertia == pytest.approx(142e-7)
+    assert Mounted(load=Load(5e-5, 0.002)).shaft.inertia == 5e-5
+
+
+def test_every_motor_of_the_catalogue_fits_its_published_figures() -> None:
+    """The speed without load: within 5 % of the constant's, as the file promises; a source for each."""
+    assert len(catalogue()) == 171
+    for one in catalogue().values():
+        assert one.source
+        assert one.kind == "ec" or one.pole_pairs in {1, 2, None}
+        assert 0.0 < one.no_load_current_a < one.continuous_current_a
+
+
+@pytest.mark.parametrize(
+    ("name", "title"),
+    [
+        ("148867", "RE 40 GB 150W 24V (148867)"),
+        ("re 40 24v", "RE 40 GB 150W 24V (148867)"),
+        ("dcx22s01gbkl598", "DCX 22 S GB 24V (DCX22S01GBKL598)"),
+        ("RE40", "maxon RE40 150 W 24 V (148867)"),
+    ],
+)
+def test_a_motor_is_found_by_number_and_by_words(name: str, title: str) -> None:
+    assert motor(name).title == title
+
+
+def test_an_ambiguous_name_lists_the_motors_that_have_it() -> None:
+    with pytest.raises(
+        MotorError, match=r"2 motors .*RE 40 GB 150W 24V \(148867\); RE 40 GB 150W 48V \(148877\)"
+    ):
+        motor("RE 40")
+    with pytest.raises(MotorError, match=r"no motor '148866' is known; perhaps"):
+        motor("148866")
+
+
+def test_a_configuration_file_is_what_the_drive_begins_with(tmp_path: Path) -> None:
+    values: dict[Address, int | bytes] = {at.MOTOR_TYPE: 1, at.ENCODER_PULSES: 1024, at.CURRENT_P: 321}
+    values |= {Address(0x2210, 4): 1, at.STATUSWORD: 0x40, Address(0x1400, 1): 0x209}
+    file = tmp_path / "drive.dcf"
+    file.write_text(dcf(PROFILES["70/10"], 5, 1_000_000, values), encoding="ascii")
+    read = parameters(file)
+    assert {key: read[key] for key in values if key != at.STATUSWORD} == {
+        key: value for key, value in values.items() if key != at.STATUSWORD
+    }
+    assert at.STATUSWORD not in read
+    made, _ = drives(Order((5,), PROFILES["70/10"], 1_000_000, commissioned=read))
+    drive = made["motor5"]
+    drive.wake(0)
+    assert [drive.store.get(key) for key in (at.MOTOR_TYPE, at.ENCODER_PULSES, at.CURRENT_P)] == [
+        1,
+        1024,
+        321,
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("no sections", "cannot be read as a configuration file"),
+        ("[6402]\nParameterName=Motor Type\n", "no ParameterValue"),
+        (
+            "[6402]\nParameterValue=many\n[2210sub1]\nParameterValue=-1\n",
+            r"\[6402\] .* no number; \[2210sub1\]",
+        ),
+        ("[6402]\nParameterValue=0x10000\n", "does not fit UNSIGNED16"),
+    ],
+)
+def test_what_is_no_configuration_file_is_refused_with_section_and_key(
+    tmp_path: Path, text: str, says: str
+) -> None:
+    file = tmp_path / "drive.dcf"
+    file.write_text(text, encoding="ascii")
+    with pytest.raises(DcfError, match=says):
+        parameters(file)
+    with pytest.raises(DcfError, match="cannot be read"):
+        parameters(tmp_path / "none.dcf")
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ("--motor RE41", "--motor: no motor 'RE41' is known; perhaps 'RE40'"),
+        ("--encoder 8", "--encoder 8: say PULSES or PULSES,no-index, 16 to 2500000 in a turn"),
+        ("--encoder 500,idx", "--encoder 500,idx: say PULSES"),
+        ("--gear 0", "--gear 0: say how often the motor turns"),
+        ("--gear nan", "--gear nan: say how often the motor turns"),
+        ("--load 0,0", "--load 0,0: the inertia must be more than 0"),
+        ("--motor RE40 --load -1,0", "--load -1,0: the inertia must be not less than 0"),
+        ("--plant my.fmu --motor RE40", "--motor: the plant has motors of its own"),
+        ("--plant my.fmu --pole-pairs 4", "--pole-pairs: the plant has motors of its own"),
+        ("--dcf none.dcf", "none.dcf: cannot be read"),
+        ("--boot-time 3", "--boot-time 3: say a time, as 262.5ms"),
+    ],
+)
+def test_a_wrong_option_is_refused_in_one_line(words: str, says: str) -> None:
+    result = CliRunner().invoke(program, ["emulate", "epos2", "--serial", "pty", *words.split()])
+    assert result.exit_code == 2
+    assert says in result.stderr
+    assert result.stderr.count("\n") == 1
