@@ -343,10 +343,13 @@ def _load(text: str, *, named: bool) -> "Load":
 
 
 def _commissioned(file: Path) -> "Mapping[Address, int]":
-    from emulators.documents.dcf_reader import DcfError, parameters
+    from emulators.epos2.objects.saved_parameters import is_parameter
+    from firmware_bridge.shell.data_sheets import SheetError, configured
+    from firmware_bridge.wire.epos2.differences import ANY_TYPE
 
-    with one_message(DcfError):
-        return parameters(file)
+    with one_message(SheetError):
+        found = configured(file).values
+    return {address: value for address, value in found.items() if is_parameter(ANY_TYPE[address])}
 
 
 emulate: Final = command(EXAMPLES, work=run)(DrivesOptions)

@@ -2,6 +2,7 @@
 
 import gzip
 import lzma
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
@@ -13,7 +14,7 @@ from typing import IO, TYPE_CHECKING, Annotated, Final, TypeAlias
 import typer
 
 from firmware_bridge.cli.commands import command, completing
-from firmware_bridge.cli.console import WRONG_INPUT, refusal, say
+from firmware_bridge.cli.console import WRONG_INPUT, one_message, refusal, say
 from firmware_bridge.cli.options import (
     ChannelOption,
     DurationOption,
@@ -28,6 +29,8 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 if TYPE_CHECKING:
     from firmware_bridge.dissector.bus_picture import BusPicture
+    from firmware_bridge.dissector.robot_mapping import Expected
+    from firmware_bridge.wire.epos2.address import Address
 
 
 EXAMPLES: Final = """Examples:
@@ -37,6 +40,9 @@ EXAMPLES: Final = """Examples:
 `firmware-bridge monitor -i socketcan -c can0 --robot rars` names the drives, and knows their PDOs at once.
 
 `firmware-bridge monitor --log out/rars-circles/can.log`
+
+`firmware-bridge monitor --log can.log --device epos2`, or `--dcf drive.dcf`, reads PDOs whose mapping nobody
+was seen to write.
 
 `firmware-bridge monitor --log out/rome-circle/serial.log --robot rome --protocol mw` says line by line what a
 board was told and has answered."""
@@ -82,11 +88,33 @@ class MonitorOptions:
         ),
     ] = None
     protocol: FirmwareOption = None
+    device: Annotated[
+        str | None,
+        typer.Option(
+            metavar="epos2",
+            help="What every node is whose PDO mapping nobody was seen to write: an EPOS2 with its defaults.",
+            show_default="an EPOS2 where a node says that it is maxon's (0x1018:1), else not known",
+        ),
+    ] = None
+    eds: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="A data sheet whose defaults count so.", show_default=False),
+    ] = None
+    dcf: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="FILE",
+            help="How the node is set up that a configuration file names; again for each node.",
+            show_default=False,
+        ),
+    ] = None
     duration: DurationOption = None
 
 
 DRAW_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
 
+EPOS2: Final = "epos2"
+_ON_SCREEN: Final = re.compile(r"\s*\S+\s+[0-9A-Fa-f]{3,8}\s+\[\d+\]")
 BIT_RATE: Final = 1_000_000
 """Bits a second, where neither the robot file nor an option tells them."""
 
@@ -215,7 +243,7 @@ def _picture(given: MonitorOptions) -> "BusPicture":
     if given.robot is None:
         if given.link is not None:
             raise refusal(f"--link {given.link}: only a robot has links; say --robot, too")
-        return BusPicture(given.bit_rate or BIT_RATE)
+        return BusPicture(given.bit_rate or BIT_RATE, _configured(given), _sheet(given), epos2=_device(given))
     # With them come pydantic and every installed robot.
     from firmware_bridge.cli.robot_argument import find_robot
     from firmware_bridge.dissector.robot_mapping import can_links, expected_on
@@ -227,7 +255,39 @@ def _picture(given: MonitorOptions) -> "BusPicture":
     link = links[0] if given.link is None and len(links) == 1 else given.link
     if link not in links:
         raise refusal(f"{robot.name} is on these buses: {', '.join(links)}; say which one with --link")
-    return BusPicture(given.bit_rate or robot.epos2_link(link).bit_rate, tuple(expected_on(robot, link)))
+    rate = given.bit_rate or robot.epos2_link(link).bit_rate
+    expected = (*expected_on(robot, link), *_configured(given))
+    return BusPicture(rate, expected, _sheet(given), epos2=_device(given))
+
+
+def _device(given: MonitorOptions) -> bool:
+    if given.device not in {None, EPOS2}:
+        raise refusal(f"--device {given.device}: there is {EPOS2}; of any other say --eds FILE")
+    return given.device is not None
+
+
+def _sheet(given: MonitorOptions) -> "Mapping[Address, int] | None":
+    from firmware_bridge.shell.data_sheets import SheetError, defaults
+
+    with one_message(SheetError):
+        return None if given.eds is None else defaults(given.eds).values
+
+
+def _configured(given: MonitorOptions) -> "tuple[Expected, ...]":
+    """Return the nodes of configuration files; one that names none ends the program with a message."""
+    from firmware_bridge.dissector.robot_mapping import Expected
+    from firmware_bridge.shell.data_sheets import SheetError, configured
+    from firmware_bridge.wire.epos2.differences import ANY_TYPE
+
+    found = []
+    for file in given.dcf or ():
+        with one_message(SheetError):
+            sheet = configured(file)
+        if not sheet.node:
+            raise refusal(f"--dcf {file}: it names no node; give [DeviceComissioning] its NodeID")
+        written = tuple((address, ANY_TYPE[address].type.encode(v)) for address, v in sheet.values.items())
+        found.append(Expected(sheet.node, "", written))
+    return tuple(found)
 
 
 def _numbered(path: Path) -> Iterator[tuple[int, str]]:
@@ -253,6 +313,11 @@ def _candump(path: Path, lines: Iterator[tuple[int, str]]) -> Iterator[_Frame]:
         try:
             yield parse_candump(line)
         except RecordingError:
+            if _ON_SCREEN.match(line):
+                raise refusal(
+                    f"{path}, line {number}: what candump shows on the screen has no times; record it with "
+                    "candump -L"
+                ) from None
             raise refusal(
                 f"{path}, line {number}: no line of a candump log, as '(12.345678) can0 123#DEADBEEF'"
             ) from None

@@ -17,6 +17,8 @@ from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
 BRIDGE: Final = "bridge"
 """The name of who asks."""
 UNREAD: Final = "no command that is known"
+LINE_FEED: Final = b"\n"
+NO_RETURN: Final = "part of a line: the sketch waits for a carriage return (CR), a line feed ends none"
 
 
 class BoardLine(ABC):
@@ -47,10 +49,13 @@ class RosLine(BoardLine):
     def asked(self, chunk: bytes) -> Iterator[str]:
         """Yield a command's name, and its numbers as they are."""
         for line in self._commands.hear(chunk):
-            letter, _, words = line.decode("ascii", "replace").partition(" ")
+            # The sketch takes the last character before the first space: a line feed does no harm.
+            letter, _, words = line.lstrip(LINE_FEED).decode("ascii", "replace").partition(" ")
             row = ros.COMMANDS.get(letter)
             self._asked = "" if row is None else f" to {row.name}"
             yield _called(UNREAD if row is None else row.name, words if row else repr(line.decode("latin-1")))
+        if self._commands.waiting.lstrip(LINE_FEED).endswith(LINE_FEED):
+            yield NO_RETURN
 
     def told(self, chunk: bytes) -> Iterator[str]:
         """Yield answers as they are."""
@@ -171,11 +176,7 @@ class Ar2Line(BoardLine):
             if asked is None:
                 yield f"{UNREAD}: {line.decode('latin-1')!r}"
                 continue
-            values = [
-                f"{'track' if letter == ar2.LETTERS[-1] else f'J{ar2.LETTERS.index(letter) + 1}'} {steps:+d}"
-                for letter, steps in asked.steps.items()
-                if steps
-            ]
+            values = [f"{_axis(letter)} {_steps(steps)}" for letter, steps in asked.steps.items() if steps]
             if asked.steps and not values:
                 values.append("no steps")
             values += [f"{letter} {number}" for letter, number in asked.fields.items()]
@@ -184,6 +185,16 @@ class Ar2Line(BoardLine):
     def told(self, chunk: bytes) -> Iterator[str]:
         """Yield the text as it came."""
         yield f"says {chunk.decode('latin-1')!r}"
+
+
+def _axis(letter: str) -> str:
+    return "track" if letter == ar2.LETTERS[-1] else f"J{ar2.LETTERS.index(letter) + 1}"
+
+
+def _steps(steps: int) -> str:
+    """Return steps as they were asked for, and what a board with numbers of 16 bits makes of them."""
+    kept = (steps + 0x8000 & 0xFFFF) - 0x8000
+    return f"{steps:+d}" if kept == steps else f"{steps:+d} (in the board's 16 bits {kept:+d})"
 
 
 LONGEST: Final = 6_000

@@ -5,7 +5,7 @@ sends none. Time is an argument and must not step back.
 """
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -16,8 +16,9 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire import canopen, sdo
 from firmware_bridge.wire.can import ERROR, INTERFRAME_BITS, REMOTE, frame_bits
-from firmware_bridge.wire.canopen import NmtState
+from firmware_bridge.wire.canopen import NmtCommand, NmtState
 from firmware_bridge.wire.epos2 import address as at
+from firmware_bridge.wire.epos2.address import Address
 
 RECENT: Final[Nanoseconds] = SECOND
 """Rates and load are those of this span."""
@@ -25,10 +26,20 @@ BURST: Final[Nanoseconds] = 100 * MILLISECOND
 """The peak load is the highest that any span of this length has seen."""
 BEATS: Final = 5
 """So many of the last intervals between heartbeats tell the period."""
+SHORTEST: Final[Nanoseconds] = MILLISECOND
+"""No heartbeat's period is shorter (CiA 301): frames that come closer have waited somewhere together."""
 MISSED: Final = 2
 """A heartbeat is missing after so many of its own periods. ASSUME: consumers wait about as long; CiA 301
 leaves it to who sets them up."""
 _NO_STATUS: Final = ""
+_COMMANDED: Final[Mapping[NmtCommand | None, NmtState | None]] = {
+    NmtCommand.START: NmtState.OPERATIONAL,
+    NmtCommand.STOP: NmtState.STOPPED,
+    NmtCommand.ENTER_PRE_OPERATIONAL: NmtState.PRE_OPERATIONAL,
+    NmtCommand.RESET_NODE: None,
+    NmtCommand.RESET_COMMUNICATION: None,
+}
+"""What a node is in then; nobody knows before a node that is reset has said its boot-up."""
 
 
 @dataclass(slots=True)
@@ -39,12 +50,16 @@ class NodeSeen:
     title: str = ""
     """What the robot file calls it."""
     network: NmtState | None = None
+    """As it has said last, or was commanded since, or goes on to by itself."""
+    said: NmtState | None = None
     """As it has said last."""
     beat_at: Nanoseconds | None = None
     periods: deque[Nanoseconds] = field(default_factory=lambda: deque(maxlen=BEATS))
     """Between its last heartbeats, or answers to node guarding."""
     missing: bool = False
     """Whether a heartbeat is overdue."""
+    late: int = 0
+    """Heartbeats in a row that came when they were overdue."""
     status: str = _NO_STATUS
     """Its statusword in words."""
     emergency: str = ""
@@ -80,7 +95,15 @@ class Error:
 class BusPicture:
     """One bus. `note` and `pass_time` return what has changed, in words."""
 
-    def __init__(self, bit_rate: int, expected: tuple[Expected, ...] = ()) -> None:
+    def __init__(
+        self,
+        bit_rate: int,
+        expected: tuple[Expected, ...] = (),
+        sheet: Mapping[Address, int] | None = None,
+        *,
+        epos2: bool = False,
+    ) -> None:
+        """Know the drives of a robot; of all others what a data sheet says, or that they are EPOS2 drives."""
         self.bit_rate: Final = bit_rate
         self.frames = 0
         self.bits = 0
@@ -89,7 +112,7 @@ class BusPicture:
         self.now: Nanoseconds = 0
         self.error: Error | None = None
         """The last one."""
-        self._reader = Canopen(defaults=False)
+        self._reader = Canopen(defaults=epos2, sheet=sheet)
         self._nodes: dict[int, NodeSeen] = {}
         self._messages: dict[int, MessageSeen] = {}
         self._titles = {one.node: one.title for one in expected}
@@ -131,9 +154,9 @@ class BusPicture:
 
     def note(self, now: Nanoseconds, packet: Packet) -> tuple[str, ...]:
         """Take a frame that has arrived."""
-        late = self.pass_time(now)
         if self.first_at is None:
-            self.first_at = now
+            self.first_at = self.now = now
+        late = self.pass_time(now)
         address = packet.address
         if address & ERROR:
             return (*late, self._wrong(self._reader.read("", packet)))
@@ -163,6 +186,7 @@ class BusPicture:
             self._nodes[node] = NodeSeen(node, self._titles.get(node, ""))
             yield f"node {node} is there"
         if kind == "nmt" and message.read is not None:
+            self._commanded(packet.payload)
             yield ": ".join(filter(None, message.read))
         elif kind == "sdo":
             yield from self._aborted(packet, message)
@@ -175,21 +199,36 @@ class BusPicture:
             yield from self._emergency(seen, packet, message)
         yield from self._status(packet)
 
+    def _commanded(self, payload: bytes) -> None:
+        """Take the nodes that are commanded for obedient, until they say otherwise."""
+        command, node = canopen.decode_nmt(payload) or (None, 0)
+        for seen in self._nodes.values():
+            if command in _COMMANDED and node in {0, seen.node}:
+                seen.network = _COMMANDED[command]
+
     def _beats(self, seen: NodeSeen, now: Nanoseconds, payload: bytes) -> Iterator[str]:
         """Take a heartbeat, a boot-up message or an answer to node guarding."""
         state = canopen.decode_heartbeat(payload)
         restarted = state is NmtState.BOOT_UP
-        if state is not seen.network and state is not None:
+        if state is not seen.said and state is not None:
             yield f"node {seen.node}: {'restarted' if restarted else state.title}"
         elif seen.missing:
             yield f"node {seen.node}: its heartbeat is back"
         if restarted:
             seen.periods.clear()
             seen.status, seen.raw_status = _NO_STATUS, b""
-        elif seen.beat_at is not None and not seen.missing:
-            seen.periods.append(now - seen.beat_at)
+        elif seen.beat_at is not None and now - seen.beat_at >= SHORTEST:
+            # Silence is no period; where every beat comes after one, it is the estimate that was wrong.
+            seen.late = seen.late + 1 if seen.missing else 0
+            if seen.late > 1:
+                seen.periods.clear()
+            if seen.late != 1:
+                seen.periods.append(now - seen.beat_at)
         seen.beat_at, seen.missing = None if restarted else now, False
-        seen.network = seen.network if state is None else state
+        seen.said = seen.said if state is None else state
+        # It goes on to pre-operational by itself (CiA 301).
+        follows = NmtState.PRE_OPERATIONAL if restarted else state
+        seen.network = seen.network if follows is None else follows
 
     def _emergency(self, seen: NodeSeen, packet: Packet, message: MessageSeen) -> Iterator[str]:
         told = canopen.decode_emergency(packet.payload)

@@ -5,7 +5,7 @@ far as somebody was seen to write them: a reader that has followed a set-up know
 PDO is read by the defaults of the EPOS2; bytes that do not fit its mapping are left as they are.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -18,6 +18,7 @@ from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE, identifier
 from firmware_bridge.wire.can_error import BUS_OFF, CONTROLLER, RESTARTED
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.hardware import MAXON
 from firmware_bridge.wire.epos2.objects_pdo import TRANSMIT_MAPPING
 from firmware_bridge.wire.lss import LssCommand
 
@@ -33,10 +34,14 @@ OTHER: Final = "other"
 class Canopen:
     """Reads the frames of one bus in their order."""
 
-    def __init__(self, *, defaults: bool = True) -> None:
-        """`defaults` tells to read a PDO whose mapping nobody was seen to write as an EPOS2's default."""
-        self._nodes = Nodes()
-        self._defaults = defaults
+    def __init__(self, *, defaults: bool = True, sheet: Mapping[Address, int] | None = None) -> None:
+        """`defaults` tells to read a PDO whose mapping nobody was seen to write as an EPOS2's default.
+
+        `sheet` has other defaults, of a data sheet. A node that is heard to be maxon's is read so anyway.
+        """
+        self._nodes = Nodes(sheet or {})
+        self._defaults = defaults or sheet is not None
+        self._maxon: set[int] = set()
         self._asked: dict[int, Address] = {}
         """The object of each node's SDO transfer."""
 
@@ -155,6 +160,8 @@ class Canopen:
                 if raw is None:
                     length = "" if size is None else f" of {size} bytes"
                     return f"{head} {called(address)}, segments{length} to come"
+                if address == at.VENDOR_ID and int.from_bytes(raw, "little") == MAXON:
+                    self._maxon.add(node)
                 return f"{head} {called(address)} = {self._nodes.value(node, address, raw)}"
             case sdo.DownloadResponse(address):
                 return f"{head} {called(address)} written"
@@ -201,7 +208,7 @@ class Canopen:
         return f"0x{number:03X}"
 
     def _known(self, node: int, mapping: int) -> bool:
-        return self._defaults or self._nodes.mapped(node, mapping)
+        return self._defaults or node in self._maxon or self._nodes.mapped(node, mapping)
 
     def _pdo(self, number: int, payload: bytes) -> str:
         for node, title, mapping in self._nodes.candidates(number):

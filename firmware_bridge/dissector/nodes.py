@@ -1,6 +1,6 @@
 """What is known of the nodes on a bus from what was written to them: their PDOs, and how values are read."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Final
 
 from firmware_bridge.drivers.commissioning.names import called
@@ -37,7 +37,9 @@ _IN_BITS: Final = frozenset({at.CONTROLWORD, at.STATUSWORD, at.ERROR_REGISTER}) 
 class Nodes:
     """The nodes of one bus."""
 
-    def __init__(self) -> None:
+    def __init__(self, sheet: Mapping[Address, int]) -> None:
+        """Take defaults of a data sheet, which win over those of the EPOS2."""
+        self._sheet = sheet
         self._written: dict[int, dict[Address, int]] = {}
         """What was written to each node, as far as it matters for reading."""
         self._saved: dict[int, dict[Address, int]] = {}
@@ -74,7 +76,7 @@ class Nodes:
     def entry(self, node: int, index: int, subindex: int) -> int:
         """Return a number in a node's dictionary: what was written, or the default of the EPOS2."""
         address = Address(index, subindex)
-        value = self._written.get(node, {}).get(address)
+        value = self._written.get(node, {}).get(address, self._sheet.get(address))
         default = ANY_TYPE[address].default_for(node) if value is None else value
         return default if isinstance(default, int) else 0
 

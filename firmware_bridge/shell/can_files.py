@@ -4,11 +4,12 @@
 this project's own: it is read without python-can.
 """
 
+import io
 import struct
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import IO, TYPE_CHECKING, Final
 
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     import can
 
 SUFFIXES: Final = (".asc", ".blf", ".trc")
+HEADER_END: Final = "no internal events logged\n"
 DAYS: Final = 1e8
 """Seconds; an instant below counts from the begin of the recording, and one above from 1970."""
 FROM_ITS_BEGIN: Final[Nanoseconds] = 100_000_000 * SECOND
@@ -45,7 +47,8 @@ def frames(path: Path) -> Iterator[tuple[Nanoseconds, str, Packet]]:
     try:
         # Opened here: python-can leaves a file open that it cannot read.
         with path.open("rb" if suffix == ".blf" else "r") as file:
-            for message in readers[suffix](file):
+            opened = _with_header(file) if suffix == ".asc" else file
+            for message in readers[suffix](opened):
                 if not message.is_error_frame:
                     yield _instant(message.timestamp), _channel(message.channel), _packet(message)
     except (
@@ -59,6 +62,19 @@ def frames(path: Path) -> Iterator[tuple[Nanoseconds, str, Packet]]:
     ) as error:
         why = " ".join(str(error).split()) or type(error).__name__
         raise RecordingError(f"no recording of the format {path.suffix}: {why}") from None
+
+
+def _with_header(file: IO[str]) -> IO[str]:
+    """End the header of an .asc file where its first message begins.
+
+    python-can takes the line for it that follows the comments: in BusMaster's files that is a message.
+    """
+    head: list[str] = []
+    for line in file:
+        if line[:1].isdigit() or line[:1].isspace():
+            return io.StringIO("".join((*head, HEADER_END, line, *file)))
+        head.append(line)
+    return io.StringIO("".join(head))
 
 
 def _instant(stamp: float) -> Nanoseconds:

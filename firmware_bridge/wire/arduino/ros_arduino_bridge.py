@@ -105,6 +105,11 @@ class LineReader:
         self._longest: Final = longest
         self._waiting = bytearray()
 
+    @property
+    def waiting(self) -> bytes:
+        """What has come of a line that has no end yet."""
+        return bytes(self._waiting)
+
     def hear(self, chunk: bytes) -> Iterator[bytes]:
         """Take bytes; yield lines without their ends."""
         for byte in chunk:

@@ -123,6 +123,44 @@ def test_a_recording_is_one_picture(tmp_path: Path, *, compressed: bool) -> None
     assert "0x0737 (operation enabled, power stage on" in told.stdout
 
 
+BUSMASTER = """date Mon Dec 6 11:21:13 am 2021
+base hex  no internal events logged
+// version 7.1.0
+40874.808200 1 701 Rx d 1 00
+40874.809100 1 181 Rx d 2 40 05
+40874.810300 1 000 Tx d 2 01 01
+"""
+
+
+def test_the_first_frame_of_a_recording_of_busmaster_counts(tmp_path: Path) -> None:
+    path = tmp_path / "busmaster.asc"
+    path.write_text(BUSMASTER, encoding="ascii")
+    told = run("--log", str(path), "--device", "epos2")
+    assert told.stdout.startswith("3 frames in 0.002 s")
+    assert "0x0540 (switch on disabled" in told.stdout
+    assert "operational" in told.stdout
+
+
+@pytest.mark.parametrize("second", [1, 1_000_000_000, 1_577_836_800])
+def test_a_recording_of_any_year_has_its_own_length_and_rates(tmp_path: Path, second: int) -> None:
+    path = tmp_path / "can.log"
+    path.write_text("".join(f"({second}.{k}00000) can0 701#05\n" for k in range(10)), encoding="ascii")
+    told = run("--log", str(path))
+    assert told.stdout.startswith("10 frames in 0.900 s")
+    assert "100 ms" in told.stdout
+
+
+def test_a_configuration_file_tells_how_its_node_is_set_up(tmp_path: Path) -> None:
+    path, sheet = tmp_path / "can.log", tmp_path / "drive.dcf"
+    path.write_text("(1.000000) can0 201#03\n", encoding="ascii")
+    sheet.write_text(
+        "[DeviceComissioning]\nNodeID=5\n[1800sub1]\nParameterValue=0x201\n"
+        "[1A00]\nParameterValue=1\n[1A00sub1]\nParameterValue=0x60610008\n",
+        encoding="ascii",
+    )
+    assert "0x6061 Modes of Operation Display = 3" in run("--log", str(path), "--dcf", str(sheet)).stdout
+
+
 @pytest.mark.parametrize("compressed", [False, True])
 def test_a_recording_of_lines_is_said_line_by_line(tmp_path: Path, *, compressed: bool) -> None:
     path = tmp_path / ("serial.log.gz" if compressed else "serial.log")
@@ -167,6 +205,19 @@ def test_a_recording_of_lines_is_said_line_by_line(tmp_path: Path, *, compressed
         ),
         (("--robot", "rome", "--protocol", "mx", "--log", "LOG"), LINES, "protocol: no 'mx'"),
         (("-i", "socketcan", "-c", "nosuchcan0"), LOG, "nosuchcan0"),
+        (
+            ("--log", "LOG"),
+            "  can0  701   [1]  05\n",
+            "what candump shows on the screen has no times",
+        ),
+        (
+            ("--log", "LOG", "--device", "epos4"),
+            LOG,
+            "--device epos4: there is epos2; of any other say",
+        ),
+        (("--log", "LOG", "--dcf", "LOG"), LOG, "cannot be read as a data sheet"),
+        (("--log", "LOG", "--dcf", "LOG"), "[6402]\nParameterValue=1\n", "it names no node"),
+        (("--log", "LOG", "--eds", "LOG.none"), LOG, "cannot be read as a data sheet"),
     ],
 )
 def test_mistakes_are_told_in_one_line(

@@ -7,6 +7,7 @@ import hypothesis.strategies as st
 from hypothesis import given
 
 from firmware_bridge.dissector import Carried, Dissector, kinds_of
+from firmware_bridge.dissector.boards import RosLine
 from firmware_bridge.dissector.dissector import KINDS
 from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.kinds import find
@@ -36,6 +37,9 @@ GOLDEN: Final[dict[str, tuple[Said, ...]]] = {
         (TOLD, b"1390 -606 -776\r\n", "answer to read encoders: 1390 -606 -776"),
         (ASKED, b"?!\r", "no command that is known: '?!'"),
         (TOLD, b"Invalid Command\r\n", "answer: Invalid Command"),
+        # A host that ends its lines with CR LF: the sketch takes the last character before the first space.
+        (ASKED, b"\ne\r", "read encoders"),
+        (ASKED, b"\nm 20 20\r", "motor speeds, in ticks a frame: 20 20"),
     ),
     # adioe.pde and adio.m: a letter, and bytes from '0' or 'a' on.
     ShieldProtocol.ARDUINOIO: (
@@ -107,6 +111,11 @@ GOLDEN: Final[dict[str, tuple[Said, ...]]] = {
         ),
         (ASKED, ar2.move((0,), 1e-05), "MJ, joint move: no steps, S 1e-05, G 0, H 100, I 0, K 100"),
         (ASKED, b"WTS1.5\n", "WT, wait: S 1.5"),
+        (
+            ASKED,
+            b"MJA170000B032768C132767S25G15\n",
+            "MJ, joint move: J1 +70000 (in the board's 16 bits +4464), J2 -32768, J3 +32767, S 25, G 15",
+        ),
         (ASKED, b"QQ\n", "no command that is known: 'QQ'"),
     ),
 }  # fmt: skip
@@ -183,3 +192,13 @@ def test_a_move_is_read_as_it_was_written(steps: list[int], speed: float) -> Non
     assert read is not None
     assert [read.steps[letter] for letter in ar2.LETTERS[: len(steps)]] == steps
     assert read.fields["S"] == f"{speed:g}"
+
+
+def test_a_host_that_ends_its_lines_with_a_line_feed_alone_is_told_what_the_sketch_waits_for() -> None:
+    line = RosLine()
+    end = "part of a line: the sketch waits for a carriage return (CR), a line feed ends none"
+    assert line.read(ASKED, Packet("board", 0, b"m 20 20\n")) == end
+    assert line.read(ASKED, Packet("board", 0, b"e\n")) == end
+    crlf = RosLine()
+    assert crlf.read(ASKED, Packet("board", 0, b"e\r\n")) == "read encoders"
+    assert crlf.read(ASKED, Packet("board", 0, b"m 1 2\r\n")) == "motor speeds, in ticks a frame: 1 2"

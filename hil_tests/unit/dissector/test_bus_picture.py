@@ -19,6 +19,7 @@ from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.can import EXTENDED, INTERFRAME_BITS, REMOTE, frame_bits
 from firmware_bridge.wire.can_error import BUS_OFF, encode_report
 from firmware_bridge.wire.canopen import NmtState
+from firmware_bridge.wire.epos2.address import Address
 from hil_tests.rows import every
 
 MASTERS: Final = Path(__file__).parents[2] / "recordings" / "rars" / "canopen-master.log.xz"
@@ -93,7 +94,9 @@ def test_what_is_known_of_a_node_is_what_it_said_last() -> None:
     (node,) = told(STORY[:22]).nodes
     assert (node.missing, node.period) == (False, 100 * MILLISECOND), "silence is no period"
     (node,) = told(STORY).nodes
-    assert (node.network, node.period, node.status) == (NmtState.BOOT_UP, None, ""), "a restart forgets"
+    assert (node.network, node.period, node.status) == (NmtState.PRE_OPERATIONAL, None, ""), (
+        "a restart forgets"
+    )
 
 
 def test_a_pdo_is_read_by_a_mapping_that_was_seen_and_else_shown_as_it_is() -> None:
@@ -204,3 +207,78 @@ def test_a_recording_of_a_strangers_master_is_one_picture_and_always_the_same() 
     assert one.error is not None
     assert one.error.text.endswith("abort, 0x6041 Statusword: 0x06010002 object is read-only")
     assert sum(count for _, _, _, count, _ in one.messages()) == len(lines)
+
+
+def beats(*milliseconds: float) -> BusPicture:
+    """A bus on which node 1 has said its heartbeat at these instants, which count from 2019."""
+    picture = BusPicture(1_000_000)
+    for at in milliseconds:
+        picture.note(round(at * MILLISECOND) - 10**9 * SECOND, Packet(CAN, 0x701, b"\x05"))
+    return picture
+
+
+@every(
+    ("instants", "period_ms"),
+    [
+        # Six at once, as a controller sends them that comes back to the bus, or an adapter hands them over.
+        ([*range(0, 1000, 100), *(2000 + k * 0.06 for k in range(6)), *range(2100, 5000, 100)], 100),
+        ([*(k * 0.06 for k in range(6)), *range(100, 1000, 100)], 100),
+        # Its period was set to another one while it was watched.
+        ([*range(0, 1000, 100), *range(2000, 12_000, 1000)], 1000),
+        ([*range(0, 10_000, 1000), *range(10_000, 11_000, 100)], 100),
+        # One that was lost.
+        ([0, 100, 200, 300, 500, 600, 700], 100),
+    ],
+)
+def test_a_heartbeat_that_goes_on_is_not_missing_for_ever(instants: list[float], period_ms: int) -> None:
+    picture = beats(*instants)
+    (node,) = picture.nodes
+    assert node.period == pytest.approx(period_ms * MILLISECOND, rel=0.01)
+    end = picture.now
+    picture.pass_time(end + 2 * period_ms * MILLISECOND)
+    assert not node.missing
+    picture.pass_time(end + 2 * period_ms * MILLISECOND + MILLISECOND)
+    assert node.missing, "and one that ends is"
+
+
+def test_a_node_does_what_the_network_command_says_until_it_says_otherwise() -> None:
+    picture = BusPicture(1_000_000)
+    for at, (address, text, state) in enumerate(
+        (
+            (0x701, "00", NmtState.PRE_OPERATIONAL),  # it goes on by itself after its boot-up
+            (0x000, "0101", NmtState.OPERATIONAL),
+            (0x000, "0200", NmtState.STOPPED),
+            (0x000, "0102", NmtState.STOPPED),  # another node
+            (0x701, "05", NmtState.OPERATIONAL),
+            (0x000, "8001", NmtState.PRE_OPERATIONAL),
+            (0x000, "8101", None),
+            (0x701, "00", NmtState.PRE_OPERATIONAL),
+        )
+    ):
+        picture.note(at * MILLISECOND, Packet(CAN, address, bytes.fromhex(text)))
+        assert picture.nodes[0].network is state, f"{address:03X}#{text}"
+
+
+def test_instants_count_from_the_first_frame_whatever_the_year() -> None:
+    picture = beats(0, 250, 500)
+    assert picture.elapsed == 500 * MILLISECOND
+    assert picture.mean_percent > 0.0
+
+
+def test_a_node_that_says_that_it_is_maxons_is_read_by_the_default_mapping() -> None:
+    picture = BusPicture(1_000_000)
+    status = Packet(CAN, 0x181, bytes.fromhex("4007"))
+    picture.note(0, status)
+    assert picture.nodes[0].status == ""
+    picture.note(1, Packet(CAN, 0x581, bytes.fromhex("43181001FB000000")))
+    picture.note(2, status)
+    assert picture.nodes[0].status.startswith("0x0740 (switch on disabled")
+
+
+def test_a_data_sheet_gives_the_mapping_of_all_others() -> None:
+    sheet = {Address(0x1A00, 0): 1, Address(0x1A00, 1): 0x6061_0008}
+    picture = BusPicture(1_000_000, sheet=sheet)
+    picture.note(0, Packet(CAN, 0x181, b"\x03"))
+    ((_, title, said, _, _),) = picture.messages()
+    assert (title, said.split(" ")[0]) == ("TPDO 1, node 1", "0x6061")
+    assert BusPicture(1_000_000, epos2=True).note(0, Packet(CAN, 0x181, b"\x40\x07"))

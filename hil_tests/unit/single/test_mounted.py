@@ -6,9 +6,9 @@ from typing import Final, NamedTuple
 import pytest
 from typer.testing import CliRunner
 
-from emulators.documents.dcf_reader import DcfError, parameters
 from emulators.documents.eds import dcf
 from emulators.epos2.objects.catalogue import PROFILES
+from emulators.epos2.objects.saved_parameters import is_parameter
 from emulators.motors import MotorError, catalogue, motor
 from emulators.mounted import Load, Mounted
 from emulators.single import Order, drives
@@ -17,6 +17,7 @@ from emulators.world import World
 from firmware_bridge.cli import program
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
+from firmware_bridge.shell.data_sheets import SheetError, configured
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -179,12 +180,18 @@ def test_a_configuration_file_is_what_the_drive_begins_with(tmp_path: Path) -> N
     values |= {Address(0x2210, 4): 1, at.STATUSWORD: 0x40, Address(0x1400, 1): 0x209}
     file = tmp_path / "drive.dcf"
     file.write_text(dcf(PROFILES["70/10"], 5, 1_000_000, values), encoding="ascii")
-    read = parameters(file)
+    read = configured(file).values
     assert {key: read[key] for key in values if key != at.STATUSWORD} == {
         key: value for key, value in values.items() if key != at.STATUSWORD
     }
-    assert at.STATUSWORD not in read
-    made, _ = drives(Order((5,), PROFILES["70/10"], 1_000_000, commissioned=read))
+    made, _ = drives(
+        Order(
+            (5,),
+            PROFILES["70/10"],
+            1_000_000,
+            commissioned={key: value for key, value in read.items() if is_parameter(OBJECTS[key])},
+        )
+    )
     drive = made["motor5"]
     drive.wake(0)
     assert [drive.store.get(key) for key in (at.MOTOR_TYPE, at.ENCODER_PULSES, at.CURRENT_P)] == [
@@ -197,7 +204,7 @@ def test_a_configuration_file_is_what_the_drive_begins_with(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ("no sections", "cannot be read as a configuration file"),
+        ("no sections", "cannot be read as a data sheet"),
         ("[6402]\nParameterName=Motor Type\n", "no ParameterValue"),
         (
             "[6402]\nParameterValue=many\n[2210sub1]\nParameterValue=-1\n",
@@ -211,10 +218,10 @@ def test_what_is_no_configuration_file_is_refused_with_section_and_key(
 ) -> None:
     file = tmp_path / "drive.dcf"
     file.write_text(text, encoding="ascii")
-    with pytest.raises(DcfError, match=says):
-        parameters(file)
-    with pytest.raises(DcfError, match="cannot be read"):
-        parameters(tmp_path / "none.dcf")
+    with pytest.raises(SheetError, match=says):
+        configured(file)
+    with pytest.raises(SheetError, match="cannot be read"):
+        configured(tmp_path / "none.dcf")
 
 
 @pytest.mark.parametrize(

@@ -1,12 +1,12 @@
-"""Reads the parameters in a device configuration file (CiA 306): each `ParameterValue` that is saved."""
+"""Reads what an electronic data sheet or a device configuration file (CiA 306) says of objects."""
 
 import configparser
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from emulators.epos2.objects.saved_parameters import is_parameter
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.differences import ANY_TYPE
 
@@ -15,40 +15,54 @@ _NODE: Final = re.compile(r"(?i)\$nodeid\s*\+?\s*")
 _MOST: Final = 8
 
 
-class DcfError(Exception):
-    """A file that is no configuration of an EPOS2: every section and key, and what is wrong with it."""
+class SheetError(Exception):
+    """A file that is none of its kind: every section and key, and what is wrong with it."""
 
 
-def parameters(file: Path) -> Mapping[Address, int]:
-    """Return the values of the parameters in a file; commands, set values and strings are left out.
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """Numbers by their objects, and the node that a configuration file names; 0 where it names none."""
 
-    DcfError where it cannot be read, has no value of an EPOS2's parameter, or values that are none.
-    """
+    values: Mapping[Address, int]
+    node: int
+
+
+def configured(file: Path) -> Sheet:
+    """Return each `ParameterValue` of a DCF that an EPOS2 can have; SheetError."""
+    return _read(file, "parametervalue", "no ParameterValue of an EPOS2's object is in it; is it an EDS?")
+
+
+def defaults(file: Path) -> Sheet:
+    """Return each `DefaultValue` of an EDS, as far as an EPOS2 has the object, too; SheetError."""
+    return _read(file, "defaultvalue", "no DefaultValue of an object that is known is in it")
+
+
+def _read(file: Path, key: str, nothing: str) -> Sheet:
     sections = _sections(file)
     node = _node(sections)
     found: dict[Address, int] = {}
     problems: list[str] = []
     for address, section in _objects(sections):
-        text = sections[section].get("parametervalue", "").strip()
+        text = sections[section].get(key, "").strip()
         row = ANY_TYPE.get(address)
-        if not text or row is None or not row.type.size or not is_parameter(row):
+        if not text or row is None or not row.type.size:
             continue
         try:
             value = _number(text, node)
         except ValueError:
-            problems.append(f"[{section}] ParameterValue={text} is no number")
+            problems.append(f"[{section}] {text} is no number")
             continue
         if row.type.lowest < 0 and value > row.type.highest:
             value -= 1 << row.type.bits
         if not row.type.lowest <= value <= row.type.highest:
-            problems.append(f"[{section}] ParameterValue={text} does not fit {row.type.name}")
+            problems.append(f"[{section}] {text} does not fit {row.type.name}")
         found[address] = value
     if problems:
         more = f"; and {len(problems) - _MOST} more" if len(problems) > _MOST else ""
-        raise DcfError(f"{file}: {'; '.join(problems[:_MOST])}{more}")
+        raise SheetError(f"{file}: {'; '.join(problems[:_MOST])}{more}")
     if not found:
-        raise DcfError(f"{file}: no ParameterValue of an EPOS2's parameter is in it; is it an EDS?")
-    return found
+        raise SheetError(f"{file}: {nothing}")
+    return Sheet(found, node)
 
 
 def _sections(file: Path) -> configparser.ConfigParser:
@@ -57,15 +71,14 @@ def _sections(file: Path) -> configparser.ConfigParser:
         sections.read_string(file.read_text(encoding="latin-1"))
     except (OSError, configparser.Error) as error:
         said = str(error).replace("\n", " ")
-        raise DcfError(f"{file}: cannot be read as a configuration file: {said}") from error
+        raise SheetError(f"{file}: cannot be read as a data sheet: {said}") from error
     return sections
 
 
 def _node(sections: configparser.ConfigParser) -> int:
-    """Return the node that `$NODEID` stands for; 0 where the file does not say."""
     for section in ("DeviceComissioning", "DeviceCommissioning"):
-        text = sections.get(section, "NodeID", fallback="")
-        if text.strip():
+        text = sections.get(section, "NodeID", fallback="").strip()
+        if text:
             try:
                 return int(text, 0)
             except ValueError:
