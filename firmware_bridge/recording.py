@@ -40,6 +40,7 @@ _CHUNK: Final = re.compile(
 
 _MEANT: Final = re.compile(r"\S+ \S+ [RT]( |$)")
 
+DEVICE_SIDE: Final = "~"
 _SHOWN: Final = 80
 """So many characters of a line that cannot be read are shown."""
 
@@ -121,6 +122,20 @@ def chunk_line(
     mark = "R" if direction is Direction.HEARD else "T"
     words = (link, mark, place_of(packet.address), packet.payload.hex(" ").upper())
     return f"({seconds:010d}.{rest:09d}) {' '.join(filter(None, words))}"
+
+
+def device_side(link: str, kind: str) -> str:
+    """Return how a log calls a link that a device has recorded, which speaks `kind`; see `side_of`."""
+    return f"{link}{DEVICE_SIDE}{kind}"
+
+
+def side_of(link: str) -> tuple[str, str | None]:
+    """Return a link's own name, and what the device speaks that has recorded it; None for the bridge's log.
+
+    In a device's log R and T are its own: what it received and what it sent.
+    """
+    name, mark, kind = link.partition(DEVICE_SIDE)
+    return name, kind if mark else None
 
 
 def is_chunk(line: str) -> bool:

@@ -11,12 +11,15 @@ from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.options import DurationOption, until
 from firmware_bridge.cli.recorded import RecordOption, recording
 from firmware_bridge.node import SERIAL
+from firmware_bridge.recording import device_side
 from firmware_bridge.shell.black_box import SERIAL_LOG
 
 if TYPE_CHECKING:
     from emulators.arduino_omni.ar2.board import Ar2Board
 
 
+AR2: Final = "ar2-2.0"
+"""How a log calls what the board speaks, as `monitor` reads it; 1.5 speaks a part of it."""
 EXAMPLES: Final = """Examples:
 
 `firmware-bridge emulate ar2 --serial pty --serial-link arm.tty`
@@ -79,7 +82,8 @@ def run(given: Ar2Options) -> None:
             f"--reset-on-open: on {given.serial} the device itself decides; only --serial pty needs it"
         )
     board = Ar2Board(firmware)
-    with recording(given.record, {SERIAL: SERIAL_LOG}) as (around, _):
+    called = {SERIAL: device_side("arm", AR2)}
+    with recording(given.record, {SERIAL: SERIAL_LOG}, called=called) as (around, _):
         with one_message(PortError):
             line = open_serial(given.serial, firmware.baud, given.serial_link, tells_dtr=given.reset_on_open)
         carry(

@@ -11,6 +11,7 @@ from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.options import DurationOption, until
 from firmware_bridge.cli.recorded import RecordOption, recording
 from firmware_bridge.node import SERIAL
+from firmware_bridge.recording import device_side
 from firmware_bridge.shell.black_box import SERIAL_LOG
 
 if TYPE_CHECKING:
@@ -155,7 +156,8 @@ def run(given: BoardOptions) -> None:
         supply=SUPPLY_V if given.supply is None else given.supply,
     )
     stock = "" if encoders in firmware.stock else NOT_STOCK
-    with recording(given.record, {SERIAL: SERIAL_LOG}) as (around, _):
+    called = {SERIAL: device_side("board", given.firmware)}
+    with recording(given.record, {SERIAL: SERIAL_LOG}, called=called) as (around, _):
         with one_message(PortError):
             line = open_serial(given.serial, firmware.baud, given.serial_link, tells_dtr=given.reset_on_open)
         carry(

@@ -19,6 +19,7 @@ from firmware_bridge.cli.options import (
 from firmware_bridge.cli.outside import Outside
 from firmware_bridge.cli.recorded import RecordOption, recording
 from firmware_bridge.node import CAN, SERIAL
+from firmware_bridge.recording import device_side
 from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
 from firmware_bridge.wire.maxon.frame import Generation
 
@@ -223,7 +224,8 @@ def run(given: DrivesOptions) -> None:
         made, bank = drives(order, say)
     owner = order.names[nodes.index(near)]
     line = "" if given.serial is None else f", node {near} on the line"
-    with recording(given.record, {CAN: CAN_LOG, SERIAL: SERIAL_LOG}) as (around, _):
+    called = {SERIAL: device_side(f"node-{near}", SERIAL)}
+    with recording(given.record, {CAN: CAN_LOG, SERIAL: SERIAL_LOG}, called=called) as (around, _):
         openers, where = opened(given, given.protocol, baud_of(made[owner]), DEFAULT_BIT_RATE)
         carry(
             around(Cluster(made, bank, links={owner: {CAN: CAN, SERIAL: SERIAL}})),

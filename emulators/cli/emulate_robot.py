@@ -23,6 +23,7 @@ from firmware_bridge.cli.options import (
 from firmware_bridge.cli.outside import Outside
 from firmware_bridge.cli.recorded import RecordOption, recording
 from firmware_bridge.node import CAN, SERIAL, Node
+from firmware_bridge.recording import device_side
 from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 
@@ -111,6 +112,7 @@ def emulate_board(machine: "AnyRobot", given: RobotOptions) -> None:
     from emulators.devices import devices
     from emulators.servo.bank import ServoError
     from firmware_bridge.cli.real_time import carry
+    from firmware_bridge.dissector import kinds_of
     from firmware_bridge.drivers.shield.fleet import over_protocol
     from firmware_bridge.robot import RobotFileError
     from firmware_bridge.shell.clock import LivedClock
@@ -127,7 +129,9 @@ def emulate_board(machine: "AnyRobot", given: RobotOptions) -> None:
     links = {name: SERIAL if alone else name for name in emulated.boards}
     node = beside_boards(emulated.boards, links, cameras)
     files = {link: SERIAL_LOG if alone else f"{name}-{SERIAL_LOG}" for name, link in links.items()}
-    with recording(given.record, files) as (around, _):
+    kinds = kinds_of(machine)
+    called = {link: device_side(name, kinds[name]) for name, link in links.items()}
+    with recording(given.record, files, called=called) as (around, _):
         with one_message(PortError):
             lines = {name: _line_of(machine, name, given, alone=alone) for name in links}
         of_boards = (f"{'' if alone else f'{name} on '}{line.name}" for name, line in lines.items())
@@ -217,7 +221,8 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
         say(f"'{name}' falls silent after {to_seconds(at):g} s")
     nodes = ", ".join(f"{axis.epos2.node} {axis.title}" for axis in machine.axes)
     files = dict.fromkeys((CAN, *machine.links), CAN_LOG) | {SERIAL: SERIAL_LOG}
-    with recording(given.record, files) as (around, _):
+    called = {SERIAL: device_side(owner, SERIAL)}
+    with recording(given.record, files, called=called) as (around, _):
         openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
         carry(
             around(cluster),

@@ -181,12 +181,24 @@ def _tell_frames(given: MonitorOptions, frames: Iterator[_Frame]) -> None:
 
 def _tell_lines(given: MonitorOptions, log: Path, lines: Iterator[tuple[int, str]]) -> None:
     """Say in words what lines have carried."""
-    if given.robot is None:
+    numbered = iter(lines)
+    first = list(islice(numbered, 1))
+    if given.robot is None and not _says_its_side(first):
         raise refusal(f"{log}: holds the bytes of lines; say whose with --robot, as its protocols read them")
     # With it come pydantic and every installed robot.
     from firmware_bridge.cli.monitor_lines import LinesOrder, tell_lines
 
-    tell_lines(LinesOrder(log, given.robot, given.protocol, given.channel), lines)
+    tell_lines(LinesOrder(log, given.robot, given.protocol, given.channel), chain(first, numbered))
+
+
+def _says_its_side(first: list[tuple[int, str]]) -> bool:
+    """Return whether a device has recorded it, and says what it speaks."""
+    from firmware_bridge.recording import RecordingError, parse_chunk, side_of
+
+    try:
+        return bool(first) and side_of(parse_chunk(first[0][1])[2].link)[1] is not None
+    except RecordingError:
+        return False
 
 
 def _live(given: MonitorOptions, picture: "BusPicture") -> None:

@@ -9,7 +9,7 @@ from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.dissector import Carried, Dissector, kinds_of
 from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.node import CAN, SERIAL
-from firmware_bridge.recording import Direction, RecordingError, parse_chunk
+from firmware_bridge.recording import Direction, RecordingError, parse_chunk, side_of
 from firmware_bridge.robot import RobotFileError
 
 BRIDGE = "bridge"
@@ -20,7 +20,8 @@ class LinesOrder:
     """Which recording, and how it is read."""
 
     path: Path
-    robot: str
+    robot: str | None
+    """Whose lines they are; None: as the recording says."""
     protocol: str | None
     """Of a board; None: the robot file's."""
     link: str | None
@@ -29,24 +30,39 @@ class LinesOrder:
 
 def tell_lines(order: LinesOrder, lines: Iterable[tuple[int, str]]) -> None:
     """Say what numbered lines of a recording carry; what is wrong ends the program with a message."""
-    with one_message(RobotFileError):
-        robot = over_protocol(find_robot(order.robot), order.protocol)
-    # What has bytes in a log of lines was driven over a line, whatever the robot file says.
-    kinds = {name: SERIAL if kind == CAN else kind for name, kind in kinds_of(robot).items()}
-    if order.link is not None and order.link not in kinds:
-        raise refusal(f"-c {order.link}: {robot.name} has no such link; it has: {', '.join(kinds)}")
+    kinds = _kinds(order)
+    known = None if order.robot is None else set(kinds)
+    if known is not None and order.link is not None and order.link not in kinds:
+        raise refusal(f"-c {order.link}: {order.robot} has no such link; it has: {', '.join(kinds)}")
     dissector = Dissector(kinds)
-    for where, carried in _carried(order, lines):
+    for where, carried, spoken in _carried(order, lines):
+        if known is None and spoken is not None:
+            kinds[carried.link] = spoken
         if carried.link not in kinds:
-            raise refusal(
-                f"{where}: {robot.name} has no link '{carried.link}'; it has: {', '.join(kinds)}", WRONG_INPUT
-            )
+            has = f"{order.robot} has no link '{carried.link}'; it has: {', '.join(kinds)}"
+            unknown = f"nothing says what the link '{carried.link}' speaks; say whose it is with --robot"
+            raise refusal(f"{where}: {unknown if known is None else has}", WRONG_INPUT)
         if order.link in {None, carried.link}:
             say(dissector.read(carried))
 
 
-def _carried(order: LinesOrder, lines: Iterable[tuple[int, str]]) -> Iterator[tuple[str, Carried]]:
-    """Yield what was carried, and where it stands; instants count from the first."""
+def _kinds(order: LinesOrder) -> dict[str, str]:
+    """Return what each link of the robot speaks; without a robot the recording has to say it."""
+    if order.robot is None:
+        return {}
+    with one_message(RobotFileError):
+        robot = over_protocol(find_robot(order.robot), order.protocol)
+    # What has bytes in a log of lines was driven over a line, whatever the robot file says.
+    return {name: SERIAL if kind == CAN else kind for name, kind in kinds_of(robot).items()}
+
+
+def _carried(
+    order: LinesOrder, lines: Iterable[tuple[int, str]]
+) -> Iterator[tuple[str, Carried, str | None]]:
+    """Yield where it stands, what was carried, and what the device speaks that has recorded it.
+
+    Instants count from the first.
+    """
     begin: int | None = None
     for number, line in lines:
         where = f"{order.path}, line {number}"
@@ -55,5 +71,6 @@ def _carried(order: LinesOrder, lines: Iterable[tuple[int, str]]) -> Iterator[tu
         except RecordingError as error:
             raise refusal(f"{where}: {error}", WRONG_INPUT) from None
         begin = at if begin is None else begin
-        sender = BRIDGE if direction is Direction.SENT else packet.link
-        yield where, Carried(at - begin, packet.link, sender, packet)
+        name, spoken = side_of(packet.link)
+        by_device = (direction is Direction.SENT) == (spoken is not None)
+        yield where, Carried(at - begin, name, name if by_device else BRIDGE, packet), spoken

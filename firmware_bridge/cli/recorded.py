@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from types import MappingProxyType
 from typing import Annotated, TypeAlias
 
 import typer
@@ -28,17 +29,21 @@ Around: TypeAlias = Callable[[Node], Node]
 
 @contextmanager
 def recording(
-    folder: Path | None, files: Mapping[str, str], texts: Texts = no_texts
+    folder: Path | None,
+    files: Mapping[str, str],
+    texts: Texts = no_texts,
+    called: Mapping[str, str] = MappingProxyType({}),
 ) -> Iterator[tuple[Around, Tell]]:
     """Give what goes around the node that is carried, and what tells the user; without a folder, nothing is.
 
-    A folder that cannot be made ends the program with a message.
+    `called` has names that links have in a log of lines. A folder that cannot be made ends the program with
+    a message.
     """
     if folder is None:
         yield (lambda node: node), say
         return
     with one_message(BlackBoxError):
-        box = BlackBox(folder, files, say, texts)
+        box = BlackBox(folder, files, say, texts, called)
     with box:
         say(f"recording in {box.folder}")
         yield (lambda node: Recorded(node, box.note)), box.tell

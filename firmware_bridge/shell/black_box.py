@@ -17,7 +17,7 @@ from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from threading import Event, Thread
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import BinaryIO, Final, Self, TypeAlias
 
 from firmware_bridge.packet import Packet
@@ -53,9 +53,17 @@ class BlackBox:
     """One run's recording. `note` and `tell` never wait and never fail."""
 
     def __init__(
-        self, parent: Path, files: Mapping[str, str], say: Callable[[str], None], texts: Texts = no_texts
+        self,
+        parent: Path,
+        files: Mapping[str, str],
+        say: Callable[[str], None],
+        texts: Texts = no_texts,
+        called: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
-        """Make the run's folder in `parent`; `files` says by link which file it goes to. BlackBoxError."""
+        """Make the run's folder in `parent`; `files` says by link which file it goes to. BlackBoxError.
+
+        `called` has names that links have in a log of lines, where these are others.
+        """
         began = datetime.now(tz=UTC).strftime("%Y-%m-%dT%H-%M-%SZ")
         self.folder = parent / began
         try:
@@ -68,6 +76,7 @@ class BlackBox:
         self._files = dict(files)
         self._say = say
         self._texts = texts
+        self._called = called
         self._last_text = ""
         self._epoch: Nanoseconds | None = None
         self._waiting: deque[tuple[Nanoseconds, Direction, Packet] | tuple[Nanoseconds, str]] = deque()
@@ -148,8 +157,8 @@ class BlackBox:
             return [records, *(_event(epoch + now, text) for text in self._new_texts(sent))]
         if name == CAN_LOG:
             return [(name, f"{candump_line(now, packet, packet.link, epoch)}\n".encode())]
-        if name in {SERIAL_LOG, CAPTURE_LOG} and packet.payload:
-            line = chunk_line(now, packet.link, direction, packet, epoch)
+        if name is not None and name.endswith((SERIAL_LOG, CAPTURE_LOG)) and packet.payload:
+            line = chunk_line(now, self._called.get(packet.link, packet.link), direction, packet, epoch)
             return [(name, f"{line}\n".encode())]
         return []
 

@@ -105,4 +105,4 @@ def test_a_client_drives_a_wheel_and_reads_its_encoder(firmware: str, client: st
         assert board.returncode == 0, said
     assert not link.is_symlink()
     (log,) = tmp_path.glob("*/serial.log")
-    assert "serial" in log.read_text(encoding="utf-8")
+    assert f" board~{firmware} R " in log.read_text(encoding="utf-8")

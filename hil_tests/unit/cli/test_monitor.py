@@ -15,6 +15,7 @@ from firmware_bridge.cli.monitor import Listening
 from firmware_bridge.dissector.bus_picture import BusPicture
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
+from firmware_bridge.recording import Direction, chunk_line, device_side
 from firmware_bridge.shell.ports import LostPort
 from firmware_bridge.units import NEVER, Nanoseconds
 from hil_tests.rows import every
@@ -176,6 +177,29 @@ def test_a_recording_of_lines_is_said_line_by_line(tmp_path: Path, *, compressed
     other = run("--log", str(path), "--robot", "rome", "--protocol", "firmata")
     assert "read encoders" not in other.stdout
     assert len(other.stdout.splitlines()) == 3
+
+
+@every(
+    ("kind", "heard", "said"),
+    [
+        ("ros-arduino-bridge", "650D", "read encoders"),
+        ("mw", "5A0800810200006040 06CF", "#1 createMotorShield"),
+        ("ar2-2.0", "544D71310A", "TM, echo: q1"),
+        ("serial", "1001416000 01ABF0", "ReadObject: 0x6041 Statusword"),
+    ],
+)
+def test_what_a_device_has_recorded_says_its_side_and_needs_no_robot(
+    tmp_path: Path, kind: str, heard: str, said: str
+) -> None:
+    path, name = tmp_path / "serial.log", device_side("line", kind)
+    host, device = Packet(name, 0, bytes.fromhex(heard)), Packet(name, 0, b"O")
+    lines = (chunk_line(0, name, Direction.HEARD, host), chunk_line(1, name, Direction.SENT, device))
+    path.write_text("\n".join(lines), encoding="ascii")
+    first, second = run("--log", str(path)).stdout.splitlines()
+    assert first.startswith("0.000000000 s  line  bridge  ")
+    assert said in first
+    assert second.startswith("0.000000001 s  line  line  4F")
+    assert run("--log", str(path), "-c", "other").exit_code == 0
 
 
 @every(

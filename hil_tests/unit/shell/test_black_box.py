@@ -10,7 +10,7 @@ import pytest
 from firmware_bridge.cli.drive import texts_of
 from firmware_bridge.node import CAN, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet
-from firmware_bridge.recording import Direction, parse_candump, parse_chunk, parse_tlog
+from firmware_bridge.recording import Direction, device_side, parse_candump, parse_chunk, parse_tlog
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.shell.black_box import (
     CAN_LOG,
@@ -108,3 +108,13 @@ def test_a_disk_that_is_too_slow_ends_it_before_the_memory_does(
         for at in range(100):
             box.note(at, Direction.HEARD, Packet(CAN, 0x80, b""))
         assert told == [f"recording in {box.folder} has ended: the disk is too slow; the run goes on"]
+
+
+def test_a_device_records_its_lines_under_what_they_speak_each_in_its_file(tmp_path: Path) -> None:
+    files = {"base": f"base-{SERIAL_LOG}", "arm": f"arm-{SERIAL_LOG}"}
+    called = {"base": device_side("base", "mw"), "arm": device_side("arm", "ar2-2.0")}
+    with BlackBox(tmp_path, files, lambda _: None, called=called) as box:
+        box.note(0, Direction.HEARD, Packet("base", 0, b"a"))
+        box.note(1, Direction.SENT, Packet("arm", 0, b"b"))
+    assert (box.folder / "base-serial.log").read_text().endswith(" base~mw R 61\n")
+    assert (box.folder / "arm-serial.log").read_text().endswith(" arm~ar2-2.0 T 62\n")
