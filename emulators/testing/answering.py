@@ -21,6 +21,8 @@ from firmware_bridge.wire.sdo import UploadResponse, decode_response, encode_upl
 
 ASKED_AGAIN: Final = 20
 """Looks, 1 s: an answer that is late comes before the question is put again."""
+ALREADY_S: Final = 0.3
+"""So long after a question, or an answer of another, a drive that is there has answered."""
 BOOTS: Final = 30
 """Looks, 1.5 s: a byte within the boot loader's 1.1 s keeps it for 9 s."""
 BOOTS_AGAIN: Final = 220
@@ -55,6 +57,15 @@ class RollCall:
 
     def __exit__(self, *_: object) -> None:
         self._port.close()
+
+    def answering(self, within: float = ALREADY_S) -> list[int]:
+        """Ask once, and return who has answered within that many seconds."""
+        asked = set(self._missing)
+        self.complete()
+        # Nobody says that nobody is there: this is the one place that has to wait for it.
+        while select.select([self._port.fileno()], [], [], within)[0] and not self.complete():
+            pass
+        return sorted(asked - self._missing)
 
     def complete(self) -> bool:
         """Look once; return whether all have answered."""

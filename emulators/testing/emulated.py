@@ -52,6 +52,14 @@ class Drives:
         return str(port)
 
     def _on_a_bus(self, nodes: str, more: Sequence[str], bus: Bus) -> str:
+        with RollCall(bus, nodes) as call:
+            there = call.answering()
+        if there:
+            who = ", ".join(f"node {node}" for node in there)
+            raise RigError(
+                f"{who} on {bus.channel} answers already, before it was started: a drive of another run, or "
+                "a real one? End it (ps -e | grep firmware-bridge), or take other nodes or another bus"
+            )
         program = self._started(nodes, *bus.words, *more)
         program.says(GREETING, READY_WITHIN_S)
         with RollCall(bus, nodes) as call:

@@ -1,28 +1,49 @@
 """A program under test, or one that serves it: started, watched, ended; what it prints is kept."""
 
+import ctypes
+import os
 import shlex
+import signal
 import subprocess
+import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Final
 
 LOOK_EVERY_S: Final = 0.05
 KILLED_AFTER_S: Final = 5.0
 """So long a program that was asked to end may take over it."""
+SET_DEATH_SIGNAL: Final = 1
+"""`prctl`'s PR_SET_PDEATHSIG."""
 TOLD: Final = 4000
 """So many of the last characters that it printed stand in an error."""
 
 
+def _ends_with(parent: int) -> None:
+    """Have the system end this process when its parent is gone: one that is killed leaves nobody behind."""
+    ctypes.CDLL(None).prctl(SET_DEATH_SIGNAL, signal.SIGTERM)
+    if os.getppid() != parent:
+        os.kill(os.getpid(), signal.SIGTERM)
+
+
 class Process:
-    """One program; AssertionError, with what it printed, for all that it does not do in time."""
+    """One program, which ends with its parent on Linux.
+
+    AssertionError, with what it printed, for all that it does not do in time.
+    """
 
     def __init__(self, command: str | Sequence[str], log: Path) -> None:
         """Start it; its output goes to `log`. OSError where there is no such program."""
         self.command: Final = shlex.split(command) if isinstance(command, str) else list(command)
         self.log: Final = log
         with log.open("wb") as out:
-            self._process: Final = subprocess.Popen(  # noqa: S603 - the user names it
-                self.command, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT
+            self._process: Final = subprocess.Popen(  # noqa: S603 - the user names it; one thread forks
+                self.command,
+                stdin=subprocess.DEVNULL,
+                stdout=out,
+                stderr=subprocess.STDOUT,
+                preexec_fn=partial(_ends_with, os.getpid()) if sys.platform == "linux" else None,  # noqa: PLW1509 - one thread forks
             )
 
     @property

@@ -3,12 +3,24 @@
 import os
 import tty
 from collections.abc import Iterator
-from typing import Final, NamedTuple
+from pathlib import Path
+from typing import Final, NamedTuple, NoReturn
 
 import pytest
 
 from emulators.arduino_omni.board import FIRMWARES
-from emulators.testing.answering import ARM, ASKED_AGAIN, BOOTS, QUESTIONS, BoardCall, LineCall
+from emulators.testing.answering import (
+    ARM,
+    ASKED_AGAIN,
+    BOOTS,
+    QUESTIONS,
+    BoardCall,
+    LineCall,
+    RollCall,
+)
+from emulators.testing.buses import Bus
+from emulators.testing.emulated import Drives
+from emulators.testing.errors import RigError
 from firmware_bridge.wire.maxon.frame import Generation
 
 ASKED: Final = bytes.fromhex("90 02 10 02 00 10 00 02 DF F2")
@@ -65,3 +77,44 @@ def test_a_drive_on_a_line_is_asked_again_until_it_answers_without_an_error(line
         assert line.heard() == ASKED
         os.write(line.device, ANSWERED)
         assert call.complete()
+
+
+class Asked:
+    """A port to a bus on which node 2 has answered, and node 3 refuses."""
+
+    name = "a bus"
+
+    def __init__(self) -> None:
+        self._readable, self._writable = os.pipe()
+        self.written: list[int] = []
+
+    def fileno(self) -> int:
+        return self._readable
+
+    def write(self, address: int, _payload: bytes, _now: int) -> None:
+        self.written.append(address)
+        if address in {0x602, 0x603}:
+            os.write(self._writable, bytes((address & 0x7F,)))
+
+    def read(self, _now: int) -> list[tuple[int, bytes]]:
+        (node,) = os.read(self._readable, 1)
+        answer = "4300100092010200" if node == 2 else "8000100000000206"
+        return [(0x580 + node, bytes.fromhex(answer))]
+
+    def close(self) -> None:
+        os.close(self._readable)
+        os.close(self._writable)
+
+
+def test_who_answers_before_anybody_was_started_is_named(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("emulators.testing.answering.open_can", lambda *_: Asked())
+    with RollCall(Bus("socketcan", "vcan0"), "1-3") as call:
+        assert call.answering(within=0.0) == [2]
+
+    def never(_words: object) -> NoReturn:
+        raise AssertionError("nothing is started")
+
+    with pytest.raises(RigError, match=r"node 2 on vcan0 answers already, before it was started"):
+        Drives(never, tmp_path)("1-3", on=Bus("socketcan", "vcan0"))

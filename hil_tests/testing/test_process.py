@@ -1,5 +1,9 @@
 """A program of the user's against emulated drives on a serial line, in real time, as a test starts it."""
 
+import os
+import select
+import signal
+import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -8,6 +12,7 @@ import pytest
 
 from emulators.testing.plugin import PROGRAM
 from emulators.testing.process import Process
+from hil_tests.lanes import HUNG_S
 from hil_tests.testing.conftest import Imported
 
 pytest_plugins = ["pytester"]
@@ -87,3 +92,31 @@ def test_every_board_comes_and_answers(pytester: pytest.Pytester, imported: Impo
     )
     result = pytester.runpytest_inprocess(*WORDS, plugins=[imported])
     result.assert_outcomes(passed=1)
+
+
+ORPHAN = """
+import os, sys, time
+from pathlib import Path
+from emulators.testing.process import Process
+child = Process([sys.executable, "-c", "import threading; threading.Event().wait()"], Path(sys.argv[1]))
+print(child._process.pid, flush=True)
+os.kill(os.getpid(), 9)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells a process that its parent is gone")
+def test_a_test_session_that_is_killed_leaves_no_program_behind(tmp_path: Path) -> None:
+    killed = subprocess.run(
+        [sys.executable, "-c", ORPHAN, str(tmp_path / "child.txt")],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=HUNG_S,
+    )
+    assert killed.returncode == -signal.SIGKILL, killed.stderr
+    try:
+        ended = os.pidfd_open(int(killed.stdout))
+    except ProcessLookupError:
+        return  # it is gone already
+    assert select.select([ended], [], [], HUNG_S)[0], "it lives on"
+    os.close(ended)
