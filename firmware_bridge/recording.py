@@ -49,6 +49,10 @@ class RecordingError(Exception):
     """A line or a record that cannot be read: which, and what was expected."""
 
 
+class CutOffError(RecordingError):
+    """A recording whose last record is not whole, as after a loss of power."""
+
+
 class Direction(Enum):
     """Which way a packet passed the seam, seen from the node."""
 
@@ -192,15 +196,24 @@ def tlog_records(at: Nanoseconds, datagram: bytes, epoch: Nanoseconds = EPOCH) -
 
 
 def parse_tlog(log: bytes, epoch: Nanoseconds = EPOCH) -> Iterator[tuple[Nanoseconds, bytes]]:
-    """Yield instant and message of each record; RecordingError where the log is broken or cut off."""
+    """Yield instant and message of each record; RecordingError where the log is broken.
+
+    CutOffError where its last record is not whole.
+    """
     start = 0
     while start < len(log):
         end = _message_end(log, start + _STAMP)
         if end is None:
-            raise RecordingError(f"no whole MAVLink message at byte {start + _STAMP} of a telemetry log")
+            what = f"no whole MAVLink message at byte {start + _STAMP} of a telemetry log"
+            raise CutOffError(what) if _may_begin(log, start + _STAMP) else RecordingError(what)
         at = int.from_bytes(log[start : start + _STAMP], "big") * MICROSECOND - epoch
         yield at, log[start + _STAMP : end]
         start = end
+
+
+def _may_begin(log: bytes, start: int) -> bool:
+    """Return whether what is left may be the begin of a message whose end was never written."""
+    return log[start : start + 1] in {b"", bytes((MAVLINK_1,)), bytes((MAVLINK_2,))}
 
 
 def mavlink_messages(datagram: bytes) -> Iterator[bytes]:

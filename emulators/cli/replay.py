@@ -120,6 +120,8 @@ def run(given: ReplayOptions) -> None:
     """Do what `replay` says; what is wrong ends the program with a message."""
     from emulators.cli.fitted import fitted
     from emulators.progress_bar import progress_bar
+    from emulators.replay.files import named
+    from emulators.replay.recordings import cut_off
     from firmware_bridge.cli.robot_argument import find_robot
     from firmware_bridge.cli.zeros import zeros_of
 
@@ -146,6 +148,8 @@ def run(given: ReplayOptions) -> None:
         with progress_bar() as bar:
             task = bar.add_task(given.recording.name, total=None)
             outcome = play(order, lambda now, end: bar.update(task, completed=now, total=end))
+        for text in filter(None, map(cut_off, named(order))):
+            say(text)
     if outcome.difference is not None:
         say(outcome.difference)
         raise typer.Exit(FAILED)

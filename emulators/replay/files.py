@@ -41,6 +41,18 @@ def files_of(order: Order) -> Files:
     return Files(frames=named, words=order.operator)
 
 
+def named(order: Order) -> tuple[Path, ...]:
+    """Return every file that is there of a recording."""
+    folder = order.recording
+    parts = [folder]
+    if folder.is_dir():
+        parts = [
+            file for name in (FRAMES, CHUNKS, SIGHTS, WORDS) if (file := within(folder, name)) is not None
+        ]
+    beside = [] if order.operator is None else [order.operator]
+    return tuple(file for file in (*parts, *beside) if file.is_file())
+
+
 def within(folder: Path, name: str) -> Path | None:
     """Return a run's file of this name, packed or not; None where there is none, or it is empty."""
     found = (folder / f"{name}{packed}" for packed in PACKED)

@@ -4,18 +4,21 @@ Compressed ones are read as they are (`.gz`, `.xz`). Instants count from the sta
 the bench is the start of its virtual run, any other one starts where its first frame began.
 """
 
-import gzip
 import lzma
+import zlib
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final, TypeAlias
+from typing import Final, Protocol, TypeAlias
 
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import (
+    CutOffError,
     Direction,
     RecordingError,
     is_chunk,
@@ -27,17 +30,26 @@ from firmware_bridge.shell import can_files
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR, frame_bits
 
+BEGIN: Final = b"("
+"""Of each line of a log."""
+_GZIP: Final = 16 + zlib.MAX_WBITS
+
+
+class _Unpacker(Protocol):
+    @property
+    def eof(self) -> bool: ...
+
+    def decompress(self, data: bytes, /) -> bytes: ...
+
+
 RESOLUTION: Final[Nanoseconds] = MICROSECOND
 """Of the instants of frames and messages, which are cut and not rounded."""
 TELEMETRY: Final = ".tlog"
 BENCH_WITHIN: Final[Nanoseconds] = 60 * SECOND
 """So soon after its epoch the bench's own recordings begin, a board's when it has booted; nobody's clock says
 that day any more."""
-_OPENERS: Final[Mapping[str, Callable[[Path], bytes]]] = MappingProxyType(
-    {
-        ".gz": lambda path: gzip.decompress(path.read_bytes()),
-        ".xz": lambda path: lzma.decompress(path.read_bytes()),
-    }
+_UNPACKERS: Final[Mapping[str, Callable[[], _Unpacker]]] = MappingProxyType(
+    {".gz": lambda: zlib.decompressobj(_GZIP), ".xz": lzma.LZMADecompressor}
 )
 LINES: Final = frozenset(("serial", "capture"))
 """What files of lines are called, before their suffixes."""
@@ -115,12 +127,14 @@ def read_can(path: Path, channel: str | None) -> Recording:
 
 
 def _candump(path: Path) -> Iterator[Frame]:
-    for number, line in enumerate(_lines(path), start=1):
+    for number, line, whole in _lines(path):
         if line.strip():
             where = f"{path.name}, line {number}"
             try:
                 yield where, *parse_candump(line)
             except RecordingError:
+                if not whole:
+                    return
                 raise RecordingFileError(
                     f"{where}: no line of a candump log, as '(12.345678) can0 123#DEADBEEF': {_shown(line)}"
                 ) from None
@@ -146,13 +160,15 @@ def is_lines(path: Path) -> bool:
 def read_lines(path: Path) -> Recording:
     """Read what serial lines or cameras have carried; RecordingFileError."""
     entries = []
-    for number, line in enumerate(_lines(path), start=1):
+    for number, line, whole in _lines(path):
         if not line.strip():
             continue
         where = f"{path.name}, line {number}"
         try:
             at, direction, packet = parse_chunk(line)
         except RecordingError as error:
+            if not whole:
+                break
             raise RecordingFileError(f"{where}: {error}") from None
         entries.append(Entry(at, packet, where, direction))
     if not entries:
@@ -168,7 +184,8 @@ def read_telemetry(path: Path) -> Recording:
             where = f"{path.name}, message {len(entries) + 1}"
             entries.append(Entry(at, Packet(OPERATOR, 0, message), where))
     except RecordingError as error:
-        raise RecordingFileError(f"{path.name}: {error}") from None
+        if not (entries and isinstance(error, CutOffError)):
+            raise RecordingFileError(f"{path.name}: {error}") from None
     if not entries:
         raise RecordingFileError(f"{path.name}: holds no MAVLink message")
     return _in_order(path.name, entries)
@@ -179,21 +196,73 @@ def duration_of(packet: Packet, bit_time: Nanoseconds) -> Nanoseconds:
     return frame_bits(packet.address, packet.payload) * bit_time if packet.link == CAN else 0
 
 
+def cut_off(path: Path) -> str | None:
+    """Say that a recording has no end, as after a loss of power, and what of it is left out; None for others.
+
+    RecordingFileError where it cannot be read.
+    """
+    if can_files.is_foreign(path):
+        return None
+    content, whole = _unpacked(path)
+    left_out = ""
+    if is_telemetry(path):
+        try:
+            deque(parse_tlog(content), maxlen=0)
+        except CutOffError:
+            left_out = "its last message"
+        except RecordingError:
+            return None
+    elif content and not content.endswith(b"\n"):
+        last = content.rpartition(b"\n")[2]
+        cut = last.startswith(BEGIN) and not _reads(last.decode("latin-1"))
+        left_out = f"line {len(content.splitlines())}" if cut else ""
+    if whole and not left_out:
+        return None
+    return f"{path.name}: its end is cut off" + (f"; {left_out} is left out" if left_out else "")
+
+
+def _reads(line: str) -> bool:
+    for parse in (parse_candump, parse_chunk):
+        with suppress(RecordingError):
+            parse(line)
+            return True
+    return not line.strip()
+
+
 def _content(path: Path) -> bytes:
-    """Return a file's bytes as they were before they were compressed."""
+    """Return a file's bytes as they were before they were compressed, as far as they are there."""
+    return _unpacked(path)[0]
+
+
+def _unpacked(path: Path) -> tuple[bytes, bool]:
+    """Return a file's bytes, and whether it has its end: no zeros, which a loss of power leaves there."""
+    whole = True
     try:
-        return _OPENERS.get(path.suffix, Path.read_bytes)(path)
-    except (EOFError, gzip.BadGzipFile, lzma.LZMAError) as error:
+        content = path.read_bytes()
+        if path.suffix in _UNPACKERS:
+            unpacker = _UNPACKERS[path.suffix]()
+            content = unpacker.decompress(content)
+            whole = unpacker.eof
+    except (zlib.error, lzma.LZMAError) as error:
         raise RecordingFileError(f"{path.name}: cannot be unpacked: {error}") from None
     except OSError as error:
         raise RecordingFileError(f"{path}: cannot be read: {error.strerror}") from None
+    if is_telemetry(path):
+        return content, whole
+    kept = content.rstrip(b"\0")
+    return kept, whole and len(kept) == len(content)
 
 
-def _lines(path: Path) -> Iterator[str]:
-    """Yield the lines of a text; RecordingFileError where bytes are none."""
-    for number, line in enumerate(_content(path).split(b"\n"), start=1):
+def _lines(path: Path) -> Iterator[tuple[int, str, bool]]:
+    """Yield number and text of each line, and whether it cannot be the begin of one that was cut off.
+
+    RecordingFileError where bytes are no text.
+    """
+    lines = _content(path).split(b"\n")
+    for number, line in enumerate(lines, start=1):
         try:
-            yield line.decode("ascii").rstrip("\r")
+            last = 1 < number == len(lines) and line.startswith(BEGIN)
+            yield number, line.decode("ascii").rstrip("\r"), not last
         except UnicodeDecodeError:
             raise RecordingFileError(
                 f"{path.name}, line {number}: no text; a CAN log has a line for each frame,"

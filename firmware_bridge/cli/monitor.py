@@ -114,6 +114,7 @@ class MonitorOptions:
 DRAW_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
 
 EPOS2: Final = "epos2"
+TELEMETRY: Final = ".tlog"
 _ON_SCREEN: Final = re.compile(r"\s*\S+\s+[0-9A-Fa-f]{3,8}\s+\[\d+\]")
 BIT_RATE: Final = 1_000_000
 """Bits a second, where neither the robot file nor an option tells them."""
@@ -157,6 +158,11 @@ def run(given: MonitorOptions) -> None:
         return
     if given.interface is not None or given.duration is not None:
         raise refusal("--log: a recording has no interface and no duration; leave out -i and --duration")
+    if TELEMETRY in given.log.suffixes:
+        raise refusal(
+            f"{given.log}: a telemetry log is no bus: `firmware-bridge replay` plays it, and MAVLink's tools "
+            "show it (QGroundControl, mavlogdump.py)"
+        )
     if can_files.is_foreign(given.log):
         _tell_frames(given, _foreign(given.log))
         return
@@ -196,7 +202,7 @@ def _says_its_side(first: list[tuple[int, str]]) -> bool:
     from firmware_bridge.recording import RecordingError, parse_chunk, side_of
 
     try:
-        return bool(first) and side_of(parse_chunk(first[0][1])[2].link)[1] is not None
+        return bool(first) and side_of(parse_chunk(first[0][1].rstrip("\r\n"))[2].link)[1] is not None
     except RecordingError:
         return False
 
@@ -303,7 +309,7 @@ def _configured(given: MonitorOptions) -> "tuple[Expected, ...]":
 
 
 def _numbered(path: Path) -> Iterator[tuple[int, str]]:
-    """Yield the lines of a recording with their numbers, blank ones left out.
+    """Yield the lines of a recording with their numbers and ends, blank ones left out.
 
     A file that cannot be read ends the program with a message.
     """
@@ -311,9 +317,13 @@ def _numbered(path: Path) -> Iterator[tuple[int, str]]:
     try:
         with opened(path, "rt", encoding="ascii") as lines:
             for number, line in enumerate(lines, start=1):
-                if line.strip():
-                    yield number, line.rstrip("\r\n")
-    except (OSError, EOFError, lzma.LZMAError, UnicodeDecodeError) as error:
+                if line.strip("\0 \t\r\n"):
+                    yield number, line
+                elif "\0" in line:
+                    say(f"{path}: its end is cut off; line {number} is left out")
+    except EOFError:
+        say(f"{path}: its end is cut off")
+    except (OSError, lzma.LZMAError, UnicodeDecodeError) as error:
         raise refusal(f"{path}: cannot be read: {error}", WRONG_INPUT) from None
 
 
@@ -323,8 +333,11 @@ def _candump(path: Path, lines: Iterator[tuple[int, str]]) -> Iterator[_Frame]:
 
     for number, line in lines:
         try:
-            yield parse_candump(line)
+            yield parse_candump(line.rstrip("\r\n"))
         except RecordingError:
+            if line.startswith("(") and not line.endswith("\n") and number > 1:
+                say(f"{path}: its end is cut off; line {number} is left out")
+                return
             if _ON_SCREEN.match(line):
                 raise refusal(
                     f"{path}, line {number}: what candump shows on the screen has no times; record it with "

@@ -67,8 +67,11 @@ def _carried(
     for number, line in lines:
         where = f"{order.path}, line {number}"
         try:
-            at, direction, packet = parse_chunk(line)
+            at, direction, packet = parse_chunk(line.rstrip("\r\n"))
         except RecordingError as error:
+            if line.startswith("(") and not line.endswith("\n") and begin is not None:
+                say(f"{order.path}: its end is cut off; line {number} is left out")
+                return
             raise refusal(f"{where}: {error}", WRONG_INPUT) from None
         begin = at if begin is None else begin
         name, spoken = side_of(packet.link)

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from typer.testing import CliRunner
 
 from emulators.replay import Into, Order, RecordingFileError, replay
-from emulators.replay.recordings import Recording, read_can, read_lines, read_telemetry
+from emulators.replay.recordings import Recording, cut_off, read_can, read_lines, read_telemetry
 from firmware_bridge.cli import program
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.kinds import find
@@ -37,7 +37,6 @@ BAD: dict[str, tuple[str, bytes, str]] = {
     "blank lines": ("a.log", b"\n\n", "a.log: holds no CAN frame"),
     "binary": ("a.log", f"{BOOT}\n".encode() + bytes(range(256)), "a.log, line 2: no "),
     "not ASCII": ("a.log", f"{BOOT}\n\xe4\n".encode(), "a.log, line 2: no text; a CAN log has a line for"),
-    "cut off": ("a.log", f"{BOOT}\n{BEAT}"[:-3].encode(), "a.log, line 2: no line of a candump log"),
     "of the terminal": ("a.log", b"  can0  701   [1]  00\n", NO_LINE),
     "CAN FD": ("a.log", b"(1.000000) can0 701##100\n", NO_LINE),
     "nine bytes": ("a.log", b"(1.000000) can0 701#" + b"00" * 9, NO_LINE),
@@ -46,9 +45,7 @@ BAD: dict[str, tuple[str, bytes, str]] = {
     "two buses": ("a.log", f"{BOOT}\n{OTHER}\n".encode(), "a.log: holds frames of can0, can1; choose"),
     "of nobody here": ("a.log", b"(1.000000) can0 710#00\n", "a.log: holds no frame of a drive of rars"),
     "no gzip": ("a.log.gz", BOOT.encode(), "a.log.gz: cannot be unpacked: "),
-    "half a gzip": ("a.log.gz", gzip.compress(BOOT.encode())[:-9], "a.log.gz: cannot be unpacked: "),
     "no xz": ("a.log.xz", BOOT.encode(), "a.log.xz: cannot be unpacked: "),
-    "half an xz": ("a.log.xz", lzma.compress(BOOT.encode())[:-9], "a.log.xz: cannot be unpacked: "),
     "empty telemetry": ("a.tlog", b"", "a.tlog: holds no MAVLink message"),
     "cut telemetry": ("a.tlog", TLOG[:-1], "a.tlog: no whole MAVLink message at byte 8 "),
     "text as telemetry": ("a.tlog", BOOT.encode(), "a.tlog: no whole MAVLink message at byte 8 "),
@@ -73,6 +70,56 @@ def test_a_bad_file_is_one_message_and_status_2(case: str, tmp_path: Path) -> No
     assert result.stderr.startswith(f"firmware-bridge: {message}")
     assert result.stderr.count("\n") == 1
     assert result.stdout == ""
+
+
+CUT: dict[str, tuple[str, bytes, str]] = {
+    "in a frame": ("a.log", f"{BOOT}\n{BEAT}"[:-3].encode(), "a.log: its end is cut off; line 2 is left out"),
+    "in an instant": ("a.log", f"{BOOT}\n(17".encode(), "a.log: its end is cut off; line 2 is left out"),
+    "zeros": ("a.log", f"{BOOT}\n".encode() + bytes(700), "a.log: its end is cut off"),
+    "a frame and zeros": ("a.log", f"{BOOT}\n{BEAT}"[:-1].encode() + bytes(9), "a.log: its end is cut off"),
+    "gzip": ("a.log.gz", gzip.compress(f"{BOOT}\n".encode())[:-5], "a.log.gz: its end is cut off"),
+    "xz": ("a.log.xz", lzma.compress(f"{BOOT}\n".encode())[:-9], "a.log.xz: its end is cut off"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CUT)
+def test_what_is_there_of_a_recording_that_is_cut_off_is_played_and_shown(case: str, tmp_path: Path) -> None:
+    """As after a loss of power, a kill, a full stick."""
+    name, content, message = CUT[case]
+    file = tmp_path / name
+    file.write_bytes(content)
+    played = CliRunner().invoke(program, ["replay", str(file), "rars"])
+    assert played.exit_code == 0, played.stderr
+    assert played.stdout.startswith(message)
+    assert len(read_can(file, None).entries) == 1
+    shown = CliRunner().invoke(program, ["monitor", "--log", str(file)])
+    assert shown.exit_code == 0, shown.stderr
+    assert "its end is cut off" in shown.stdout
+    assert "1 frames in 0.000 s" in shown.stdout
+
+
+def test_the_last_record_of_lines_and_of_telemetry_may_be_cut_off(tmp_path: Path) -> None:
+    lines, telemetry = tmp_path / "serial.log", tmp_path / "a.tlog"
+    lines.write_text(f"{LINE}\n{LINE}"[:-1], encoding="ascii")
+    assert [entry.packet.payload for entry in read_lines(lines).entries] == [b"b\r"]
+    for cut in range(1, len(TLOG)):
+        telemetry.write_bytes(TLOG + TLOG[:cut])
+        assert len(read_telemetry(telemetry).entries) == 1, cut
+        assert cut_off(telemetry) == "a.tlog: its end is cut off; its last message is left out"
+    telemetry.write_bytes(TLOG + b"12345678no message")
+    with pytest.raises(RecordingFileError, match="no whole MAVLink message at byte"):
+        read_telemetry(telemetry)
+    for whole in (f"{LINE}\n{LINE}", f"{LINE}\n"):
+        lines.write_text(whole, encoding="ascii")
+        assert cut_off(lines) is None
+
+
+def test_a_telemetry_log_is_no_bus_and_what_reads_it_is_named(tmp_path: Path) -> None:
+    file = tmp_path / "operator.tlog"
+    file.write_bytes(TLOG)
+    shown = CliRunner().invoke(program, ["monitor", "--log", str(file)])
+    assert shown.exit_code == 2
+    assert "a telemetry log is no bus: `firmware-bridge replay` plays it" in shown.stderr
 
 
 @pytest.mark.parametrize("name", ["missing.log", "missing.tlog", "missing.log.gz"])
