@@ -3,7 +3,9 @@
 Whoever has a call looks at `complete` every 50 ms. Time is counted in looks: here is no clock.
 """
 
+import os
 import select
+import termios
 from collections.abc import Mapping
 from typing import Final, Self
 
@@ -31,6 +33,7 @@ DEVICE_TYPE: Final = Address(0x1000, 0)
 READ_OBJECT: Final = 0x10
 NO_ERROR: Final = bytes(4)
 ROOM: Final = 4096
+_OSPEED: Final = 5
 ARM: Final = "arm"
 """What an arm's board speaks: one set of lines, whatever its generation."""
 QUESTIONS: Final[Mapping[str, tuple[bytes, bytes]]] = {
@@ -87,13 +90,24 @@ class _Line:
     """A serial line, read without waiting."""
 
     def __init__(self, port: str) -> None:
-        self._line: Final = serial.Serial(port, timeout=0)
+        self._line: Final = serial.Serial(port, _rate(port), timeout=0)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         self._line.close()
+
+
+def _rate(port: str) -> int:
+    """Return the bit rate that the emulated device has set on its line."""
+    line = os.open(port, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    try:
+        speed = termios.tcgetattr(line)[_OSPEED]
+    finally:
+        os.close(line)
+    rates: tuple[int, ...] = serial.Serial.BAUDRATES
+    return next(rate for rate in rates if getattr(termios, f"B{rate}", None) == speed)
 
 
 class LineCall(_Line):

@@ -1,10 +1,11 @@
 """Opens the links that emulated devices were asked to be on."""
 
+import platform
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeAlias
 
-from firmware_bridge.cli.console import one_message, refusal
+from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.outside import Outside
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.shell.ports import Port, PortError, PseudoTerminal, SeenOpening, SerialLine, open_can
@@ -14,13 +15,18 @@ from firmware_bridge.wire.maxon.frame import Generation
 Openers: TypeAlias = dict[str, Callable[[], Port]]
 
 
-def open_serial(device: str, baud: int, link: Path | None = None, *, tells_dtr: bool = False) -> Port:
+def open_serial(
+    device: str, baud: int, link: Path | None = None, *, tells_dtr: bool = False, any_rate: bool = False
+) -> Port:
     """Open a serial device, or make a pseudo-terminal with a link to it; PortError.
 
-    One that tells DTR says when a client opens it, and closes it.
+    One that tells DTR says when a client opens it, and closes it. With `any_rate` any bit rate will do.
     """
     if device == WORD:
-        return SeenOpening(link) if tells_dtr else PseudoTerminal(link)
+        rate = None if any_rate else baud
+        if tells_dtr or platform.system() == "Linux":
+            return SeenOpening(link, rate, say, tells_dtr=tells_dtr)
+        return PseudoTerminal(link, rate, say)
     if link is not None:
         raise PortError(f"--serial-link {link}: only a pseudo-terminal wants a link; say --serial {WORD}")
     return SerialLine(device, baud)
@@ -48,7 +54,10 @@ def opened(
     where = []
     if outside.serial is not None:
         with one_message(PortError):
-            line = open_serial(outside.serial, baud, outside.serial_link)
+            # Over USB a rate is set, and does not count.
+            line = open_serial(
+                outside.serial, baud, outside.serial_link, any_rate=protocol is not Generation.V1
+            )
         found[SERIAL] = lambda: line
         spoken = "v1 or v2, as its host speaks" if protocol is None else protocol.value
         where.append(f"{line.name} ({spoken})")

@@ -1,18 +1,24 @@
 """A serial line inside this machine: a pseudo-terminal, whose other end a client opens by its path.
 
 The client may come and go. What it does not fetch is thrown away once the system keeps no more of it, as on a
-line at whose end nobody listens. A pseudo-terminal has no bit rate: bytes arrive at once.
+line at whose end nobody listens. A pseudo-terminal carries bytes at once, whatever its bit rate; but it knows
+which one the client has set: with another one than the device's nothing is heard, either way.
 """
 
 import contextlib
 import os
+import termios
 import tty
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
 from firmware_bridge.shell.ports.byte_file import ByteFile
 from firmware_bridge.shell.ports.port import PortError
+from firmware_bridge.units import Nanoseconds
 
+_ISPEED: Final = 4
+_OSPEED: Final = 5
 WORD: Final = "pty"
 """What users write in place of a device."""
 
@@ -20,11 +26,21 @@ WORD: Final = "pty"
 class PseudoTerminal(ByteFile):
     """The end that this process speaks on. `path` is the client's; a symbolic link to it may be asked for."""
 
-    def __init__(self, link: Path | None = None) -> None:
+    def __init__(
+        self, link: Path | None = None, baud: int | None = None, say: Callable[[str], None] | None = None
+    ) -> None:
+        """Make it; PortError. `baud` is the device's rate, None for any; `say` takes what is wrong, once."""
+        self._speed: Final = None if baud is None else getattr(termios, f"B{baud}", None)
+        self._baud: Final = baud
+        self._say = say
         try:
             own, self._other = os.openpty()
             # Without this the system would echo our own bytes to us, and turn line feeds into two bytes.
             tty.setraw(self._other)
+            if self._speed is not None:
+                modes = termios.tcgetattr(self._other)
+                modes[_ISPEED] = modes[_OSPEED] = self._speed
+                termios.tcsetattr(self._other, termios.TCSANOW, modes)
             self.path = os.ttyname(self._other)
         except OSError as error:
             raise PortError(f"cannot make a pseudo-terminal: {error.strerror}") from error
@@ -33,6 +49,25 @@ class PseudoTerminal(ByteFile):
         if link is not None:
             self._point(link)
         self.name = f"serial line {link or self.path}"
+
+    def read(self, now: Nanoseconds) -> list[tuple[int, bytes]]:
+        """Return the bytes that have arrived, at the device's rate; LostPort."""
+        heard = super().read(now)
+        return heard if self._understood() else []
+
+    def write(self, address: int, payload: bytes, now: Nanoseconds) -> None:
+        """Send bytes; LostPort. At another rate than the client's they make no sense to it."""
+        if self._understood():
+            super().write(address, payload, now)
+
+    def _understood(self) -> bool:
+        """Return whether the client has the device's rate; say once where it has not."""
+        if self._speed is None or termios.tcgetattr(self._other)[_OSPEED] == self._speed:
+            return True
+        if self._say is not None:
+            say, self._say = self._say, None
+            say(f"{self.name}: its client has not set the device's {self._baud} Bd; neither hears the other")
+        return False
 
     def close(self) -> None:
         """Close both ends and remove the link; never fails, and may be called again."""

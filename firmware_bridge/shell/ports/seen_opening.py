@@ -6,10 +6,12 @@ once counts as one, so of two clients the second's opening may be missed, which 
 """
 
 import ctypes
+import fcntl
 import os
 import select
 import struct
 import termios
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
@@ -28,18 +30,28 @@ _CFLAG: Final = 2
 class SeenOpening(PseudoTerminal):
     """The end that this process speaks on; packets with the addresses `DTR_UP` and `DTR_DOWN` are empty."""
 
-    def __init__(self, link: Path | None = None) -> None:
-        super().__init__(link)
-        _drop_at_close(self._other)
-        self._clients = 0
+    def __init__(
+        self,
+        link: Path | None = None,
+        baud: int | None = None,
+        say: Callable[[str], None] | None = None,
+        *,
+        tells_dtr: bool = True,
+    ) -> None:
+        """Make it; PortError. Without `tells_dtr` it says nothing of who comes and goes."""
         self._watch = -1
+        super().__init__(link, baud, say)
+        self._tells_dtr: Final = tells_dtr
+        if tells_dtr:
+            _drop_at_close(self._other)
+        self._clients = 0
         try:
             self._both = select.epoll()
             self._watch = _watch(self.path)
         except (OSError, AttributeError) as error:
             self.close()
             raise PortError(
-                f"cannot see who opens {self.name}: {error}; only Linux tells, so leave --reset-on-open away"
+                f"cannot see who opens {self.name}: {error}; only Linux says it; leave --reset-on-open away"
             ) from error
         for fileno in (self._watch, self._fileno):
             self._both.register(fileno, select.EPOLLIN)
@@ -64,6 +76,8 @@ class SeenOpening(PseudoTerminal):
 
     def _told(self) -> list[int]:
         events = os.read(self._watch, _ROOM)
+        # A client that wants the port for itself leaves that behind, since this end is never closed.
+        fcntl.ioctl(self._other, termios.TIOCNXCL)
         found = []
         for _, mask, _, _ in _EVENT.iter_unpack(events):
             before = self._clients
@@ -72,7 +86,7 @@ class SeenOpening(PseudoTerminal):
                 found.append(DTR_UP)
             elif before and not self._clients and self._drops():
                 found.append(DTR_DOWN)
-        return found
+        return found if self._tells_dtr else []
 
     def _drops(self) -> bool:
         """Tell whether the last close drops DTR, as it does unless the client has said otherwise."""

@@ -1,5 +1,6 @@
 """Serial ports and pseudo-terminals of this machine, with pyserial as the stranger at the other end."""
 
+import fcntl
 import os
 import termios
 from contextlib import closing
@@ -21,6 +22,8 @@ from firmware_bridge.wire.maxon.frame import Frame, Generation, encode_v2
 from hil_tests.unit.epos2.quiet_motion import QuietMotion
 from hil_tests.unit.world.players import Player
 
+TIOCGEXCL = 0x80045440
+"""Whether a terminal is one client's alone (Linux, asm-generic/ioctls.h)."""
 ASKED_V2 = encode_v2(Frame(0x10, bytes.fromhex("00100001")))
 ANSWERED_V2 = bytes.fromhex("90 02 00 04 00 00 00 00 92 01 02 00 9A ED")
 
@@ -92,6 +95,48 @@ def test_clients_come_and_go() -> None:
                 assert heard(port, len(name)) == name
             assert port.read(0) == []
             port.write(0, b"nobody hears this", 0)
+
+
+@pytest.mark.parametrize("kind", [PseudoTerminal, SeenOpening])
+def test_a_client_at_another_bit_rate_and_the_device_do_not_hear_each_other_which_is_said_once(
+    kind: type[PseudoTerminal],
+) -> None:
+    said: list[str] = []
+    with (
+        closing(kind(None, 57_600, said.append)) as port,
+        serial.Serial(port.path, 9_600, timeout=0) as client,
+    ):
+        for _ in range(2):
+            client.write(b"e\r")
+            assert not heard(port, 2, SECOND // 10)
+            port.write(0, b"0 0\r\n", 0)
+            assert client.read(9) == b""
+        assert said == [f"{port.name}: its client has not set the device's 57600 Bd; neither hears the other"]
+        client.baudrate = 57_600
+        client.write(b"e\r")
+        assert heard(port, 2) == b"e\r"
+        port.write(0, b"0 0\r\n", 0)
+        client.timeout = 1
+        assert client.read(5) == b"0 0\r\n"
+    assert len(said) == 1
+
+
+def test_a_client_that_takes_the_line_for_itself_and_leaves_can_come_again() -> None:
+    with closing(SeenOpening(tells_dtr=False)) as port:
+        for _ in range(3):
+            with serial.Serial(port.path, exclusive=True) as client:
+                # The superuser may open it all the same: the system is asked whether it is taken.
+                fcntl.ioctl(client.fileno(), termios.TIOCEXCL)
+                assert _taken(client.fileno())
+                client.write(b"e\r")
+                assert heard(port, 2) == b"e\r"
+            assert packets(port, 0) == []
+            with serial.Serial(port.path) as looking:
+                assert not _taken(looking.fileno())
+
+
+def _taken(line: int) -> bool:
+    return bool(int.from_bytes(fcntl.ioctl(line, TIOCGEXCL, bytes(4)), "little"))
 
 
 def test_what_nobody_fetches_is_thrown_away_in_the_end() -> None:
