@@ -1,7 +1,7 @@
 """The clock of emulated devices stands still while the machine does not let the process run."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import pytest
 
@@ -9,7 +9,7 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.shell.clock import STALL, Clock, LivedClock
 from firmware_bridge.shell.runner import run
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
-from hil_tests.unit.shell.test_runner import Flat, Ticking
+from hil_tests.unit.shell.test_runner import Exact, Flat, Ticking
 
 Suspend = Callable[[Nanoseconds], None]
 
@@ -105,25 +105,6 @@ def test_a_device_that_was_stopped_while_it_spoke_gives_its_host_all_of_its_time
     port.hear(b"command")
     run(node, {"can": port}, kind(), until=200 * MILLISECOND)
     assert node.did[:2] == ["command", then]
-
-
-class Exact(Clock):
-    """A machine that wakes nobody late: it is then what it was to be."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._now: Nanoseconds = 0
-
-    def restart(self) -> None:
-        self._now = 0
-
-    def now(self) -> Nanoseconds:
-        return self._now
-
-    def wait(self, filenos: Sequence[int], until: Nanoseconds) -> list[int]:
-        del filenos
-        self._now = max(self._now, until)
-        return []
 
 
 def test_who_wants_to_be_woken_at_once_is_not_late_for_an_instant_long_gone() -> None:
