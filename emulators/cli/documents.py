@@ -76,7 +76,7 @@ def dcf(
 ) -> None:
     """Read every object of a running drive, emulated or real, and write its device configuration file."""
     with one_message(PortError):
-        port = open_can(interface, channel, bit_rate)
+        port = open_can(interface, channel, bit_rate, say=say)
     with one_message(SilentNodeError, LostPort, status=FAILED):
         values = read_all(port, node)
     by_product = {(profile.hardware_version or 0) << 16: profile for profile in PROFILES.values()}

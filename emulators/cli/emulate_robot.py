@@ -269,7 +269,7 @@ def _opener(machine: "AnyRobot", name: str, place: "Place") -> "Callable[[], Por
     if place.device is not None:
         raise refusal(f"--link {name}: emulated drives of a robot are put on CAN here; say INTERFACE:CHANNEL")
     rate = machine.epos2_link(name).bit_rate
-    return lambda: open_can(place.interface, place.channel, None, default_bit_rate=rate)
+    return lambda: open_can(place.interface, place.channel, None, default_bit_rate=rate, say=say)
 
 
 def _cut(robot: "AnyRobot", text: str) -> tuple[str, Nanoseconds]:

@@ -94,7 +94,7 @@ def socketcan(facts: Facts) -> Said:
             f"{found}, which has no SocketCAN", "name an adapter that python-can knows: -i pcan, -i slcan ..."
         )
     return _missing(
-        f"{found}, without SocketCAN", "`sudo modprobe can-raw`; or -i udp_multicast without a bus"
+        f"{found}, without SocketCAN", "`sudo modprobe can-raw`; or -i loopback_multicast without a bus"
     )
 
 
@@ -108,7 +108,7 @@ def vcan(facts: Facts) -> Said:
             "the kernel has it, and no interface is up",
             "`sudo modprobe vcan && sudo ip link add dev vcan0 type vcan && sudo ip link set vcan0 up`",
         )
-    return _missing("the kernel has no vcan", "-i udp_multicast does in its place; or run tools/with-vcan")
+    return _missing("the kernel has no vcan", "take -i loopback_multicast; or run tools/with-vcan")
 
 
 def adapters(facts: Facts) -> Said:

@@ -10,10 +10,10 @@ from emulators.testing.errors import RigError
 VCAN: Final = "vcan"
 """What a user writes for SocketCAN's virtual bus."""
 SOCKETCAN: Final = "socketcan"
-MULTICAST: Final = "udp_multicast"
+MULTICAST: Final = "loopback_multicast"
 INTERFACES: Final = Path("/sys/class/net")
 GROUPS: Final = tuple(f"239.74.163.{number}" for number in range(16, 32))
-"""Administratively scoped (RFC 2365); python-can's own, .2, is left to those who use it by hand."""
+"""Administratively scoped (RFC 2365); .2 is left to those who use it by hand."""
 
 
 class Bus(NamedTuple):

@@ -58,7 +58,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     group.addoption("--seed", type=int, default=0, metavar="N", help="all that is random comes from it")
     group.addoption(
         "--bus",
-        metavar="vcan|udp_multicast|INTERFACE:CHANNEL",
+        metavar="vcan|loopback_multicast|INTERFACE:CHANNEL",
         help="the CAN bus of tests in real time; without it SocketCAN's virtual one, or datagrams",
     )
     group.addoption(

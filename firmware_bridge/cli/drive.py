@@ -358,7 +358,7 @@ def _nothing_heard(spoken: Generation, rate: int) -> str:
 def _can_opener(place: "Place", bit_rate: int | None, default: int) -> "Callable[[], Port]":
     from firmware_bridge.shell.ports import open_can
 
-    return lambda: open_can(place.interface, place.channel, bit_rate, default_bit_rate=default)
+    return lambda: open_can(place.interface, place.channel, bit_rate, default_bit_rate=default, say=say)
 
 
 def _title(machine: "AnyRobot", name: str, place: "Place") -> str:

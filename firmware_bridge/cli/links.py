@@ -63,7 +63,7 @@ def opened(
         where.append(f"{line.name} ({spoken})")
     if outside.serial is None or outside.interface or outside.channel:
         found[CAN] = lambda: open_can(
-            outside.interface, outside.channel, outside.bit_rate, default_bit_rate=default_bit_rate
+            outside.interface, outside.channel, outside.bit_rate, default_bit_rate=default_bit_rate, say=say
         )
         where.append("the bus")
     return found, " and ".join(where)

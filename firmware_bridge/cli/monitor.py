@@ -225,7 +225,7 @@ def _live(given: MonitorOptions, picture: "BusPicture") -> None:
             node = Listening(picture, lambda texts: _lines(picture, texts), lambda: None)
         carry(
             node,
-            {CAN: lambda: open_can(given.interface, given.channel, picture.bit_rate)},
+            {CAN: lambda: open_can(given.interface, given.channel, picture.bit_rate, say=say)},
             until(given.duration),
             f"listening on {given.channel or 'the configured bus'}",
         )

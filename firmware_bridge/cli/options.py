@@ -24,8 +24,8 @@ InterfaceOption = Annotated[
     typer.Option(
         "--interface",
         "-i",
-        help="python-can's name for the kind of bus: socketcan, slcan, pcan, udp_multicast ... Without it, "
-        "python-can's own configuration file decides.",
+        help="python-can's name for the kind of bus: socketcan, slcan, pcan, loopback_multicast ... Without "
+        "it python-can's own configuration file decides.",
         show_default=False,
     ),
 ]

@@ -163,7 +163,7 @@ class Pair:
 
     @property
     def _bus(self) -> tuple[str, ...]:
-        return ("-i", "udp_multicast", "-c", "239.74.163.2")
+        return ("-i", "loopback_multicast", "-c", "239.74.163.2")
 
     def _places(self) -> tuple[str, ...]:
         """Wait until the emulator says where it is; return the bridge's words for that."""

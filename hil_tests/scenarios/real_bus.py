@@ -20,7 +20,9 @@ from pymavlink import mavutil
 from hil_tests.lanes import HUNG_S
 
 SOCKETCAN: Final = ("socketcan", "vcan0")
-MULTICAST: Final = ("udp_multicast", "239.74.163.2")
+MULTICAST: Final = ("loopback_multicast", "239.74.163.2")
+PLAIN: Final = "udp_multicast"
+"""python-can's own, which is no true bus."""
 SDO_ANSWERS: Final = [can.typechecking.CanFilter(can_id=0x580, can_mask=0x780)]
 """All that the test's own socket hears: to skip all others takes longer than an operator may be silent."""
 QC_PER_M: Final = 2000 * 26 / (2 * 3.141592653589793 * 0.05)

@@ -11,7 +11,7 @@ from typing import Final
 import pytest
 
 from firmware_bridge.recording import MAVLINK_2, parse_tlog
-from hil_tests.scenarios.real_bus import DISABLED, MULTICAST, Bench, until
+from hil_tests.scenarios.real_bus import DISABLED, MULTICAST, PLAIN, Bench, until
 
 PORT: Final = 43113
 """python-can's own for this interface."""
@@ -75,15 +75,17 @@ def test_a_ground_station_that_listens_on_this_machine_is_joined(datagrams: Benc
 
 
 def test_what_is_sent_does_not_leave_this_machine(datagrams: Bench, listener: socket.socket) -> None:
-    datagrams.starts("emulate", "emulate", "rars", *datagrams.where)
+    emulate = datagrams.starts("emulate", "emulate", "rars", "-i", PLAIN)
     assert [hops(listener) for _ in NODES] == [0] * len(NODES)  # the boot-ups
+    assert "udp_multicast is no true bus" in emulate.printed
+    assert "take -i loopback_multicast" in emulate.printed
 
 
 def test_a_user_may_let_it_out(
     datagrams: Bench, listener: socket.socket, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("CAN_CONFIG", '{"hop_limit": 1}')
-    datagrams.starts("emulate", "emulate", "rars", *datagrams.where)
+    datagrams.starts("emulate", "emulate", "rars", "-i", PLAIN)
     assert [hops(listener) for _ in NODES] == [1] * len(NODES)
 
 

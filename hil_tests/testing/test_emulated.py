@@ -25,12 +25,12 @@ def interfaces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_vcan_is_taken_where_it_is_and_else_datagrams(interfaces: Path) -> None:
-    assert buses.buses(None)[0] == Bus("udp_multicast", GROUPS[0])
+    assert buses.buses(None)[0] == Bus("loopback_multicast", GROUPS[0])
     assert buses.buses("vcan") == (Bus("socketcan", "vcan0"),), "so that its absence is said by its name"
     for name in ("vcan1", "can0", "vcan0"):
         (interfaces / name).touch()
     assert buses.buses(None) == (Bus("socketcan", "vcan0"), Bus("socketcan", "vcan1"))
-    assert buses.buses("udp_multicast")[0].interface == "udp_multicast"
+    assert buses.buses("loopback_multicast")[0].interface == "loopback_multicast"
     assert buses.buses("pcan:PCAN_USBBUS1") == (Bus("pcan", "PCAN_USBBUS1"),)
 
 
@@ -53,7 +53,7 @@ def test_two_tests_at_once_are_on_two_buses_and_one_that_is_given_back_is_taken_
         (lambda _: buses.buses("virtual:x"), "inside one process"),
         (
             lambda _: buses.buses("can0"),
-            "there is no bus 'can0'; say vcan, udp_multicast or INTERFACE:CHANNEL",
+            "there is no bus 'can0'; say vcan, loopback_multicast or INTERFACE:CHANNEL",
         ),
         (lambda folder: emulated.board(never, folder, "mw", (), "firmata"), "mw speaks one protocol"),
         (lambda folder: emulated.board(never, folder, "ar2", (), "mw"), "ar2 speaks one protocol"),

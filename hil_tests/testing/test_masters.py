@@ -99,7 +99,7 @@ def test_a_master_in_c_that_does_not_look_at_the_fault_bit(judge: Judge) -> None
 
 @pytest.mark.alone
 def test_a_master_in_python_that_does_not_miss_a_heartbeat(judge: Judge) -> None:
-    judge(PYTHON, "--bus", "udp_multicast")
+    judge(PYTHON, "--bus", "loopback_multicast")
 
 
 def test_a_master_on_a_line_that_believes_a_damaged_answer(judge: Judge) -> None:

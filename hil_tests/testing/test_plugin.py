@@ -116,7 +116,7 @@ def test_a_failing_test_says_what_held_and_keeps_what_happened(pytester: pytest.
         ("test_a_master_of_my_own", "vcan"),
         ("test_a_client_in_ros_manner", "vcan"),
         pytest.param("test_both_are_found", "vcan", marks=pytest.mark.vcan),
-        pytest.param("test_both_are_found", "udp_multicast", marks=pytest.mark.alone),
+        pytest.param("test_both_are_found", "loopback_multicast", marks=pytest.mark.alone),
     ],
 )
 def test_the_stories_of_the_page_in_real_time(

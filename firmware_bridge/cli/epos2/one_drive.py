@@ -6,7 +6,7 @@ from functools import wraps
 from inspect import Signature, signature
 from typing import Any, Final
 
-from firmware_bridge.cli.console import FAILED, INTERRUPTED, one_message, refusal
+from firmware_bridge.cli.console import FAILED, INTERRUPTED, one_message, refusal, say
 from firmware_bridge.cli.epos2.drive_options import (
     BaudOption,
     GatewayOption,
@@ -110,7 +110,7 @@ def drive_from_options(
             where,
             "is it on, on this bus, at this bit rate, with this --node? In Stopped it is silent, too",
             CanAccess(number),
-            lambda: open_can(interface, channel, bit_rate),
+            lambda: open_can(interface, channel, bit_rate, say=say),
         )
     _only("the CAN bus", "no --serial", {"-i": interface, "-c": channel, "-b": bit_rate})
     spoken = protocol or Generation.V1

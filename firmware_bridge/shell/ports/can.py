@@ -1,5 +1,6 @@
 """Opens a CAN bus by interface and channel, given or from python-can's own configuration."""
 
+from collections.abc import Callable
 from typing import Final
 
 from firmware_bridge.shell.ports.port import Port, PortError
@@ -9,16 +10,22 @@ KERNEL: Final = "socketcan"
 """The interface that needs no library."""
 
 
+def _nothing(_text: str) -> None:
+    """Be told, and say nothing."""
+
+
 def open_can(
     interface: str | None = None,
     channel: str | None = None,
     bit_rate: int | None = None,
     *,
     default_bit_rate: int = 1_000_000,
+    say: Callable[[str], None] = _nothing,
 ) -> Port:
     """Open a CAN port; what is None comes from python-can's configuration file or environment; PortError.
 
-    `default_bit_rate` holds where neither the argument nor the configuration names one.
+    `default_bit_rate` holds where neither the argument nor the configuration names one. `say` takes what is
+    odd about the interface.
     """
     if interface == KERNEL and channel:
         return SocketCanPort(channel, bit_rate or default_bit_rate)
@@ -34,6 +41,8 @@ def open_can(
             found[key] = value
     channel = found["channel"]
     name = f"CAN interface {interface} channel {channel}"
+    if interface in python_can.CAUTIONS:
+        say(python_can.CAUTIONS[interface])
     if interface != KERNEL:
         return python_can.PythonCanPort(name, found)
     if channel in {None, ""}:

@@ -11,6 +11,7 @@ from typing import Any, Final
 
 import can
 
+from firmware_bridge.shell.ports import loopback_multicast
 from firmware_bridge.shell.ports.outbox import Outbox
 from firmware_bridge.shell.ports.port import BURST, LostPort, PortError
 from firmware_bridge.units import Nanoseconds
@@ -25,10 +26,16 @@ _LISTEN_S: Final = 0.1
 MULTICAST: Final = "udp_multicast"
 """A bus of datagrams: every process of one machine, or of one network, that has joined a group."""
 UNLESS_SAID: Final[dict[str, dict[str, Any]]] = {
+    loopback_multicast.NAME: {"channel": loopback_multicast.GROUP},
     # A hop limit of 0 never leaves the machine (RFC 1112, 6.1); python-can's own 1 reaches the local network.
     MULTICAST: {"channel": "239.74.163.2", "hop_limit": 0},
 }
 """What an interface is opened with where neither arguments nor configuration say it."""
+CAUTIONS: Final = {
+    MULTICAST: f"{MULTICAST} is no true bus: groups hear each other, and a master its own frames, so that "
+    f"python-canopen stops its RPDOs; take -i {loopback_multicast.NAME}, with the master too",
+}
+"""What is said when an interface is opened."""
 UNMARKED_ECHO: Final = frozenset({MULTICAST})
 """Interfaces that bring a sender its own frames without saying that they are."""
 

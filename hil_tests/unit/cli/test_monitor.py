@@ -72,7 +72,7 @@ def run(*words: str) -> Any:
 
 
 def on_scripted(monkeypatch: pytest.MonkeyPatch, *words: str) -> Any:
-    monkeypatch.setattr("firmware_bridge.shell.ports.open_can", lambda *_: Scripted(HEARD))
+    monkeypatch.setattr("firmware_bridge.shell.ports.open_can", lambda *_, **_more: Scripted(HEARD))
     return run("-i", "virtual", "-c", "foreign", *words)
 
 

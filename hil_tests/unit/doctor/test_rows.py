@@ -93,7 +93,7 @@ OUTCOMES: Final[list[tuple[str, dict[str, Any], Verdict, str, str]]] = [
     ("virtual CAN", {}, OK, "vcan0 up", ""),
     ("virtual CAN", {"interfaces": (CAN,)}, CAREFUL, "no interface is up", "ip link add dev vcan0"),
     ("virtual CAN", {"interfaces": (replace(VIRTUAL, up=False),)}, CAREFUL, "no interface is up", "modprobe"),
-    ("virtual CAN", {"interfaces": (), "vcan": False}, MISSING, "no vcan", "udp_multicast"),
+    ("virtual CAN", {"interfaces": (), "vcan": False}, MISSING, "no vcan", "loopback_multicast"),
     ("CAN interfaces", {}, OK, "can0 up, 1000 kbit/s, ERROR-ACTIVE", ""),
     (
         "CAN interfaces",
