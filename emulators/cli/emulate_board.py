@@ -137,6 +137,7 @@ def run(given: BoardOptions) -> None:
     from emulators.arduino_omni.faults import FaultyBoard
     from emulators.arduino_omni.mega.mega import SketchError
     from emulators.arduino_omni.motors import SUPPLY_V
+    from emulators.cli.watched import keeping_said
     from emulators.servo.seam import ServoError
     from firmware_bridge.cli.links import open_serial
     from firmware_bridge.cli.real_time import carry
@@ -155,6 +156,7 @@ def run(given: BoardOptions) -> None:
         auto_stop=given.auto_stop_ms,
         supply=SUPPLY_V if given.supply is None else given.supply,
     )
+    keeping_said(board.mega)
     stock = "" if encoders in firmware.stock else NOT_STOCK
     called = {SERIAL: device_side("board", given.firmware)}
     with recording(given.record, {SERIAL: SERIAL_LOG}, called=called) as (around, _):

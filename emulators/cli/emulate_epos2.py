@@ -181,6 +181,7 @@ PULSES: Final = range(16, 2_500_001)
 
 def run(given: DrivesOptions) -> None:
     """Do what `emulate epos2` says; what is wrong ends the program with a message."""
+    from emulators.cli.watched import twins_said
     from emulators.epos2.objects.saved_parameters import StorageError
     from emulators.epos2.serial.serial_drive import baud_of
     from emulators.gateway import Cluster
@@ -224,11 +225,12 @@ def run(given: DrivesOptions) -> None:
         made, bank = drives(order, say)
     owner = order.names[nodes.index(near)]
     line = "" if given.serial is None else f", node {near} on the line"
+    cluster = Cluster(made, bank, links={owner: {CAN: CAN, SERIAL: SERIAL}})
     called = {SERIAL: device_side(f"node-{near}", SERIAL)}
     with recording(given.record, {CAN: CAN_LOG, SERIAL: SERIAL_LOG}, called=called) as (around, _):
         openers, where = opened(given, given.protocol, baud_of(made[owner]), DEFAULT_BIT_RATE)
         carry(
-            around(Cluster(made, bank, links={owner: {CAN: CAN, SERIAL: SERIAL}})),
+            around(twins_said(cluster, [(CAN, it) for it in nodes])),
             openers,
             until(given.duration),
             f"{order.profile.name} on {where}: node {given.node}{line}; {_text(mounted, given.plant)}",

@@ -109,6 +109,7 @@ def emulate_board(machine: "AnyRobot", given: RobotOptions) -> None:
     from emulators.captured import TRUTH
     from emulators.cli.beginning import tell_of_beginning
     from emulators.cli.cameras import beside_boards, cameras_of
+    from emulators.cli.watched import keeping_said
     from emulators.devices import devices
     from emulators.servo.bank import ServoError
     from firmware_bridge.cli.real_time import carry
@@ -127,6 +128,8 @@ def emulate_board(machine: "AnyRobot", given: RobotOptions) -> None:
         cameras = cameras_of(machine, emulated)
     alone = len(emulated.boards) == 1
     links = {name: SERIAL if alone else name for name in emulated.boards}
+    for name, board in emulated.boards.items():
+        keeping_said(board.mega, name)
     node = beside_boards(emulated.boards, links, cameras)
     files = {link: SERIAL_LOG if alone else f"{name}-{SERIAL_LOG}" for name, link in links.items()}
     kinds = kinds_of(machine)
@@ -184,6 +187,7 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
     from emulators.captured import TRUTH
     from emulators.cli.beginning import tell_of_beginning
     from emulators.cli.cameras import cameras_of
+    from emulators.cli.watched import twins_said
     from emulators.devices import devices
     from emulators.epos2.objects.saved_parameters import StorageError
     from emulators.epos2.serial.serial_drive import baud_of
@@ -225,7 +229,7 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
     with recording(given.record, files, called=called) as (around, _):
         openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
         carry(
-            around(cluster),
+            around(twins_said(cluster, [(outer[axis.name][CAN], axis.epos2.node) for axis in machine.axes])),
             {**openers, **cameras.openers},
             until(given.duration),
             f"{machine.name} is on {', '.join((where, *cameras.where))}: {nodes}",

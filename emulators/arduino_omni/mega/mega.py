@@ -53,6 +53,10 @@ class Sketch(Protocol):
         """Return when to call `loop` though nothing has arrived, later than the last call; or NEVER."""
 
 
+def _nothing() -> None:
+    """Tell nobody."""
+
+
 class Mega:
     """One board with its shield."""
 
@@ -81,6 +85,8 @@ class Mega:
         self._make: Final = sketch
         self._sketch: Sketch | None = None
         self._boot: Final = boot
+        self.kept: Callable[[], None] = _nothing
+        """Is called at each byte that keeps the boot loader."""
         self._starts_at: Nanoseconds = NEVER
         self._jobs: deque[Job] = deque()
         self._running: OnBus | None = None
@@ -169,6 +175,7 @@ class Mega:
             self.advance(now)
         elif self._powered and not self._held:
             self._starts_at = now + KEPT
+            self.kept()
 
     @property
     def due(self) -> Nanoseconds:

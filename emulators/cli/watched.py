@@ -1,0 +1,52 @@
+"""What the console of an emulated device says of those who talk to it, each thing once."""
+
+from collections.abc import Iterable
+from typing import Final
+
+from emulators.arduino_omni.mega.mega import KEPT, Mega
+from firmware_bridge.cli.console import say
+from firmware_bridge.node import Node
+from firmware_bridge.packet import Packet
+from firmware_bridge.recording import Direction, Recorded
+from firmware_bridge.units import Nanoseconds, to_seconds
+from firmware_bridge.wire.canopen import EMERGENCY, ERROR_CONTROL, SDO_RESPONSE
+
+OWN: Final = {SDO_RESPONSE: "answers", ERROR_CONTROL: "heartbeats", EMERGENCY: "emergencies"}
+"""What nobody but the node itself sends."""
+
+
+def keeping_said(mega: Mega, name: str = "the board") -> None:
+    """Let a board say once that bytes keep it in its boot loader."""
+
+    def told() -> None:
+        mega.kept = _nothing
+        say(
+            f"{name} is kept in its boot loader, as a real one, by bytes that came within a second of its "
+            f"reset: the sketch starts {to_seconds(KEPT):g} s after the last of them; send nothing before it"
+        )
+
+    mega.kept = told
+
+
+def twins_said(node: Node, places: Iterable[tuple[str, int]]) -> Node:
+    """Return a node that says once of each link and number that another node there has it, too."""
+    own = {(link, kind + number): (number, text) for link, number in places for kind, text in OWN.items()}
+    named = set[tuple[str, int]]()
+
+    def heard(_now: Nanoseconds, direction: Direction, packet: Packet) -> None:
+        place = packet.link, packet.address
+        if direction is not Direction.HEARD or place not in own:
+            return
+        number, text = own[place]
+        if (packet.link, number) not in named:
+            named.add((packet.link, number))
+            say(
+                f"node {number} is on the bus twice: {text} with its number have come from elsewhere "
+                f"(0x{packet.address:03X}); end the other drive, or take another number"
+            )
+
+    return Recorded(node, heard)
+
+
+def _nothing() -> None:
+    """Say nothing more."""

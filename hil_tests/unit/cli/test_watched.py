@@ -1,0 +1,63 @@
+"""What an emulated device's console says of those who talk to it."""
+
+import pytest
+
+from emulators.arduino_omni.board import FIRMWARES, Board
+from emulators.arduino_omni.motors import four_motors
+from emulators.cli.watched import keeping_said, twins_said
+from firmware_bridge.node import SERIAL
+from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.wire.can import REMOTE
+
+
+class Quiet:
+    def __init__(self) -> None:
+        self.heard: list[Packet] = []
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        del now
+        self.heard.append(packet)
+        return Reaction()
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        return Reaction((Packet("can", 0x701, b"\0"),), now + SECOND)
+
+
+def test_a_board_says_once_that_bytes_keep_it_in_its_boot_loader(capsys: pytest.CaptureFixture[str]) -> None:
+    board = Board(FIRMWARES["ros-arduino-bridge"], four_motors())
+    keeping_said(board.mega, "base")
+    board.wake(0)
+    for at in (500 * MILLISECOND, SECOND, 20 * SECOND):
+        now = at
+        board.receive(Packet(SERIAL, 0, b"e\r"), now)
+        for later in range(100):
+            board.wake(now + later * MILLISECOND)
+    (line,) = capsys.readouterr().out.splitlines()
+    assert "base is kept in its boot loader" in line
+    assert "the sketch starts 9 s after the last of them" in line
+
+
+def test_who_hears_its_own_number_from_elsewhere_says_so_once_a_number(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    inner = Quiet()
+    node = twins_said(inner, [("can", 1), ("can", 2), ("arm", 3)])
+    assert node.wake(0).sent == (Packet("can", 0x701, b"\0"),)
+    others = [
+        *(("can", 0x000), ("can", 0x080), ("can", 0x601), ("can", 0x201), ("can", 0x703), ("can", 0x583)),
+        *(("can", 0x701 | REMOTE), ("arm", 0x701), ("arm", 0x582)),
+    ]
+    for link, address in others:
+        node.receive(Packet(link, address, b""), 0)
+    assert capsys.readouterr().out == ""
+    twins = [("can", 0x701), ("can", 0x581), ("can", 0x082), ("arm", 0x583), ("arm", 0x703)]
+    for link, address in twins:
+        node.receive(Packet(link, address, b""), 0)
+    said = capsys.readouterr().out.splitlines()
+    assert [line.partition(" have come")[0] for line in said] == [
+        "node 1 is on the bus twice: heartbeats with its number",
+        "node 2 is on the bus twice: emergencies with its number",
+        "node 3 is on the bus twice: answers with its number",
+    ]
+    assert len(inner.heard) == len(others) + len(twins)
