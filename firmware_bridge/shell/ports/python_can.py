@@ -36,6 +36,11 @@ CAUTIONS: Final = {
     f"python-canopen stops its RPDOs; take -i {loopback_multicast.NAME}, with the master too",
 }
 """What is said when an interface is opened."""
+REMEDIES: Final = {
+    MULTICAST: ". Its channel is a multicast group, as 239.74.163.2, to which this machine needs a route (`ip "
+    f"route get 239.74.163.2` says it); -i {loopback_multicast.NAME} needs none",
+}
+"""What helps where an interface cannot be opened."""
 UNMARKED_ECHO: Final = frozenset({MULTICAST})
 """Interfaces that bring a sender its own frames without saying that they are."""
 
@@ -65,7 +70,8 @@ class PythonCanPort(Outbox):
         try:
             self._bus = can.Bus(ignore_config=True, **config)
         except Exception as error:
-            raise PortError(f"cannot open {name}: {_why(error)}") from error
+            remedy = REMEDIES.get(config.get("interface", ""), "")
+            raise PortError(f"cannot open {name}: {_why(error)}{remedy}") from error
         self._reader: _Reader | None = None
         fileno = -1
         with contextlib.suppress(NotImplementedError, can.CanError, OSError):
@@ -233,6 +239,9 @@ def _frame(message: can.Message) -> tuple[int, bytes]:
 
 def _why(error: BaseException) -> str:
     text = " ".join(str(error).split()) or type(error).__name__
+    cause = error.__cause__ or error.__context__
+    if isinstance(cause, OSError) and cause.strerror and cause.strerror not in text:
+        text = f"{text}: {cause.strerror}"
     if isinstance(error, can.CanInterfaceNotImplementedError | ImportError | NameError):
         return f"{text}. Install the driver, or the library, that python-can asks for with this interface"
     return text

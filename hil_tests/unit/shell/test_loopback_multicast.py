@@ -81,6 +81,14 @@ def test_the_bridge_opens_it_by_its_name_and_a_stranger_talks_to_it(
     port.close()
 
 
+def test_plain_datagrams_that_cannot_be_opened_are_told_with_the_systems_reason_and_what_helps() -> None:
+    with pytest.raises(PortError) as raised:
+        open_can("udp_multicast", "127.0.0.1")
+    message = str(raised.value)
+    assert "could not create or configure socket: Invalid argument." in message
+    assert "a multicast group, as 239.74.163.2, to which this machine needs a route" in message
+
+
 @pytest.mark.parametrize("channel", ["127.0.0.1", "vcan0", "ff15::1"])
 def test_what_is_no_group_is_refused_with_one_that_is(channel: str) -> None:
     with pytest.raises(PortError, match=f"channel {channel} is no multicast group of IPv4; one is 239"):
