@@ -48,7 +48,8 @@ serial lines, cameras, operator.
 `firmware-bridge replay robot.log rars --without pdo --tolerance-us 5000` suits what candump saw on a bus.
 
 `--zero`, `--home`, `--max-delay`, `--serial`, `--protocol`, `--encoders` and `--path` are those of `bench` or
-`drive`. That a run was asked to end stands in no recording: `--until` leaves out what came of it."""
+`drive`. A real run is played until it was asked to end, as its folder's events.log says; without that file
+`--until` leaves out what came of it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,6 +6,7 @@ a bridge that hears nothing takes for it.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
@@ -35,7 +36,7 @@ from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.settings.ar2 import Ar2Firmware
 from firmware_bridge.robot.settings.shield import ShieldProtocol
-from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
+from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 
 UNHEARD: Final[Nanoseconds] = 60 * SECOND
 """A bridge that says nothing for so long says nothing."""
@@ -50,6 +51,8 @@ LOOK_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
 def on_all_links(order: Order) -> Stage:
     """Put the bridge on its links with what was said there; RecordingFileError."""
     told = told_to(order)
+    if told.ended is not None:
+        order = replace(order, until=min(told.ended, NEVER if order.until is None else order.until))
     lead, start = (0, 0) if told.virtual else _switched_on(order, told)
     sent = {name: not_after(order, told.on(name, lead), lead) for name in told.links}
     world, machine = World(), machine_of(order, timed=told.virtual)

@@ -6,7 +6,8 @@ Instants count from the begin of the recording: that of a run on the bench, else
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from emulators.replay.files import files_of
+from emulators.replay.ending import asked_to_end
+from emulators.replay.files import files_of, within
 from emulators.replay.order import Order
 from emulators.replay.recordings import (
     Recording,
@@ -21,6 +22,7 @@ from emulators.wires import CanWire
 from firmware_bridge.dissector import kinds_of
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.shell.black_box import EVENTS_LOG
 from firmware_bridge.units import Nanoseconds
 
 
@@ -33,6 +35,8 @@ class Told:
     """By the links' names, the operator's among them."""
     virtual: bool
     """Whether the recording is the bench's own."""
+    ended: Nanoseconds | None
+    """When the bridge was asked to end; None where no file says it."""
 
     @property
     def links(self) -> Sequence[str]:
@@ -62,10 +66,17 @@ def told_to(order: Order) -> Told:
     _at_one_time(tuple(found.values()))
     virtual = all(one.virtual for one in found.values())
     begin = 0 if virtual else _begin_of(found, robot)
-    told = Told(robot, {name: one.since(begin) for name, one in found.items()}, virtual)
+    ended = None if virtual else _ended(order, begin)
+    told = Told(robot, {name: one.since(begin) for name, one in found.items()}, virtual, ended)
     if not any(one.sender == BRIDGE for name in links for one in told.on(name)):
         raise RecordingFileError(f"{told.name}: holds no word of a bridge to the devices of {robot.name}")
     return told
+
+
+def _ended(order: Order, begin: Nanoseconds) -> Nanoseconds | None:
+    events = within(order.recording, EVENTS_LOG) if order.recording.is_dir() else None
+    asked = None if events is None else asked_to_end(events)
+    return None if asked is None else asked - begin
 
 
 def _found(order: Order) -> dict[str, Recording]:

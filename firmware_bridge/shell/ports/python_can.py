@@ -37,8 +37,8 @@ CAUTIONS: Final = {
 }
 """What is said when an interface is opened."""
 REMEDIES: Final = {
-    MULTICAST: ". Its channel is a multicast group, as 239.74.163.2, to which this machine needs a route (`ip "
-    f"route get 239.74.163.2` says it); -i {loopback_multicast.NAME} needs none",
+    MULTICAST: ". Its channel is a multicast group, as 239.74.163.2, to which this machine needs a route (`"
+    f"ip route get 239.74.163.2` says it); -i {loopback_multicast.NAME} needs none",
 }
 """What helps where an interface cannot be opened."""
 UNMARKED_ECHO: Final = frozenset({MULTICAST})

@@ -1,0 +1,31 @@
+"""When a recorded bridge was asked to end: no packet says that, and what it sent from there on came of it."""
+
+import re
+from pathlib import Path
+from typing import Final
+
+from firmware_bridge.bridge.bridge import Phase
+from firmware_bridge.recording import EPOCH
+from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
+
+_EVENT: Final = re.compile(r"\((\d+)\.(\d{6})\) +(\d+)\.(\d{3}) s  (.*)")
+"""Of events.log: when it was written down, when it was by the bridge's time, and what."""
+ENDING: Final = {Phase.STOPPING.value, Phase.LEAVING.value}
+_ROUNDED: Final = 2 * MILLISECOND
+"""The bridge's times are whole milliseconds there, and told a little later."""
+
+
+def asked_to_end(events: Path) -> Nanoseconds | None:
+    """Return an instant just before it, from the bench's epoch on; None where these events do not say it."""
+    found = [it for it in map(_EVENT.match, events.read_text("utf-8", errors="replace").splitlines()) if it]
+    told = [(_instant(it, 1, MICROSECOND), _instant(it, 3, MILLISECOND), it[5]) for it in found]
+    ended = next(
+        (since for _, since, text in told if text in {Phase.STOPPING.value, Phase.LEAVING.value}), None
+    )
+    if ended is None:
+        return None
+    return min(at - since for at, since, _ in told) + ended - _ROUNDED - EPOCH
+
+
+def _instant(event: re.Match[str], group: int, part: Nanoseconds) -> Nanoseconds:
+    return int(event[group]) * SECOND + int(event[group + 1]) * part

@@ -1,0 +1,59 @@
+"""When a recorded bridge was asked to end, and that a replay does not compare what came of it."""
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from emulators.replay import Into, Order
+from emulators.replay import replay as play
+from emulators.replay.ending import asked_to_end
+from firmware_bridge.intent import ConfirmZero
+from firmware_bridge.kinds import find
+from firmware_bridge.recording import EPOCH
+from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND
+
+RUN = Path(__file__).with_name("asked_to_end")
+"""3 s of `drive rars` at emulated drives in real time, nobody driving, and its end by `--duration`."""
+ORDER = Order(
+    find("rars"), RUN, into=Into.BRIDGE, stands=(ConfirmZero("lift", 0.0), ConfirmZero("steer", 0.0))
+)
+
+
+def test_a_real_run_is_played_until_it_was_asked_to_end() -> None:
+    outcome = play(ORDER)
+    assert outcome.difference is None
+    assert outcome.compared > 1_000
+    assert 2 * SECOND < outcome.until < 3 * SECOND
+    assert play(replace(ORDER, until=SECOND)).until < SECOND + 10 * MILLISECOND, "he may want less"
+
+
+def test_without_its_events_what_came_of_the_end_differs(tmp_path: Path) -> None:
+    for name in ("can.log.xz", "operator.tlog.xz"):
+        shutil.copy(RUN / name, tmp_path)
+    outcome = play(replace(ORDER, recording=tmp_path))
+    assert outcome.difference is not None
+    assert outcome.until > 2_900 * MILLISECOND
+
+
+HEAD = "(1795676728.749001)     0.000 s  starting\n"
+
+
+@pytest.mark.parametrize(
+    ("events", "after"),
+    [
+        (f"{HEAD}(1795676731.799123)     3.050 s  stopping\n", 3_050 * MILLISECOND),
+        (f"{HEAD}(1795676731.999123)     3.050 s  leaving\n(1795676732.1) cut", 3_050 * MILLISECOND),
+        (f"{HEAD}to the operator: stopping\n", None),
+        ("(1795676731.799123) to the operator: stopping\n", None),
+        ("", None),
+    ],
+)
+def test_it_is_just_before_the_bridge_s_own_time_of_it(
+    tmp_path: Path, events: str, after: int | None
+) -> None:
+    file = tmp_path / "events.log"
+    file.write_text(events, encoding="utf-8")
+    begun = 1_795_676_728 * SECOND + 749_001 * MICROSECOND - EPOCH
+    assert asked_to_end(file) == (None if after is None else begun + after - 2 * MILLISECOND)
