@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from firmware_bridge.bridge.stops import RESTS, SLOWED, Stops
 from firmware_bridge.drivers.driver import Demand, Power, Speed, Stop, Task
+from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
 from hil_tests.unit.pipeline.cart import WHEELS, PaperCart
 
@@ -225,6 +226,18 @@ def test_a_confirmed_stop_begins_anew_where_the_word_is_missed_or_says_otherwise
         assert watched.confirmed() is (speed == 0.0)
         watched.looks(1)
         assert watched.stops.under_way
+
+
+@pytest.mark.parametrize("every", [2, 3, 4])
+def test_a_drive_that_rests_for_a_moment_again_and_again_gets_no_new_time_by_it(every: int) -> None:
+    watched, taken_at = Watched(), None
+    for cycle in range(200):
+        watched.looks(CYCLE)
+        watched.tells(0.0 if cycle % every == 0 else 5.0)
+        if taken_at is None and Task.DISABLE in watched.driver.begun:
+            taken_at = watched.now
+    assert taken_at is not None, "5 s after the stop began a step takes the power, whatever was confirmed"
+    assert 4.0 < to_seconds(taken_at - START) <= to_seconds(TAKEN_WITHIN) + 6 * 0.05
 
 
 def test_an_axis_that_may_move_is_left_alone() -> None:
