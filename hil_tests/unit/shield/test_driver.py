@@ -248,3 +248,18 @@ def test_a_start_shows_whether_the_reset_of_a_board_works_that_does_not_stop_by_
         ended = link.configured  # type: ignore[attr-defined]
     assert ended
     assert (remark in link.remark) if remark else not link.remark
+
+
+@pytest.mark.parametrize("task", [Task.DISABLE, Task.LEAVE])
+@pytest.mark.parametrize("protocol", ShieldProtocol)
+def test_a_silent_board_is_told_every_word_that_lets_go_before_one_again(
+    protocol: ShieldProtocol, task: Task
+) -> None:
+    link = shield_fleet(over(protocol), "board").link
+    told = [packet.payload for packet in link.begin((task,), SECOND)]  # type: ignore[attr-defined]
+    for at in range(SECOND, 2 * SECOND, MILLISECOND):
+        told += [packet.payload for packet in (link.wake(at) if link.wake_at <= at else ())]
+    words = len(set(told))
+    assert words > 1
+    assert len(set(told[:words])) == words
+    assert len(told) > words + 3, "and again, while it may be heard"
