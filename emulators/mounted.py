@@ -49,6 +49,8 @@ class Mounted:
     """None: the motor's own."""
     gear: float = 1.0
     """Turns of the motor for one of the load."""
+    gear_inertia: float = 0.0
+    """Of the gear at the motor's shaft, kg m2."""
     load: Load | None = None
     """At the output of the gear; without a motor at its shaft, the rotor's own included."""
 
@@ -68,7 +70,7 @@ class Mounted:
                 MOTOR.resistance,
                 MOTOR.inductance,
                 MOTOR.torque_constant,
-                load.inertia_kg_m2 / self.gear**2,
+                self.gear_inertia + load.inertia_kg_m2 / self.gear**2,
                 load.friction_nm / self.gear,
                 MOTOR.damping,
             )
@@ -77,7 +79,7 @@ class Mounted:
             motor.resistance_ohm,
             motor.inductance_h,
             motor.torque_constant_nm_a,
-            motor.rotor_inertia_kg_m2 + load.inertia_kg_m2 / self.gear**2,
+            motor.rotor_inertia_kg_m2 + self.gear_inertia + load.inertia_kg_m2 / self.gear**2,
             motor.friction + load.friction_nm / self.gear,
         )
 

@@ -90,17 +90,24 @@ class DrivesOptions(Outside):
     encoder: Annotated[
         str,
         typer.Option(
-            metavar="PULSES[,no-index]",
-            help="The encoder at each motor: pulses in one turn, and whether it lacks the index channel.",
+            metavar="PULSES[,no-index]|NAME|ORDER-NUMBER",
+            help="The encoder at each motor: pulses in one turn, and whether it lacks the index channel; or "
+            "one that is known.",
+            autocompletion=completing("emulators.fittings:encoder_names"),
         ),
     ] = "500"
     pole_pairs: Annotated[
         int | None,
         typer.Option(min=1, max=255, help="The motor's pole pairs.", show_default="as --motor has them"),
     ] = None
-    gear: Annotated[float, typer.Option(metavar="RATIO", help="Turns of the motor for one of the load.")] = (
-        1.0
-    )
+    gear: Annotated[
+        str,
+        typer.Option(
+            metavar="RATIO|NAME|ORDER-NUMBER",
+            help="Turns of the motor for one of the load, as 26 or 57/13; or a gear that is known, as "
+            "'GP 32 C 23:1', with its inertia.",
+        ),
+    ] = "1"
     dcf: Annotated[
         Path | None,
         typer.Option(
@@ -175,7 +182,6 @@ class DrivesOptions(Outside):
 
 
 DEFAULT_BIT_RATE: Final = 1_000_000
-PULSES: Final = range(16, 2_500_001)
 """Of an encoder in one turn, as 0x2210:1 takes them."""
 
 
@@ -293,6 +299,7 @@ def _settings(values: Sequence[str], plant: Path | None) -> dict[str, float]:
 
 def _mounted(given: DrivesOptions) -> "Mounted":
     """Return what hangs on each drive; what makes no sense ends the program with a message."""
+    from emulators.fittings import FittingError, encoder, gear
     from emulators.motors import MotorError, motor
     from emulators.mounted import Mounted
 
@@ -302,16 +309,15 @@ def _mounted(given: DrivesOptions) -> "Mounted":
                 raise refusal(
                     f"--{name.replace('_', '-')}: the plant has motors of its own; leave one of them out"
                 )
-    if not 0.0 < given.gear < float("inf"):
-        raise refusal(f"--gear {given.gear:g}: say how often the motor turns for one turn of the load, as 26")
-    pulses, index = _encoder(given.encoder)
-    with one_message(MotorError):
+    with one_message(MotorError, FittingError):
+        geared, fitted = gear(given.gear), encoder(given.encoder)
         return Mounted(
             motor=None if given.motor is None else motor(given.motor),
-            pulses=pulses,
-            index=index,
+            pulses=fitted.pulses,
+            index=fitted.index,
             pole_pairs=given.pole_pairs,
-            gear=given.gear,
+            gear=geared.ratio,
+            gear_inertia=geared.inertia_kg_m2,
             load=None if given.load is None else _load(given.load, named=given.motor is not None),
         )
 
@@ -321,15 +327,6 @@ def _text(mounted: "Mounted", plant: Path | None) -> str:
         return f"mounted: {mounted.text}"
     index = "with" if mounted.index else "without"
     return f"mounted: the plant {plant.name}, encoders with {mounted.pulses} pulses {index} index"
-
-
-def _encoder(text: str) -> tuple[int, bool]:
-    pulses, _, rest = text.partition(",")
-    if not pulses.isdigit() or int(pulses) not in PULSES or rest not in {"", "no-index"}:
-        raise refusal(
-            f"--encoder {text}: say PULSES or PULSES,no-index, {PULSES.start} to {PULSES.stop - 1} in a turn"
-        )
-    return int(pulses), not rest
 
 
 def _load(text: str, *, named: bool) -> "Load":

@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 from emulators.documents.eds import dcf
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.saved_parameters import is_parameter
+from emulators.fittings import Encoder, FittingError, encoder, gear
 from emulators.motors import MotorError, catalogue, motor
 from emulators.mounted import Load, Mounted
 from emulators.single import Order, drives
@@ -135,6 +136,45 @@ def test_what_is_no_particular_motor_is_right_with_any_type() -> None:
         assert came.rpm == pytest.approx(RPM, rel=0.02)
 
 
+@pytest.mark.parametrize(
+    ("text", "fitted"),
+    [
+        ("1024", Encoder(1024)),
+        ("1024,no-index", Encoder(1024, index=False)),
+        ("110512", Encoder(500)),
+        ("hedl 5540", Encoder(500)),
+        ("225787", Encoder(1024)),
+    ],
+)
+def test_an_encoder_is_said_by_its_pulses_or_by_what_it_is_called(text: str, fitted: Encoder) -> None:
+    assert encoder(text) == fitted
+
+
+@pytest.mark.parametrize(
+    ("text", "ratio", "inertia"),
+    [
+        ("26", 26.0, 0.0),
+        ("57/13", 57 / 13, 0.0),
+        ("166936", 576 / 25, 0.8e-7),
+        ("GP 32 C 23:1", 576 / 25, 0.8e-7),
+        ("gpx 32 62:1", 421_875 / 6_859, 7.55e-7),
+    ],
+)
+def test_a_gear_is_said_by_its_ratio_or_by_what_it_is_called(text: str, ratio: float, inertia: float) -> None:
+    assert (gear(text).ratio, gear(text).inertia_kg_m2) == pytest.approx((ratio, inertia))
+
+
+def test_a_part_of_a_gears_name_that_several_have_lists_them() -> None:
+    with pytest.raises(FittingError, match=r"3 gears .* names: GP 32 A 3\.7:1 166155; GP 32 A 86:1"):
+        gear("GP 32 A")
+
+
+def test_the_gears_own_inertia_is_at_the_motors_shaft() -> None:
+    assert Mounted(gear=26.0, gear_inertia=8e-8, load=Load(0.1, 0.0)).shaft.inertia == pytest.approx(
+        8e-8 + 0.1 / 26.0**2
+    )
+
+
 def test_the_load_is_seen_through_the_gear() -> None:
     shaft = Mounted(motor=RE_40, gear=26.0, load=Load(0.1, 2.6)).shaft
     assert shaft.inertia == pytest.approx(142e-7 + 0.1 / 676)
@@ -228,9 +268,11 @@ def test_what_is_no_configuration_file_is_refused_with_section_and_key(
     ("words", "says"),
     [
         ("--motor RE41", "--motor: no motor 'RE41' is known; perhaps 'RE40'"),
-        ("--encoder 8", "--encoder 8: say PULSES or PULSES,no-index, 16 to 2500000 in a turn"),
+        ("--encoder 8", "--encoder 8: say PULSES[,no-index], 16 to 2500000 in a turn"),
         ("--encoder 500,idx", "--encoder 500,idx: say PULSES"),
         ("--gear 0", "--gear 0: say how often the motor turns"),
+        ("--gear 1/0", "--gear 1/0: say how often the motor turns"),
+        ("--gear GP33", "--gear GP33: say how often the motor turns"),
         ("--gear nan", "--gear nan: say how often the motor turns"),
         ("--load 0,0", "--load 0,0: the inertia must be more than 0"),
         ("--motor RE40 --load -1,0", "--load -1,0: the inertia must be not less than 0"),
