@@ -3,12 +3,12 @@
 from typing import Final
 
 from emulators.bench.columns import SAMPLE_EVERY
-from emulators.bench.faults.board import BoardBrownOut, BoardHangs, BoardReset, BoardSilent
+from emulators.bench.faults.board import BoardBrownOut, BoardHangs, BoardReset, BoardSilent, I2cStuck
 from emulators.rig import BRIDGE, Rig
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER
 
-STARTS_ANEW: Final = {BoardBrownOut.kind, BoardHangs.kind, BoardReset.kind}
+STARTS_ANEW: Final = {BoardBrownOut.kind, BoardHangs.kind, BoardReset.kind, I2cStuck.kind}
 
 
 class Reached:
@@ -31,21 +31,22 @@ class Reached:
 
         A bridge that has ended reaches nobody. That excuses a board that runs on only where it was killed, or
         where it has ended with the word that a stop was not confirmed. A board that starts anew, or hangs, is
-        waited for anew.
+        waited for anew. While the I2C bus is stuck nobody reaches the shield, the board's own sketch least.
         """
         records = rig.faults.records
         unreached, runs_on = set[str](), set[str]()
         lately = rig.world.now - SAMPLE_EVERY
         anew = any(it.ended is not None and it.ended > lately for it in records if it.kind in STARTS_ANEW)
         dead = not rig.world.here(BRIDGE)
-        silent = any(it.kind == BoardSilent.kind and it.ended is None for it in records)
+        standing = {it.kind for it in records if it.ended is None}
+        silent, stuck = BoardSilent.kind in standing, I2cStuck.kind in standing
         told = rig.bridge.finished and bool(rig.bridge.unconfirmed)
         for name, axes in self._axes.items():
             board, line = rig.devices.boards[name], rig.lines[name]
             dark = board.mega.sketch is None and board.mega.due == NEVER
-            cut = dark or dead or told or silent or not line.adapter.plugged
+            cut = dark or dead or told or silent or stuck or not line.adapter.plugged
             if cut or rig.bridge.finished:
                 unreached |= axes
-            if dark or anew or (cut and name not in self._stop):
+            if dark or anew or stuck or (cut and name not in self._stop):
                 runs_on |= axes
         return frozenset(unreached), frozenset(runs_on)

@@ -214,6 +214,7 @@ def test_a_board_has_its_time_to_boot_and_what_nobody_reaches_is_judged_by_its_o
         (ROME, (fault("board_silent", 0.2),), 0.3, True, True),
         (STOPS_ITSELF, (fault("board_silent", 0.2),), 0.3, True, False),
         (STOPS_ITSELF, (fault("board_brown_out", 0.2),), 0.3, True, True),
+        (STOPS_ITSELF, (fault("i2c_stuck", 0.2),), 0.3, True, True),
         (STOPS_ITSELF, (fault("serial_unplugged", 0.2),), 0.3, True, False),
         (ROME, (fault("bridge_ends", 0.2, how="killed"),), 0.3, True, True),
         (ROME, (fault("bridge_ends", 0.2),), 3.0, True, False),

@@ -16,7 +16,7 @@ from firmware_bridge.wire.abort import AbortCode
 from hil_tests.unit.epos2.stranger import NODE, RARE, Stranger
 
 BURST = 128
-EXAMPLES = 75
+EXAMPLES = 90
 STEPS = 30
 SOME = 10_000
 ENOUGH = 100_000
