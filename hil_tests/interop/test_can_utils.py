@@ -71,7 +71,7 @@ def test_cansend_asks_and_candump_hears_the_answers(bus: Bus) -> None:
     bus.sends("601#4000100000000000")
     assert bus.hears("581#4300100092010200")
     bus.sends("602#4018100200000000")
-    assert bus.hears("582#4318100200002063")
+    assert bus.hears("582#4318100200002263")
     bus.sends("601#4055550000000000")
     assert bus.hears("581#8055550000000206")
     bus.sends("000#0101")
