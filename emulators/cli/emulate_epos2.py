@@ -101,13 +101,14 @@ class DrivesOptions(Outside):
         typer.Option(min=1, max=255, help="The motor's pole pairs.", show_default="as --motor has them"),
     ] = None
     gear: Annotated[
-        str,
+        str | None,
         typer.Option(
             metavar="RATIO|NAME|ORDER-NUMBER",
             help="Turns of the motor for one of the load, as 26 or 57/13; or a gear that is known, as "
             "'GP 32 C 23:1', with its inertia.",
+            show_default="1",
         ),
-    ] = "1"
+    ] = None
     dcf: Annotated[
         Path | None,
         typer.Option(
@@ -304,13 +305,13 @@ def _mounted(given: DrivesOptions) -> "Mounted":
     from emulators.mounted import Mounted
 
     if given.plant is not None:
-        for name in ("motor", "load", "pole_pairs"):
+        for name in ("motor", "load", "pole_pairs", "gear"):
             if getattr(given, name) is not None:
                 raise refusal(
                     f"--{name.replace('_', '-')}: the plant has motors of its own; leave one of them out"
                 )
     with one_message(MotorError, FittingError):
-        geared, fitted = gear(given.gear), encoder(given.encoder)
+        geared, fitted = gear(given.gear or "1"), encoder(given.encoder)
         return Mounted(
             motor=None if given.motor is None else motor(given.motor),
             pulses=fitted.pulses,

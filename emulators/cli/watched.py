@@ -17,9 +17,10 @@ OWN: Final = {SDO_RESPONSE: "answers", ERROR_CONTROL: "heartbeats", EMERGENCY: "
 
 def keeping_said(mega: Mega, name: str = "the board") -> None:
     """Let a board say once that bytes keep it in its boot loader."""
+    before = mega.kept
 
     def told() -> None:
-        mega.kept = _nothing
+        mega.kept = before
         say(
             f"{name} is kept in its boot loader, as a real one, by bytes that came within a second of its "
             f"reset: the sketch starts {to_seconds(KEPT):g} s after the last of them; send nothing before it"
@@ -46,7 +47,3 @@ def twins_said(node: Node, places: Iterable[tuple[str, int]]) -> Node:
             )
 
     return Recorded(node, heard)
-
-
-def _nothing() -> None:
-    """Say nothing more."""

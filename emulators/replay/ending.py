@@ -19,9 +19,7 @@ def asked_to_end(events: Path) -> Nanoseconds | None:
     """Return an instant just before it, from the bench's epoch on; None where these events do not say it."""
     found = [it for it in map(_EVENT.match, events.read_text("utf-8", errors="replace").splitlines()) if it]
     told = [(_instant(it, 1, MICROSECOND), _instant(it, 3, MILLISECOND), it[5]) for it in found]
-    ended = next(
-        (since for _, since, text in told if text in {Phase.STOPPING.value, Phase.LEAVING.value}), None
-    )
+    ended = next((since for _, since, text in told if text in ENDING), None)
     if ended is None:
         return None
     return min(at - since for at, since, _ in told) + ended - _ROUNDED - EPOCH

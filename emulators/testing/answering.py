@@ -1,11 +1,13 @@
 """Whether devices are there: each call asks one question that changes nothing, and looks for the answer.
 
-Whoever has a call looks at `complete` every 50 ms. Time is counted in looks: here is no clock.
+Whoever has a call looks at `complete` every 50 ms. Time is counted in looks, but for the wait for those who
+are not there.
 """
 
 import os
 import select
 import termios
+import time
 from collections.abc import Mapping
 from typing import Final, Self
 
@@ -65,9 +67,13 @@ class RollCall:
         """Ask once, and return who has answered within that many seconds."""
         asked = set(self._missing)
         self.complete()
-        # Nobody says that nobody is there: this is the one place that has to wait for it.
-        while select.select([self._port.fileno()], [], [], within)[0] and not self.complete():
-            pass
+        # Nobody says that nobody is there: this is the one place that waits for it, whatever others say.
+        left, until = set(self._missing), time.monotonic() + within
+        while select.select([self._port.fileno()], [], [], max(0.0, until - time.monotonic()))[0]:
+            if self.complete() or time.monotonic() > until:
+                break
+            if self._missing != left:
+                left, until = set(self._missing), time.monotonic() + within
         return sorted(asked - self._missing)
 
     def complete(self) -> bool:

@@ -11,6 +11,8 @@ VCAN: Final = "vcan"
 """What a user writes for SocketCAN's virtual bus."""
 SOCKETCAN: Final = "socketcan"
 MULTICAST: Final = "loopback_multicast"
+PLAIN: Final = "udp_multicast"
+"""python-can's own, which is no true bus."""
 INTERFACES: Final = Path("/sys/class/net")
 GROUPS: Final = tuple(f"239.74.163.{number}" for number in range(16, 32))
 """Administratively scoped (RFC 2365); .2 is left to those who use it by hand."""
@@ -34,12 +36,12 @@ def buses(kind: str | None) -> tuple[Bus, ...]:
     RigError for what is no kind of bus, or is inside one process only.
     """
     vcan = tuple(Bus(SOCKETCAN, it.name) for it in sorted(INTERFACES.glob(f"{VCAN}*")))
-    groups = tuple(Bus(MULTICAST, group) for group in GROUPS)
+    groups = tuple(Bus(PLAIN if kind == PLAIN else MULTICAST, group) for group in GROUPS)
     if kind is None:
         return vcan or groups
     if kind == VCAN:
         return vcan or (Bus(SOCKETCAN, f"{VCAN}0"),)
-    if kind == MULTICAST:
+    if kind in {MULTICAST, PLAIN}:
         return groups
     interface, _, channel = kind.partition(":")
     if interface == "virtual":

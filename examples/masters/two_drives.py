@@ -26,7 +26,9 @@ class Drives:
     """Two drives on one bus, and when each was heard last."""
 
     def __init__(self, interface: str, channel: str) -> None:
-        self.bus = can.Bus(interface=interface, channel=channel)
+        # Datagrams would otherwise leave this machine.
+        more: dict[str, int] = {"hop_limit": 0} if interface == "udp_multicast" else {}
+        self.bus = can.Bus(interface=interface, channel=channel, **more)
         self.heard: dict[int, float] = {}
 
     def hears(self, until: float) -> can.Message | None:

@@ -106,6 +106,28 @@ class Asked:
         os.close(self._writable)
 
 
+class Busy(Asked):
+    """A bus on which another node never stops to speak."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        os.write(self._writable, b"x")
+        self._reads = 0
+
+    def read(self, _now: int) -> list[tuple[int, bytes]]:
+        self._reads += 1
+        return [(0x080, b"")] if self._reads % 2 else []
+
+
+@pytest.mark.timeout(20)
+def test_on_a_bus_that_is_never_silent_those_who_are_not_there_are_not_waited_for_any_longer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("emulators.testing.answering.open_can", lambda *_: Busy())
+    with RollCall(Bus("socketcan", "vcan0"), "5") as call:
+        assert call.answering(within=0.02) == []
+
+
 def test_who_answers_before_anybody_was_started_is_named(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

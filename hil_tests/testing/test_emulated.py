@@ -30,7 +30,8 @@ def test_vcan_is_taken_where_it_is_and_else_datagrams(interfaces: Path) -> None:
     for name in ("vcan1", "can0", "vcan0"):
         (interfaces / name).touch()
     assert buses.buses(None) == (Bus("socketcan", "vcan0"), Bus("socketcan", "vcan1"))
-    assert buses.buses("loopback_multicast")[0].interface == "loopback_multicast"
+    for kind in ("loopback_multicast", "udp_multicast"):
+        assert buses.buses(kind)[0].interface == kind
     assert buses.buses("pcan:PCAN_USBBUS1") == (Bus("pcan", "PCAN_USBBUS1"),)
 
 

@@ -74,7 +74,9 @@ class LoopbackMulticastBus(can.BusABC):
                 data, sender = self._heard.recvfrom(ROOM)
             except OSError as error:
                 raise can.CanOperationError(f"cannot receive: {error.strerror}", error.errno) from error
-            frame = None if sender == self._own else _frame(data)
+            # Where another program has joined the group elsewhere, the system lets in what comes from there.
+            here = sender[0] == LOOPBACK and sender != self._own
+            frame = _frame(data) if here else None
             if frame is not None:
                 return frame, False
 

@@ -9,6 +9,7 @@ from contextlib import ExitStack
 
 import can
 import pytest
+from can.interfaces.udp_multicast.utils import pack_message
 
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports import PortError, open_can
@@ -64,6 +65,19 @@ def test_what_is_no_frame_is_passed_over(joined: Callable[[str], can.BusABC]) ->
     heard = listener.recv(HEARD_S)
     assert heard is not None
     assert heard.arbitration_id == 0x181
+
+
+def test_a_frame_from_another_address_is_not_taken(joined: Callable[[str], can.BusABC]) -> None:
+    listener = joined(ONE)
+    for address, number in (("127.0.0.2", 0x201), ("127.0.0.1", 0x202)):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
+            sender.bind((address, 0))
+            sender.sendto(pack_message(frame(number)), (ONE, 43_240))
+    heard = listener.recv(HEARD_S)
+    assert heard is not None
+    assert heard.arbitration_id == 0x202
+    assert listener.recv(QUIET_S) is None
 
 
 def test_the_bridge_opens_it_by_its_name_and_a_stranger_talks_to_it(

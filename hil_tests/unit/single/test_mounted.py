@@ -277,6 +277,7 @@ def test_what_is_no_configuration_file_is_refused_with_section_and_key(
         ("--load 0,0", "--load 0,0: the inertia must be more than 0"),
         ("--motor RE40 --load -1,0", "--load -1,0: the inertia must be not less than 0"),
         ("--plant my.fmu --motor RE40", "--motor: the plant has motors of its own"),
+        ("--plant my.fmu --gear 26", "--gear: the plant has motors of its own"),
         ("--plant my.fmu --pole-pairs 4", "--pole-pairs: the plant has motors of its own"),
         ("--dcf none.dcf", "none.dcf: cannot be read"),
         ("--boot-time 3", "--boot-time 3: say a time, as 262.5ms"),
