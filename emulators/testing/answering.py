@@ -7,7 +7,6 @@ are not there.
 import os
 import select
 import termios
-import time
 from collections.abc import Mapping
 from typing import Final, Self
 
@@ -15,7 +14,9 @@ import serial
 
 from emulators.testing.buses import Bus
 from firmware_bridge.cli.node_numbers import numbers
+from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports import open_can
+from firmware_bridge.units import from_seconds
 from firmware_bridge.wire.arduino import ar2, arduinoio, firmata, mw, mw_messages, ros_arduino_bridge
 from firmware_bridge.wire.canopen import SDO_REQUEST, SDO_RESPONSE
 from firmware_bridge.wire.epos2.address import Address
@@ -68,12 +69,12 @@ class RollCall:
         asked = set(self._missing)
         self.complete()
         # Nobody says that nobody is there: this is the one place that waits for it, whatever others say.
-        left, until = set(self._missing), time.monotonic() + within
-        while select.select([self._port.fileno()], [], [], max(0.0, until - time.monotonic()))[0]:
-            if self.complete() or time.monotonic() > until:
+        clock, left, until = Clock(), set(self._missing), from_seconds(within)
+        while clock.wait([self._port.fileno()], until):
+            if self.complete() or clock.now() > until:
                 break
             if self._missing != left:
-                left, until = set(self._missing), time.monotonic() + within
+                left, until = set(self._missing), clock.now() + from_seconds(within)
         return sorted(asked - self._missing)
 
     def complete(self) -> bool:

@@ -1,7 +1,7 @@
 """Opens the links that emulated devices were asked to be on."""
 
-import platform
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeAlias
 
@@ -24,8 +24,11 @@ def open_serial(
     """
     if device == WORD:
         rate = None if any_rate else baud
-        if tells_dtr or platform.system() == "Linux":
-            return SeenOpening(link, rate, say, tells_dtr=tells_dtr)
+        if tells_dtr:
+            return SeenOpening(link, rate, say)
+        # It lets clients come again that take the line for themselves; where nobody sees them, others can.
+        with suppress(PortError):
+            return SeenOpening(link, rate, say, tells_dtr=False)
         return PseudoTerminal(link, rate, say)
     if link is not None:
         raise PortError(f"--serial-link {link}: only a pseudo-terminal wants a link; say --serial {WORD}")

@@ -1,5 +1,6 @@
 """Serial ports and pseudo-terminals of this machine, with pyserial as the stranger at the other end."""
 
+import errno
 import fcntl
 import os
 import termios
@@ -12,6 +13,7 @@ import serial
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.gateway import Cluster
 from emulators.servo.axis import ServoAxis
+from firmware_bridge.cli.links import open_serial
 from firmware_bridge.node import CAN, DTR_DOWN, DTR_UP, SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.shell.clock import Clock
@@ -133,6 +135,22 @@ def test_a_client_that_takes_the_line_for_itself_and_leaves_can_come_again() -> 
             assert packets(port, 0) == []
             with serial.Serial(port.path) as looking:
                 assert not _taken(looking.fileno())
+
+
+def test_where_the_system_tells_nobody_who_opens_a_line_there_is_one_all_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def exhausted(_path: str) -> int:
+        raise OSError(errno.EMFILE, "too many open files")
+
+    monkeypatch.setattr("firmware_bridge.shell.ports.seen_opening._watch", exhausted)
+    with closing(open_serial("pty", 57_600)) as port:
+        assert isinstance(port, PseudoTerminal)
+        with serial.Serial(port.path, 57_600) as client:
+            client.write(b"e\r")
+            assert heard(port, 2) == b"e\r"
+    with pytest.raises(PortError, match="leave --reset-on-open away"):
+        open_serial("pty", 57_600, tells_dtr=True)
 
 
 def _taken(line: int) -> bool:
