@@ -68,7 +68,7 @@ class RollCall:
         """Ask once, and return who has answered within that many seconds."""
         asked = set(self._missing)
         self.complete()
-        # Nobody says that nobody is there: this is the one place that waits for it, whatever others say.
+        # A missing drive sends nothing: only here is that waited for, whatever else is on the bus.
         clock, left, until = Clock(), set(self._missing), from_seconds(within)
         while clock.wait([self._port.fileno()], until):
             if self.complete() or clock.now() > until:

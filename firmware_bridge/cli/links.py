@@ -26,7 +26,7 @@ def open_serial(
         rate = None if any_rate else baud
         if tells_dtr:
             return SeenOpening(link, rate, say)
-        # It lets clients come again that take the line for themselves; where nobody sees them, others can.
+        # Seen opening, a client that takes the line for itself can open it again; on other systems it cannot.
         with suppress(PortError):
             return SeenOpening(link, rate, say, tells_dtr=False)
         return PseudoTerminal(link, rate, say)

@@ -54,7 +54,7 @@ class Sketch(Protocol):
 
 
 def _nothing() -> None:
-    """Tell nobody."""
+    """Do nothing."""
 
 
 class Mega:

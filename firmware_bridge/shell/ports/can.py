@@ -11,7 +11,7 @@ KERNEL: Final = "socketcan"
 
 
 def _nothing(_text: str) -> None:
-    """Be told, and say nothing."""
+    """Drop a text."""
 
 
 def open_can(

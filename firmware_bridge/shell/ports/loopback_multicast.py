@@ -104,7 +104,7 @@ def _group(channel: str) -> str:
 
 
 def _frame(data: bytes) -> can.Message | None:
-    """Return the frame in a datagram; None where somebody else's program has sent it."""
+    """Return the frame in a datagram; None where it holds none."""
     try:
         return unpack_message(data, {"timestamp": time.time()}, check=True)
     except Exception:  # noqa: BLE001 - python-can names no others
