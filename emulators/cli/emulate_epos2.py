@@ -188,7 +188,7 @@ DEFAULT_BIT_RATE: Final = 1_000_000
 
 def run(given: DrivesOptions) -> None:
     """Do what `emulate epos2` says; what is wrong ends the program with a message."""
-    from emulators.cli.watched import twins_said
+    from emulators.cli.watched import RollCalled, twins_said
     from emulators.epos2.objects.saved_parameters import StorageError
     from emulators.epos2.serial.serial_drive import baud_of
     from emulators.gateway import Cluster
@@ -234,10 +234,11 @@ def run(given: DrivesOptions) -> None:
     line = "" if given.serial is None else f", node {near} on the line"
     cluster = Cluster(made, bank, links={owner: {CAN: CAN, SERIAL: SERIAL}})
     called = {SERIAL: device_side(f"node-{near}", SERIAL)}
+    places = [(CAN, node) for node in nodes]
     with recording(given.record, {CAN: CAN_LOG, SERIAL: SERIAL_LOG}, called=called) as (around, _):
         openers, where = opened(given, given.protocol, baud_of(made[owner]), DEFAULT_BIT_RATE)
         carry(
-            around(twins_said(cluster, [(CAN, it) for it in nodes])),
+            RollCalled(around(twins_said(cluster, places)), places),
             openers,
             until(given.duration),
             f"{order.profile.name} on {where}: node {given.node}{line}; {_text(mounted, given.plant)}",

@@ -187,7 +187,7 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
     from emulators.captured import TRUTH
     from emulators.cli.beginning import tell_of_beginning
     from emulators.cli.cameras import cameras_of
-    from emulators.cli.watched import twins_said
+    from emulators.cli.watched import RollCalled, twins_said
     from emulators.devices import devices
     from emulators.epos2.objects.saved_parameters import StorageError
     from emulators.epos2.serial.serial_drive import baud_of
@@ -226,10 +226,11 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
     nodes = ", ".join(f"{axis.epos2.node} {axis.title}" for axis in machine.axes)
     files = dict.fromkeys((CAN, *machine.links), CAN_LOG) | {SERIAL: SERIAL_LOG}
     called = {SERIAL: device_side(owner, SERIAL)}
+    places = [(outer[axis.name][CAN], axis.epos2.node) for axis in machine.axes]
     with recording(given.record, files, called=called) as (around, _):
         openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
         carry(
-            around(twins_said(cluster, [(outer[axis.name][CAN], axis.epos2.node) for axis in machine.axes])),
+            RollCalled(around(twins_said(cluster, places)), places),
             {**openers, **cameras.openers},
             until(given.duration),
             f"{machine.name} is on {', '.join((where, *cameras.where))}: {nodes}",

@@ -5,14 +5,17 @@ from typing import Final
 
 from emulators.arduino_omni.mega.mega import KEPT, Mega
 from firmware_bridge.cli.console import say
-from firmware_bridge.node import Node
-from firmware_bridge.packet import Packet
+from firmware_bridge.node import Node, Stoppable
+from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.recording import Direction, Recorded
 from firmware_bridge.units import Nanoseconds, to_seconds
-from firmware_bridge.wire.canopen import EMERGENCY, ERROR_CONTROL, SDO_RESPONSE
+from firmware_bridge.wire.canopen import EMERGENCY, ERROR_CONTROL, SDO_REQUEST, SDO_RESPONSE
+from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.sdo import encode_upload
 
 OWN: Final = {SDO_RESPONSE: "answers", ERROR_CONTROL: "heartbeats", EMERGENCY: "emergencies"}
 """What nobody but the node itself sends."""
+DEVICE_TYPE: Final = Address(0x1000, 0)
 
 
 def keeping_said(mega: Mega, name: str = "the board") -> None:
@@ -47,3 +50,31 @@ def twins_said(node: Node, places: Iterable[tuple[str, int]]) -> Node:
             )
 
     return Recorded(node, heard)
+
+
+class RollCalled:
+    """A node around drives that asks at its start, once for each number, whether another node has it, too.
+
+    The question is the program's, no drive's: it reads 0x1000, changes nothing, and is not recorded. Our own
+    frames do not come back to us, so that only another node can answer; `twins_said` inside it tells.
+    """
+
+    def __init__(self, node: Node, places: Iterable[tuple[str, int]]) -> None:
+        self.node = node
+        self._asked = tuple(
+            Packet(link, SDO_REQUEST + number, encode_upload(DEVICE_TYPE)) for link, number in places
+        )
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Pass it on."""
+        return self.node.receive(packet, now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Wake the drives; the first time, ask."""
+        reaction = self.node.wake(now)
+        asked, self._asked = self._asked, ()
+        return Reaction(asked + reaction.sent, reaction.wake_at) if asked else reaction
+
+    def stop(self, now: Nanoseconds) -> Reaction:
+        """Stop the drives, where they can be stopped."""
+        return self.node.stop(now) if isinstance(self.node, Stoppable) else Reaction()

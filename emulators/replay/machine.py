@@ -20,6 +20,7 @@ from firmware_bridge.kinds import kind_of
 from firmware_bridge.node import CAN, OPERATOR, Node
 from firmware_bridge.packet import Packet
 from firmware_bridge.safety.guard import guarded
+from firmware_bridge.shell.last_places import RECORDED, LastPlaces
 from firmware_bridge.units import Nanoseconds
 
 
@@ -53,6 +54,8 @@ def machine_of(order: Order, *, timed: bool) -> Machine:
     """
     robot = order.robot
     bridge = Bridge(robot, kind_of(robot), stands=order.stands)
+    if order.recording.is_dir():
+        bridge.offer(LastPlaces(order.recording / RECORDED).read())
     node: Node = guarded(bridge, robot)
     lanes = {name: _untimed(name, kind) for name, kind in kinds_of(robot).items() if kind != CAN}
     for fleet in bridge.fleets.all:

@@ -188,7 +188,7 @@ def run(given: DriveOptions) -> None:
     from firmware_bridge.robot import RobotFileError
     from firmware_bridge.robot.path_file import PathFileError, along_path
     from firmware_bridge.safety.guard import guarded
-    from firmware_bridge.shell.last_places import LastPlaces, usual_path
+    from firmware_bridge.shell.last_places import LastPlaces, known_places, usual_path
     from firmware_bridge.shell.ports import UdpPort
 
     machine = find_robot(given.robot)
@@ -208,7 +208,8 @@ def run(given: DriveOptions) -> None:
         kind = kind_of(machine)
         bridge = Bridge(machine, kind, stamps.trust, stands, _mode(given.mode, kind))
     kept = LastPlaces(state)
-    bridge.offer(kept.read())
+    places_before = kept.read()
+    bridge.offer(places_before)
     node: Node = guarded(bridge, machine)
     node, openers, lines, hints = _links(machine, places, given, node)
     for name, system in machine.capture_links.items():
@@ -217,7 +218,7 @@ def run(given: DriveOptions) -> None:
     files = {name: SERIAL_LOG if name in lines else CAN_LOG for name in places}
     files |= dict.fromkeys(machine.capture_links, CAPTURE_LOG) | {OPERATOR: OPERATOR_LOG}
     try:
-        with recording(given.record, files, texts_of()) as (around, tell):
+        with recording(given.record, files, texts_of(), known=known_places(places_before)) as (around, tell):
             carried = _far(around(node), slow)
             carry(
                 Narrated(bridge, carried, machine, tell, kept=kept, stamps=stamps, hints=hints),

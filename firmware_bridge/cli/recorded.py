@@ -33,17 +33,18 @@ def recording(
     files: Mapping[str, str],
     texts: Texts = no_texts,
     called: Mapping[str, str] = MappingProxyType({}),
+    known: Mapping[str, str] = MappingProxyType({}),
 ) -> Iterator[tuple[Around, Tell]]:
     """Give what goes around the node that is carried, and what tells the user; without a folder, nothing is.
 
-    `called` has names that links have in a log of lines. A folder that cannot be made ends the program with
-    a message.
+    `called` has names that links have in a log of lines; `known`, by the names of files, what the program
+    knew before. A folder that cannot be made ends the program with a message.
     """
     if folder is None:
         yield (lambda node: node), say
         return
     with one_message(BlackBoxError):
-        box = BlackBox(folder, files, say, texts, called)
+        box = BlackBox(folder, files, say, texts, called, known=known)
     with box:
         say(f"recording in {box.folder}")
         yield (lambda node: Recorded(node, box.note)), box.tell

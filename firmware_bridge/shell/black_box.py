@@ -59,16 +59,21 @@ class BlackBox:
         say: Callable[[str], None],
         texts: Texts = no_texts,
         called: Mapping[str, str] = MappingProxyType({}),
+        *,
+        known: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         """Make the run's folder in `parent`; `files` says by link which file it goes to. BlackBoxError.
 
-        `called` has names that links have in a log of lines, where these are others.
+        `called` has names that links have in a log of lines, where these are others; `known` is, by the names
+        of files, what the program knew before it heard anything.
         """
         began = datetime.now(tz=UTC).strftime("%Y-%m-%dT%H-%M-%SZ")
         self.folder = parent / began
         try:
             self.folder = _new(self.folder)
             self._open = {name: (self.folder / name).open("ab") for name in {*files.values(), EVENTS_LOG}}
+            for name, text in known.items():
+                (self.folder / name).write_text(text, encoding="utf-8")
         except OSError as error:
             raise BlackBoxError(
                 f"cannot record in {parent}: {error.strerror}; name a folder that can be written"

@@ -15,12 +15,19 @@ from firmware_bridge.units import SECOND, Nanoseconds
 
 EVERY: Final[Nanoseconds] = 2 * SECOND
 """It is written no more often, and only where something has changed."""
+RECORDED: Final = "places.json"
+"""In a run's folder: what was known when the bridge was started."""
 
 
 def usual_path(robot: str) -> Path:
     """Return where the file of a robot is kept unless the user says otherwise."""
     root = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
     return Path(root) / "firmware-bridge" / f"{robot}.json"
+
+
+def known_places(places: Mapping[str, float]) -> dict[str, str]:
+    """Return what a recording keeps of them, by its file; `LastPlaces` reads it."""
+    return {RECORDED: json.dumps(dict(places))} if places else {}
 
 
 class LastPlaces:

@@ -4,9 +4,12 @@ import pytest
 
 from emulators.arduino_omni.board import FIRMWARES, Board
 from emulators.arduino_omni.motors import four_motors
-from emulators.cli.watched import keeping_said, twins_said
+from emulators.cli.watched import RollCalled, keeping_said, twins_said
+from emulators.epos2.drive import Epos2
+from emulators.servo.axis import ServoAxis
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.recording import Recorded
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import REMOTE
 
@@ -61,3 +64,23 @@ def test_who_hears_its_own_number_from_elsewhere_says_so_once_a_number(
         "node 3 is on the bus twice: answers with its number",
     ]
     assert len(inner.heard) == len(others) + len(twins)
+
+
+def test_a_node_that_is_there_and_says_nothing_is_named_at_the_start(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    there = Epos2(2, ServoAxis("two", 2000))
+    there.wake(0)
+    there.wake(SECOND)
+    recorded: list[Packet] = []
+    inner = Recorded(Quiet(), lambda _now, _direction, packet: recorded.append(packet))
+    places = [("can", 1), ("can", 2)]
+    node = RollCalled(twins_said(inner, places), places)
+    first = node.wake(SECOND).sent
+    assert [packet.address for packet in first] == [0x601, 0x602, 0x701]
+    (answer,) = [answer for packet in first for answer in there.receive(packet, SECOND).sent]
+    assert capsys.readouterr().out == ""
+    node.receive(answer, SECOND + MILLISECOND)
+    assert "node 2 is on the bus twice: answers with its number have come" in capsys.readouterr().out
+    assert [packet.address for packet in recorded] == [0x701, 0x582], "the question is no drive's"
+    assert node.wake(2 * SECOND).sent == (Packet("can", 0x701, b"\0"),), "it asks once"

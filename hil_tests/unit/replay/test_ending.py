@@ -16,6 +16,8 @@ from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND
 
 RUN = Path(__file__).with_name("asked_to_end")
 """3 s of `drive rars` at emulated drives in real time, nobody driving, and its end by `--duration`."""
+KNOWN = Path(__file__).with_name("places_known")
+"""3 s of `drive rars` after a run that had kept where lift and steering stood."""
 ORDER = Order(
     find("rars"), RUN, into=Into.BRIDGE, stands=(ConfirmZero("lift", 0.0), ConfirmZero("steer", 0.0))
 )
@@ -57,3 +59,13 @@ def test_it_is_just_before_the_bridge_s_own_time_of_it(
     file.write_text(events, encoding="utf-8")
     begun = 1_795_676_728 * SECOND + 749_001 * MICROSECOND - EPOCH
     assert asked_to_end(file) == (None if after is None else begun + after - 2 * MILLISECOND)
+
+
+def test_what_was_known_of_the_run_before_is_known_to_the_replay(tmp_path: Path) -> None:
+    order = Order(find("rars"), KNOWN, into=Into.BRIDGE)
+    assert play(order).difference is None
+    shutil.copytree(KNOWN, tmp_path / "run")
+    (tmp_path / "run" / "places.json").unlink()
+    without = play(replace(order, recording=tmp_path / "run")).difference
+    assert without is not None
+    assert "last known: 10 deg" in without

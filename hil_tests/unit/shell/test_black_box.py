@@ -20,6 +20,7 @@ from firmware_bridge.shell.black_box import (
     BlackBox,
     BlackBoxError,
 )
+from firmware_bridge.shell.last_places import RECORDED, LastPlaces, known_places
 from firmware_bridge.teleop.mavlink import Codec
 from firmware_bridge.teleop.texts import Speaker
 from firmware_bridge.units import MILLISECOND
@@ -118,3 +119,10 @@ def test_a_device_records_its_lines_under_what_they_speak_each_in_its_file(tmp_p
         box.note(1, Direction.SENT, Packet("arm", 0, b"b"))
     assert (box.folder / "base-serial.log").read_text().endswith(" base~mw R 61\n")
     assert (box.folder / "arm-serial.log").read_text().endswith(" arm~ar2-2.0 T 62\n")
+
+
+def test_what_was_known_before_is_a_file_of_its_own(tmp_path: Path) -> None:
+    with BlackBox(tmp_path, FILES, lambda _text: None, known=known_places({"steer": 10.0})) as box:
+        pass
+    assert LastPlaces(box.folder / RECORDED).read() == {"steer": 10.0}
+    assert known_places({}) == {}, "no file where nothing is known"
