@@ -31,7 +31,7 @@ USUAL_AGE_LIMIT: Final = AgeLimit()
 class Intent(Immutable, Generic[M_co]):
     """The newest wish for motion, and when it came."""
 
-    __slots__ = ("dated", "heard_at", "neutral", "said_at", "wish")
+    __slots__ = ("dated", "deflected", "heard_at", "said_at", "wish")
 
     def __init__(
         self,
@@ -40,7 +40,7 @@ class Intent(Immutable, Generic[M_co]):
         said_at: Nanoseconds | None = None,
         *,
         dated: bool = False,
-        neutral: bool = True,
+        deflected: str = "",
     ) -> None:
         self.wish: Final = wish
         self.heard_at: Final = heard_at
@@ -49,8 +49,14 @@ class Intent(Immutable, Generic[M_co]):
         """When it was said, by the robot's clock, or later; None where nothing tells."""
         self.dated: Final = dated
         """Whether it was said then, to within half a round trip; else it may be older."""
-        self.neutral: Final = neutral
+        self.deflected: Final = deflected
+        """What of the operator's controls is not let go, in words; empty where all is, or a velocity of zero
+        is asked for."""
+
+    @property
+    def neutral(self) -> bool:
         """Every stick is let go, or the velocity asked for is zero."""
+        return not self.deflected
 
 
 @dataclass(frozen=True, slots=True)

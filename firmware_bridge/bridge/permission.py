@@ -3,6 +3,7 @@
 It answers every request with a reason. What the interlocks say comes in with the holds; it judges no motion.
 """
 
+from collections.abc import Collection
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.bridge.fleets import Fleets
@@ -116,11 +117,17 @@ class Permission(Generic[G, M, S]):
         waiting = [driver for driver in self._fleets.drivers if driver.busy and not driver.stopping]
         return tuple([packet for driver in waiting for packet in driver.begin((), now)])
 
+    def part(self, holds: tuple[Hold, ...], clearing: Collection[str]) -> None:
+        """Part the operator where a hold's row says so.
+
+        One that is `clearing` does not: who has let go since its cause ended has done what it asks for.
+        """
+        if any(hold.row.parts and hold.name not in clearing for hold in holds):
+            self.parted = True
+
     def watch(self, holds: tuple[Hold, ...]) -> None:
-        """Do what the holds' rows say: take the leave away, latch the emergency stop, part the operator."""
+        """Do what the holds' rows say: disarm, latch the emergency stop, take an axis's power."""
         for hold in holds:
-            if hold.row.parts:
-                self.parted = True
             if hold.row.latches:
                 self.emergency_stopped = True
             if hold.row.disarms or hold.row.latches:
@@ -248,13 +255,13 @@ class Permission(Generic[G, M, S]):
 
     def _asked(self, seen: Snapshot[M, S]) -> Verdict | None:
         """Refuse where something would move as soon as the robot is armed."""
+        if not seen.facts.neutral:
+            return Verdict(accepted=False, reason=f"arm: {seen.facts.deflected or 'the stick is not let go'}")
         asked = self.rules.body.asked(seen.wish, seen.body)
         if asked:
             moved = " and ".join(sorted(asked))
             reason = f"arm: the {moved} would move at once; let the stick go, or disarm"
             return Verdict(accepted=False, reason=reason)
-        if not seen.facts.neutral:
-            return Verdict(accepted=False, reason="arm: the stick is not let go; let it go first")
         return None
 
     def _used(self) -> list[Driver]:
@@ -284,7 +291,9 @@ class Permission(Generic[G, M, S]):
 
     def _resume(self, seen: Snapshot[M, S]) -> Verdict:
         if self.paused and not seen.facts.neutral:
-            return Verdict(accepted=False, reason="continue: the stick is not let go; let it go first")
+            return Verdict(
+                accepted=False, reason=f"continue: {seen.facts.deflected or 'the stick is not let go'}"
+            )
         self.paused = False
         return Verdict(accepted=True, reason="the robot goes on")
 

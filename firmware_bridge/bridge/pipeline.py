@@ -15,6 +15,7 @@ from firmware_bridge.bridge.zeros import Zeros
 from firmware_bridge.drivers.driver import Demand, Feedback, Level, Stop
 from firmware_bridge.intent import (
     NEVER_HEARD,
+    Arm,
     ChangeDriver,
     ConfirmZero,
     Follow,
@@ -95,8 +96,9 @@ class Pipeline(Generic[G, M, S]):
         known = self._guided(self.known(now), elapsed)
         ruling = self._gate.rule(known)
         self._watch_homing(ruling.holds + self._permission.stops.holds, known.facts)
-        if known.facts.neutral:
+        if self._operator.take_let_go() or known.facts.neutral:
             self._permission.parted = False
+        self._permission.part(ruling.holds, self._gate.clearing)
         self._permission.watch(ruling.holds)
         if any(hold.row.parts for hold in ruling.holds):
             self._operator.forget()
@@ -160,8 +162,11 @@ class Pipeline(Generic[G, M, S]):
         if isinstance(request, ChangeDriver):
             self._guide = self._wish = None
             self._permission.parted = True
+            self._operator.take_let_go()  # it was somebody else who did
             self._permission.homing.ordered(request)
             return Verdict(accepted=True, reason="")
+        if isinstance(request, Arm):
+            self._operator.take_let_go()  # that was before
         known = self.known(now)
         if isinstance(request, ConfirmZero):
             refused = self._zeros.refuses(request)
@@ -169,7 +174,9 @@ class Pipeline(Generic[G, M, S]):
                 return Verdict(accepted=False, reason=refused)
             holds = self._against(request.axis, self._gate.rule(known).holds)
             return self._permission.set_zero(*self._zeros.place(request), known, holds)
-        return self._permission.decide(request, known, self._gate.rule(known).holds)
+        holds = self._gate.rule(known).holds
+        self._permission.part(holds, self._gate.clearing)
+        return self._permission.decide(request, known, holds)
 
     def known(self, now: Nanoseconds) -> Snapshot[M, S]:
         """Return everything known now."""
@@ -181,6 +188,7 @@ class Pipeline(Generic[G, M, S]):
             emergency_stopped=permission.emergency_stopped,
             heard_at=operator.intent.heard_at,
             neutral=operator.intent.neutral,
+            deflected=operator.intent.deflected,
             axes=axes,
             sensors=sensors,
             links_lost=fleets.links_lost,
@@ -195,7 +203,9 @@ class Pipeline(Generic[G, M, S]):
             said_at=operator.intent.said_at,
             dated=operator.intent.dated,
             age_limit=operator.age_limit,
-            stood_still=self._stood_still,
+            stood_still=self._stood_still
+            if self._ran_at is None
+            else max(self._stood_still, now - self._ran_at),
         )
         return Snapshot(
             facts=facts,

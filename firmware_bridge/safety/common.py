@@ -60,7 +60,6 @@ def whole_robot_rows(
             "let the bridge's process run, then arm",
             severity=Severity.CRITICAL,
             disarms=True,
-            blocks_arming=False,
         ),
         *(_link_row(name, link) for name, link in links.items()),
         *(_master_row(name, link) for name, link in links.items()),

@@ -38,6 +38,11 @@ class _Memory:
     def holds(self, name: str) -> bool:
         return name in self._holds
 
+    @property
+    def clearing(self) -> frozenset[str]:
+        """The holds whose rows do not judge so any more, and have not been clear for long enough."""
+        return frozenset(self._clear_since)
+
     def look(self, name: str, reason: str | None, row: Row, now: Nanoseconds, axis: str = "") -> Hold | None:
         """Take one look's outcome; return the hold where there is one."""
         if reason is not None:
@@ -117,6 +122,11 @@ class Gate(Generic[G, M, S]):
         ruling = Ruling(tuple(holds), stopped, allowed, rules.body.asked(allowed, seen.body))
         self._before = ruling
         return ruling
+
+    @property
+    def clearing(self) -> frozenset[str]:
+        """The holds of the newest ruling that stay for a while though nothing stands against it any more."""
+        return self._memory.clearing
 
     def next_deadline(self, facts: Facts) -> Nanoseconds:
         """Return the instant at which a silence will trip if nothing more is heard; NEVER where none will.

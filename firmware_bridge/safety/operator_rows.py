@@ -52,11 +52,14 @@ def operator_rows() -> tuple[Interlock[G, M, S], ...]:
             "operator gone",
             _operator_gone,
             "send motion commands, then arm",
-            clear_after=OPERATOR_CLEARS_AFTER,
             disarms=True,
+        ),
+        Interlock(
+            "controls deflected",
+            _deflected,
+            "let the stick go, or send a velocity of zero",
             blocks_arming=False,
         ),
-        Interlock("controls deflected", _deflected, "let the stick go", blocks_arming=False),
         Interlock("paused", _paused, "continue, or arm", severity=Severity.NOTICE, blocks_arming=False),
     )
 
@@ -101,7 +104,7 @@ def _operator_gone(view: View[G, M, S]) -> str | None:
 def _deflected(view: View[G, M, S]) -> str | None:
     if view.facts.neutral or not view.facts.parted:
         return None
-    return "the stick was not let go after the silence"
+    return f"not let go since the silence: {view.facts.deflected or 'the stick'}"
 
 
 def _paused(view: View[G, M, S]) -> str | None:

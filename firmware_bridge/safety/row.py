@@ -54,7 +54,8 @@ class Row(Immutable):
         self.severity: Final = severity
         self.disarms: Final = disarms
         """It takes the leave to move away: to go on, arm again."""
-        self.blocks_arming: Final = blocks_arming
+        # What was armed would be disarmed by the next look.
+        self.blocks_arming: Final = blocks_arming or disarms or latches
         """While it holds the robot cannot be armed."""
         self.latches: Final = latches
         """It latches the emergency stop, which stays until it is cleared by an order."""

@@ -76,6 +76,8 @@ class Facts:
     """What only another master sends, heard lately on a link, by the link's name."""
     paused: bool = False
     """The operator has asked the robot to wait."""
+    deflected: str = ""
+    """What of the operator's controls is not let go, in words."""
     parted: bool = False
     """The operator was away, and has not let his controls go since."""
     mode: str = ""

@@ -18,11 +18,12 @@ from firmware_bridge.intent import (
 )
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.teleop.control import Sender
+from firmware_bridge.teleop.manual_control import stick_of, unread
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.schedule import Schedule
 from firmware_bridge.teleop.session import Asked, Motion, Peer, Said, Session
-from firmware_bridge.teleop.setpoints import channels_of, pressed, stick_of, stick_of_channels, velocity_of
-from firmware_bridge.teleop.station import AnyStation, Switch, Unusable
+from firmware_bridge.teleop.setpoints import channels_of, pressed, stick_of_channels, velocity_of
+from firmware_bridge.teleop.station import AnyStation, Stick, Switch, Unusable
 from firmware_bridge.units import Nanoseconds, to_seconds
 
 STOPS: Final = (Disarm, EmergencyStop, Pause)
@@ -233,13 +234,21 @@ class Exchange:
 
     def take_stick(self) -> None:
         """Take the axes of a MANUAL_CONTROL as the newest wish, or say why they are none."""
-        station = self.session.station
-        up = station.up_button is None or pressed(self.message.buttons, station.up_button)
-        stick = stick_of(self.message, up=up, dead_band=station.dead_band)
-        if isinstance(stick, Unusable):
-            self.refuse(stick)
+        for name, value in unread(self.message, self.station):
+            if name not in self.peer.unread:
+                self.peer.unread.add(name)
+                text = f"{name} of {self.sender} stands at {value}: this robot does not read it"
+                self.session.tell(Severity.INFO, text)
+        told = stick_of(self.message, self.station, self.peer.lever)
+        if isinstance(told, Unusable):
+            self.refuse(told)
         else:
-            self.move(stick, neutral=stick.let_go(station.dead_band))
+            self.move(*told)
+
+    def hold_lever(self) -> None:
+        """Take note of where z stands, and whether its button is held."""
+        held = pressed(self.message.buttons, self.station.up_button)
+        self.peer.lever.hear(self.message.z, self.now, self.session.silent_after, held=held)
 
     def take_channels(self) -> None:
         """Take the channels of an RC_CHANNELS_OVERRIDE as the newest wish, or say why they are none."""
@@ -250,8 +259,7 @@ class Exchange:
         elif told:
             held = self.peer.channels
             held.hear(told, self.now, self.session.silent_after)
-            stick = stick_of_channels(held.values, rows)
-            self.move(stick, neutral=stick.let_go(self.session.station.dead_band))
+            self.move(*stick_of_channels(held.values, rows, self.station.dead_band))
 
     def take_target(self) -> None:
         """Take a SET_POSITION_TARGET_LOCAL_NED as the newest wish, or say why it is none."""
@@ -264,11 +272,13 @@ class Exchange:
         if isinstance(velocity, Unusable):
             self.refuse(velocity)
         elif self.newest():
-            self.move(velocity, neutral=velocity.zero)
+            self.move(velocity, velocity.asked)
 
-    def move(self, motion: Motion, *, neutral: bool) -> None:
-        """Take a motion command for the newest wish, unless it is none."""
-        session = self.session
+    def move(self, motion: Motion, deflected: str) -> None:
+        """Take a motion command for the newest wish, unless it is none; `deflected` is empty for neutral."""
+        session, neutral = self.session, not deflected
+        if isinstance(motion, Stick) and self.peer.said is not None:
+            motion = motion.after(self.peer.said.motion)
         if not session.driven.counts(motion, self.now, neutral=neutral):
             session.dropped.idle += 1
             return
@@ -277,11 +287,13 @@ class Exchange:
             self.refuse(wish)
         else:
             session.driven.heard(motion, self.now, neutral=neutral)
-            self.peer.said = Said(motion, self.now, neutral)
+            self.peer.said = Said(motion, self.now, deflected)
             age = session.age(self.message, self.sender, self.now)
             said_at = None if age is None else self.now - age.nanoseconds
             dated = age is not None and age.dated
-            session.intent = Intent(wish, self.now, said_at, dated=dated, neutral=neutral)
+            session.intent = Intent(wish, self.now, said_at, dated=dated, deflected=deflected)
+            # An old word may have been said before whatever parted its sender from the robot.
+            session.let_go |= neutral and (age is None or age.nanoseconds < session.age_limit.most)
 
     def newest(self) -> bool:
         """Return whether no newer motion command has overtaken this one."""

@@ -33,6 +33,7 @@ def _manual_control(exchange: Exchange) -> None:
     # The first message of a station has no edges: a button that is already down says nothing new.
     gone_down = buttons & ~(buttons if peer.buttons is None else peer.buttons)
     peer.buttons = buttons
+    exchange.hold_lever()
     if exchange.refusal is not None:
         exchange.ignore()
         return

@@ -179,6 +179,11 @@ class Operator(Generic[G, M, S]):
         for text in texts:
             self._session.tell(Severity.NOTICE, text)
 
+    def take_let_go(self) -> bool:
+        """Return whether who drives has let go since the last call, if only for one motion command."""
+        let_go, self._session.let_go = self._session.let_go, False
+        return let_go
+
     def forget(self) -> None:
         """Forget the targets of an operator who has gone silent."""
         self._session.forget()

@@ -14,6 +14,7 @@ from firmware_bridge.teleop.audience import Audience
 from firmware_bridge.teleop.control import Control, Sender
 from firmware_bridge.teleop.driven import Channels, Driven
 from firmware_bridge.teleop.link_quality import Link, Quality
+from firmware_bridge.teleop.manual_control import Lever
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.teleop.parameters import Store, parameters_of
 from firmware_bridge.teleop.schedule import Schedule
@@ -73,7 +74,8 @@ class Said(NamedTuple):
 
     motion: Motion
     at: Nanoseconds
-    neutral: bool
+    deflected: str
+    """What is not let go in it; empty where it is neutral."""
 
 
 class Asked(NamedTuple):
@@ -109,6 +111,9 @@ class Peer:
     buttons: int | None = None
     channels: Channels = field(default_factory=Channels)
     """What it holds of RC_CHANNELS_OVERRIDE."""
+    lever: Lever = field(default_factory=Lever)
+    unread: set[str] = field(default_factory=set)
+    """Its axes that were told to be deflected and not read."""
     answered: Answered | None = None
     stop_answered_at: Nanoseconds = NEVER_HEARD
     """When an emergency stop was answered that it had sent while another one drove."""
@@ -179,6 +184,8 @@ class Session:
         self.driven: Final = Driven(self.silent_after)
         self.speaker: Final = Speaker()
         self.intent: Intent[Any] = Intent(rest)
+        self.let_go = False
+        """A neutral motion command has come since the newest cycle, whatever came after it."""
         self.snapshot: Snapshot[Any, Any] | None = None
         self.trust: Final = trust
         self.signatures: Final = Signatures(trust)
@@ -274,7 +281,7 @@ class Session:
             return
         asked = self.wished(peer.said.motion, wish)
         if not isinstance(asked, Unusable):
-            self.intent = Intent(asked, peer.said.at, neutral=peer.said.neutral)
+            self.intent = Intent(asked, peer.said.at, deflected=peer.said.deflected)
 
     def tell(self, severity: Severity, text: str) -> None:
         """Say something with the next report, unless there is too much to be said already."""
@@ -285,7 +292,7 @@ class Session:
         """Change the wish; what is no motion command is no sign of life."""
         before = self.intent
         self.intent = Intent(
-            wish, before.heard_at, before.said_at, dated=before.dated, neutral=before.neutral
+            wish, before.heard_at, before.said_at, dated=before.dated, deflected=before.deflected
         )
 
     def set_period(self, number: int, period: Nanoseconds, now: Nanoseconds) -> None:

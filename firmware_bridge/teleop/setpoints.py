@@ -3,9 +3,6 @@
 What is not a number, or beyond all sense, is refused here with a reason; what is merely too much is left to
 the interlocks, which say so. MAVLink counts `y` to the right, yaw and `r` clockwise. What an axis or a
 velocity means for a robot is its station's: this module knows none.
-
-MANUAL_CONTROL's `z` counts only while the station's button for it is held: ground stations rest `z` at 0 or
-at 500, and neither may move anything.
 """
 
 import math
@@ -13,11 +10,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from firmware_bridge.teleop.manual_control import Told
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.station import Channel, Stick, StickAxis, Twist, Unusable, Velocity
-
-FULL_STICK: Final = 1000
-UNUSED: Final = 0x7FFF
 
 BODY_FRAMES: Final = frozenset(
     {dialect.MAV_FRAME_BODY_NED, dialect.MAV_FRAME_BODY_OFFSET_NED, dialect.MAV_FRAME_BODY_FRD}
@@ -76,24 +71,6 @@ def pressed(buttons: int, button: int | None) -> bool:
     return button is not None and bool(buttons >> button & 1)
 
 
-def stick_of(message: Message, *, up: bool, dead_band: float) -> Stick | Unusable:
-    """Read the axes of a MANUAL_CONTROL; `up`: its z counts, beyond the dead band."""
-    x: int = message.x
-    y: int = message.y
-    r: int = message.r
-    z: int = message.z if up else UNUSED
-    for name, value in (("x", x), ("y", y), ("r", r), ("z", z)):
-        if abs(value) > FULL_STICK and value != UNUSED:
-            return Unusable("stick", f"{name} = {value} is beyond +-{FULL_STICK}")
-    left, turn, raised = _share(y), _share(r), _share(z)
-    return Stick(
-        forward=_share(x),
-        left=None if left is None else -left,
-        turn=None if turn is None else -turn,
-        up=None if raised is None or abs(raised) <= dead_band else raised,
-    )
-
-
 def channels_of(message: Message, rows: Iterable[Channel]) -> dict[int, int | None] | Unusable:
     """Read these rows' channels of an RC_CHANNELS_OVERRIDE, in us; None: given back, left out: kept."""
     told: dict[int, int | None] = {}
@@ -113,19 +90,25 @@ def channels_of(message: Message, rows: Iterable[Channel]) -> dict[int, int | No
     return told
 
 
-def stick_of_channels(channels: Mapping[int, int], rows: Iterable[Channel]) -> Stick:
+def stick_of_channels(channels: Mapping[int, int], rows: Iterable[Channel], dead_band: float) -> Told:
     """Return the stick that these channels are, in us; one that is not there is an axis that is not used."""
     shares: dict[StickAxis, float] = {}
+    deflected = ""
     for row in rows:
-        if row.number in channels:
-            share = (channels[row.number] - _NEUTRAL_US) / _FULL_US
-            shares[row.axis] = row.sign * min(max(share, -1.0), 1.0)
-    return Stick(
+        if row.number not in channels:
+            continue
+        microseconds = channels[row.number]
+        share = (microseconds - _NEUTRAL_US) / _FULL_US
+        shares[row.axis] = row.sign * min(max(share, -1.0), 1.0)
+        if not deflected and abs(share) > dead_band:
+            deflected = f"channel {row.number} stands at {microseconds} us: this robot wants {_NEUTRAL_US}"
+    stick = Stick(
         forward=shares.get(StickAxis.FORWARD),
         left=shares.get(StickAxis.LEFT),
         turn=shares.get(StickAxis.TURN),
         up=None,
     )
+    return Told(stick, deflected)
 
 
 def velocity_of(message: Message, largest: Twist, heading_rad: float | None = None) -> Velocity | Unusable:
@@ -176,7 +159,3 @@ def _sane(velocity: Velocity, largest: Twist) -> Velocity | Unusable:
             f"{forward:.3g} m/s forward, {left:.3g} m/s left, {yaw_rate:.3g} rad/s counter-clockwise",
         )
     return velocity
-
-
-def _share(axis: int) -> float | None:
-    return None if axis == UNUSED else axis / FULL_STICK

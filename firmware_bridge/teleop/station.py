@@ -4,6 +4,7 @@ Signs are the robot's: forward, left, up and counter-clockwise positive; `firmwa
 into MAVLink's, and only there. Rows that the protocol cannot carry are refused where they are made.
 """
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import KW_ONLY, dataclass
 from enum import Enum
@@ -43,12 +44,24 @@ class Stick:
     turn: float | None
     """r, counter-clockwise positive."""
     up: float | None
-    """z, while the station's `up_button` is held, and beyond its dead band."""
+    """z, where the station reads it, beyond its dead band; with an `up_button` from where it was pressed."""
 
-    def let_go(self, dead_band: float) -> bool:
-        """Return whether no axis is deflected by more than a hand that rests on it."""
-        axes = (self.forward, self.left, self.turn, self.up)
-        return all(share is None or abs(share) <= dead_band for share in axes)
+    def after(self, before: "Stick | Velocity") -> "Stick":
+        """Return it with those axes at 0 that its station deflected before, and does not use any more."""
+        if isinstance(before, Velocity):
+            return self
+        # Where one of the two is in use, it steers.
+        steered = self.left is not None or self.turn is not None
+        return Stick(
+            _let_go(self.forward, before.forward),
+            self.left if steered else _let_go(self.left, before.left),
+            self.turn if steered else _let_go(self.turn, before.turn),
+            self.up,
+        )
+
+
+def _let_go(share: float | None, before: float | None) -> float | None:
+    return 0.0 if share is None and before else share
 
 
 @valueclass(frozen=True, slots=True)
@@ -61,9 +74,13 @@ class Velocity:
     """None where the message leaves it out."""
 
     @property
-    def zero(self) -> bool:
-        """Whether it asks to stand still."""
-        return self.forward_mps == self.left_mps == 0.0 and not self.yaw_rate_rad_s
+    def asked(self) -> str:
+        """What it asks for, and what to send first where that does not count yet; empty to stand still."""
+        if self.forward_mps == self.left_mps == 0.0 and not self.yaw_rate_rad_s:
+            return ""
+        speed = math.hypot(self.forward_mps, self.left_mps)
+        turn = f", {self.yaw_rate_rad_s:.2f} rad/s" if self.yaw_rate_rad_s else ""
+        return f"a velocity of {speed:.2f} m/s{turn} is asked for: send one of zero first"
 
 
 @valueclass(frozen=True, slots=True)
@@ -84,11 +101,12 @@ class Unusable:
 
 
 class StickAxis(Enum):
-    """An axis of `Stick` that a channel may be."""
+    """An axis of `Stick`."""
 
     FORWARD = 1
     LEFT = 2
     TURN = 3
+    UP = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +120,8 @@ class Channel:
     """1 where more microseconds are forward, left or counter-clockwise."""
 
 
+USUAL_AXES: Final = (StickAxis.FORWARD, StickAxis.LEFT, StickAxis.TURN)
+"""Neutral at 0, as a stick is that springs back."""
 USUAL_CHANNELS: Final = (
     Channel(1, StickAxis.TURN, -1),
     Channel(3, StickAxis.FORWARD, 1),
@@ -190,7 +210,10 @@ class Station(Generic[G, M, S]):
     stop_button: int | None = None
     """The button of MANUAL_CONTROL that is the emergency stop, counted from 0; None for none."""
     up_button: int | None = None
-    """The button without which z counts for nothing; None: z counts always."""
+    """The button without which z counts for nothing; while it is held, z counts from where it stood when it
+    was pressed. None: z is neutral at 0, where it is among `axes`."""
+    axes: tuple[StickAxis, ...] = USUAL_AXES
+    """The axes of MANUAL_CONTROL that the robot reads: the others count for nothing, wherever they stand."""
     dead_band: float = 0.05
     """A hand that rests on a stick does not hold it at zero: less z counts for nothing, and a stick is let go
     where no axis passes it."""
@@ -217,7 +240,11 @@ class Station(Generic[G, M, S]):
         _need_names("parameters", [row.name for row in self.parameters], PARAMETER_NAME)
         if not all(0 <= button < BUTTONS for button in buttons):
             raise ValueError(f"station: buttons are counted from 0 to {BUTTONS - 1}, not {buttons}")
+        if self.up_button is not None and StickAxis.UP not in self.axes:
+            raise ValueError("station: there is an up button, and StickAxis.UP is not among the axes")
         _need_distinct("channels", [channel.number for channel in self.channels])
+        if any(row.axis is StickAxis.UP for row in self.channels):
+            raise ValueError("station: StickAxis.UP is no channel's: only MANUAL_CONTROL has a button for it")
         if not all(1 <= row.number <= CHANNELS and row.sign in (1, -1) for row in self.channels):
             raise ValueError(f"station: channels are 1 to {CHANNELS}, with sign 1 or -1")
         if len(self.actuators) > ACTUATORS:

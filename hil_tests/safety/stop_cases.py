@@ -94,20 +94,19 @@ CASES: Final = (
         intent(heard_at=START - OPERATOR_GONE),
         {},
         "no motion command for 10 s: nobody drives",
-        LINK,
         also=("operator silent",),
     ),
     Case(
         "controls deflected",
         {"parted": True, "neutral": False},
         {"parted": True},
-        "the stick was not let go after the silence",
+        "not let go since the silence: the stick",
     ),
     Case(
         "controls deflected",
         {"parted": True, "neutral": False},
         {"neutral": False},
-        "the stick was not let go after the silence",
+        "not let go since the silence: the stick",
     ),
     Case("paused", {"paused": True}, {}, "the operator has paused the robot"),
     Case(

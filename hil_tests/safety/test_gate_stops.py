@@ -104,7 +104,7 @@ def test_it_lets_go_when_it_was_clear_for_its_clear_time(
     for now in (clear_at, *(clear_at + n for n in between), ends_at - 1):
         if clear_at <= now < ends_at:
             assert case.hold in names(gate.rule(well(now)))
-    assert names(gate.rule(well(ends_at))) == ()
+    assert case.hold not in names(gate.rule(well(ends_at)))
 
 
 @each
@@ -115,7 +115,7 @@ def test_the_first_clear_look_starts_the_clear_time_however_late_it_comes(
     gate.rule(tripped(well, case))
     late = START + 60 * SECOND
     assert (case.hold in names(gate.rule(well(late)))) == (case.clear_after > 0)
-    assert names(gate.rule(well(late + case.clear_after))) == ()
+    assert case.hold not in names(gate.rule(well(late + case.clear_after)))
 
 
 @each
@@ -124,14 +124,14 @@ def test_a_trip_in_between_starts_the_clear_time_anew(robot: Rars, well: Well, c
     began = gate.rule(tripped(well, case)).holds
     gate.rule(well(START + SECOND))
     again = START + SECOND + case.clear_after // 2
-    assert gate.rule(tripped(well, case, again)).holds == (
-        began if case.clear_after else tuple(_at(hold, again) for hold in began)
-    )
+    now_holds = {hold.name: hold for hold in gate.rule(tripped(well, case, again)).holds}
+    before = {hold.name: hold for hold in began}[case.hold]
+    assert now_holds[case.hold] == (before if case.clear_after else _at(before, again))
     clear_at = again + 1
     if case.clear_after:
         assert case.hold in names(gate.rule(well(clear_at)))
         assert case.hold in names(gate.rule(well(clear_at + case.clear_after - 1)))
-    assert names(gate.rule(well(clear_at + case.clear_after))) == ()
+    assert case.hold not in names(gate.rule(well(clear_at + case.clear_after)))
 
 
 @each
@@ -141,9 +141,9 @@ def test_it_trips_again_at_once_after_it_has_let_go(robot: Rars, well: Well, cas
         start = START + round_trip * 10 * SECOND
         ruling = gate.rule(tripped(well, case, start))
         assert case.hold in names(ruling)
-        assert {hold.since for hold in ruling.holds} == {start}
+        assert {hold.since for hold in ruling.holds if hold.name == case.hold} == {start}
         gate.rule(well(start + SECOND))
-        assert names(gate.rule(well(start + SECOND + case.clear_after))) == ()
+        assert case.hold not in names(gate.rule(well(start + SECOND + case.clear_after)))
 
 
 def _at(hold: Hold, now: Nanoseconds) -> Hold:

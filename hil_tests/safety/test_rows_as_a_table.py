@@ -15,7 +15,7 @@ from firmware_bridge.safety.common import (
 ROBOT = find("rome_arm")
 TABLE = """
 emergency stop         critical   0     disarms   blocks arming
-bridge stood still     critical   0     disarms
+bridge stood still     critical   0     disarms   blocks arming
 link lost: board       critical   200   disarms   blocks arming
 link lost: arm         critical   200             blocks arming  stops arm
 another master: board  critical   200   disarms   blocks arming
@@ -25,7 +25,7 @@ not armed              notice     0
 operator silent        warning    200
 word too old           warning    200             blocks arming
 word undated           warning    200
-operator gone          warning    200   disarms
+operator gone          warning    0     disarms   blocks arming
 controls deflected     warning    0
 paused                 notice     0
 wish unusable          warning    0               blocks arming

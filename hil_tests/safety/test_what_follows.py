@@ -24,7 +24,7 @@ Well: TypeAlias = Callable[..., Snapshot]
 ALL: Final = None
 FOLLOWS: Final = {
     "emergency stop": (ALL, "disarms", "blocks arming"),
-    "bridge stood still": (ALL, "disarms"),
+    "bridge stood still": (ALL, "disarms", "blocks arming"),
     "link lost: drives": (ALL, "disarms", "blocks arming"),
     "another master: drives": (ALL, "disarms", "blocks arming"),
     # Arming must not wait for what only arming changes, nor for who speaks of motion afterwards.
@@ -32,7 +32,7 @@ FOLLOWS: Final = {
     "operator silent": (ALL, "parts"),
     "word too old": (ALL, "blocks arming", "parts"),
     "word undated": (ALL, "parts"),
-    "operator gone": (ALL, "disarms"),
+    "operator gone": (ALL, "disarms", "blocks arming"),
     "controls deflected": (ALL,),
     "paused": (ALL,),
     "battery low": (ALL, "disarms", "blocks arming"),

@@ -58,7 +58,7 @@ def _stick(values: Mapping[str, float], robot: Ar2) -> StickAxes:
     return StickAxes(
         x=values["speed"] / limits.speed_mps,
         y=-values["left"] / limits.speed_mps,
-        z=up or None,
+        z=up,
         r=-values["turn"] / limits.turn_rate_rad_s,
         buttons=LIFTS if up else 0,
     )

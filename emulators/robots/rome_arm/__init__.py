@@ -47,7 +47,7 @@ class RomeArmStep(RomeStep):
 def _stick(values: Mapping[str, float], robot: RomeArm) -> StickAxes:
     base = rome.REHEARSAL.stick(values, BASE.robot(robot))
     up = values["up"] / robot.geometry.arm.limits.speed_mps
-    return replace(base, z=up or None, buttons=LIFTS if up else 0)
+    return replace(base, z=up, buttons=LIFTS if up else 0)
 
 
 def _columns(half: Half, rows: tuple[Column, ...]) -> Iterator[Column]:

@@ -13,7 +13,17 @@ from firmware_bridge.robots.ar2.geometry import Geometry
 from firmware_bridge.robots.ar2.motion import Motion, State
 from firmware_bridge.robots.ar2.rules import tool
 from firmware_bridge.safety.snapshot import Snapshot
-from firmware_bridge.teleop.station import Fixed, Gauge, Station, Stick, Twist, Value, Velocity
+from firmware_bridge.teleop.station import (
+    USUAL_AXES,
+    Fixed,
+    Gauge,
+    Station,
+    Stick,
+    StickAxis,
+    Twist,
+    Value,
+    Velocity,
+)
 from firmware_bridge.units import SECOND
 
 
@@ -65,6 +75,7 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
     largest=_largest,
     stop_button=2,
     up_button=3,
+    axes=(*USUAL_AXES, StickAxis.UP),
     values=(
         *(_coordinate(axis, letter) for axis, letter in enumerate("XYZ")),
         Value("PATH", SECOND // 5, lambda seen: seen.wish.path_s, "s on the course that a guide follows"),

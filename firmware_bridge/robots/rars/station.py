@@ -16,11 +16,13 @@ from firmware_bridge.robots.rars.geometry import Geometry
 from firmware_bridge.robots.rars.motion import Motion, State
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.station import (
+    USUAL_AXES,
     Actuator,
     Fixed,
     Gauge,
     Station,
     Stick,
+    StickAxis,
     Switch,
     Twist,
     Unusable,
@@ -94,6 +96,7 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
     metres_rolled=lambda robot: robot.geometry.base.wheel_radius_m,
     stop_button=2,
     up_button=3,
+    axes=(*USUAL_AXES, StickAxis.UP),
     switches=(
         Switch(
             "detector",

@@ -12,7 +12,17 @@ from firmware_bridge.robots.rome_arm.geometry import Geometry
 from firmware_bridge.robots.rome_arm.halves import ARM, BASE, Half, Seen
 from firmware_bridge.robots.rome_arm.motion import Motion, State
 from firmware_bridge.safety.snapshot import Snapshot
-from firmware_bridge.teleop.station import Fixed, Gauge, Station, Stick, Twist, Value, Velocity
+from firmware_bridge.teleop.station import (
+    USUAL_AXES,
+    Fixed,
+    Gauge,
+    Station,
+    Stick,
+    StickAxis,
+    Twist,
+    Value,
+    Velocity,
+)
 from firmware_bridge.units import SECOND
 
 
@@ -69,6 +79,7 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
     metres_rolled=lambda robot: robot.geometry.base.base.wheel_radius_m,
     stop_button=2,
     up_button=3,
+    axes=(*USUAL_AXES, StickAxis.UP),
     values=(
         *_values(BASE, bases.STATION.values),
         *_values(ARM, _TOOL),

@@ -105,7 +105,7 @@ class Bench:
         while self.now < until:
             if self.talks:
                 x, r = round(self.speed / 0.5 * 1000), round(-self.steer / 60.0 * 1000)
-                z, buttons = (500, 0) if self.lift is None else (round(self.lift * 1000), LIFT_BUTTON)
+                z, buttons = (0, 0) if self.lift is None else (round(self.lift * 1000), LIFT_BUTTON)
                 self.says(dialect.MAVLink_manual_control_message(1, x, 0, z, r, buttons))
             self.world.run(min(self.now + 50 * MILLISECOND, until))
 

@@ -47,7 +47,7 @@ def test_who_arms_beside_a_stick_that_idles_begins_with_his_own_let_go(started: 
         started.runs(0.05)
     assert started.bridge.seen.facts.armed
     assert {target for _, target in started.words("left", begin)} == {0}
-    assert "the stick was not let go after the silence" in started.told()
+    assert "not let go since the silence: x stands at 1000" in started.told()
     for x in (0, 0, *(600,) * 20):
         other_says(started, stick(x))
         started.runs(0.05)

@@ -24,7 +24,7 @@ def test_arming_while_the_stick_is_deflected_is_denied(started: "Bench") -> None
     started.speed = 0.2
     started.runs(0.1)
     assert started.arms() == DENIED
-    assert "the base would move at once; let the stick go" in started.told()
+    assert "arm: x stands at 400: this robot wants 0" in started.told()
 
 
 def test_a_station_may_arm_before_it_speaks_of_motion(bench: "Bench") -> None:
@@ -83,7 +83,7 @@ def test_after_a_pause_the_robot_goes_on_when_it_is_asked_to_with_the_stick_let_
     armed.commands(PAUSE, 0.0)
     armed.runs(1)
     assert armed.commands(PAUSE, 1.0) == DENIED
-    assert "the stick is not let go" in armed.told()
+    assert "continue: x stands at" in armed.told()
     armed.speed = 0.0
     armed.runs(0.1)
     assert armed.commands(PAUSE, 1.0) == ACCEPTED
@@ -116,7 +116,7 @@ def test_who_armed_before_he_spoke_of_motion_begins_with_the_stick_let_go(bench:
     bench.talks = True
     driving(bench)
     assert set(bench.words("left", begin)) == {(0x000F, 0)}
-    assert "the stick was not let go after the silence" in bench.told()
+    assert "not let go since the silence: x stands at 600" in bench.told()
     bench.speed = 0.0
     bench.runs(0.3)
     driving(bench)

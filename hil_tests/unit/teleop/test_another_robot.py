@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from firmware_bridge.intent import EmergencyStop, EnterMode, Pause, Verdict
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.safety.row import Severity
+from firmware_bridge.teleop.manual_control import UNUSED
 from firmware_bridge.teleop.mavlink import dialect
-from firmware_bridge.teleop.setpoints import UNUSED
 from firmware_bridge.teleop.station import Actuator, Fixed, Station, Switch, Value
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.lanes import examples
@@ -98,7 +98,12 @@ def test_other_relays_are_denied_and_those_that_exist_named(bench: ToyBench, rel
 def test_what_it_lacks_is_unsupported(bench: ToyBench) -> None:
     assert acks(bench.order(405, 1)) == [(405, UNSUPPORTED)]
     bare = Station(
-        stick=ROWS.stick, target=ROWS.target, twist=ROWS.twist, forgotten=ROWS.forgotten, largest=ROWS.largest
+        stick=ROWS.stick,
+        target=ROWS.target,
+        twist=ROWS.twist,
+        forgotten=ROWS.forgotten,
+        largest=ROWS.largest,
+        axes=ROWS.axes,
     )
     bench.rows = bare
     bench.restart()

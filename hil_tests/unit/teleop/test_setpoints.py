@@ -7,17 +7,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from firmware_bridge import kinds
+from firmware_bridge.teleop.manual_control import UNUSED, Lever, stick_of
 from firmware_bridge.teleop.mavlink import dialect
-from firmware_bridge.teleop.setpoints import UNUSED, pressed, stick_of, velocity_of
+from firmware_bridge.teleop.setpoints import pressed, velocity_of
 from firmware_bridge.teleop.station import Stick, Twist, Unusable, Velocity
 from hil_tests.unit.teleop.bench import target_message
 
+STATION = kinds.kind_of(kinds.find("rars")).station
 LARGEST = Twist(0.5, 0.0, 1.25)
 
 
 def stick(x: int = 0, y: int = 0, z: int = 0, r: int = 0, up: int = 1) -> Stick | Unusable:
     message = dialect.MAVLink_manual_control_message(1, x, y, z, r, 0)
-    return stick_of(message, up=bool(up), dead_band=0.05)
+    told = stick_of(message, STATION, Lever(held=bool(up)))
+    return told if isinstance(told, Unusable) else told.stick
 
 
 def target(vx: float = 0.0, yaw_rate: float = 0.0, **other: Any) -> Velocity | Unusable:
@@ -113,7 +117,7 @@ def test_other_masks_are_refused(mask: int) -> None:
 def test_to_stand_still_is_understood_in_any_frame_with_any_heading(mask: int, frame: int) -> None:
     found = target(0.0, 0.0, mask=mask, frame=frame)
     assert isinstance(found, Velocity)
-    assert found.zero
+    assert found.asked == ""
 
 
 @pytest.mark.parametrize("frame", [1, 7])

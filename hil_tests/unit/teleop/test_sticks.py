@@ -177,8 +177,8 @@ def test_the_lifts_stick_takes_over_from_its_target_and_not_before(bench: RarsBe
     bench.report()
     bench.order(187, 0)
     seen = []
-    for buttons in (0, 8, 0):
-        bench.stick(z=500, buttons=buttons)
+    for z, buttons in ((0, 0), (500, 8), (500, 0)):
+        bench.stick(z=z, buttons=buttons)
         seen.append((bench.wish.lift_m is not None, round(bench.wish.lift_rate_mps, 6)))
     assert seen == [(True, 0.0), (False, 0.05), (False, 0.0)]
 

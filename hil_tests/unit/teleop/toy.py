@@ -9,10 +9,12 @@ from typing import Any, Final
 
 from firmware_bridge.robot import Robot, Table
 from firmware_bridge.teleop.station import (
+    USUAL_AXES,
     Actuator,
     Fixed,
     Station,
     Stick,
+    StickAxis,
     Switch,
     Twist,
     Unusable,
@@ -83,6 +85,7 @@ ROWS: Final[Station[Sizes, Glide, Felt]] = Station(
     metres_rolled=lambda robot: robot.geometry.roller_m,
     stop_button=15,
     dead_band=0.2,
+    axes=(*USUAL_AXES, StickAxis.UP),
     switches=(
         Switch(
             "water",
