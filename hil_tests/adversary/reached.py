@@ -47,6 +47,8 @@ class Reached:
             cut = dark or dead or told or silent or stuck or not line.adapter.plugged
             if cut or rig.bridge.finished:
                 unreached |= axes
-            if dark or anew or stuck or (cut and name not in self._stop):
+            # Wire waits for a stuck bus for ever: until it is reset the sketch hangs, its auto-stop with it.
+            hung = board.mega.hung
+            if dark or anew or stuck or (cut and (hung or name not in self._stop)):
                 runs_on |= axes
         return frozenset(unreached), frozenset(runs_on)

@@ -14,7 +14,7 @@ from emulators.epos2.drive import Epos2
 from emulators.rig import BRIDGE, SECOND_BRIDGE, Rig
 from firmware_bridge.bridge import Phase
 from firmware_bridge.robot import AnyRobot, Axis, GuardExclusive, GuardSum, Unpowered
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.adversary.beyond import LOADER
@@ -110,10 +110,8 @@ class Truth:
         self.robot: Final = robot
         self._travelling: Final = tuple(axis for axis in robot.axes if axis.travel is not None)
         links = robot.links
-        self._watching: Final = {
-            axis.name for axis in robot.axes if links[axis.link].driver is Epos2Driver.CAN
-        }
-        """The axes whose drives have a watch of their own over the bridge: a gateway's is its line."""
+        self._watching: Final = {axis.name for axis in robot.axes if isinstance(links[axis.link], Epos2Link)}
+        """The axes whose drives have a watch of their own over the bridge."""
         self._free: Final = {axis.name for axis in robot.axes if axis.unpowered is Unpowered.FREE}
         self._reached: Final = Reached(robot)
         self._counted: Final = {axis.name for axis in robot.axes if axis.link in robot.ar2_links}

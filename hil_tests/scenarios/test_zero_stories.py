@@ -12,6 +12,7 @@ from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import from_seconds
+from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step
 
@@ -175,3 +176,28 @@ def test_a_wheel_that_restarts_needs_nobody(rides: Ridden) -> None:
     one.runs_until(12.0)
     assert one.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
     assert not one.held("axis zero lost: left")
+
+
+@pytest.mark.parametrize("node", ["left", "right"])
+@pytest.mark.parametrize("for_s", [0.05, 0.339])
+@LINKS
+def test_a_drive_that_restarts_before_it_is_armed_has_no_power_without_its_watch(
+    rides: Ridden, robot: AnyRobot, node: str, for_s: float
+) -> None:
+    """Over a serial line nobody hears it boot; `left` is the drive on the line, `right` one behind it."""
+    one = rides(
+        step(6.0, arm=True),
+        step(8.0, arm=True),
+        seconds=11,
+        robot=robot,
+        faults=[fault("drive_restart", 3.0, node=node, for_s=for_s)],
+    )
+    drives = one.rig.devices.drives
+    for tenth in range(30, 110):
+        one.runs_until(tenth / 10)
+        powered = {axis.name for axis in one.rig.devices.bank.axes if axis.powered}
+        unwatched = {
+            name for name in powered if not int(drives[name].store.get(at.CONSUMER_HEARTBEAT_1)) & 0xFFFF
+        }
+        assert not unwatched, tenth
+    assert powered == set(drives)

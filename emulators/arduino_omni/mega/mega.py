@@ -144,6 +144,12 @@ class Mega:
         self._jobs.clear()
         self._running, self._free_at = None, NEVER
 
+    @property
+    def hung(self) -> bool:
+        """Whether the sketch waits for what never comes: it does nothing more until the board is reset."""
+        waits = self._running is not None and self.bus.due == NEVER
+        return self._sketch is not None and (waits or self._free_at == NEVER)
+
     def jam_bus(self, now: Nanoseconds, *, stuck: bool) -> None:
         """Let the I2C bus be stuck from here on, or free again: a sketch that waits for it waits on."""
         self.advance(now)

@@ -28,16 +28,13 @@ class Epos2Drive(Generic[F]):
         rows: tuple[Row, ...],
         *,
         started: Callable[[], Script] = tuple,
-        listens: Callable[[], Script] = tuple,
     ) -> None:
         """Take the axis, its record, the way to its objects, its set-up; the scripts as in `TaskRunner`."""
         self._axis: Final = axis
         self._feedback: Final = feedback
         self._set_point: Final = set_point(axis, feedback)
         self._scripts: Final = ScriptRunner(client)
-        self._tasks: Final = TaskRunner(
-            axis, feedback, self._set_point, self._scripts, rows, started=started, listens=listens
-        )
+        self._tasks: Final = TaskRunner(axis, feedback, self._set_point, self._scripts, rows, started=started)
 
     @property
     def axis(self) -> Axis:

@@ -47,15 +47,13 @@ class TaskRunner:
         configuration: tuple[Row, ...],
         *,
         started: Callable[[], Script] = tuple,
-        listens: Callable[[], Script] = tuple,
     ) -> None:
-        """Take the drive's parts and its set-up; what the link wants done once it is started, or listens."""
+        """Take the drive's parts and its set-up; what the link wants done once it is started."""
         self._axis = axis
         self._feedback = feedback
         self._set_point = set_point
         self._scripts = runner
         self._started = started
-        self._listens = listens
         self._made: Final[Mapping[Task, Callable[[], Script]]] = {
             Task.FIND: partial(scripts.find, axis, feedback),
             Task.IDENTIFY: partial(scripts.identify, axis),
@@ -63,7 +61,7 @@ class TaskRunner:
             Task.START: self._start,
             Task.ENABLE: partial(scripts.enable, axis, feedback, set_point),
             Task.LEAVE: partial(scripts.leave, axis, feedback, set_point),
-            Task.LISTEN: self._listen,
+            Task.LISTEN: partial(scripts.listen, axis),
             Task.BRAKE: partial(scripts.brake, axis),
             Task.DISABLE: partial(scripts.disable, axis, feedback),
             Task.RESET: partial(scripts.reset, axis, feedback),
@@ -80,6 +78,8 @@ class TaskRunner:
         """Whether its mode of operation is the set-up's; not while a zero is set, nor where that failed."""
         self.set_up = False
         """Whether its set-up was written since it was found."""
+        self.doubted = False
+        """Whether it was silent since, and has not told yet whether it has restarted."""
         self.set_ups = 0
         """How often it was written so far."""
         self.failure: StartupError | None = None
@@ -109,7 +109,7 @@ class TaskRunner:
     def configured(self) -> bool:
         """Whether the set-up is in force and the drive listens to set-points."""
         feedback = self._feedback
-        kept = self.set_up and self._in_own_mode and not feedback.rewritten
+        kept = self.set_up and self._in_own_mode and not (feedback.rewritten or self.doubted)
         return kept and feedback.operational and not feedback.restarted
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
@@ -147,6 +147,13 @@ class TaskRunner:
             return self.go_on((), now)
         return self.go_on(self._scripts.go_on(now), now)
 
+    def judge(self, kept: bool) -> None:  # noqa: FBT001 - the one thing that it takes
+        """Learn whether a drive that was silent has kept its set-up."""
+        if self.doubted and not kept:
+            self._feedback.restart()
+            self._feedback.state = None
+        self.doubted = False
+
     def rewritten(self, what: str, now: Nanoseconds) -> None:
         """Learn what somebody else has written to the drive: nobody knows what of its set-up still holds."""
         self._feedback.rewritten = what
@@ -168,6 +175,7 @@ class TaskRunner:
                 break
             if self._task is Task.CONFIGURE:
                 self.set_up = self._in_own_mode = True
+                self.doubted = False
                 self.set_ups += 1
             self._task = self._tasks.popleft() if self._tasks else None
             if self._task is None:
@@ -197,9 +205,6 @@ class TaskRunner:
         # What it was told by the zero of before is no target any more.
         self._set_point.word(QUICK_STOP)
         return ()
-
-    def _listen(self) -> Script:
-        return (*scripts.listen(self._axis), Do(self._listens))
 
     def _start(self) -> Script:
         return (*scripts.start(self._axis, self._feedback), Do(self._started))

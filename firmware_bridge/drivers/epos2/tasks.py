@@ -121,21 +121,6 @@ def listen(axis: Axis) -> Script:
     return (nmt(axis, NmtCommand.START),)
 
 
-def still_set_up(feedback: DriveFeedback, watch: Row) -> Script:
-    """Ask a drive that was silent, and whose boot-up nobody heard, for its watch over the bridge.
-
-    One that has restarted has lost that; it listens now, and would pass for one that is set up.
-    """
-
-    def judge(outcome: Outcome) -> Script:
-        if not isinstance(outcome, SdoError) and outcome != watch.raw:
-            feedback.restart()
-            feedback.state = None
-        return ()
-
-    return (Ask(Transfer(watch.address, attempts=1), judge),)
-
-
 def brake(axis: Axis) -> Script:
     """Stop a drive object by object, as one that hears no set-points; where it answers, until it stands."""
     return (controlled(axis, QUICK_STOP, attempts=1), _standing(axis))

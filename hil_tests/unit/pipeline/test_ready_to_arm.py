@@ -1,7 +1,10 @@
 """What is to be known before a robot is armed: each device is heard, and the controls were let go."""
 
+import pytest
+
 from firmware_bridge.drivers.driver import BRING_UP
-from firmware_bridge.intent import Arm
+from firmware_bridge.intent import Arm, Disarm
+from firmware_bridge.units import SECOND
 from hil_tests.unit.pipeline.cart import ARM, PaperCart
 
 
@@ -36,3 +39,60 @@ def test_controls_that_were_deflected_from_the_start_are_let_go_where_a_cycle_se
     cart.runs()
     assert "controls deflected" not in cart.held()
     assert cart.pipeline.seen.demanded.ahead > 0.0
+
+
+def after_a_silence() -> PaperCart:
+    cart = PaperCart()
+    cart.arms()
+    cart.talks = False
+    cart.runs(20)
+    assert {"operator silent"} <= cart.held()
+    return cart
+
+
+@pytest.mark.parametrize(("shares", "moves"), [((0.0, 0.5), True), ((0.5,), False), ((0.5, 0.0, 0.5), True)])
+def test_who_lets_go_after_a_silence_has_let_go_however_soon_he_goes_on(
+    shares: tuple[float, ...], *, moves: bool
+) -> None:
+    cart = after_a_silence()
+    for share in shares:
+        cart.ahead = share
+        cart._speaks()  # noqa: SLF001 - between two cycles
+    cart.talks = True
+    cart.runs(10)
+    assert ("controls deflected" not in cart.held()) is moves
+    assert (cart.pipeline.seen.demanded.ahead > 0.0) is moves
+
+
+def test_who_let_go_before_the_silence_was_seen_has_not() -> None:
+    cart = PaperCart()
+    cart.arms()
+    cart._speaks()  # noqa: SLF001 - the last thing that is heard
+    cart.talks = False
+    cart.runs(20)
+    cart.talks, cart.ahead = True, 0.5
+    cart.runs(10)
+    assert "controls deflected" in cart.held()
+
+
+def test_arming_is_refused_where_the_next_cycle_would_disarm() -> None:
+    cart = after_a_silence()
+    cart.asks(Disarm())
+    cart.runs(250)
+    verdict = cart.asks(Arm())
+    assert (verdict.accepted, verdict.reason) == (
+        False,
+        "arm: no motion command for 10 s: nobody drives; send motion commands, then arm",
+    )
+
+
+def test_a_bridge_that_has_just_stood_still_is_not_armed() -> None:
+    cart = PaperCart()
+    cart.runs(10)
+    cart.now += SECOND
+    cart._speaks()  # noqa: SLF001 - what waited in the port is heard first
+    for driver in cart.drivers.values():
+        driver.heard(cart.now)
+    verdict = cart.asks(Arm())
+    assert not verdict.accepted
+    assert "the bridge itself did nothing for 1.00 s" in verdict.reason

@@ -5,7 +5,6 @@ makes it count. A set-point that has not wholly left when the next one comes is 
 """
 
 from collections.abc import Callable
-from functools import partial
 from typing import Final
 
 from firmware_bridge.drivers.driver import Demand, Task
@@ -34,7 +33,7 @@ from firmware_bridge.drivers.epos2.serial.feedback import (
 from firmware_bridge.drivers.epos2.serial.proof import Proof
 from firmware_bridge.drivers.epos2.set_point import DISABLE_VOLTAGE, ENABLE, NEW_POSITION
 from firmware_bridge.drivers.epos2.setup import configuration, through_gateway
-from firmware_bridge.drivers.epos2.tasks import NEWEST_ERROR, still_set_up
+from firmware_bridge.drivers.epos2.tasks import NEWEST_ERROR
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis, Command
 from firmware_bridge.units import MILLISECOND, Nanoseconds
@@ -55,7 +54,7 @@ NOTICED_CYCLES: Final = 4
 class Epos2OnSerial(Epos2Drive[SerialFeedback]):
     """One drive; a `firmware_bridge.drivers.driver.Driver`."""
 
-    __slots__ = ("_exchange", "_proof", "_taken", "_writes", "present")
+    __slots__ = ("_exchange", "_proof", "_taken", "_watch", "_writes", "present")
 
     def __init__(self, axis: Axis, robot: AnyRobot, exchange: Exchange) -> None:
         """Take the axis, its robot, and the line."""
@@ -73,14 +72,14 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
             within=link.bridge_silent_ms * MILLISECOND + NOTICED_CYCLES * link.every * robot.cycle,
         )
         rows = configuration(axis, link, outputs_at(robot, axis), traffic)
-        watch = next(row for row in rows if row.address == at.CONSUMER_HEARTBEAT_1)
+        self._watch = next(row for row in rows if row.address == at.CONSUMER_HEARTBEAT_1)
+        """What it has of its set-up in memory alone: one that restarts loses it."""
         super().__init__(
             axis,
             feedback,
             SerialClient(axis.epos2.node, exchange, self._note),
             rows,
             started=self._proof.script,
-            listens=partial(still_set_up, feedback, watch),
         )
         self._writes: Job | None = None
         """The newest set-point."""
@@ -184,7 +183,11 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
             self._hear(Address(request.index, request.subindex), result, now)
 
     def _note(self, result: Result) -> None:
-        self.present = not silent(result)
+        was, self.present = self.present, not silent(result)
+        if self.present and not was and self._tasks.set_up:
+            # It was silent: it may have restarted, and no boot-up message comes over a line.
+            self._tasks.doubted = True
+            self.read(ReadRow(self._watch.address, DataType.UNSIGNED32, "watch"), Rank.SAMPLE)
         if not self.present:
             # Each of them would hold up the line for the gateway's time-out once more.
             self._exchange.drop_reads(self)
@@ -201,6 +204,8 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
             feedback.current_ma, feedback.current_at = CURRENT.type.decode(raw), now
         elif address == ERROR_REGISTER.address and raw != b"\0" and not feedback.fault and not self.busy:
             self.read(_NEWEST_ERROR, Rank.ROTATING)
+        elif address == self._watch.address:
+            self._tasks.judge(raw == self._watch.raw)
         elif address == NEWEST_ERROR:
             feedback.fault = int.from_bytes(raw[:2], "little")
 
