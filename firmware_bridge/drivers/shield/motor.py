@@ -75,7 +75,7 @@ class ShieldMotor:
         self.number: Final = axis.shield.port
         self.measured: Final = bool(self._tells)
         cycle = robot.cycle * link.every
-        self.regulator: Final = Ticks(axis) if link.stops_itself else Pwm(axis, cycle)
+        self.regulator: Final = Ticks(axis, cycle) if link.stops_itself else Pwm(axis, cycle)
         self._per_count: Final = axis.direction / axis.shield.counts_per_unit(axis.ratio)
         self.demand: Demand = Stop.REST
         self.way = 0

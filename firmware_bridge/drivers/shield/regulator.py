@@ -1,7 +1,7 @@
 """What one motor is told: ticks for a loop on the board; PWM by a PI here, where the board has none.
 
-A reversal passes 0 for a cycle, and the PWM changes no faster than its slope: at once it would draw twice the
-current of a stall.
+A reversal passes 0 for a cycle, however soon the next word is said, and the PWM changes no faster than its
+slope: at once it would draw twice the current of a stall.
 """
 
 import math
@@ -16,24 +16,59 @@ LONGEST: Final = 2
 """Cycles that a step lasts at most, whatever the time since the one before."""
 
 
+class _Way:
+    """Which way a motor is driven: it stands at 0 before it is driven the other way.
+
+    A cycle may be a little short, and words may be said between two cycles.
+    """
+
+    def __init__(self, cycle: Nanoseconds) -> None:
+        self.output = 0
+        self._stands: Final = cycle * 3 // 4
+        self._stood: Nanoseconds = 0
+        self._sign = 0
+        """Of the newest output that was not 0."""
+
+    def next(self, output: int, elapsed: Nanoseconds) -> int:
+        """Return an output, or 0 where it would reverse too soon; `elapsed` since the one before."""
+        if self.output == 0:
+            self._stood += elapsed
+        if output * self._sign < 0 and (self.output != 0 or self._stood < self._stands):
+            output = 0
+        if output != 0:
+            self._sign = 1 if output > 0 else -1
+        if self.output != 0:
+            self._stood = 0
+        self.output = output
+        return output
+
+    def stop(self) -> None:
+        """Be at 0 from now on."""
+        self.next(0, 0)
+
+
 class Ticks:
     """Speeds for a loop on the board, in counts a frame."""
 
-    def __init__(self, axis: Axis) -> None:
+    def __init__(self, axis: Axis, cycle: Nanoseconds) -> None:
         per_unit = axis.shield.counts_per_unit(axis.ratio)
         self._ticks: Final = axis.direction * per_unit * ros.FRAME_MS * MILLISECOND / SECOND
         self._most: Final = math.floor(abs(self._ticks) * axis.top_speed)
-        self.output = 0
+        self._way: Final = _Way(cycle)
 
-    def next(self, wanted: float, _velocity: float | None, _elapsed: Nanoseconds) -> int:
+    @property
+    def output(self) -> int:
+        """The newest one."""
+        return self._way.output
+
+    def next(self, wanted: float, _velocity: float | None, elapsed: Nanoseconds) -> int:
         """Return ticks a frame for a speed in the axis's unit a second."""
         ticks = min(max(round(wanted * self._ticks), -self._most), self._most)
-        self.output = 0 if ticks * self.output < 0 else ticks
-        return self.output
+        return self._way.next(ticks, elapsed)
 
     def reset(self) -> None:
         """Begin at rest."""
-        self.output = 0
+        self._way.stop()
 
 
 class Pwm:
@@ -51,10 +86,18 @@ class Pwm:
         self._cycle: Final = cycle
         self._behind = 0.0
         """Of the way that was wanted, in the axis's unit."""
-        self.output = 0
+        self._way: Final = _Way(cycle)
+
+    @property
+    def output(self) -> int:
+        """The newest one."""
+        return self._way.output
 
     def next(self, wanted: float, velocity: float | None, elapsed: Nanoseconds) -> int:
         """Return the PWM, with the motor's sign; `velocity` is None where nothing measures it."""
+        return self._way.next(self._pwm(wanted, velocity, elapsed), elapsed)
+
+    def _pwm(self, wanted: float, velocity: float | None, elapsed: Nanoseconds) -> int:
         seconds = to_seconds(min(elapsed, LONGEST * self._cycle))
         if wanted == 0.0:
             # It shall stand: a way that it is behind would drive it back.
@@ -71,11 +114,10 @@ class Pwm:
 
     def reset(self) -> None:
         """Begin at rest."""
-        self._behind, self.output = 0.0, 0
+        self._behind = 0.0
+        self._way.stop()
 
     def _stepped(self, pwm: float, seconds: float) -> int:
         reach = math.floor(self._slope * seconds)
         before = self.output
-        stepped = min(max(round(pwm), before - reach, -self._most), before + reach, self._most)
-        self.output = 0 if stepped * before < 0 else stepped
-        return self.output
+        return min(max(round(pwm), before - reach, -self._most), before + reach, self._most)

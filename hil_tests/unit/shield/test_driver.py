@@ -143,7 +143,7 @@ def test_without_an_encoder_it_feeds_forward_alone() -> None:
 
 def test_a_loop_on_the_board_is_told_whole_counts_a_frame_and_no_more_than_the_guard_lets_through() -> None:
     axis = ROME.axes[0]
-    ticks = Ticks(axis)
+    ticks = Ticks(axis, CYCLE)
     assert ticks.next(5.0, None, CYCLE) == round(5.0 * 3072 / 6.283185307179586 * 0.033)
     assert ticks.next(-5.0, None, CYCLE) == 0, "a reversal passes 0"
     assert ticks.next(-5.0, None, CYCLE) == -81
