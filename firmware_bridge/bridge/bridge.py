@@ -329,7 +329,9 @@ class Bridge:
         permission = self._permission
         done = rests and permission.let_go and not permission.stops.under_way
         late = now >= self._rest_until and not permission.letting_go.under_way
-        if done or (late and not permission.stops.escalating):
+        # What is held for nobody who hears it is not held: each step was tried, and nobody has answered.
+        gone = self.holding and len(permission.stops.given_up) == len(self._fleets.drivers)
+        if done or gone or (late and not permission.stops.escalating):
             self._leave(now)
 
     def _leave(self, now: Nanoseconds) -> None:

@@ -15,6 +15,8 @@ from firmware_bridge.shell.printer import Printer
 
 FAILED: Final = 1
 WRONG_INPUT: Final = 2
+UNCONFIRMED: Final = 3
+"""The run is over, and nobody knows whether the robot is without power."""
 INTERRUPTED: Final = 130
 _PLAIN: Final = {"²": "2", "³": "3", "°": "deg", "µ": "u", "·": "-", "→": "->", "…": "..."}
 """What is printed on a terminal that lacks a sign; any other is a question mark there."""

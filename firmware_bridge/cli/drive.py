@@ -66,6 +66,9 @@ class DriveOptions:
     Ends on Ctrl-C, Ctrl-Z, or when its terminal is closed: the robot is brought to rest first, then its
     drives are disabled, and a second Ctrl-C does not cut that short. A serial port that is unplugged is
     waited for; the robot must be armed again then.
+
+    Exit status 0 after an orderly end, 1 where the run failed or could not start, 2 for a wrong option or a
+    missing bus, 3 where a drive has not confirmed at the end that it is without power.
     """
 
     robot: RobotArgument

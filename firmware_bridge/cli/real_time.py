@@ -6,7 +6,7 @@ from typing import Final
 
 import typer
 
-from firmware_bridge.cli.console import FAILED, held_up_by_nothing, one_message, refusal, say
+from firmware_bridge.cli.console import FAILED, UNCONFIRMED, held_up_by_nothing, one_message, refusal, say
 from firmware_bridge.node import Node
 from firmware_bridge.shell.clock import Clock, LivedClock
 from firmware_bridge.shell.ports import LostPort, Port, PortError
@@ -29,8 +29,9 @@ def carry(
     """Open the ports, run a node on them in real time, and say how it ended.
 
     A port that cannot be opened ends the program with exit status 2; one that is lost under way, one of the
-    node's own `failures`, a node that could not be stopped in good order, and what it has `unfinished`, with
-    1. Nothing that is said while it runs holds it up. An emulated device takes a `LivedClock`.
+    node's own `failures`, and a node that could not be stopped in good order, with 1; what it has
+    `unfinished`, with 3. Nothing that is said while it runs holds it up. An emulated device takes a
+    `LivedClock`.
     """
     ports = _opened(openers)
     say(f"{greeting}; Ctrl-C ends it")
@@ -43,14 +44,14 @@ def carry(
             problems.append("; ".join((str(failure), *notes)))
         except BaseException:
             with suppress(typer.Exit):
-                _complain([unfinished()])
+                _complain([], unfinished())
             raise
         else:
             for line in _told(ending, clock):
                 say(line)
             problems += [] if ending.in_order else [ending.verdict]
             unread = ending.reason == UNREAD
-        _complain([*problems, unfinished()])
+        _complain(problems, unfinished())
         if unread:
             raise typer.Exit(FAILED)
 
@@ -68,9 +69,11 @@ def _opened(openers: Mapping[str, Callable[[], Port]]) -> dict[str, Port]:
     return ports
 
 
-def _complain(problems: list[str]) -> None:
+def _complain(problems: list[str], unfinished: str) -> None:
     """Say what is wrong, and end the program where something is."""
-    said = [refusal(problem, FAILED) for problem in problems if problem]
+    said = [refusal(problem, FAILED) for problem in problems]
+    if unfinished:
+        said.append(refusal(unfinished, UNCONFIRMED))
     if said:
         raise said[-1]
 

@@ -89,12 +89,11 @@ class Cockpit:
         if link.lost is not None:
             words.append(f"lost {link.lost:.0%}")
         driver = self._station.driver
-        if (
-            isinstance(driver, Follower)
-            and driver.predictor is not None
-            and driver.predictor.error_m is not None
-        ):
-            words.append(f"predicted to {1000.0 * driver.predictor.error_m:.0f} mm")
+        if isinstance(driver, Follower):
+            if driver.predictor is not None and driver.predictor.error_m is not None:
+                words.append(f"predicted to {1000.0 * driver.predictor.error_m:.0f} mm")
+            if driver.held_back:
+                words.append(f"held back: {shown.warning or 'the robot does not say why'}")
         return "  ".join(words)
 
     @property

@@ -55,12 +55,14 @@ class Follower:
         """When the robot was last seen to move, or not told to."""
         self._lets_go_until: Nanoseconds = 0
         self._armed = False
+        self.held_back = 0
+        """How often the robot stood though it was told to drive, since it moved last."""
 
     def sees(self, sight: Sight) -> None:
         """Take a pose that has come."""
         self._sight = sight
         if abs(sight.moving.speed_mps) > STANDS_MPS:
-            self._moved_at = sight.heard_at
+            self._moved_at, self.held_back = sight.heard_at, 0
         if self.predictor is not None and sight.measured_at is not None:
             self.predictor.seen(sight.measured_at, sight.moving)
 
@@ -101,8 +103,9 @@ class Follower:
 
     def _let_go(self, wish: Target, trip: Nanoseconds, now: Nanoseconds) -> Target:
         """Let the stick go where the robot is held back: it wants to see that before it goes on."""
-        if wish == REST:
+        if wish == REST or now < self._lets_go_until:
             self._moved_at = max(self._moved_at, now)
         elif now - self._moved_at > STANDS_FOR + trip:
             self._lets_go_until = now + LETS_GO_FOR + trip
+            self.held_back += 1
         return REST if now < self._lets_go_until else wish

@@ -71,6 +71,8 @@ class Shown:
     """Of the axes that roll, in the robot's order and units; zeros after the last one."""
     battery_v: float | None = None
     told: list[Line] = field(default_factory=list)
+    warning: str = ""
+    """The newest warning, or worse, that the robot has told."""
 
 
 class Station:
@@ -222,7 +224,10 @@ class Station:
                 return
 
     def _told(self, message: Message, now: Nanoseconds) -> None:
-        self.shown.told += [Line(now, heard.text) for heard in self._listener.hear(message)]
+        for heard in self._listener.hear(message):
+            self.shown.told.append(Line(now, heard.text))
+            if heard.severity <= dialect.MAV_SEVERITY_WARNING:
+                self.shown.warning = heard.text
 
     def _located(self, message: Message, now: Nanoseconds) -> None:
         w, _, _, z = message.q

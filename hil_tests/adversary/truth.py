@@ -72,6 +72,8 @@ class Look:
     """Nothing but the bridge itself takes the power: neither a fault nor an order."""
     loads: frozenset[str] = frozenset()
     """The axes whose board is in its boot loader."""
+    refused: bool = False
+    """The guard has refused a word of the bridge's own."""
 
     def moves(self, name: str, slowest: Mapping[str, float]) -> float:
         """Return the axis's speed as a share of the slowest that counts as motion."""
@@ -155,6 +157,7 @@ class Truth:
             frozenset() if gone or rig.world.here(SECOND_BRIDGE) else bridge.seen.facts.without,
             let_go,
             loads=self._reached.loads(rig),
+            refused=any(refusal.packet is not None for refusal in rig.guard.refusals),
         )
 
     def _speed(self, axis: Axis, rig: Rig) -> float:
@@ -232,6 +235,7 @@ def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
         Invariant("an end without an end", lambda look: 2.0 * look.ending, ENDS_S),
         # Who lies keeps its power: a row of the bridge says so, and keeps the robot where it is.
         Invariant("power for what is left out", left_out, MAY_NOT_S),
+        Invariant("a word that the guard refuses", lambda look: 2.0 * look.refused),
         Invariant("let go, and rolls", lambda look: look.rolled_m / GOES_M),
     )
 

@@ -185,6 +185,19 @@ def test_the_orderly_end_on_a_dead_bus_takes_no_longer_than_4_s(armed: "Bench") 
     assert [payload for payload in written if payload[3:8] == "16 10"] == []
 
 
+@pytest.mark.parametrize("before_s", [0.0, 0.4, 6.0])
+def test_a_robot_that_stands_is_not_held_for_drives_that_are_gone(armed: "Bench", before_s: float) -> None:
+    """Gone at once, while its stop is escalated, or after each of its steps."""
+    armed.runs(1)
+    for drive in armed.drives.values():
+        drive.silent = True
+    armed.runs(before_s)
+    armed.stops()
+    armed.runs(6)
+    assert armed.bridge.phase is Phase.FINISHED
+    assert armed.bridge.unconfirmed == tuple(drive.axis.called for drive in armed.drives.values())
+
+
 def test_a_late_wake_skips_cycles_instead_of_running_them_in_a_row(armed: "Bench") -> None:
     late = armed.now + SECOND
     reaction = armed.bridge.wake(late)

@@ -1,5 +1,6 @@
 """A path follower whose robot is armed: it is seen to stand before it drives off."""
 
+from itertools import groupby
 from typing import Final
 
 from firmware_bridge.motion.model import Moving
@@ -8,7 +9,7 @@ from firmware_bridge.pilot.driver import REST, Sight
 from firmware_bridge.pilot.follower import LETS_GO_FOR, Follower
 from firmware_bridge.pilot.link import Link
 from firmware_bridge.pilot.paths import PATHS, placed
-from firmware_bridge.units import MILLISECOND, Nanoseconds
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 PERIOD: Final = 50 * MILLISECOND
 
@@ -30,3 +31,20 @@ def test_armed_and_armed_again_it_lets_go_for_a_while() -> None:
     assert rests(3 * LETS_GO_FOR, PERIOD, armed=False) == {True}
     assert rests(4 * LETS_GO_FOR, LETS_GO_FOR, armed=True) == {True}
     assert rests(5 * LETS_GO_FOR, LETS_GO_FOR, armed=True) == {False}
+
+
+def test_a_robot_that_is_held_back_is_let_go_and_driven_again_and_again() -> None:
+    path, link = PATHS["line"](5.0), Link()
+    follower = Follower(lambda pose: placed(path, pose), speed_mps=0.3, look_ahead_m=0.5, tightest_per_m=2.0)
+    told, held = [], []
+    for now in range(0, 20 * SECOND, PERIOD):
+        follower.sees(Sight(Moving(Pose(), 0.0, 0.0), None, now))
+        told.append(follower.wish(link, now, armed=True) == REST)
+        held.append(follower.held_back)
+    lengths = [len(list(group)) * PERIOD for _, group in groupby(told)]
+    assert told[0], "who arms it sees it stand"
+    assert [round(length / SECOND) for length in lengths[:8]] == [1, 3] * 4
+    assert len(lengths) >= 9
+    assert held[-1] >= 4
+    follower.sees(Sight(Moving(Pose(), 0.3, 0.0), None, 20 * SECOND))
+    assert follower.held_back == 0
