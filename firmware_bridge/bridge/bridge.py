@@ -329,8 +329,7 @@ class Bridge:
         permission = self._permission
         done = rests and permission.let_go and not permission.stops.under_way
         late = now >= self._rest_until and not permission.letting_go.under_way
-        # What is held for nobody who hears it is not held: each step was tried, and nobody has answered.
-        gone = self.holding and len(permission.stops.given_up) == len(self._fleets.drivers)
+        gone = self.holding and permission.stops.nobody_left
         if done or gone or (late and not permission.stops.escalating):
             self._leave(now)
 

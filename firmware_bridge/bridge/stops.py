@@ -270,6 +270,11 @@ class Stops:
         """Whose stop no step has brought about."""
         return tuple(stop.driver for stop in self._axes.values() if stop.progress is Progress.GIVEN_UP)
 
+    @property
+    def nobody_left(self) -> bool:
+        """Whether each step was tried with every device, in vain: nobody is left to hold anything."""
+        return len(self.given_up) == len(self._axes)
+
     def ordered(self, request: Request) -> tuple[Packet, ...]:
         """Learn what was requested: an order that stops is carried out again, whatever came of the last."""
         if isinstance(request, Pause):

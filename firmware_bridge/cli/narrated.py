@@ -39,6 +39,7 @@ class Narrated:
         hints: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         self._bridge = bridge
+        self._links: Final = frozenset(hints)
         self._hints = dict(hints)
         """What may be wrong with a link on which nothing was heard yet, by its name."""
         self._stamps: Final = stamps
@@ -93,8 +94,15 @@ class Narrated:
             raise failure
         bridge = self._bridge
         if bridge.failure is not None and bridge.phase is Phase.FAILED:
-            hints = "".join(f"; {hint}" for hint in self._hints.values())
-            raise StartUpFailedError(f"start-up failed: {bridge.failure}{hints}")
+            hints = list(self._hints.values())
+            # Where nothing at all was heard, that is all there is to say.
+            said = hints if self._alone else [bridge.failure, *hints]
+            raise StartUpFailedError(f"start-up failed: {'; '.join(said)}")
+
+    @property
+    def _alone(self) -> bool:
+        """Whether nothing was heard on any link."""
+        return bool(self._links) and self._hints.keys() == self._links
 
     def _told(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
         """Tell what has changed; a failure of that is raised one call later, so that what is sent leaves."""
@@ -114,7 +122,7 @@ class Narrated:
             self._say(self._phase.value, now)
             for remark in bridge.fleets.remarks if self._phase is Phase.RUNNING else ():
                 self._say(remark, now)
-            if self._phase is Phase.FINISHED and bridge.unconfirmed:
+            if self._phase is Phase.FINISHED and bridge.unconfirmed and not self._alone:
                 self._say(not_confirmed(bridge), now)
         self._keep(now)
         problem = self._stamps.keep(bridge.stamps, now, ended=bridge.finished)
@@ -127,7 +135,9 @@ class Narrated:
         if late != self._late and now - self._late_told_at >= SECOND:
             self._say(f"late: {late - self._late} cycles were longer than the robot file says", now)
             self._late, self._late_told_at = late, now
-        if bridge.holds != self._holds and bridge.phase is not Phase.FAILED:  # what failed is told at the end
+        # What failed is told at the end, and what is said to nobody need not be told step by step.
+        ends = bridge.phase not in (Phase.STARTING, Phase.RUNNING)
+        if bridge.holds != self._holds and bridge.phase is not Phase.FAILED and not (ends and self._alone):
             self._tell_holds({hold.name: hold for hold in bridge.holds}, now)
             self._holds = bridge.holds
 

@@ -71,11 +71,11 @@ def _opened(openers: Mapping[str, Callable[[], Port]]) -> dict[str, Port]:
 
 def _complain(problems: list[str], unfinished: str) -> None:
     """Say what is wrong, and end the program where something is."""
-    said = [refusal(problem, FAILED) for problem in problems]
-    if unfinished:
-        said.append(refusal(unfinished, UNCONFIRMED))
+    left = [refusal(unfinished, UNCONFIRMED)] if unfinished else []
+    # The cause is told last.
+    said = left + [refusal(problem, FAILED) for problem in problems]
     if said:
-        raise said[-1]
+        raise said[0]
 
 
 def _told(ending: Ending, clock: Clock | None) -> Iterator[str]:

@@ -112,9 +112,11 @@ class Operator(Generic[G, M, S]):
             sender = Sender(source, message.get_srcSystem(), message.get_srcComponent())
             if sender[1:] == (codec.system, codec.component):
                 session.dropped.echoed += 1
+                self._say_if_namesake(message, sender)
                 continue
             if not concerns(message, codec.system, codec.component):
                 session.dropped.foreign += 1
+                session.passed(sender, message.get_seq(), now)
                 continue
             if message.get_msgId() == RADIO_STATUS:
                 continue  # a telemetry radio puts it in, unsigned: a sign of nobody's life
@@ -150,6 +152,16 @@ class Operator(Generic[G, M, S]):
         text = f"{message.get_type()} of {sender} refused: it {doubt}"
         session.untold += session.speaker.say_sometimes("doubted", text, now)
         return []
+
+    def _say_if_namesake(self, message: Message, sender: Sender) -> None:
+        """Name a station that calls itself as the robot does: an echo of our own words never speaks to us."""
+        session = self._session
+        station = message.get_type() == "HEARTBEAT" and message.type == dialect.MAV_TYPE_GCS
+        to_us = getattr(message, "target_system", 0) == session.codec.system
+        if (station or to_us) and not session.namesake:
+            session.namesake = True
+            text = f"a station calls itself {sender}, as this robot: it is not heard; let it be system 255"
+            session.tell(Severity.WARNING, text)
 
     def _say_if_signed_in_vain(self, message: Message) -> None:
         session = self._session

@@ -190,6 +190,8 @@ class Session:
         self.trust: Final = trust
         self.signatures: Final = Signatures(trust)
         self.audience: Final = Audience(self.codec.system, self.codec.component, trust, self.signatures.stamp)
+        self.namesake = False
+        """A station that calls itself as the robot has been named."""
         self.signed_in_vain = False
         """A frame was signed, and there is no key."""
         self.stop_answered_at: Nanoseconds = NEVER_HEARD
@@ -243,11 +245,15 @@ class Session:
             for severity, text in quality.changes(Link(ages, self.age_limit, self.intent.dated, now)):
                 self.tell(severity, text)
 
+    def passed(self, sender: Sender, sequence: int, now: Nanoseconds) -> None:
+        """Take note of a frame for another robot: where who drives has sent it, it is not missing."""
+        if sender == self.control.driver:
+            self.ages.losses.heard(sequence, now)
+
     def heard(self, sender: Sender, sequence: int, now: Nanoseconds) -> Peer:
         """Take note of a good frame; return what is remembered of its sender."""
         self.control.heard(sender, now)
-        if sender == self.control.driver:
-            self.ages.losses.heard(sequence, now)
+        self.passed(sender, sequence, now)
         peer = self.peers.get(sender)
         if peer is None:
             if len(self.peers) >= MOST_PEERS:

@@ -4,6 +4,7 @@ CAN frames and serial answers fill it in; tasks and set-points look into it.
 """
 
 from collections.abc import Mapping
+from functools import cache
 from typing import Final
 
 from firmware_bridge.drivers.driver import Feedback, Power, Tells
@@ -12,6 +13,7 @@ from firmware_bridge.intent import NEVER_HEARD
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds, to_seconds
 from firmware_bridge.wire.cia402 import State, Status, state_of
+from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 
 TELLS: Final = frozenset(Tells)
 """An EPOS2 tells all that there is."""
@@ -38,6 +40,13 @@ _SHOWN: Final[Mapping[State | None, tuple[Power, str]]] = {
 MILLIAMPERES: Final = 1000.0
 _REFERENCED: Final = int(Status.REFERENCED)
 _ATTAINED: Final = int(Status.HOMING_ATTAINED)
+
+
+@cache
+def in_words(code: int) -> str:
+    """Return an error's code, and its cause where it is known."""
+    known = EMERGENCIES.get(code)
+    return f"0x{code:04X}" + (f", {known.cause}" if known else "")
 
 
 class DriveFeedback:
@@ -139,7 +148,7 @@ class DriveFeedback:
             velocity=self.velocity,
             current_a=self.current_ma / MILLIAMPERES,
             current_at=self.current_at,
-            fault=f"0x{fault:04X}" if fault else "",
+            fault=in_words(fault) if fault else "",
             says=says,
             zero_lost=self.zero_lost,
             rewritten=self.rewritten,

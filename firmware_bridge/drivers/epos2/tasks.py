@@ -9,7 +9,7 @@ from typing import Final
 
 from firmware_bridge.drivers.driver import StartupError
 from firmware_bridge.drivers.epos2 import setup
-from firmware_bridge.drivers.epos2.feedback import POWERED, DriveFeedback
+from firmware_bridge.drivers.epos2.feedback import POWERED, DriveFeedback, in_words
 from firmware_bridge.drivers.epos2.set_point import (
     DISABLE_VOLTAGE,
     FAULT_RESET,
@@ -26,7 +26,6 @@ from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.cia402 import State, state_of, towards, word_of
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 from firmware_bridge.wire.epos2.rows import DataType
 
 FIND_WITHIN: Final[Nanoseconds] = 2 * SECOND
@@ -302,8 +301,4 @@ def _stuck(feedback: DriveFeedback, state: State | None, controlword: int | None
 
 
 def _fault(feedback: DriveFeedback) -> str:
-    code = feedback.fault
-    if not code:
-        return ""
-    known = EMERGENCIES.get(code)
-    return f"; fault 0x{code:04X}" + (f", {known.cause}" if known else "")
+    return f"; fault {in_words(feedback.fault)}" if feedback.fault else ""

@@ -204,7 +204,7 @@ def test_what_everybody_may_know_is_in_si_units(feedback: CanFeedback) -> None:
     assert (public.axis, public.power, public.says) == ("right", Power.ON, "operation enabled")
     assert public.position == pytest.approx(0.1 * math.pi)
     assert public.velocity == pytest.approx(2.0 * math.pi)
-    assert (public.current_a, public.fault) == (-0.25, "0x8611")
+    assert (public.current_a, public.fault) == (-0.25, "0x8611, following error larger than 0x6065")
     assert (public.sampled_at, public.heard_at) == (CYCLE, CYCLE + 2)
 
 
