@@ -64,7 +64,7 @@ class DifferentialRobot(Generic[G, M, S]):
             "sideways limit", self._sideways, "turn less or ask for less speed"
         )
         self.acceleration_limit: Final = self._limit(
-            "acceleration limit", self._acceleration, "change speed and turn more slowly"
+            "acceleration limit", self._acceleration, "change speed and turn more slowly", Severity.INFO
         )
         self.limits: Final = (
             self.speed_limit,
@@ -130,9 +130,13 @@ class DifferentialRobot(Generic[G, M, S]):
         return robot.geometry.base.wheel_radius_m
 
     def _limit(
-        self, name: str, clip: Callable[[View[G, M, S]], tuple[M, str | None]], remedy: str
+        self,
+        name: str,
+        clip: Callable[[View[G, M, S]], tuple[M, str | None]],
+        remedy: str,
+        severity: Severity = Severity.WARNING,
     ) -> Limit[G, M, S]:
-        return Limit(name, clip, remedy, clear_after=CLEARS_AFTER)
+        return Limit(name, clip, remedy, clear_after=CLEARS_AFTER, severity=severity)
 
     def _turns_too_fast(self, view: View[G, M, S]) -> str | None:
         limit = view.geometry.limits.turn_rate_rad_s

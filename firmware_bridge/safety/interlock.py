@@ -115,8 +115,12 @@ class Limit(Row, Generic[G, M, S]):
         remedy: str,
         *,
         clear_after: Nanoseconds,
+        severity: Severity = Severity.WARNING,
     ) -> None:
-        super().__init__(name, remedy, stops=frozenset(), clear_after=clear_after, blocks_arming=False)
+        """Take its parts; one of `Severity.INFO` only ramps, and is told once."""
+        super().__init__(
+            name, remedy, stops=frozenset(), clear_after=clear_after, severity=severity, blocks_arming=False
+        )
         self.clip: Final = clip
         """Return `view.allowed` within the limit, and the reason where it was outside."""
 

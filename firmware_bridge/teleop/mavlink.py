@@ -164,15 +164,16 @@ def speaks_mavlink_1(message: Message) -> bool:
 
 def concerns(message: Message, system: int, component: int) -> bool:
     """Tell whether a message is for this system and component: by name, to everybody, or without a target."""
+    part = message.target_component if "target_component" in message.get_fieldnames() else ANYONE
+    return target_of(message) in (ANYONE, system) and part in (ANYONE, component)
+
+
+def target_of(message: Message) -> int:
+    """Return the system that a message is for; `ANYONE` for all of them, or where it names none."""
     fields: list[str] = message.get_fieldnames()
-    target = part = ANYONE
-    if "target_system" in fields:
-        target = message.target_system
-    elif "target" in fields:
-        target = message.target
-    if "target_component" in fields:
-        part = message.target_component
-    return target in (ANYONE, system) and part in (ANYONE, component)
+    name = next((one for one in ("target_system", "target") if one in fields), None)
+    system: int = ANYONE if name is None else getattr(message, name)
+    return system
 
 
 def text_of(field: bytes | str) -> str:

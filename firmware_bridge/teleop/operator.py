@@ -15,7 +15,7 @@ from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.teleop.commands import asks_to_stop
 from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.exchange import Decide, Exchange
-from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect, speaks_mavlink_1
+from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect, speaks_mavlink_1, target_of
 from firmware_bridge.teleop.messages import HANDLERS, stop_for_anybody
 from firmware_bridge.teleop.session import EVERYBODY, Dropped, Session
 from firmware_bridge.teleop.station import Station
@@ -157,7 +157,7 @@ class Operator(Generic[G, M, S]):
         """Name a station that calls itself as the robot does: an echo of our own words never speaks to us."""
         session = self._session
         station = message.get_type() == "HEARTBEAT" and message.type == dialect.MAV_TYPE_GCS
-        to_us = getattr(message, "target_system", 0) == session.codec.system
+        to_us = target_of(message) == session.codec.system
         if (station or to_us) and not session.namesake:
             session.namesake = True
             text = f"a station calls itself {sender}, as this robot: it is not heard; let it be system 255"

@@ -76,30 +76,37 @@ class Speaker:
 
 
 class HoldTexts:
-    """Tells what holds and what has let go; of one that comes and goes, three times in two seconds."""
+    """Tells what holds and what has let go; of one that comes and goes, three times in two seconds.
+
+    Mere information is told once: the stick of a patient hand passes the acceleration limit again and again.
+    """
 
     MOST: Final = 3
 
     def __init__(self, speaker: Speaker) -> None:
         self._speaker: Final = speaker
-        self._told: Final[dict[str, None]] = {}
+        self._told: Final[dict[str, Severity]] = {}
         """What holds, as far as it has been told."""
         self._began: Final[dict[str, list[Nanoseconds]]] = {}
         """When beginnings were told lately."""
+        self._informed: Final[set[str]] = set()
+        """What was information, and is over."""
 
     def told(self, holds: tuple[Hold, ...], now: Nanoseconds) -> list[Message]:
         """Return texts of what is not as it was told last."""
-        current = {hold.name: hold for hold in holds}
+        current = {hold.name: hold for hold in holds if hold.name not in self._informed}
         if current.keys() == self._told.keys():
             return []
         messages: list[Message] = []
         for name in [one for one in self._told if one not in current]:
-            del self._told[name]
+            if self._told.pop(name) is Severity.INFO:
+                self._informed.add(name)
+                continue
             messages += self._speaker.say(Severity.INFO, f"released: {name}")
         for name, hold in current.items():
             lately = [at for at in self._began.get(name, ()) if now - at < Speaker.QUIET]
             if name not in self._told and len(lately) < self.MOST:
-                self._told[name] = None
+                self._told[name] = hold.row.severity
                 self._began[name] = [*lately, now]
                 remedy = f"; {hold.remedy}" if hold.remedy else ""
                 messages += self._speaker.say(hold.row.severity, f"{hold.reason}{remedy}")

@@ -158,8 +158,13 @@ def _acceleration(view: View) -> tuple[Motion, str | None]:
     return asked, f"asked to change by {1000.0 * math.dist(before.speed, asked.speed):.0f} mm/s at once"
 
 
-def _limit(name: str, clip: Callable[[View], tuple[Motion, str | None]], remedy: str) -> Limit:
-    return Limit(name, clip, remedy, clear_after=CLEARS_AFTER)
+def _limit(
+    name: str,
+    clip: Callable[[View], tuple[Motion, str | None]],
+    remedy: str,
+    severity: Severity = Severity.WARNING,
+) -> Limit:
+    return Limit(name, clip, remedy, clear_after=CLEARS_AFTER, severity=severity)
 
 
 LIMITS: Final = (
@@ -167,6 +172,6 @@ LIMITS: Final = (
     _limit("tool turn limit", _turn, "turn more slowly"),
     _limit("workspace", _workspace, "take the tool back inside"),
     _limit("joint limit", _joints, "take the tool elsewhere, or more slowly"),
-    _limit("acceleration limit", _acceleration, "change the speed more slowly"),
+    _limit("acceleration limit", _acceleration, "change the speed more slowly", Severity.INFO),
 )
 """Applied in this order; a later one sees what an earlier one left."""

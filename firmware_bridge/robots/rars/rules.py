@@ -176,8 +176,13 @@ def _acceleration(view: View, limits: Limits) -> tuple[Motion, str | None]:
     return view.allowed, f"asked to go from {demanded:.2f} to {speed:.2f} m/s at once, limit {limit:.2f} m/s2"
 
 
-def _limit(name: str, clip: Callable[[View], tuple[Motion, str | None]], remedy: str) -> Limit:
-    return Limit(name, clip, remedy, clear_after=LIMIT_CLEARS_AFTER)
+def _limit(
+    name: str,
+    clip: Callable[[View], tuple[Motion, str | None]],
+    remedy: str,
+    severity: Severity = Severity.WARNING,
+) -> Limit:
+    return Limit(name, clip, remedy, clear_after=LIMIT_CLEARS_AFTER, severity=severity)
 
 
 def limits_by(of: Callable[[Geometry], Limits]) -> tuple[Limit, ...]:
@@ -209,6 +214,7 @@ def limits_by(of: Callable[[Geometry], Limits]) -> tuple[Limit, ...]:
             "acceleration limit",
             lambda view: _acceleration(view, limits(view)),
             "change the speed more slowly",
+            Severity.INFO,
         ),
     )
 

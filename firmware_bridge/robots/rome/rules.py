@@ -123,14 +123,19 @@ def _said(motion: Motion) -> str:
     return f"({motion.ahead_mps:.2f}, {motion.left_mps:.2f}) m/s and {motion.turn_rad_s:.2f} rad/s"
 
 
-def _limit(name: str, clip: Callable[[View], tuple[Motion, str | None]], remedy: str) -> Limit:
-    return Limit(name, clip, remedy, clear_after=CLEARS_AFTER)
+def _limit(
+    name: str,
+    clip: Callable[[View], tuple[Motion, str | None]],
+    remedy: str,
+    severity: Severity = Severity.WARNING,
+) -> Limit:
+    return Limit(name, clip, remedy, clear_after=CLEARS_AFTER, severity=severity)
 
 
 LIMITS: Final = (
     _limit("speed limit", lambda view: slowed(view, 1.0), "ask for less speed"),
     _limit("turn rate limit", _turn, "turn more slowly"),
     _limit("rim limit", _rim, "turn less or ask for less speed"),
-    _limit("acceleration limit", _acceleration, "change speed and turn more slowly"),
+    _limit("acceleration limit", _acceleration, "change speed and turn more slowly", Severity.INFO),
 )
 """Applied in this order; a later one sees what an earlier one left."""

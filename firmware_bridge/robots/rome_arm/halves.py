@@ -99,7 +99,8 @@ class Half:
         """Yield its limits; they clip its own motion."""
         for row in kind.limits:
             name = row.name if row.name.startswith(self._said) else f"{self._said} {row.name}"
-            yield interlock.Limit(name, self.clipping(row.clip), row.remedy, clear_after=row.clear_after)
+            clip = self.clipping(row.clip)
+            yield interlock.Limit(name, clip, row.remedy, clear_after=row.clear_after, severity=row.severity)
 
     def clipping(self, clip: Clip) -> Callable[[View], tuple[Motion, str | None]]:
         """Return what clips this half's motion in that of both."""

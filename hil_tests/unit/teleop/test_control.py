@@ -18,7 +18,7 @@ from firmware_bridge.intent import (
 )
 from firmware_bridge.teleop.commands import ROWS
 from firmware_bridge.teleop.control import LAPSES_AFTER, Sender
-from firmware_bridge.teleop.mavlink import dialect
+from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.session import MOST_PEERS
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.internet import number_of
@@ -330,3 +330,25 @@ def test_the_old_set_mode_is_refused_in_words(other: Hand) -> None:
     replies = other.say(dialect.MAVLink_set_mode_message(1, 1, 0))
     assert replies[-1].result == DENIED
     assert "drives" in "".join(texts(replies))
+
+
+def test_frames_for_another_robot_on_the_link_are_none_that_were_lost(bench: RarsBench) -> None:
+    bench.order(400, 1)
+    for cycle in range(300):
+        bench.stick(target=1)
+        for _other in range(3):
+            bench.stick(target=2)
+        bench.now = cycle * 50 * MILLISECOND
+    assert bench.operator._session.ages.losses.share == 0.0  # noqa: SLF001 - what is told of it
+
+
+def test_a_station_that_calls_itself_as_the_robot_is_named_once(bench: RarsBench) -> None:
+    namesake = Codec(1, 1)
+    bench.say(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
+    bench.send(namesake.encode(dialect.MAVLink_heartbeat_message(10, 0, 0, 0, 4, 3)))
+    assert "as this robot" not in "".join(texts(bench.report())), "an echo of the robot's own"
+    for _ in range(3):
+        bench.send(namesake.encode(dialect.MAVLink_manual_control_message(1, 500, 0, 0, 0, 0)))
+    said = "".join(texts(bench.report()))
+    assert said.count("a station calls itself 1/1, as this robot: it is not heard; let it be system 255") == 1
+    assert bench.wish.speed_mps == 0.0

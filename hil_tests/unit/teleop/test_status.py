@@ -84,6 +84,7 @@ def test_a_hold_is_told_with_its_reason_when_it_begins_and_when_it_ends(bench: R
 
 
 LOUD = {
+    "acceleration limit": Severity.INFO,
     "not armed": Severity.NOTICE,
     "emergency stop": Severity.CRITICAL,
     "bridge stood still": Severity.CRITICAL,

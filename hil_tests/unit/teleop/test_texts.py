@@ -120,3 +120,17 @@ def test_a_hold_that_lets_go_while_it_is_kept_back_is_not_told_at_all() -> None:
     for cycle in range(8):
         told.told((HOLD,) if cycle % 2 == 0 else (), cycle)
     assert told.told((), 10 * SECOND) == []
+
+
+def test_information_is_told_once_and_what_lets_go_of_it_not_at_all() -> None:
+    """Every ordinary move of a stick passes the acceleration limit."""
+    told = HoldTexts(Speaker())
+    ramps = Hold(
+        "acceleration limit", "too fast", Row("acceleration limit", "slowly", severity=Severity.INFO), 0
+    )
+    texts = []
+    for cycle in range(200):
+        holds = ((ramps,) if cycle % 20 < 10 else ()) + ((HOLD,) if cycle % 100 < 50 else ())
+        texts += [one.text for one in told.told(holds, cycle * SECOND // 20)]
+    assert texts.count("too fast; slowly") == 1
+    assert [text for text in texts if text.startswith("released")] == ["released: lift extended"] * 2
