@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Final, Protocol
+from typing import Any, Final, Protocol
 
 from firmware_bridge.drivers.driver import Position, Speed
 from firmware_bridge.drivers.fleets import tells_of
@@ -16,14 +16,24 @@ from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
 from firmware_bridge.robot.file import robot_of, schema, table_of, text_of
 from firmware_bridge.robot.problems import near
+from firmware_bridge.safety.body import Body
 from firmware_bridge.safety.common import AXIS_ROWS
 from firmware_bridge.safety.interlock import AxisInterlock
+from firmware_bridge.teleop.station import Unusable, Velocity
 
 GROUP: Final = "firmware_bridge.robots"
 SIGN: Final = "+"
 """Between a kind and what its robot has more."""
 PLANTS: Final = "firmware_bridge.plants"
 """The group of the plants' entries; the bridge asks them for names alone."""
+SUM_ROUNDED: Final = 0.01
+"""By so much a sum's factors may be rounded."""
+SUM_ABOVE: Final = 1.05
+"""A bound is hardly above what can be asked for up to so many times that."""
+SUM_WIDEST: Final = 1.3
+"""With the right factors a bound has room for what loops on a board overshoot; a wider one guards nothing."""
+SUM_OFFERED: Final = 1.01
+"""Above the limit, for rounding."""
 ROUNDING: Final = 1e-9
 """Share of a bound by which a demand may pass it: the last bits of its arithmetic."""
 
@@ -113,7 +123,7 @@ def parse(text: str, file: str, *, plant_too: bool = False) -> AnyRobot:
     kind = kind_named(name)
     more = plant_problems(table) if plant_too else ()
     robot = robot_of(table, file, kind.geometry, kind.groups, more)
-    excess = tuple(beyond_bounds(robot, kind))
+    excess = tuple(beyond_bounds(robot, kind)) or tuple(loose_sums(robot, kind))
     if excess:
         raise RobotFileError(file, *excess)
     return robot
@@ -190,6 +200,63 @@ def beyond_bounds(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:
                     f"the robot's limits let '{axis.name}' be asked for {sign * asked:.5g} {unit}, "
                     f"the bound is {sign * bound:.5g} {unit}; widen it, or narrow the limits",
                 )
+
+
+def loose_sums(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:
+    """Yield where a sum of the guard is not what geometry and limits give: its factors are of another robot.
+
+    The sum is worked out where the kinematics ask for most. With the right factors that is the limit of speed
+    or of turning itself; a sum of something else is taken as it is where its bound is hardly above it.
+    """
+    for index, total in enumerate(robot.guard.sums):
+        most = max([_summed(kind.body(robot), total.of, *pair) for pair in kind.reach(robot)], default=0.0)
+        limit = _limit_of(robot, kind, total.of, most)
+        if most <= 0.0 or limit is None:
+            continue
+        right = limit / most
+        fits = abs(right - 1.0) <= SUM_ROUNDED
+        if (
+            most <= total.bound * (1.0 + ROUNDING)
+            and total.bound <= (SUM_WIDEST if fits else SUM_ABOVE) * most
+        ):
+            continue
+        factors = ", ".join(f"{name} = {factor * right:.4g}" for name, factor in total.of.items())
+        say = f"bound = {SUM_OFFERED * limit:.4g}" if fits else f"of = {{{factors}}}"
+        yield Problem(
+            f"guard.sums[{index}]",
+            f"with this geometry '{total.name}' reaches its bound of {total.bound:g} at "
+            f"{total.bound * right:.3g}, the robot's limit is {limit:.4g}; say {say}",
+        )
+
+
+def _limit_of(robot: AnyRobot, kind: AnyKind, of: Mapping[str, float], most: float) -> float | None:
+    """Return which of the robot's limits a sum is of: that at which it is largest, else the nearest."""
+    largest, body = kind.station.largest(robot), kind.body(robot)
+    pure = {
+        Velocity(largest.forward_mps, 0.0, 0.0): largest.forward_mps,
+        Velocity(0.0, largest.left_mps, 0.0): largest.left_mps,
+        Velocity(0.0, 0.0, largest.yaw_rate_rad_s): largest.yaw_rate_rad_s,
+    }
+    states = [state for _, state in kind.reach(robot)]
+    for velocity, limit in pure.items():
+        motion = kind.station.target(velocity, kind.rest, robot)
+        if limit == 0.0 or isinstance(motion, Unusable):
+            continue
+        # Whatever the state: a base that is steered turns as it drives.
+        if min(_summed(body, of, motion, state) for state in states) >= (1.0 - SUM_ROUNDED) * most:
+            return limit
+    return min(
+        (it for it in pure.values() if it > 0.0), key=lambda it: abs(math.log(it / most)), default=None
+    )
+
+
+def _summed(body: Body[Any, Any], of: Mapping[str, float], motion: object, state: object) -> float:
+    """Return a sum of axis speeds for a motion; 0 where they are not asked for together."""
+    demands = body.demands(motion, state)
+    speeds = {name: demand.value for name, demand in demands.items() if isinstance(demand, Speed)}
+    return (
+        abs(sum(factor * speeds[name] for name, factor in of.items())) if speeds.keys() >= of.keys() else 0.0
+    )
 
 
 def _most_asked(robot: AnyRobot, kind: AnyKind) -> dict[tuple[str, str], float]:

@@ -10,7 +10,7 @@ import typer
 
 from emulators.cli.options import PlantOption, SerialOption
 from firmware_bridge.cli.commands import command, completing
-from firmware_bridge.cli.console import one_message, say, written_by
+from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
 from firmware_bridge.cli.options import (
     EncodersOption,
     FirmwareOption,
@@ -44,6 +44,9 @@ class BenchOptions:
     Leaves `report.html`, which has it all on one page, `summary.json`, `samples.csv`, `can.log` (as candump),
     `serial.log`, `operator.tlog`, `capture.log` where cameras see the robot, and plots in the results'
     folder, which `replay` plays again.
+
+    Exit status 0 after a run, whatever held the robot back in it; 1 where the bridge did not start; 2 for
+    what is wrong in the words, the robot file or the mission.
     """
 
     robot: RobotArgument
@@ -97,6 +100,7 @@ def run(given: BenchOptions) -> None:
     from emulators.progress_bar import progress_bar
     from emulators.run import Order, drive
     from emulators.servo.bank import ServoError
+    from firmware_bridge.bridge.bridge import FAILED as NOT_STARTED
     from firmware_bridge.cli.robot_argument import find_robot
     from firmware_bridge.cli.tables import terminal
     from firmware_bridge.drivers.epos2.serial.plan import PlanError
@@ -134,6 +138,9 @@ def run(given: BenchOptions) -> None:
             summary = drive(order, lambda now: bar.update(task, completed=now))
     show(terminal(), summary, rehearsal.remarks(machine))
     say(f"results: {folder}/")
+    for hold in summary.holds:
+        if hold.name == NOT_STARTED.name:
+            raise refusal(f"the run did not start: {hold.reason}", FAILED)
 
 
 def _again() -> str:

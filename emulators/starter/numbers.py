@@ -73,7 +73,7 @@ def worked_out(told: Specification) -> dict[str, str]:
     inertia = motor.rotor_inertia_kg_m2 + (told.mass_kg / 2.0 * radius**2 + wheel_inertia) / gear**2
     gains = velocity_gains(motor, inertia, told.voltage_v)
     count = 1000.0 * math.tau / (4 * told.encoder_lines)
-    continuous_ma = round(1000.0 * motor.continuous_current_a)
+    continuous_ma = min(round(1000.0 * motor.continuous_current_a), told.device.continuous_ma)
     rolling = ROLLS * GRAVITY * told.mass_kg / 2.0 * radius / gear / motor.torque_constant_nm_a
     numbers: dict[str, object] = {
         "name": told.name,
@@ -104,7 +104,7 @@ def worked_out(told: Specification) -> dict[str, str]:
         "motor": motor.title,
         "encoder_lines": told.encoder_lines,
         "continuous_ma": continuous_ma,
-        "peak_ma": 2 * continuous_ma,
+        "peak_ma": min(2 * continuous_ma, told.device.peak_ma),
         "friction": f"{FRICTION_MARGIN * (motor.no_load_current_a + rolling):.2g}",
         "velocity_rpm": math.ceil(TOP_MARGIN * fastest * gear * RPM),
         "max_velocity_rpm": math.ceil(OVERSPEED * fastest * gear * RPM),

@@ -21,6 +21,8 @@ G = TypeVar("G", bound=Table)
 
 def text_of(path: Path) -> str:
     """Read a robot file's text; RobotFileError where it is missing or unreadable."""
+    if path.is_dir():
+        raise RobotFileError(str(path), Problem("", "is a folder; name the robot file (.toml) in it"))
     try:
         return path.read_text(encoding="utf-8")
     except OSError as error:

@@ -23,6 +23,7 @@ from emulators.starter.tuning import velocity_gains
 from firmware_bridge.cli import program
 from firmware_bridge.kinds import find
 from firmware_bridge.robot.model import Unpowered
+from firmware_bridge.robot.settings.epos2 import Epos2Device
 
 ROOT: Final = Path(__file__).parents[2]
 PRODUCT: Final = ("firmware_bridge", "emulators", "fmu", "examples")
@@ -259,3 +260,20 @@ def test_the_examples_import_public_modules_alone() -> None:
     assert used
     assert used <= public
     assert [module for module in public if find_spec(module) is None] == []
+
+
+@pytest.mark.parametrize("device", Epos2Device)
+def test_no_motor_is_given_more_than_its_drive_has_and_that_is_said(
+    device: Epos2Device, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An RE40 may have 5.77 A for as long as it likes."""
+    monkeypatch.chdir(tmp_path)
+    words = ["new", "mouse", "--wheel-radius", "0.08", "--track", "0.35", "--device", device.value]
+    told = CliRunner().invoke(program, words)
+    assert told.exit_code == 0, told.output
+    axes = tomllib.loads((tmp_path / "mouse" / "mouse" / "mouse.toml").read_text(encoding="utf-8"))["axes"]
+    settings = [axis["settings"] for axis in axes]
+    currents = {(one["continuous_current_ma"], one["peak_current_ma"]) for one in settings}
+    continuous = min(5770, device.continuous_ma)
+    assert currents == {(continuous, min(2 * continuous, device.peak_ma))}
+    assert ("A for ever" in told.output) is (device.continuous_ma < 5770)

@@ -41,6 +41,16 @@ class Epos2Device(StrEnum):
     EPOS2_50_5 = "50/5"
     EPOS2_70_10 = "70/10"
 
+    @property
+    def continuous_ma(self) -> int:
+        """The current that it gives for as long as it is asked for: the type's name tells it, in A."""
+        return 1000 * int(self.value.partition("/")[2])
+
+    @property
+    def peak_ma(self) -> int:
+        """The most that 0x6410:02 takes: by its EDS for 70/10, ASSUME twice the continuous one for others."""
+        return 25_000 if self is Epos2Device.EPOS2_70_10 else 2 * self.continuous_ma
+
 
 Confirmation = Annotated[int, Field(ge=10, le=10_000)]
 
@@ -202,6 +212,16 @@ class Epos2Axis(Table):
     def _the_peak_is_the_peak(self) -> Self:
         if self.peak_current_ma < self.continuous_current_ma:
             raise ValueError("peak_current_ma must not be below continuous_current_ma")
+        return self
+
+    @model_validator(mode="after")
+    def _the_drive_gives_it(self) -> Self:
+        for key, value, most in (
+            ("continuous_current_ma", self.continuous_current_ma, self.device.continuous_ma),
+            ("peak_current_ma", self.peak_current_ma, self.device.peak_ma),
+        ):
+            if value > most:
+                raise ValueError(f"{key} = {value}: an EPOS2 {self.device} takes {most} at most")
         return self
 
     @property

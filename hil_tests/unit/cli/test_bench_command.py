@@ -1,12 +1,14 @@
 """`bench` from the command line to the last file, on a mission of two seconds."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from firmware_bridge.cli import program
+from firmware_bridge.kinds import robots
 from firmware_bridge.recording import parse_candump, parse_tlog
 
 MISSION = """
@@ -125,3 +127,17 @@ def test_what_it_recorded_plays_again(results: Path) -> None:
     for files in ((frames,), (frames, "--operator", words), (words,)):
         result = CliRunner().invoke(program, ["replay", files[0], "rars", *files[1:]])
         assert result.exit_code == 0, result.output
+
+
+def test_a_run_that_did_not_start_has_a_status_and_says_why(tmp_path: Path) -> None:
+    text = robots()["rars"].read_text(encoding="utf-8")
+    other = re.sub(r"product_code = 0x\w+", "product_code = 0x61100000", text, count=1)
+    assert other != text
+    (tmp_path / "other.toml").write_text(other, encoding="utf-8")
+    (tmp_path / "crawl.toml").write_text(MISSION, encoding="utf-8")
+    words = ["bench", str(tmp_path / "other.toml"), "--mission", str(tmp_path / "crawl.toml")]
+    result = CliRunner().invoke(program, [*words, "--out", str(tmp_path / "out")], env={"COLUMNS": "150"})
+    assert result.exit_code == 1
+    (line,) = result.stderr.splitlines()
+    assert line.startswith("firmware-bridge: the run did not start: node 1 (left rear wheel):")
+    assert "0x61100000" in line

@@ -111,7 +111,7 @@ def test_a_file_that_is_no_robot_is_refused(content: bytes, told: str, tmp_path:
 
 
 def test_a_folder_and_a_file_that_is_not_there_are_refused(tmp_path: Path) -> None:
-    assert told_of(tmp_path) == ["cannot be read: Is a directory"]
+    assert told_of(tmp_path) == ["is a folder; name the robot file (.toml) in it"]
     assert told_of(tmp_path / "nowhere.toml") == ["cannot be read: No such file or directory"]
 
 

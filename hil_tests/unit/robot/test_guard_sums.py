@@ -1,0 +1,102 @@
+"""A guard's sums, and a drive's currents, are compared with the rest of the file."""
+
+from typing import Final
+
+import pytest
+
+from emulators.epos2.objects.catalogue import PROFILES
+from firmware_bridge import kinds
+from firmware_bridge.robot import RobotFileError
+from firmware_bridge.robot.settings.epos2 import Epos2Device
+
+CARRIER: Final = kinds.robots()["carrier"].read_text(encoding="utf-8")
+
+
+def problems(text: str, *changes: tuple[str, str]) -> str:
+    for before, after in changes:
+        assert before in text
+        text = text.replace(before, after)
+    try:
+        kinds.parse(text, "carrier.toml")
+    except RobotFileError as error:
+        return str(error)
+    return ""
+
+
+RADIUS: Final = "wheel_radius_m = 0.08"
+DEVICE: Final = 'device = "70/10"', 'device = "50/5"'
+PEAK: Final = "peak_current_ma = 11540", "peak_current_ma = 25001"
+TRACK: Final = "track_m = 0.35"
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (
+            (RADIUS, "wheel_radius_m = 0.12"),
+            [
+                "guard.sums[0]: with this geometry 'base speed' reaches its bound of 0.603 at 0.904,",
+                "the robot's limit is 0.6; say of = {left = 0.06, right = 0.06}",
+                "guard.sums[1]: with this geometry 'turn rate' reaches its bound of 1.212 at 1.82,",
+                "the robot's limit is 1.2; say of = {left = -0.3429, right = 0.3429}",
+            ],
+        ),
+        (
+            (RADIUS, "wheel_radius_m = 0.09"),
+            ["0.678, the robot's limit is 0.6", "1.36, the robot's limit is 1.2"],
+        ),
+        ((TRACK, "track_m = 0.25"), ["say of = {left = -0.32, right = 0.32}"]),
+        ((RADIUS, "wheel_radius_m = 0.0805"), []),
+        (("bound = 0.603", "bound = 0.77"), []),
+        (("bound = 0.603", "bound = 0.9"), ["at 0.9, the robot's limit is 0.6; say bound = 0.606"]),
+        (("bound = 0.603", "bound = 0.59"), ["at 0.59, the robot's limit is 0.6; say bound = 0.606"]),
+    ],
+)
+def test_a_sum_of_another_geometry_is_told_with_the_right_line(
+    change: tuple[str, str], told: list[str]
+) -> None:
+    found = problems(CARRIER, change)
+    assert all(text in found for text in told), found
+    assert found.count("guard.sums") == (2 if "wheel" in change[1] and told else len(told))
+
+
+def test_the_offered_lines_make_the_file_good() -> None:
+    assert (
+        problems(
+            CARRIER,
+            (RADIUS, "wheel_radius_m = 0.12"),
+            ("{ left = 0.04, right = 0.04 }", "{ left = 0.06, right = 0.06 }"),
+            ("{ left = -0.2286, right = 0.2286 }", "{ left = -0.3429, right = 0.3429 }"),
+        )
+        == ""
+    )
+
+
+@pytest.mark.parametrize("name", kinds.robots())
+def test_every_robot_s_sums_fit_its_geometry(name: str) -> None:
+    kinds.find(name)
+
+
+@pytest.mark.parametrize("device", Epos2Device)
+def test_a_drive_s_currents_are_those_of_the_emulated_one(device: Epos2Device) -> None:
+    profile = PROFILES[device.value]
+    assert (device.continuous_ma, device.peak_ma) == (profile.continuous_current_ma, profile.peak_current_ma)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        (
+            (('device = "70/10"', 'device = "50/5"'),),
+            "continuous_current_ma = 5770: an EPOS2 50/5 takes 5000 at most",
+        ),
+        (
+            (("peak_current_ma = 11540", "peak_current_ma = 25001"),),
+            "peak_current_ma = 25001: an EPOS2 70/10 takes 25000",
+        ),
+    ],
+)
+def test_currents_beyond_the_drive_s_are_told_with_what_it_takes(
+    changes: tuple[tuple[str, str], ...], told: str
+) -> None:
+    assert told in problems(CARRIER, *changes)
