@@ -5,6 +5,7 @@ An entry in the group `firmware_bridge.robots` names a `firmware_bridge.kind.Kin
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import cache, lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -69,15 +70,43 @@ def robots() -> dict[str, Path]:
     """Return all robots that come with the installed kinds, by their names: the last file of each."""
     found: dict[str, Path] = {}
     for name in names():
-        kind = kind_named(name)
+        try:
+            kind = kind_named(name)
+        except RobotFileError:
+            continue  # `unloadable` tells of it; the others are there
         found |= {name: kind.file} | {name + SIGN + more: path for more, path in kind.more.items()}
+    return found
+
+
+def unloadable() -> dict[str, RobotFileError]:
+    """Return why kinds that are installed cannot be loaded, by their names."""
+    found: dict[str, RobotFileError] = {}
+    for name in names():
+        try:
+            kind_named(name)
+        except RobotFileError as error:
+            found[name] = error
+    return found
+
+
+def readable() -> list[AnyRobot]:
+    """Return each installed kind's own robot, where it can be read."""
+    found = []
+    for name in names():
+        with suppress(RobotFileError):
+            found.append(find(name))
     return found
 
 
 @cache
 def kind_named(name: str) -> AnyKind:
-    """Return an installed kind; KeyError where there is none of this name."""
-    kind: AnyKind = _entries()[name].load()
+    """Return an installed kind; KeyError for a name that is not there, RobotFileError of a broken one."""
+    entry = _entries()[name]
+    try:
+        kind: AnyKind = entry.load()
+    except Exception as error:
+        problem = f"cannot be loaded: {type(error).__name__}: {error} ({entry.value})"
+        raise RobotFileError(name, Problem("", problem)) from error
     return kind
 
 
@@ -95,7 +124,8 @@ def find(name: str, *, plant_too: bool = False) -> AnyRobot:
         return load(Path(name), plant_too=plant_too)
     kind, plus, more = name.partition(SIGN)
     if kind not in _entries():
-        problem = f"no such robot; {near(kind, names())}. A path to a .toml file works, too"
+        here = f"; for the folder '{kind}' here say pip install -e {kind}" if Path(kind).is_dir() else ""
+        problem = f"no such robot; {near(kind, names())}. A path to a .toml file works, too{here}"
         raise RobotFileError(name, Problem("", problem))
     found = kind_named(kind)
     if not plus:
@@ -134,7 +164,10 @@ def _no_kind(name: object, table: Mapping[str, object]) -> Problem:
         return Problem("name", "is missing")
     alone = table.get("name") == name
     missing = "no kind is given, and " if alone else ""
-    problem = f"{missing}no kind of robot '{name}' is installed; {near(name, names())}"
+    problem = (
+        f"{missing}no kind of robot '{name}' is installed; {near(name, names())}. "
+        "Is its package installed (pip install -e FOLDER)?"
+    )
     return Problem("name" if alone else "kind", problem)
 
 

@@ -5,9 +5,10 @@ is one column, which may be drawn in a panel and told in the summary.
 """
 
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
-from importlib.metadata import EntryPoints, entry_points
+from importlib.metadata import EntryPoint, EntryPoints, entry_points
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Final
 
@@ -97,8 +98,15 @@ def _entries() -> EntryPoints:
 
 
 def rehearsals() -> dict[str, Rehearsal]:
-    """Return every installed robot's rehearsal by its kind, in the order of the kinds' names."""
-    return {entry.name: entry.load() for entry in sorted(_entries(), key=lambda entry: entry.name)}
+    """Return every installed robot's rehearsal by its kind, in the order of the kinds' names.
+
+    One that cannot be loaded is left out: `rehearsal_of` says why.
+    """
+    found: dict[str, Rehearsal] = {}
+    for entry in sorted(_entries(), key=lambda entry: entry.name):
+        with suppress(LookupError):
+            found[entry.name] = _loaded(entry)
+    return found
 
 
 def mission_names() -> list[str]:
@@ -109,6 +117,14 @@ def mission_names() -> list[str]:
 def rehearsal_of(robot: AnyRobot) -> Rehearsal:
     """Return the rehearsal of a robot's kind; LookupError where its package brings none."""
     for entry in _entries().select(name=robot.kind):
-        rehearsal: Rehearsal = entry.load()
-        return rehearsal
+        return _loaded(entry)
     raise LookupError(f"the package of the robot '{robot.kind}' brings no rehearsal (entry point {GROUP})")
+
+
+def _loaded(entry: EntryPoint) -> Rehearsal:
+    try:
+        rehearsal: Rehearsal = entry.load()
+    except Exception as error:
+        why = f"{type(error).__name__}: {error} ({entry.value})"
+        raise LookupError(f"the rehearsal of '{entry.name}' cannot be loaded: {why}") from error
+    return rehearsal

@@ -36,7 +36,7 @@ def list_models() -> None:
     table = Table(title="plants")
     for heading in ("model", "what it is", "states", "inputs", "outputs", "parameters", "robots"):
         table.add_column(heading, overflow="fold")
-    robots = [kinds.find(name) for name in kinds.names()]
+    robots = kinds.readable()
     failed = False
     for name in names():
         try:
@@ -111,7 +111,7 @@ def check(file: Annotated[Path, typer.Argument(metavar="FILE", help="An FMU, who
     }
     with one_message(PlantError):
         found = examine(file)
-    lacking = {robot.name: _lacking(robot, found) for robot in map(kinds.find, kinds.names())}
+    lacking = {robot.name: _lacking(robot, found) for robot in kinds.readable()}
     fits = [name for name, reasons in lacking.items() if not reasons]
     # A model of ours may be made for something else than the bench of a robot.
     needed = not fits and found.model not in names()

@@ -65,6 +65,9 @@ def robots(
         except RobotFileError as error:
             wrong.append(error)
             table.add_row(path.stem, "", "", str(path), "[red]wrong[/]")
+    for name, why in kinds.unloadable().items():
+        wrong.append(why)
+        table.add_row(name, "", "", "", "[red]cannot be loaded[/]")
     terminal().print(table)
     if wrong:
         raise refusal("\n".join(map(str, wrong)))

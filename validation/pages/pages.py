@@ -8,6 +8,7 @@ from emulators.documents import fidelity, object_table
 from emulators.epos2.control.power_states import TRANSITIONS
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
+from firmware_bridge.pilot.keyboard import HELP as KEYS
 from validation.pages import (
     board_fidelity,
     capture_fidelity,
@@ -268,6 +269,13 @@ def _safety(measured: Mapping[str, Sequence[str]]) -> str:
     return _page("What holds a robot back", *parts)
 
 
+STICK_TEXT: Final = """What the axes of MANUAL_CONTROL do where they are positive, and its buttons. x,
+y and r are neutral at 0. An axis with a dash is not read, wherever it stands, which is told once. z, a
+throttle, rests at 0 or at 500: it counts from where it stood when its button was pressed. Before arming all
+that is read must be neutral; the refusal names the axis and its value. An axis that is not used any more
+(0x7FFF) is neutral at once.
+
+`firmware-bridge pilot` drives from the terminal, too: {keys}."""
 STATIONS_TEXT: Final = """Any MAVLink station drives: by MANUAL_CONTROL, by RC_CHANNELS_OVERRIDE, or by
 SET_POSITION_TARGET_LOCAL_NED. All of them pass through the same permission, the same rule of silence, the
 same limits of age and the same interlocks ([what holds a robot back](safety.md), [one station
@@ -307,7 +315,9 @@ STOP_TEXT: Final = """* **QGroundControl** takes the robot for a generic rover. 
 ```
 
 * **MAVSDK**: `action.arm`, `manual_control`, `offboard.set_velocity_body` and `start`, `action.hold`,
-  `action.disarm`, `action.kill` (brakes first). `offboard` goes on after a hold with a set-point of zero.
+  `action.disarm`, `action.kill` (brakes first). `offboard` goes on after a hold, and begins
+  after arming, with a set-point of zero: one is enough. `mavsdk_server` repeats the last set-point of a
+  script that has died: run it under something that ends it with the script.
 * **pymavlink, MAVProxy, DroneKit**: modes `MANUAL`, `GUIDED`, `HOLD`; `rc` overrides.
 * **MAVROS**: `setpoint_velocity` with `mav_frame: BODY_NED`, `setpoint_raw`, `manual_control`, and
   `rc/override`."""
@@ -324,6 +334,9 @@ def _stations() -> str:
         "## Modes",
         WAYS_TEXT,
         table(stations.MODE_HEADINGS, stations.modes()),
+        "## Sticks",
+        STICK_TEXT.format(keys=KEYS),
+        table(stations.STICK_HEADINGS, stations.sticks()),
         "## Radio channels",
         RC_TEXT,
         table(stations.CHANNEL_HEADINGS, stations.channels()),

@@ -7,9 +7,10 @@ from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.teleop.commands import ROWS as COMMANDS
 from firmware_bridge.teleop.lacking import LACKING
+from firmware_bridge.teleop.manual_control import AXES
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.modes import ROWS as MODES
-from firmware_bridge.teleop.station import USUAL_CHANNELS, AnyStation, StickAxis
+from firmware_bridge.teleop.station import USUAL_CHANNELS, AnyStation, Stick, StickAxis
 from firmware_bridge.teleop.streams import load, streams_of
 from firmware_bridge.units import Nanoseconds, to_seconds
 from validation.pages.safety import shipped
@@ -28,6 +29,7 @@ RADIO_BIT_S: Final = 57_600
 MODE_HEADINGS: Final = ("mode", "number", "in PX4's numbers: main, sub", "also asked for by")
 STREAM_HEADINGS: Final = ("message", "on a network", f"on {RADIO_BIT_S} bit/s", "tells")
 COMMAND_HEADINGS: Final = ("command", "number", "of whom", "does")
+STICK_HEADINGS: Final = ("robot", *(name for name, _ in AXES.values()), "buttons")
 CHANNEL_HEADINGS: Final = ("channel", "is", "2000 us is")
 
 
@@ -46,6 +48,36 @@ def channels() -> Iterator[Cells]:
     """Yield the channels of RC_CHANNELS_OVERRIDE."""
     for row in USUAL_CHANNELS:
         yield (str(row.number), row.axis.name.lower(), WAYS[row.axis, row.sign])
+
+
+def sticks() -> Iterator[Cells]:
+    """Yield what the axes and buttons of MANUAL_CONTROL do, by robot."""
+    for kind, robot in shipped():
+        station, rest = kind.station, kind.rest
+        still = station.stick(Stick(forward=0.0, left=0.0, turn=0.0, up=None), rest, robot)
+        across = station.stick(Stick(forward=0.0, left=0.5, turn=0.0, up=None), rest, robot)
+        axes = {
+            StickAxis.FORWARD: "forward",
+            StickAxis.LEFT: "to the right" if across != still else "as r, where r is not used",
+            StickAxis.TURN: "clockwise",
+            StickAxis.UP: "up" if station.up_button is None else f"up, with button {station.up_button}",
+        }
+        cells = [axes[axis] if axis in station.axes else "-" for axis in AXES]
+        yield (
+            robot.name,
+            *cells,
+            "; ".join(f"{number} {what}" for number, what in sorted(_buttons(station))),
+        )
+
+
+def _buttons(station: AnyStation) -> Iterator[tuple[int, str]]:
+    if station.stop_button is not None:
+        yield station.stop_button, "emergency stop"
+    if station.up_button is not None:
+        yield station.up_button, "z counts"
+    for switch in station.switches:
+        if switch.button is not None:
+            yield switch.button, switch.name
 
 
 def streams() -> Iterator[Cells]:
