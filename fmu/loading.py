@@ -3,6 +3,7 @@
 It refuses to know variables: only whether this machine can run the file as a slave.
 """
 
+import contextlib
 import shutil
 import tempfile
 import weakref
@@ -67,13 +68,15 @@ def loaded(
         fmpy.extract(str(path), folder)
         second = description.fmiVersion.startswith("2")
         kind = fmi2.FMU2Slave if second else fmi3.FMU3Slave
-        plant = kind(
-            guid=description.guid,
-            unzipDirectory=folder,
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            instanceName=description.modelName,
-            requireFunctions=False,
-        )
+        # FMPy goes to the library's folder, and stays there where it cannot be loaded.
+        with contextlib.chdir(Path.cwd()):
+            plant = kind(
+                guid=description.guid,
+                unzipDirectory=folder,
+                modelIdentifier=description.coSimulation.modelIdentifier,
+                instanceName=description.modelName,
+                requireFunctions=False,
+            )
     except Exception as error:
         shutil.rmtree(folder, ignore_errors=True)
         raise PlantError(f"{path}: the FMU cannot be loaded: {error}") from error

@@ -8,6 +8,7 @@ import typer
 from firmware_bridge import kinds
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import FAILED, one_message, say
+from firmware_bridge.cli.robot_argument import find_robot
 
 if TYPE_CHECKING:
     from firmware_bridge.robot import AnyRobot
@@ -94,14 +95,19 @@ def build_model(
 
 
 @command(CHECK_EXAMPLE)
-def check(file: Annotated[Path, typer.Argument(metavar="FILE", help="An FMU, whoever made it.")]) -> None:
-    """Check whether an FMU is valid, starts, computes the right bits, and fits a robot on the bench.
+def check(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="An FMU, whoever made it.")],
+    robot: Annotated[
+        str | None,
+        typer.Option("--robot", help="The robot under whose bench it has to fit.", show_default=False),
+    ] = None,
+) -> None:
+    """Check whether an FMU is valid, starts, computes the right bits, and which robots it fits on the bench.
 
-    Exit status 0: it does; 1: it has problems; 2: it cannot be read.
+    Exit status 0: it is, and fits the robot that was named; 1: it has problems; 2: it cannot be read.
     """
     from fmu.check import examine
     from fmu.errors import PlantError
-    from fmu.plants import names
     from fmu.verify import Verdict
 
     bits = {
@@ -109,20 +115,20 @@ def check(file: Annotated[Path, typer.Argument(metavar="FILE", help="An FMU, who
         Verdict.OTHER: "others than its equations give",
         Verdict.NONE: "not compared: the FMU carries no fingerprint of ours that fits its variables",
     }
+    named = [] if robot is None else [find_robot(robot)]
     with one_message(PlantError):
         found = examine(file)
-    lacking = {robot.name: _lacking(robot, found) for robot in kinds.readable()}
+    lacking = {one.name: _lacking(one, found) for one in named or kinds.readable()}
     fits = [name for name, reasons in lacking.items() if not reasons]
-    # A model of ours may be made for something else than the bench of a robot.
-    needed = not fits and found.model not in names()
-    problems = [*found.problems, *(reason for reasons in lacking.values() for reason in reasons if needed)]
+    problems = [*found.problems, *(reason for one in named for reason in lacking[one.name])]
     rows = {
+        "verdict": _verdict(problems, fits),
         "model": f"{found.model}, {found.variables} variables",
         "FMI": f"{found.version}, {' and '.join(found.interfaces) or 'no interface'}",
         "description": _said(len(found.description), "valid"),
         "start": "fails" if found.start else "loads, initialises, takes a step",
         "bits": bits[found.fingerprint],
-        "fits": ", ".join(fits) or f"no robot ({', '.join(lacking)})",
+        **{name: _lacks(reasons) for name, reasons in lacking.items() if reasons and not named},
     }
     for name, value in rows.items():
         say(f"{name + ':':<13}{value}")
@@ -136,15 +142,33 @@ def _lacking(robot: "AnyRobot", found: "Findings") -> tuple[str, ...]:
     from emulators.bench.rehearsal import rehearsal_of
     from emulators.devices import SUPPLY
     from emulators.servo.bank import plant_inputs, plant_outputs
+    from emulators.stepper_bank import ANGLES
+    from emulators.stepper_bank import INPUTS as JOINTS
     from fmu.interface import units
 
-    axes = [axis.name for axis in robot.axes]
+    # A board's steppers take no voltage: their joints have inputs and outputs of their own.
+    axes = [axis.name for axis in robot.axes if axis.link not in robot.ar2_links]
+    joints, angles = (JOINTS, ANGLES) if robot.ar2_links else ((), ())
     wanted = [column.plant for column in rehearsal_of(robot).columns if column.plant]
-    outputs = dict.fromkeys((*plant_outputs(axes), SUPPLY, *wanted))
-    reasons = found.lacking(plant_inputs(axes), tuple(outputs), units(axes))
+    supply = (SUPPLY,) if axes else ()
+    outputs = dict.fromkeys((*plant_outputs(axes), *supply, *angles, *wanted))
+    reasons = found.lacking((*plant_inputs(axes), *joints), tuple(outputs), units(axes))
     if "co-simulation" not in found.interfaces:
         return (*reasons, "it offers no co-simulation; export it with its solver")
     return reasons
+
+
+def _verdict(problems: list[str], fits: list[str]) -> str:
+    """Return the whole in one line: what is wrong, or which robots it fits."""
+    if problems:
+        return _said(len(problems), "")
+    return f"good; it fits {', '.join(fits)}" if fits else "good; it fits the bench of no installed robot"
+
+
+def _lacks(reasons: tuple[str, ...]) -> str:
+    """Return what a robot misses, shortened."""
+    more = f", and {len(reasons) - 1} more" if len(reasons) > 1 else ""
+    return f"does not fit: {reasons[0]}{more}"
 
 
 def _said(count: int, good: str) -> str:

@@ -185,3 +185,19 @@ def test_two_plants_do_not_know_each_other(fmu_file: dict[int, Path]) -> None:
 def test_read_of_an_unknown_variable(fmu_file: dict[int, Path]) -> None:
     with opened(fmu_file[3]) as plant, pytest.raises(PlantError, match="lacks the variable 'nothing'"):
         plant.read("nothing")
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_library_that_cannot_be_loaded_leaves_the_process_where_it_is(
+    fmu_file: dict[int, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fmi: int
+) -> None:
+    with ZipFile(fmu_file[fmi]) as source, ZipFile(tmp_path / "odd.fmu", "w", ZIP_DEFLATED) as archive:
+        for name in source.namelist():
+            binary = name.startswith("binaries/") and not name.endswith("/")
+            archive.writestr(name, b"no library" if binary else source.read(name))
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(PlantError, match=r"odd\.fmu: the FMU cannot be loaded"):
+        opened(Path("odd.fmu"))
+    assert Path.cwd() == tmp_path
+    with pytest.raises(PlantError, match=r"odd\.fmu: the FMU cannot be loaded"):
+        opened(Path("odd.fmu"))
