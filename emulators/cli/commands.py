@@ -41,6 +41,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "Try every fault in every state of a robot, and say who notices, when, and how far it goes.",
     ),
     Command(
+        "faults",
+        "emulators.cli.faults:faults",
+        "List the faults that a mission or a test can name; of a robot those that it can have, and where.",
+    ),
+    Command(
         "doctor",
         "emulators.cli.doctor:doctor",
         "Look at this machine: what is there, what is missing, what to be careful of, and how to mend it.",

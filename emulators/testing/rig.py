@@ -141,9 +141,17 @@ class VirtualRig:
             fault = read(table)
             self.bench.faults.plan([fault])
         except ValidationError as error:
-            model = KINDS[kind].fault if kind in KINDS else Mission
-            said = "; ".join(f"{key}: {problem}" for key, problem in problems_of(error, model))
-            raise RigError(f"no such fault: {said}") from error
+            if kind not in KINDS:
+                said = "; ".join(problem for _, problem in problems_of(error, Mission))
+                raise RigError(f"{said} (firmware-bridge faults {self.robot.name} lists them)") from error
+            among = " or ".join(KINDS[kind].fault.among.of(self.robot)) or "nobody here"
+            said = "; ".join(
+                f"{kind} needs node: {among}"
+                if key == "node" and "required" in problem
+                else f"{key}: {problem}"
+                for key, problem in problems_of(error, KINDS[kind].fault)
+            )
+            raise RigError(f"{self.robot.name} cannot have the fault '{kind}': {said}") from error
         except FaultError as error:
             said = "; ".join(f"{key.partition('.')[2] or key}: {what}" for key, what in error.problems)
             raise RigError(f"{self.robot.name} cannot have the fault '{kind}': {said}") from error

@@ -1,0 +1,50 @@
+"""`faults`: the same names as missions and tests have, and of a robot those that it can have."""
+
+import pytest
+from typer.testing import CliRunner
+
+from emulators.bench.faults import KINDS
+from emulators.fmea.failures import failures_of
+from firmware_bridge.cli import program
+from firmware_bridge.kinds import find
+
+
+def listed(*words: str) -> tuple[int, list[list[str]], str]:
+    told = CliRunner().invoke(program, ["faults", *words], env={"COLUMNS": "400", "NO_COLOR": "1"})
+    rows = [
+        [cell.strip() for cell in line.split("│")[1:-1]] for line in told.stdout.splitlines() if "│" in line
+    ]
+    # What is long goes on in further lines.
+    return told.exit_code, [row for row in rows if row[0]], told.stderr
+
+
+def test_without_a_robot_it_lists_all() -> None:
+    status, rows, _ = listed()
+    assert status == 0
+    assert [row[0] for row in rows] == list(KINDS)
+
+
+@pytest.mark.parametrize("robot", ["rars", "rome", "ar2", "climber"])
+def test_of_a_robot_it_lists_those_that_it_can_have_and_where(robot: str) -> None:
+    _, rows, _ = listed(robot)
+    known = {failure.kind for failure in failures_of(find(robot))}
+    assert {row[0] for row in rows} == known
+    for name, where, keys, what in rows:
+        assert what
+        places = [failure.place for failure in failures_of(find(robot)) if failure.kind == name]
+        assert all(place in where for place in places)
+        assert "at_s" not in keys
+    assert known < set(KINDS)
+
+
+def test_a_key_that_is_needed_stands_without_brackets() -> None:
+    _, rows, _ = listed("rome")
+    keys = {row[0]: row[2] for row in rows}
+    assert keys["encoder_cable_off"] == "node"
+    assert "(every_ms)" in keys["line_garbage"]
+
+
+def test_a_robot_that_is_none_is_refused() -> None:
+    status, _, complained = listed("romm")
+    assert status == 2
+    assert "no such robot; perhaps 'rome'" in complained
