@@ -250,6 +250,11 @@ def plant_parameters(robot: AnyRobot) -> dict[str, float]:
         raise RobotFileError(robot.name, Problem("plant.fmu", str(error))) from error
 
 
+def plant_of(robot: AnyRobot) -> Plant:
+    """Return a robot's plant with the values of its file as start values; RobotFileError."""
+    return _plant(robot).starting(plant_parameters(robot))
+
+
 def _plant(robot: AnyRobot) -> Plant:
     try:
         return find_plant(robot.plant.fmu)

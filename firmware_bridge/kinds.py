@@ -17,16 +17,20 @@ from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
 from firmware_bridge.robot.file import robot_of, schema, table_of, text_of
 from firmware_bridge.robot.problems import near
+from firmware_bridge.robot.settings.epos2 import Epos2Axis
 from firmware_bridge.safety.body import Body
 from firmware_bridge.safety.common import AXIS_ROWS
 from firmware_bridge.safety.interlock import AxisInterlock
 from firmware_bridge.teleop.station import Unusable, Velocity
+from firmware_bridge.units import RPM_PER_RAD_S
 
 GROUP: Final = "firmware_bridge.robots"
 SIGN: Final = "+"
 """Between a kind and what its robot has more."""
 PLANTS: Final = "firmware_bridge.plants"
 """The group of the plants' entries; the bridge asks them for names alone."""
+SLOWEST_SHARE: Final = 0.01
+"""Of the profile's velocity."""
 SUM_ROUNDED: Final = 0.01
 """By so much a sum's factors may be rounded."""
 SUM_ABOVE: Final = 1.05
@@ -153,7 +157,7 @@ def parse(text: str, file: str, *, plant_too: bool = False) -> AnyRobot:
     kind = kind_named(name)
     more = plant_problems(table) if plant_too else ()
     robot = robot_of(table, file, kind.geometry, kind.groups, more)
-    excess = tuple(beyond_bounds(robot, kind)) or tuple(loose_sums(robot, kind))
+    excess = tuple(odd_ratios(robot)) or tuple(beyond_bounds(robot, kind)) or tuple(loose_sums(robot, kind))
     if excess:
         raise RobotFileError(file, *excess)
     return robot
@@ -232,6 +236,19 @@ def beyond_bounds(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:
                     f"axes[{index}].{field}",
                     f"the robot's limits let '{axis.name}' be asked for {sign * asked:.5g} {unit}, "
                     f"the bound is {sign * bound:.5g} {unit}; widen it, or narrow the limits",
+                )
+
+
+def odd_ratios(robot: AnyRobot) -> Iterator[Problem]:
+    """Yield where an axis's top speed hardly turns its motor: a gear's ratio that is upside down."""
+    for index, axis in enumerate(robot.axes):
+        if isinstance(axis.settings, Epos2Axis):
+            turns, profile = axis.top_speed * axis.ratio * RPM_PER_RAD_S, axis.epos2.profile.velocity_rpm
+            if turns < SLOWEST_SHARE * profile:
+                yield Problem(
+                    f"axes[{index}].ratio",
+                    f"with {axis.ratio:g} top_speed turns the motor with {turns:.3g} rpm, its profile is "
+                    f"made for {profile}; it is the motor's turns for one of the axis",
                 )
 
 

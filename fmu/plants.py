@@ -42,6 +42,8 @@ class Plant:
     """Path into a robot's file, rows of a table by their name -> parameter, and the factor into its unit."""
     made_of: tuple[str, ...] = ()
     """The packages of other plants whose equations it takes."""
+    starts: Mapping[str, float] = field(default_factory=dict)
+    """Start values in place of the parameters' own, in SI units: see `starting`."""
     grips: bool = False
     """Whether what holds it on a wall can let go: it has an input `grip_lost_AXIS` for each axis."""
 
@@ -50,7 +52,15 @@ class Plant:
         model: Model = importlib.import_module(f"{self.package}.equations").model()
         if model.name != self.name:
             raise PlantError(f"{self.package}: the plant '{self.name}' has equations called '{model.name}'")
-        return model
+        return replace(model, parameters=_started(model.parameters, self.starts)) if self.starts else model
+
+    def starting(self, values: Mapping[str, float]) -> "Plant":
+        """Return the plant of one robot: its parameters begin with these; UnknownNameError."""
+        known = {row.name for row in self.parameters}
+        for name in values:
+            if name not in known:
+                raise _unknown(f"the plant '{self.name}' has no parameter", name, known)
+        return replace(self, starts=dict(values), parameters=_started(self.parameters, values))
 
     def parameter_set(self, name: str) -> dict[str, float]:
         """Return a named parameter set; UnknownNameError where there is none."""
@@ -66,6 +76,16 @@ class Plant:
         return {
             name: factor * _at(robot, path, self.name) for path, (name, factor) in self.robot_file.items()
         }
+
+
+def _started(rows: Iterable[Parameter], starts: Mapping[str, float]) -> tuple[Parameter, ...]:
+    """Return rows with the start values of one robot, which its file gives."""
+    return tuple(
+        replace(row, start=starts[row.name], source="the robot file")
+        if starts.get(row.name, row.start) != row.start
+        else row
+        for row in rows
+    )
 
 
 def names() -> list[str]:

@@ -28,6 +28,8 @@ def token_of(plant: Plant) -> str:
     digest = hashlib.sha256()
     for name, path in _sources(plant):
         digest.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
+    if plant.starts:
+        digest.update(repr(sorted(plant.starts.items())).encode())
     return digest.hexdigest()[:32]
 
 

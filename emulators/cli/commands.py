@@ -97,11 +97,15 @@ robot; the word `robot` in front of the robot's name may be left out.""",
         "Example: `firmware-bridge fmu check my_plant.fmu`",
     ),
     Command("fmu list", "emulators.cli.plants:list_models", "List the models that can be built."),
-    Command("fmu build", "emulators.cli.plants:build_model", "Build a model's FMU, with its sources inside."),
+    Command(
+        "fmu build",
+        "emulators.cli.plants:build_model",
+        "Build a robot's plant, or a model, as an FMU, with its sources inside.",
+    ),
     Command(
         "fmu check",
         "emulators.cli.plants:check",
-        "Check whether an FMU is valid, starts, computes the right bits, and fits a robot on the bench.",
+        "Check an FMU: whether it is valid, starts, computes the right bits, and which robots it fits.",
     ),
     Command(
         "epos2 objects",

@@ -9,6 +9,7 @@ from firmware_bridge import kinds
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import FAILED, one_message, say
 from firmware_bridge.cli.robot_argument import find_robot
+from firmware_bridge.robot import RobotFileError
 
 if TYPE_CHECKING:
     from firmware_bridge.robot import AnyRobot
@@ -20,7 +21,9 @@ BUILD_EXAMPLES: Final = """Examples:
 
 `firmware-bridge fmu build rars`
 
-`firmware-bridge fmu build rars --fmi 2 --out results/rars2.fmu`"""
+`firmware-bridge fmu build rars --fmi 2 --out results/rars2.fmu`
+
+`firmware-bridge fmu build rome` builds the plant of the robot ROME, which begins with its file's values."""
 CHECK_EXAMPLE: Final = "Example: `firmware-bridge fmu check my_plant.fmu`"
 
 
@@ -61,8 +64,8 @@ def build_model(
     model: Annotated[
         str,
         typer.Argument(
-            metavar="MODEL",
-            help="A model that `fmu list` shows.",
+            metavar="MODEL|ROBOT",
+            help="A robot: its plant, with the values of its file. Or a model that `fmu list` shows.",
             autocompletion=completing("fmu.plants:names"),
         ),
     ],
@@ -73,21 +76,26 @@ def build_model(
         typer.Option("--out", "-o", metavar="FILE", help="Where it goes.", show_default="MODEL.fmu"),
     ] = None,
 ) -> None:
-    """Build a model's FMU, with its sources inside.
+    """Build a robot's plant, or a model, as an FMU, with its sources inside.
 
     It holds a binary for this machine, and for Linux and Windows on x86-64 and Linux on ARM where their
     compilers are.
     """
+    from emulators.devices import plant_of
     from fmu.build import place
     from fmu.errors import PlantError
+    from fmu.plants import find
     from fmu.platforms import here, reachable
 
     target = out or Path(f"{model}.fmu")
     others, missing = reachable()
-    with one_message(PlantError, OSError):
-        place(model, fmi, target, others)
+    with one_message(PlantError, OSError, RobotFileError):
+        robot = kinds.find(model) if model.partition(kinds.SIGN)[0] in kinds.names() else None
+        plant = find(model) if robot is None else plant_of(robot)
+        place(plant, fmi, target, others)
         size = target.stat().st_size
-    say(f"{target}: {model}, FMI {fmi}.0, co-simulation and model exchange, {size // 1024} KiB")
+    said = plant.name if robot is None else f"{plant.name} as {robot.name} has it"
+    say(f"{target}: {said}, FMI {fmi}.0, co-simulation and model exchange, {size // 1024} KiB")
     say(f"binaries: {', '.join(one.name for one in (here(), *others))}")
     for one in missing:
         lacks = f"no {one.compiler} here (Debian's {one.package})"
@@ -102,7 +110,7 @@ def check(
         typer.Option("--robot", help="The robot under whose bench it has to fit.", show_default=False),
     ] = None,
 ) -> None:
-    """Check whether an FMU is valid, starts, computes the right bits, and which robots it fits on the bench.
+    """Check an FMU: whether it is valid, starts, computes the right bits, and which robots it fits.
 
     Exit status 0: it is, and fits the robot that was named; 1: it has problems; 2: it cannot be read.
     """

@@ -1,5 +1,9 @@
 """The tables in the file of every robot with two driven wheels on one axle; a package may add to them."""
 
+from typing import Self
+
+from pydantic import model_validator
+
 from firmware_bridge.motion.differential import DifferentialBase
 from firmware_bridge.robot.table import Positive, Table
 
@@ -20,3 +24,12 @@ class Geometry(Table):
 
     base: DifferentialBase
     limits: Limits
+
+    @model_validator(mode="after")
+    def _fits_between_its_wheels(self) -> Self:
+        radius, track = self.base.wheel_radius_m, self.base.track_m
+        if radius >= track:
+            raise ValueError(
+                f"wheel_radius_m = {radius:g} is not below track_m = {track:g}: both are in metres"
+            )
+        return self

@@ -154,7 +154,7 @@ def _captured(axes: list[Raw], sensors: list[Raw], links: Mapping[str, Raw]) -> 
 def _guarded(table: Raw, axes: list[Raw]) -> Iterator[Problem]:
     guard = _within(table, "guard")
     names = [str(axis.get("name")) for axis in axes]
-    by_speed = [str(axis.get("name")) for axis in axes if axis.get("command") == "speed"]
+    by_position = [str(axis.get("name")) for axis in axes if axis.get("command") == "position"]
     for key in ("sums", "exclusive"):
         yield from _once(_tables(guard, key), f"guard.{key}", "name")
     for index, row in enumerate(_tables(guard, "sums")):
@@ -162,7 +162,7 @@ def _guarded(table: Raw, axes: list[Raw]) -> Iterator[Problem]:
             key = f"guard.sums[{index}].of.{axis}"
             if axis not in names:
                 yield Problem(key, f"no such axis; {near(axis, names)}")
-            elif axis not in by_speed:
+            elif axis in by_position:
                 yield Problem(key, "is commanded by position; a sum is of axes with command = 'speed'")
     for index, row in enumerate(_tables(guard, "exclusive")):
         yield from _apart(f"guard.exclusive[{index}]", row, names)

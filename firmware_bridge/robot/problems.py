@@ -65,9 +65,11 @@ def near(name: object, known: Collection[str], most: int = MOST_NAMES) -> str:
 
 
 def problems_of(error: ValidationError, model: type[BaseModel]) -> Iterator[Problem]:
-    """Yield every mistake that a model has found."""
-    for one in error.errors():
-        yield Problem(path(one["loc"]), _said(one, model))
+    """Yield every mistake that a model has found; a list is not short for what is wrong within it."""
+    found = [(path(one["loc"]), one) for one in error.errors()]
+    for key, one in found:
+        if one["type"] != "too_short" or not any(other.startswith(f"{key}[") for other, _ in found):
+            yield Problem(key, _said(one, model))
 
 
 def path(location: tuple[int | str, ...]) -> str:

@@ -1,7 +1,7 @@
 """One message from a ground station, and what it may bring about in the bridge."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final, TypeAlias
 
 from firmware_bridge.intent import (
@@ -22,8 +22,8 @@ from firmware_bridge.teleop.manual_control import stick_of, unread
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.schedule import Schedule
 from firmware_bridge.teleop.session import Asked, Motion, Peer, Said, Session
-from firmware_bridge.teleop.setpoints import channels_of, pressed, stick_of_channels, velocity_of
-from firmware_bridge.teleop.station import AnyStation, Stick, Switch, Unusable
+from firmware_bridge.teleop.setpoints import channels_of, pressed, stick_of_channels, turns_alone, velocity_of
+from firmware_bridge.teleop.station import AnyStation, Stick, Switch, Unusable, Velocity
 from firmware_bridge.units import Nanoseconds, to_seconds
 
 STOPS: Final = (Disarm, EmergencyStop, Pause)
@@ -269,10 +269,21 @@ class Exchange:
         snapshot = self.session.snapshot
         heading = None if snapshot is None else snapshot.pose.heading_rad
         velocity = velocity_of(self.message, self.station.largest(self.session.robot), heading)
+        if not isinstance(velocity, Unusable) and turns_alone(self.message):
+            velocity = self._turned(velocity)
         if isinstance(velocity, Unusable):
             self.refuse(velocity)
         elif self.newest():
             self.move(velocity, velocity.asked)
+
+    def _turned(self, velocity: Velocity) -> Velocity | Unusable:
+        """Refuse a yaw rate alone where it turns nothing: a robot that steers turns only as it drives."""
+        wish, still = self.session.intent.wish, replace(velocity, yaw_rate_rad_s=0.0)
+        if velocity.yaw_rate_rad_s and self.session.wished(velocity, wish) == self.session.wished(
+            still, wish
+        ):
+            return Unusable("turn alone", "this robot does not turn where it stands; send a velocity, too")
+        return velocity
 
     def move(self, motion: Motion, deflected: str) -> None:
         """Take a motion command for the newest wish, unless it is none; `deflected` is empty for neutral."""

@@ -74,9 +74,14 @@ def _set_mode(exchange: Exchange) -> None:
         ),
         exchange,
     )
-    if exchange.refusal is not None:
-        exchange.warn("command", exchange.refusal)
+    _give_reason(exchange, answer.reason)
     _acknowledge(exchange, dialect.MAVLINK_MSG_ID_SET_MODE, answer.result)
+
+
+def _give_reason(exchange: Exchange, reason: str) -> None:
+    """Tell an answer's reason; the same in a row is told now and then, the answer itself comes each time."""
+    if reason:
+        exchange.warn("command" if exchange.refusal is not None else reason, reason)
 
 
 def _order(exchange: Exchange, order: Order, *, repeated: bool) -> None:
@@ -93,9 +98,7 @@ def _order(exchange: Exchange, order: Order, *, repeated: bool) -> None:
         return
     if bystander_stops:
         peer.stop_answered_at = exchange.now
-    if answer.reason:
-        # The same reason in a row is told now and then; the answer itself comes each time.
-        exchange.warn("command" if exchange.refusal is not None else answer.reason, answer.reason)
+    _give_reason(exchange, answer.reason)
     peer.answered = Answered(order.command, order.params, answer.result, exchange.now)
     _acknowledge(exchange, order.command, answer.result)
 

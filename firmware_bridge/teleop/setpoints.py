@@ -24,8 +24,10 @@ MAP_FRAMES: Final = frozenset({dialect.MAV_FRAME_LOCAL_NED, dialect.MAV_FRAME_LO
 
 @dataclass(frozen=True, slots=True)
 class Carries:
-    """What a type mask leaves in a set-point, beside a velocity on the plane."""
+    """What a type mask leaves in a set-point."""
 
+    level: bool
+    """A velocity on the plane; without one it is a yaw rate alone."""
     vertical: bool
     turn: bool
     """A yaw rate."""
@@ -39,17 +41,23 @@ _HEADING: Final = dialect.POSITION_TARGET_TYPEMASK_YAW_IGNORE
 _FORCE: Final = dialect.POSITION_TARGET_TYPEMASK_FORCE_SET
 """It says what an acceleration means, and so nothing where that is left out: DroneKit sets it in 4039."""
 _NO_PLACE_NO_ACCELERATION: Final = 0x01C7
+_LEVEL: Final = dialect.POSITION_TARGET_TYPEMASK_VX_IGNORE | dialect.POSITION_TARGET_TYPEMASK_VY_IGNORE
 _MASKS: Final = {
     _NO_PLACE_NO_ACCELERATION
     | (0 if vertical else _VERTICAL)
     | (0 if turn else _TURN)
-    | (0 if heading else _HEADING): Carries(vertical, turn, heading)
+    | (0 if heading else _HEADING): Carries(level=True, vertical=vertical, turn=turn, heading=heading)
     for vertical in (False, True)
     for turn in (False, True)
     for heading in (False, True)
+} | {
+    _NO_PLACE_NO_ACCELERATION | _LEVEL | _HEADING | (0 if vertical else _VERTICAL): Carries(
+        level=False, vertical=vertical, turn=True, heading=False
+    )
+    for vertical in (False, True)
 }
 """Type masks with a velocity and without place and acceleration: 1511 and 3559, 1479 and 2503 of MAVSDK and
-MAVROS, 4039 of DroneKit."""
+MAVROS, 4039 of DroneKit; and with a yaw rate alone, 1535."""
 
 _ABSURD: Final = 10.0
 """Times the robot's limit; nobody who drives means it."""
@@ -111,6 +119,12 @@ def stick_of_channels(channels: Mapping[int, int], rows: Iterable[Channel], dead
     return Told(stick, deflected)
 
 
+def turns_alone(message: Message) -> bool:
+    """Return whether a set-point carries a yaw rate, and no velocity."""
+    carries = _MASKS.get(message.type_mask & ~_FORCE)
+    return carries is not None and not carries.level
+
+
 def velocity_of(message: Message, largest: Twist, heading_rad: float | None = None) -> Velocity | Unusable:
     """Read a SET_POSITION_TARGET_LOCAL_NED of a robot whose limits are `largest`, and which heads there.
 
@@ -125,11 +139,12 @@ def velocity_of(message: Message, largest: Twist, heading_rad: float | None = No
         )
     yaw_rate = -message.yaw_rate if carries.turn else 0.0
     climb = message.vz if carries.vertical else 0.0
-    if not all(map(math.isfinite, (message.vx, message.vy, climb, yaw_rate))):
+    vx, vy = (message.vx, message.vy) if carries.level else (0.0, 0.0)
+    if not all(map(math.isfinite, (vx, vy, climb, yaw_rate))):
         return Unusable("not finite", "a velocity that is no finite number")
-    if message.vx == message.vy == climb == yaw_rate == 0.0:
+    if vx == vy == climb == yaw_rate == 0.0:
         return Velocity(0.0, 0.0, 0.0 if carries.turn else None)
-    along: tuple[float, float] | Unusable = _along(message, largest, heading_rad)
+    along: tuple[float, float] | Unusable = _along(message.coordinate_frame, (vx, vy), largest, heading_rad)
     if carries.heading:
         along = Unusable("heading", f"type mask {message.type_mask} asks for a heading; send a yaw rate")
     elif climb != 0.0:
@@ -139,15 +154,18 @@ def velocity_of(message: Message, largest: Twist, heading_rad: float | None = No
     return _sane(Velocity(*along, yaw_rate if carries.turn else None), largest)
 
 
-def _along(message: Message, largest: Twist, heading_rad: float | None) -> tuple[float, float] | Unusable:
+def _along(
+    frame: int, velocity: tuple[float, float], largest: Twist, heading_rad: float | None
+) -> tuple[float, float] | Unusable:
     """Return the velocity forward and left; one on the map is followed by a robot that can go any way."""
-    if message.coordinate_frame in BODY_FRAMES:
-        return message.vx, 0.0 - message.vy  # of a zero no negative one
+    vx, vy = velocity
+    if frame in BODY_FRAMES:
+        return vx, 0.0 - vy  # of a zero no negative one
     if largest.left_mps == 0.0 or heading_rad is None:
         reason = "only body frames 8, 9 and 12: it cannot go sideways"
-        return Unusable("frame", f"frame {message.coordinate_frame}; {reason}")
+        return Unusable("frame", f"frame {frame}; {reason}")
     cosine, sine = math.cos(heading_rad), math.sin(heading_rad)
-    return message.vx * cosine - message.vy * sine, -message.vx * sine - message.vy * cosine
+    return vx * cosine - vy * sine, -vx * sine - vy * cosine
 
 
 def _sane(velocity: Velocity, largest: Twist) -> Velocity | Unusable:

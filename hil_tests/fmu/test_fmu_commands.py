@@ -12,13 +12,15 @@ from fmpy.model_description import read_model_description
 from typer.testing import CliRunner
 
 from emulators.bench.rehearsal import rehearsal_of
+from emulators.devices import plant_parameters
 from emulators.stepper_bank import ANGLES, INPUTS
 from firmware_bridge import kinds
 from firmware_bridge.cli import program
 from fmu.build import ensure
-from fmu.errors import PlantError
-from fmu.plants import names
+from fmu.errors import PlantError, UnknownNameError
+from fmu.plants import find, names
 from fmu.platforms import Platform, elsewhere, find_compiler, here
+from fmu.sources import token_of
 from fmu.summary import summary
 
 
@@ -59,7 +61,7 @@ def test_build_writes_what_check_finds_good(tmp_path: Path, fmi: int) -> None:
     path = tmp_path / "new" / "plant.fmu"
     status, out, err = run("build", "rars", "--fmi", str(fmi), "--out", str(path))
     assert (status, err) == (0, "")
-    assert out.startswith(f"{path}: rars, FMI {fmi}.0, co-simulation and model exchange, ")
+    assert out.startswith(f"{path}: rars as rars has it, FMI {fmi}.0, co-simulation and model exchange, ")
     assert read_model_description(str(path)).fmiVersion == f"{fmi}.0"
     status, out, err = run("check", str(path))
     assert (status, err) == (0, "")
@@ -260,3 +262,28 @@ def test_each_command_explains_itself_with_an_example(command: str) -> None:
     status, out, _ = run(command, "--help")
     assert status == 0
     assert f"firmware-bridge fmu {command}" in out
+
+
+@pytest.mark.long(keeps=["climber"])
+@pytest.mark.parametrize("name", kinds.names())
+def test_a_robot_s_plant_begins_with_what_its_file_says(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "plant.fmu"
+    assert run("build", name, "--out", str(path))[0] == 0
+    given = {
+        variable.name: float(variable.start)
+        for variable in read_model_description(str(path)).modelVariables
+        if variable.causality == "parameter"
+    }
+    wanted = plant_parameters(kinds.find(name))
+    assert len(wanted) > 5
+    assert {key: given[key] for key in wanted} == wanted
+
+
+def test_a_plant_s_own_start_values_are_those_of_its_equations() -> None:
+    climber = find("climber")
+    other = climber.starting({"gear_wheel": 30.0})
+    assert {row.name: row.start for row in other.model().parameters}["gear_wheel"] == 30.0
+    assert token_of(other) != token_of(climber)
+    assert token_of(climber.starting({})) == token_of(climber)
+    with pytest.raises(UnknownNameError, match="the plant 'climber' has no parameter"):
+        climber.starting({"wings": 2.0})

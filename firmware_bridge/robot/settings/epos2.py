@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from enum import StrEnum
+from types import MappingProxyType
 from typing import Annotated, Final, NamedTuple, Self
 
 from pydantic import Field, field_validator, model_validator
@@ -193,6 +194,10 @@ class Profile(Table):
     max_following_error_qc: Moving
 
 
+MOTOR_TYPES: Final = MappingProxyType({1: "brushed DC", 10: "EC, sinusoidal", 11: "EC, block"})
+"""What 0x6402 may be (EPOS2 firmware specification)."""
+
+
 class Epos2Axis(Table):
     """One drive, its motor and its encoder."""
 
@@ -213,6 +218,14 @@ class Epos2Axis(Table):
         if self.peak_current_ma < self.continuous_current_ma:
             raise ValueError("peak_current_ma must not be below continuous_current_ma")
         return self
+
+    @field_validator("motor_type")
+    @classmethod
+    def _is_known(cls, motor_type: int) -> int:
+        if motor_type not in MOTOR_TYPES:
+            known = ", ".join(f"{number} ({what})" for number, what in MOTOR_TYPES.items())
+            raise ValueError(f"0x6402 knows {known}")
+        return motor_type
 
     @model_validator(mode="after")
     def _the_drive_gives_it(self) -> Self:

@@ -100,3 +100,34 @@ def test_currents_beyond_the_drive_s_are_told_with_what_it_takes(
     changes: tuple[tuple[str, str], ...], told: str
 ) -> None:
     assert told in problems(CARRIER, *changes)
+
+
+def test_one_wrong_key_of_an_axis_makes_no_other_mistake() -> None:
+    misspelt = CARRIER.replace('command = "speed"', 'comand = "speed"', 1)
+    assert problems(misspelt).splitlines() == [
+        "carrier.toml: axes[0].command: is missing",
+        "carrier.toml: axes[0].comand: no such key; perhaps 'command'?",
+    ]
+    second = CARRIER.index("[[axes]]", CARRIER.index("[[axes]]") + 1)
+    alone = CARRIER[: CARRIER.index("[[axes]]")] + CARRIER[second:]
+    found = problems(alone, ("top_speed = 10.33", "top_speeed = 10.33"))
+    assert "axes[0].top_speeed: no such key; perhaps 'top_speed'?" in found
+    assert "must have at least 1" not in found
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ((RADIUS, "wheel_radius_m = 0.4"), "wheel_radius_m = 0.4 is not below track_m = 0.35"),
+        (
+            ("ratio = 43.0", "ratio = 0.0233"),
+            "axes[0].ratio: with 0.0233 top_speed turns the motor with 2.3 rpm",
+        ),
+        (
+            ("motor_type = 1 ", "motor_type = 2 "),
+            "axes[0].settings.motor_type: 0x6402 knows 1 (brushed DC), 10 (EC",
+        ),
+    ],
+)
+def test_numbers_that_no_robot_has_are_refused_with_the_reason(change: tuple[str, str], told: str) -> None:
+    assert told in problems(CARRIER, change)

@@ -25,6 +25,7 @@ from firmware_bridge.teleop.commands import ROWS
 from firmware_bridge.teleop.mavlink import dialect
 from hil_tests.unit.teleop.bench import acks
 from hil_tests.unit.teleop.heard import texts
+from hil_tests.unit.teleop.test_manual_control import bench_of
 
 if TYPE_CHECKING:
     from hil_tests.unit.teleop.bench import RarsBench
@@ -346,3 +347,10 @@ def test_commands_for_others_are_left_alone(bench: RarsBench, target: tuple[int,
 @pytest.mark.parametrize("target", [(0, 0), (1, 0), (0, 1), (1, 1)])
 def test_commands_for_everybody_are_for_us(bench: RarsBench, target: tuple[int, int]) -> None:
     assert acks(bench.order(400, 1, target=target)) == [(400, ACCEPTED)]
+
+
+def test_a_mode_that_set_mode_asks_for_in_vain_comes_with_the_reason(bench: RarsBench) -> None:
+    replies = bench.say(dialect.MAVLink_set_mode_message(1, 1, 999))
+    assert acks(replies) == [(11, DENIED)]
+    assert "".join(texts(replies)) == "".join(texts(bench_of("rars").order(176, 1, 999)))
+    assert "there are no others" in "".join(texts(replies))

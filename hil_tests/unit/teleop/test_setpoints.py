@@ -13,6 +13,8 @@ from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.setpoints import pressed, velocity_of
 from firmware_bridge.teleop.station import Stick, Twist, Unusable, Velocity
 from hil_tests.unit.teleop.bench import target_message
+from hil_tests.unit.teleop.heard import texts
+from hil_tests.unit.teleop.test_manual_control import bench_of
 
 STATION = kinds.kind_of(kinds.find("rars")).station
 LARGEST = Twist(0.5, 0.0, 1.25)
@@ -104,7 +106,7 @@ def test_masks_of_velocity_are_followed(mask: int, yaw_rate: float | None) -> No
 
 @pytest.mark.parametrize(
     "mask",
-    [0x0000, 0x0DFC, 0x09FF, 0x05FF, 0x0FFF, 0x0DE6, 0x09E7, 2503, 2496, 0x05E7 & ~0x40, 0xFFFF, 0x05EF],
+    [0x0000, 0x0DFC, 0x09FF, 0x01FF, 0x0FFF, 0x0DE6, 0x09E7, 2503, 2496, 0x05E7 & ~0x40, 0xFFFF, 0x05EF],
 )
 def test_other_masks_are_refused(mask: int) -> None:
     found = target(0.2, 0.0, mask=mask)
@@ -187,3 +189,25 @@ def test_the_absurd_is_refused(vx: float, vy: float, yaw_rate: float) -> None:
 )
 def test_what_is_merely_too_much_is_left_to_the_interlocks(vx: float, vy: float, yaw_rate: float) -> None:
     assert target(vx, yaw_rate, vy=vy) == Velocity(vx, -vy, -yaw_rate)
+
+
+YAW_RATE_ALONE = 1535
+
+
+def test_a_yaw_rate_alone_is_one_whatever_stands_in_the_velocity() -> None:
+    found = target(math.nan, -0.25, mask=YAW_RATE_ALONE, vy=7.0)
+    assert found == Velocity(0.0, 0.0, 0.25)
+
+
+@pytest.mark.parametrize(
+    ("name", "turns"), [("rome", True), ("carrier", True), ("climber", True), ("rars", False)]
+)
+def test_a_yaw_rate_alone_turns_a_robot_that_can_turn_where_it_stands(name: str, *, turns: bool) -> None:
+    bench = bench_of(name)
+    bench.target(0.0, 0.0)
+    still = bench.wish
+    said = "".join(texts(bench.target(0.0, 0.25, mask=YAW_RATE_ALONE)))
+    assert (bench.wish != still) is turns
+    why = "this robot does not turn where it stands; send a velocity, too"
+    assert said == ("" if turns else f"SET_POSITION_TARGET_LOCAL_NED refused: {why}")
+    assert "".join(texts(bench.target(0.0, 0.0, mask=YAW_RATE_ALONE))) == "", "to stand still it can"
