@@ -60,7 +60,10 @@ class Plant:
         for name in values:
             if name not in known:
                 raise _unknown(f"the plant '{self.name}' has no parameter", name, known)
-        return replace(self, starts=dict(values), parameters=_started(self.parameters, values))
+        own = {row.name: row.start for row in self.parameters}
+        others = {name: value for name, value in values.items() if value != own[name]}
+        # One that begins as it does anyway is the one that comes with the package, and needs no compiler.
+        return replace(self, starts=others, parameters=_started(self.parameters, others)) if others else self
 
     def parameter_set(self, name: str) -> dict[str, float]:
         """Return a named parameter set; UnknownNameError where there is none."""
