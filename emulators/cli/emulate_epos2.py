@@ -183,7 +183,6 @@ class DrivesOptions(Outside):
 
 
 DEFAULT_BIT_RATE: Final = 1_000_000
-"""Of an encoder in one turn, as 0x2210:1 takes them."""
 
 
 def run(given: DrivesOptions) -> None:

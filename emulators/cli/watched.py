@@ -10,12 +10,11 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.recording import Direction, Recorded
 from firmware_bridge.units import Nanoseconds, to_seconds
 from firmware_bridge.wire.canopen import EMERGENCY, ERROR_CONTROL, SDO_REQUEST, SDO_RESPONSE
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.address import DEVICE_TYPE
 from firmware_bridge.wire.sdo import encode_upload
 
 OWN: Final = {SDO_RESPONSE: "answers", ERROR_CONTROL: "heartbeats", EMERGENCY: "emergencies"}
 """What nobody but the node itself sends."""
-DEVICE_TYPE: Final = Address(0x1000, 0)
 
 
 def keeping_said(mega: Mega, name: str = "the board") -> None:

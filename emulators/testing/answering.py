@@ -19,7 +19,7 @@ from firmware_bridge.shell.ports import open_can
 from firmware_bridge.units import from_seconds
 from firmware_bridge.wire.arduino import ar2, arduinoio, firmata, mw, mw_messages, ros_arduino_bridge
 from firmware_bridge.wire.canopen import SDO_REQUEST, SDO_RESPONSE
-from firmware_bridge.wire.epos2.address import Address
+from firmware_bridge.wire.epos2.address import DEVICE_TYPE
 from firmware_bridge.wire.maxon.frame import Answered, Frame, Generation
 from firmware_bridge.wire.maxon.lines import host_end
 from firmware_bridge.wire.sdo import UploadResponse, decode_response, encode_upload
@@ -32,7 +32,6 @@ BOOTS: Final = 30
 """Looks, 1.5 s: a byte within the boot loader's 1.1 s keeps it for 9 s."""
 BOOTS_AGAIN: Final = 220
 """Looks, 11 s: those 9 s, and what comes after."""
-DEVICE_TYPE: Final = Address(0x1000, 0)
 READ_OBJECT: Final = 0x10
 NO_ERROR: Final = bytes(4)
 ROOM: Final = 4096

@@ -276,4 +276,4 @@ def test_no_motor_is_given_more_than_its_drive_has_and_that_is_said(
     currents = {(one["continuous_current_ma"], one["peak_current_ma"]) for one in settings}
     continuous = min(5770, device.continuous_ma)
     assert currents == {(continuous, min(2 * continuous, device.peak_ma))}
-    assert ("A for ever" in told.output) is (device.continuous_ma < 5770)
+    assert ("are more than an EPOS2" in told.output) is (device.continuous_ma < 5770)

@@ -7,10 +7,9 @@ from typing import Any, Final, Literal, get_args, get_origin
 from pydantic.fields import FieldInfo
 
 from emulators.bench.faults import KINDS, Kind
+from emulators.cli.faults import COMMON
 
 HEADINGS: Final = ("key", "what it says", "values", "without it")
-COMMON: Final = frozenset({"at_s", "title", "until_s", "for_s"})
-"""Keys that the page explains once for all."""
 _SIGNS: Final = MappingProxyType({"ge": ">=", "gt": ">", "le": "<=", "lt": "<"})
 """How pydantic calls a bound."""
 

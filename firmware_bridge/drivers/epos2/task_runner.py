@@ -147,7 +147,7 @@ class TaskRunner:
             return self.go_on((), now)
         return self.go_on(self._scripts.go_on(now), now)
 
-    def judge(self, kept: bool) -> None:  # noqa: FBT001 - the one thing that it takes
+    def judge(self, *, kept: bool) -> None:
         """Learn whether a drive that was silent has kept its set-up."""
         if self.doubted and not kept:
             self._feedback.restart()

@@ -334,7 +334,7 @@ class PaperCart:
         for _ in range(cycles):
             self.now += self.robot.cycle
             if self.talks:
-                self._speaks()
+                self.speaks()
             self.fleets.sample(self.cycle, self.now)
             self.cycle += 1
             for name, driver in self.drivers.items():
@@ -363,7 +363,7 @@ class PaperCart:
         """Return how often each axis has been told something."""
         return {name: len(driver.demands) for name, driver in self.drivers.items()}
 
-    def _speaks(self) -> None:
+    def speaks(self) -> None:
         x, r = round(self.ahead * 1000), round(-self.brush * 1000)
         message = dialect.MAVLink_manual_control_message(1, x, 0x7FFF, 0x7FFF, r, 0)
         self._operator.hear(

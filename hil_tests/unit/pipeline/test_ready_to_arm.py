@@ -27,7 +27,7 @@ def test_controls_that_were_deflected_from_the_start_are_let_go_where_a_cycle_se
     cart.ahead = 0.5
     cart.runs(10)
     cart.ahead = 0.0
-    cart._speaks()  # noqa: SLF001 - between two cycles
+    cart.speaks()  # between two cycles
     assert cart.asks(ARM).accepted
     cart.ahead = 0.5
     cart.runs(5)
@@ -57,7 +57,7 @@ def test_who_lets_go_after_a_silence_has_let_go_however_soon_he_goes_on(
     cart = after_a_silence()
     for share in shares:
         cart.ahead = share
-        cart._speaks()  # noqa: SLF001 - between two cycles
+        cart.speaks()  # between two cycles
     cart.talks = True
     cart.runs(10)
     assert ("controls deflected" not in cart.held()) is moves
@@ -67,7 +67,7 @@ def test_who_lets_go_after_a_silence_has_let_go_however_soon_he_goes_on(
 def test_who_let_go_before_the_silence_was_seen_has_not() -> None:
     cart = PaperCart()
     cart.arms()
-    cart._speaks()  # noqa: SLF001 - the last thing that is heard
+    cart.speaks()  # the last thing that is heard
     cart.talks = False
     cart.runs(20)
     cart.talks, cart.ahead = True, 0.5
@@ -90,7 +90,7 @@ def test_a_bridge_that_has_just_stood_still_is_not_armed() -> None:
     cart = PaperCart()
     cart.runs(10)
     cart.now += SECOND
-    cart._speaks()  # noqa: SLF001 - what waited in the port is heard first
+    cart.speaks()  # what waited in the port is heard first
     for driver in cart.drivers.values():
         driver.heard(cart.now)
     verdict = cart.asks(Arm())

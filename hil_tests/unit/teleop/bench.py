@@ -202,3 +202,10 @@ def rars() -> RarsBench:
 def acks(messages: list[Any]) -> list[tuple[int, int]]:
     """Return command and result of each COMMAND_ACK."""
     return [(one.command, one.result) for one in messages if one.get_type() == "COMMAND_ACK"]
+
+
+def bench_of(name: str) -> Bench[Any, Any, Any]:
+    """Return a bench of an installed robot, whose body tells nothing."""
+    robot = kinds.find(name)
+    kind = kinds.kind_of(robot)
+    return Bench(robot, kind.station, kind.rest, None, ())

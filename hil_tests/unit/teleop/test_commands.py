@@ -23,9 +23,8 @@ from firmware_bridge.intent import (
 )
 from firmware_bridge.teleop.commands import ROWS
 from firmware_bridge.teleop.mavlink import dialect
-from hil_tests.unit.teleop.bench import acks
+from hil_tests.unit.teleop.bench import acks, bench_of
 from hil_tests.unit.teleop.heard import texts
-from hil_tests.unit.teleop.test_manual_control import bench_of
 
 if TYPE_CHECKING:
     from hil_tests.unit.teleop.bench import RarsBench

@@ -11,18 +11,12 @@ from firmware_bridge.teleop.manual_control import UNUSED
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.station import USUAL_AXES, Station, Stick, StickAxis
 from firmware_bridge.units import MILLISECOND, SECOND
-from hil_tests.unit.teleop.bench import CYCLE, Bench, RarsBench, rars
+from hil_tests.unit.teleop.bench import CYCLE, RarsBench, bench_of, rars
 from hil_tests.unit.teleop.heard import texts
 from hil_tests.unit.teleop.toy import toy
 
 LIFTS = 1 << 3
 ROBOTS = kinds.names()
-
-
-def bench_of(name: str) -> Bench[Any, Any, Any]:
-    robot = kinds.find(name)
-    kind = kinds.kind_of(robot)
-    return Bench(robot, kind.station, kind.rest, None, ())
 
 
 def manual(x: int = 0, y: int = 0, z: int = 0, r: int = 0, buttons: int = 0) -> Any:

@@ -12,9 +12,8 @@ from firmware_bridge.teleop.manual_control import UNUSED, Lever, stick_of
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.setpoints import pressed, velocity_of
 from firmware_bridge.teleop.station import Stick, Twist, Unusable, Velocity
-from hil_tests.unit.teleop.bench import target_message
+from hil_tests.unit.teleop.bench import bench_of, target_message
 from hil_tests.unit.teleop.heard import texts
-from hil_tests.unit.teleop.test_manual_control import bench_of
 
 STATION = kinds.kind_of(kinds.find("rars")).station
 LARGEST = Twist(0.5, 0.0, 1.25)

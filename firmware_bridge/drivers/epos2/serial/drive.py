@@ -205,7 +205,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         elif address == ERROR_REGISTER.address and raw != b"\0" and not feedback.fault and not self.busy:
             self.read(_NEWEST_ERROR, Rank.ROTATING)
         elif address == self._watch.address:
-            self._tasks.judge(raw == self._watch.raw)
+            self._tasks.judge(kept=raw == self._watch.raw)
         elif address == NEWEST_ERROR:
             feedback.fault = int.from_bytes(raw[:2], "little")
 
