@@ -1,6 +1,6 @@
 """The emulated half of a robot: its drives and the plant below them, for the bench and for a real bus."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -17,15 +17,15 @@ from emulators.epos2.objects.device_profile import DeviceProfile, numbered, real
 from emulators.epos2.objects.saved_parameters import Storage
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
-from emulators.servo.bank import ServoBank, plant_outputs
+from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
 from emulators.servo.fmu_axes import HELD, LIFTED, fmu_bank, fmu_plant, tell_motor
 from emulators.servo.pins import SWITCHES, input_lines
 from emulators.shield_bank import ShieldBank, ShieldMotor
-from emulators.stepper_bank import ANGLES, INPUTS, PlantJoints, StepperBank, stepper_plant
+from emulators.stepper_bank import ANGLES, FIELDS, INPUTS, PlantJoints, StepperBank, stepper_plant
 from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.wire.maxon.frame import Generation
 from fmu.build import ensure
-from fmu.errors import UnknownNameError
+from fmu.errors import PlantError, UnknownNameError
 from fmu.plant import FmuPlant
 from fmu.plants import Plant
 from fmu.plants import find as find_plant
@@ -87,20 +87,23 @@ def devices(
         path, parameters = ensure(_plant(robot)), plant_parameters(robot)
     else:
         path, parameters = plant_path, robot.plant.parameters
+    mirrored = _mirrored(robot)
     if robot.ar2_links and not robot.shield_links:
-        return _on_steppers(robot, stepper_plant(path, parameters, outputs))
+        return _on_steppers(robot, stepper_plant(path, parameters, outputs, mirrored))
     names = [axis.name for axis in robot.axes if axis.link not in robot.ar2_links]
     if robot.ar2_links:
-        plant = fmu_plant(path, names, parameters, (SUPPLY, *ANGLES, *outputs), optional, told=INPUTS)
+        plant = fmu_plant(
+            path, names, parameters, (SUPPLY, *ANGLES, *outputs), optional, told=INPUTS, mirrored=mirrored
+        )
         return _on_both(robot, plant)
-    plant = fmu_plant(path, names, parameters, (SUPPLY, *outputs), optional)
+    plant = fmu_plant(path, names, parameters, (SUPPLY, *outputs), optional, mirrored=mirrored)
     if robot.shield_links:
         return _on_boards(robot, plant)
     _have_switches(robot, plant)
     axes = [ServoAxis(axis.name, axis.epos2.quadcounts_per_turn) for axis in robot.axes]
     for servo in axes:
         tell_motor(plant, servo)
-    bank = fmu_bank(plant, axes, len(plant_outputs(names)), _supply_input(robot))
+    bank = fmu_bank(plant, axes, len(plant_outputs(names)), _supply_input(robot), _turned(robot))
     drives = {
         axis.name: _drive(
             axis,
@@ -112,6 +115,22 @@ def devices(
         for axis, servo in zip(robot.axes, axes, strict=True)
     }
     return Devices(drives, bank, plant)
+
+
+def _turned(robot: AnyRobot) -> tuple[str, ...]:
+    """Return the axes whose motor is mounted the other way round: its forwards is the axis's backwards."""
+    return tuple(axis.name for axis in robot.axes if axis.direction < 0)
+
+
+def _mirrored(robot: AnyRobot) -> tuple[str, ...]:
+    """Return the plant's inputs and outputs at those motors' terminals: they have the other sign there.
+
+    An arm's motors have no encoder, and its switches stay where they are: only their fields turn over.
+    """
+    turned = [axis for axis in robot.axes if axis.direction < 0]
+    fields = [FIELDS[axis.ar2.joint - 1] for axis in turned if axis.link in robot.ar2_links]
+    names = [axis.name for axis in turned if axis.link not in robot.ar2_links]
+    return (*fields, *plant_inputs(names), *plant_outputs(names))
 
 
 def _on_boards(robot: AnyRobot, plant: FmuPlant) -> Devices:
@@ -158,12 +177,16 @@ def _shield(robot: AnyRobot, plant: FmuPlant) -> tuple[str, Board, ShieldBank]:
         raise RobotFileError(robot.name, Problem(f"links.{name}.encoders", problem))
     names = tuple(axis.name for axis in axes)
     constants = tuple(_constant(plant, axis) for axis in names)
-    counts = axes[0].shield.counts_per_turn
+    counts, *others = {axis.shield.counts_per_turn for axis in axes}
+    if others:
+        problem = "counts_per_turn must be the same for all motors of a board, to be emulated"
+        raise RobotFileError(robot.name, Problem("axes", problem))
     supply = plant.output_names.index(SUPPLY)
     holds, hoists = (_puts(plant, kind, names) for kind in (HELD, LIFTED))
     load = Load(plant, names, constants, supply, counts_per_turn=counts, holds=holds, hoists=hoists)
     auto_stop = None if firmware.auto_stop is None else link.auto_stop_ms
-    board = Board(firmware, load, encoders=link.counted, auto_stop=auto_stop)
+    wiring = tuple(axis.shield.encoder_pins for axis in axes)
+    board = Board(firmware, load, encoders=link.counted, auto_stop=auto_stop, wiring=wiring)
     motors = tuple(ShieldMotor(axis.name, board, axis.shield.port) for axis in axes)
     return name, board, ShieldBank({name: board}, motors)
 
@@ -196,7 +219,7 @@ def _constant(plant: FmuPlant, axis: str) -> float:
 
 def _have_switches(robot: AnyRobot, plant: FmuPlant) -> None:
     """Check that the plant has the switches by which axes are homed; RobotFileError."""
-    wired = input_lines(plant.output_names, [axis.name for axis in robot.axes])
+    wired = input_lines(plant.output_names, [axis.name for axis in robot.axes], _turned(robot))
     closed = {(line.axis, line.mask) for line in wired}
     for index, axis in enumerate(robot.axes):
         switch = None if axis.zero.homing is None else axis.zero.homing.goes_by.switch
@@ -245,9 +268,25 @@ def plant_parameters(robot: AnyRobot) -> dict[str, float]:
     except UnknownNameError as error:
         raise RobotFileError(robot.name, Problem("plant.parameter_set", str(error))) from error
     try:
-        return found | plant.parameters_of(robot) | robot.plant.parameters
-    except UnknownNameError as error:
+        found = found | plant.parameters_of(robot) | robot.plant.parameters
+    except (UnknownNameError, PlantError) as error:
         raise RobotFileError(robot.name, Problem("plant.fmu", str(error))) from error
+    if beyond := tuple(_beyond_stops(robot, plant, found)):
+        raise RobotFileError(robot.name, *beyond)
+    return found
+
+
+def _beyond_stops(robot: AnyRobot, plant: Plant, given: Mapping[str, float]) -> Iterator[Problem]:
+    """Yield where the bridge lets an axis go to where the plant has its stop."""
+    values = {**{row.name: row.start for row in plant.parameters}, **given}
+    for index, axis in enumerate(robot.axes):
+        if axis.travel is None or axis.name not in plant.stops:
+            continue
+        for stop, end, sign in zip(plant.stops[axis.name], axis.travel, (-1.0, 1.0), strict=True):
+            if sign * end > sign * values[stop]:
+                problem = f"goes to {end:.5g} {axis.unit}, the plant's stop is at {values[stop]:.5g}"
+                say = f"narrow it, or say plant.parameters = {{ {stop} = {end:.5g} }}"
+                yield Problem(f"axes[{index}].travel", f"{problem}; {say}")
 
 
 def plant_of(robot: AnyRobot) -> Plant:

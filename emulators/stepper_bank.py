@@ -24,10 +24,15 @@ CURRENT: Final = "current_on"
 INPUTS: Final = (*FIELDS, CURRENT)
 
 
-def stepper_plant(path: Path, parameters: Mapping[str, float], outputs: Sequence[str]) -> FmuPlant:
-    """Load the plant of an arm; PlantError where it lacks its joints, or what is to be looked at."""
+def stepper_plant(
+    path: Path, parameters: Mapping[str, float], outputs: Sequence[str], mirrored: Sequence[str] = ()
+) -> FmuPlant:
+    """Load the plant of an arm; PlantError where it lacks its joints, or what is to be looked at.
+
+    `mirrored` are inputs of motors that are mounted the other way round.
+    """
     more = tuple(dict.fromkeys(name for name in outputs if name not in ANGLES))
-    return FmuPlant(path, INPUTS, (*ANGLES, *more), parameters, step=STEP)
+    return FmuPlant(path, INPUTS, (*ANGLES, *more), parameters, step=STEP, mirrored=mirrored)
 
 
 class PlantJoints(Joints):

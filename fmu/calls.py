@@ -42,7 +42,19 @@ class PlantRecord(ctypes.Structure):
         ("outputs", ctypes.c_void_p),
         ("step_ns", ctypes.c_int64),
         ("steps_done", ctypes.c_int64),
+        # Which of the inputs and outputs the plant has with the other sign, from 0.
+        ("mirrored_inputs", ctypes.c_void_p),
+        ("mirrored_input_count", ctypes.c_int64),
+        ("mirrored_outputs", ctypes.c_void_p),
+        ("mirrored_output_count", ctypes.c_int64),
     ]
+
+
+class Mirrored(NamedTuple):
+    """Which inputs and outputs the plant has with the other sign, by their places from 0."""
+
+    inputs: Sequence[int] = ()
+    outputs: Sequence[int] = ()
 
 
 class Calls(NamedTuple):
@@ -58,6 +70,11 @@ class Calls(NamedTuple):
     inputs: "ctypes.Array[ctypes.c_double]"
     outputs: "ctypes.Array[ctypes.c_double]"
     record: PlantRecord
+    held: tuple[Any, ...]
+    """What the record has the addresses of, beside the above."""
+
+
+NOT_MIRRORED: Final = Mirrored()
 
 
 def prepare(
@@ -68,6 +85,7 @@ def prepare(
     outputs: Sequence[int],
     *,
     step: int,
+    mirrored: Mirrored = NOT_MIRRORED,
 ) -> Calls:
     """Return the calls for these value references and this step in ns, for FMI 2 or 3."""
     component = ctypes.c_void_p(instance)
@@ -90,6 +108,9 @@ def prepare(
         forward = (component, time, length, no_rollback, *told, ctypes.byref(ctypes.c_double()))
     functions = [_function(library, name) for name in names]
     step_call = functions[1] if major < 3 else partial(_step_3, functions[1], over, early)  # noqa: PLR2004 - as above
+    turned_in, turned_out = (
+        (ctypes.c_int64 * len(places))(*places) for places in (mirrored.inputs, mirrored.outputs)
+    )
     addresses = [ctypes.cast(function, ctypes.c_void_p) for function in functions]
     record = PlantRecord(
         fmi=major,
@@ -104,10 +125,54 @@ def prepare(
         output_count=len(outputs),
         outputs=ctypes.addressof(values_out),
         step_ns=step,
+        mirrored_inputs=ctypes.addressof(turned_in),
+        mirrored_input_count=len(turned_in),
+        mirrored_outputs=ctypes.addressof(turned_out),
+        mirrored_output_count=len(turned_out),
     )
+    write_call: Callable[..., int] = functions[0]
+    read_call: Callable[..., int] = functions[2]
+    if mirrored.inputs:
+        write_call = partial(_write_mirrored, functions[0], values_in, mirrored.inputs)
+    if mirrored.outputs:
+        read_call = partial(_read_mirrored, functions[2], values_out, mirrored.outputs)
     return Calls(
-        functions[0], write, step_call, forward, functions[2], read, time, values_in, values_out, record
+        write_call,
+        write,
+        step_call,
+        forward,
+        read_call,
+        read,
+        time,
+        values_in,
+        values_out,
+        record,
+        (turned_in, turned_out),
     )
+
+
+def _write_mirrored(
+    write: Callable[..., int], values: "ctypes.Array[ctypes.c_double]", places: Sequence[int], *arguments: Any
+) -> int:
+    """Write the inputs, these with the other sign; the master's own values stay as it has written them."""
+    _turn_over(values, places)
+    status = write(*arguments)
+    _turn_over(values, places)
+    return status
+
+
+def _read_mirrored(
+    read: Callable[..., int], values: "ctypes.Array[ctypes.c_double]", places: Sequence[int], *arguments: Any
+) -> int:
+    status = read(*arguments)
+    if status <= OK_OR_WARNING:
+        _turn_over(values, places)
+    return status
+
+
+def _turn_over(values: "ctypes.Array[ctypes.c_double]", places: Sequence[int]) -> None:
+    for place in places:
+        values[place] = -values[place]
 
 
 def _step_3(step: Callable[..., int], over: ctypes.c_bool, early: ctypes.c_bool, *arguments: Any) -> int:

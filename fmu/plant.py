@@ -12,7 +12,7 @@ from pathlib import Path
 from types import MappingProxyType, TracebackType
 from typing import Any, Final, NamedTuple, NoReturn, Self
 
-from fmu.calls import OK_OR_WARNING, SECOND_NS, STATUS, PlantRecord, prepare
+from fmu.calls import OK_OR_WARNING, SECOND_NS, STATUS, Mirrored, PlantRecord, prepare
 from fmu.errors import PlantError, PlantWarning
 from fmu.references import References, Variable
 from fmu.states import Copy, StateError
@@ -67,11 +67,14 @@ class FmuPlant:
         units: Mapping[str, str] = _NO_UNITS,
         optional_inputs: Sequence[str] = (),
         optional_outputs: Sequence[str] = (),
+        mirrored: Sequence[str] = (),
     ) -> None:
         """Unzip, validate, instantiate, set `parameters` (SI), initialise; `step` in ns.
 
         `units` tells what the named variables must be in; an FMU without units is taken at its word. Optional
         variables follow the others where the FMU has them: `input_names` and `output_names` tell.
+        `mirrored` are those of both that `inputs` and `outputs` have with the other sign; `read` gives the
+        FMU's own.
         Raises PlantError, naming the file and what is wrong with it.
         """
         # FMPy comes with it, and most of what FMPy imports: only who has a plant waits for that.
@@ -99,7 +102,16 @@ class FmuPlant:
         component = loading.component_of(self._fmu)
         # Kept whole: the record holds bare addresses of what the calls own.
         self._calls = calls = prepare(
-            self._fmu.dll, component, version, input_references, output_references, step=step
+            self._fmu.dll,
+            component,
+            version,
+            input_references,
+            output_references,
+            step=step,
+            mirrored=Mirrored(
+                [place for place, name in enumerate(self.input_names) if name in mirrored],
+                [place for place, name in enumerate(self.output_names) if name in mirrored],
+            ),
         )
         self._record = calls.record
         self.inputs, self.outputs, self._time = calls.inputs, calls.outputs, calls.time

@@ -39,11 +39,16 @@ class Plant:
     sets: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     """Named start values of some parameters, in SI units."""
     robot_file: Mapping[str, tuple[str, float]] = field(default_factory=dict)
-    """Path into a robot's file, rows of a table by their name -> parameter, and the factor into its unit."""
+    """Path into a robot's file, rows of a table by their name -> parameter, and the factor into its unit.
+
+    Paths to one parameter must give one value.
+    """
     made_of: tuple[str, ...] = ()
     """The packages of other plants whose equations it takes."""
     starts: Mapping[str, float] = field(default_factory=dict)
     """Start values in place of the parameters' own, in SI units: see `starting`."""
+    stops: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    """Axis -> the parameters of its lower and its upper stop, in the unit of the axis in a robot's file."""
     grips: bool = False
     """Whether what holds it on a wall can let go: it has an input `grip_lost_AXIS` for each axis."""
 
@@ -74,11 +79,21 @@ class Plant:
     def parameters_of(self, robot: object) -> dict[str, float]:
         """Return the parameters that a robot's file gives, in the plant's units.
 
-        UnknownNameError, naming the path, where the robot has no such value.
+        UnknownNameError, naming the path, where the robot has no such value; PlantError where it has two
+        values for what the plant has once.
         """
-        return {
-            name: factor * _at(robot, path, self.name) for path, (name, factor) in self.robot_file.items()
-        }
+        found: dict[str, float] = {}
+        given: dict[str, str] = {}
+        for path, (name, factor) in self.robot_file.items():
+            value = factor * _at(robot, path, self.name)
+            if found.setdefault(name, value) != value:
+                one, other = found[name] / factor, value / factor
+                raise PlantError(
+                    f"the plant '{self.name}' has one '{name}' for {given[name]} = {one:g} and {path} = "
+                    f"{other:g}: make them equal, or give the robot a plant of its own"
+                )
+            given.setdefault(name, path)
+        return found
 
 
 def _started(rows: Iterable[Parameter], starts: Mapping[str, float]) -> tuple[Parameter, ...]:

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Final
 
 from emulators.arduino_omni.mega.mega import Mega, Sketch
+from emulators.arduino_omni.mega.pins import ENCODER_PINS
 from emulators.arduino_omni.motors import SUPPLY_V, Load, Motors
 from emulators.arduino_omni.shield.motor_shield import MotorShield
 from emulators.arduino_omni.sketches.arduinoio import ArduinoIoSketch
@@ -85,12 +86,16 @@ class Board:
         encoders: int | None = None,
         auto_stop: int | None = None,
         supply: float = SUPPLY_V,
+        wiring: tuple[tuple[int, int], ...] = ENCODER_PINS,
     ) -> None:
-        """Flash a firmware and put a load on the shield; `auto_stop` in ms, `supply` of the motors in V."""
+        """Flash a firmware and put a load on the shield; `auto_stop` in ms, `supply` of the motors in V.
+
+        `wiring` has the two pins at which each motor's encoder is.
+        """
         count = firmware.encoders[0] if encoders is None else encoders
         stop = auto_stop if auto_stop is not None else firmware.auto_stop or 0
         shield = MotorShield()
-        self.motors: Final = Motors(shield, load, supply=supply)
+        self.motors: Final = Motors(shield, load, wiring, supply=supply)
         self.mega: Final = Mega(
             lambda mega: firmware.make(mega, count, stop),
             firmware.baud,

@@ -134,6 +134,8 @@ class Motors(Shafts):
     ) -> None:
         """Put a load on a shield; motors beyond the wired encoders turn unseen. `supply` in V."""
         super().__init__(wiring)
+        self.wiring: Final = wiring
+        """The two pins of each motor's encoder."""
         self._channels: Final = {
             pin: (motor, channel) for motor, pins in enumerate(wiring) for channel, pin in enumerate(pins)
         }

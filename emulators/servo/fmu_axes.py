@@ -28,11 +28,12 @@ def fmu_plant(
     optional: Sequence[str] = (),
     *,
     told: Sequence[str] = (),
+    mirrored: Sequence[str] = (),
 ) -> FmuPlant:
     """Load the plant of these axes; PlantError.
 
     `told` are inputs that are needed beside theirs, `more` outputs; `optional` are outputs that are read
-    where it has them.
+    where it has them. `mirrored` are inputs and outputs of motors that are mounted the other way round.
     """
     own = plant_outputs(axes)
     return FmuPlant(
@@ -50,6 +51,7 @@ def fmu_plant(
             *sensor_outputs(axes),
             *(it for it in optional if it not in more),
         ),
+        mirrored=mirrored,
     )
 
 
@@ -58,15 +60,20 @@ def fmu_bank(
     axes: Sequence[ServoAxis],
     supply: int | None = None,
     analogue: tuple[str, float] | None = None,
+    mirrored: Sequence[str] = (),
 ) -> ServoBank:
-    """Put axes above such a plant, with the pins and sensors that it has; see `ServoBank`."""
+    """Put axes above such a plant, with the pins and sensors that it has; see `ServoBank`.
+
+    An axis that is `mirrored` has the plant's lower limit switch at its drive's positive input.
+    """
     names = [axis.name for axis in axes]
     return ServoBank(
         plant,
         axes,
         supply=supply,
         analogue=analogue,
-        input_lines=input_lines(plant.output_names, names) + sensor_lines(plant.output_names, names),
+        input_lines=input_lines(plant.output_names, names, mirrored)
+        + sensor_lines(plant.output_names, names),
         output_lines=output_lines(plant.input_names, names),
     )
 

@@ -14,6 +14,10 @@ OUTPUT_PINS: Final = 5
 """Digital outputs of the 70/10 (maxon EDS: entries of 0x2079)."""
 SWITCHES: Final = MappingProxyType({"negative_limit": 6, "positive_limit": 5, "home": 4})
 """Where a plant's switches are wired: the pins that have these functions by default in 0x2070."""
+MIRRORED: Final = MappingProxyType(
+    SWITCHES | {"negative_limit": SWITCHES["positive_limit"], "positive_limit": SWITCHES["negative_limit"]}
+)
+"""The same at a drive whose motor is mounted the other way round."""
 BRAKE_CLOSED: Final = 1 << 15
 """Beside the levels of the output pins (bit 0 is pin 1): the holding brake is closed."""
 
@@ -37,9 +41,15 @@ def pin_inputs(axes: Sequence[str]) -> tuple[str, ...]:
     return tuple(name for axis in axes for name in _output_masks(axis))
 
 
-def input_lines(outputs: Sequence[str], axes: Sequence[str]) -> tuple[Line, ...]:
-    """Return the wires from a plant with these outputs to the input pins of the axes."""
-    return _lines(outputs, [_input_masks(axis) for axis in axes])
+def input_lines(
+    outputs: Sequence[str], axes: Sequence[str], mirrored: Sequence[str] = ()
+) -> tuple[Line, ...]:
+    """Return the wires from a plant with these outputs to the input pins of the axes.
+
+    What a drive counts as positive is the plant's negative side for a `mirrored` axis: its limit switches are
+    wired so that each ends the motion towards it.
+    """
+    return _lines(outputs, [_input_masks(axis, MIRRORED if axis in mirrored else SWITCHES) for axis in axes])
 
 
 def output_lines(inputs: Sequence[str], axes: Sequence[str]) -> tuple[Line, ...]:
@@ -47,9 +57,9 @@ def output_lines(inputs: Sequence[str], axes: Sequence[str]) -> tuple[Line, ...]
     return _lines(inputs, [_output_masks(axis) for axis in axes])
 
 
-def _input_masks(axis: str) -> dict[str, int]:
+def _input_masks(axis: str, switches: Mapping[str, int] = SWITCHES) -> dict[str, int]:
     numbered = {f"pin_{pin}_{axis}": 1 << pin - 1 for pin in range(1, INPUT_PINS + 1)}
-    return numbered | {f"{switch}_{axis}": 1 << pin - 1 for switch, pin in SWITCHES.items()}
+    return numbered | {f"{switch}_{axis}": 1 << pin - 1 for switch, pin in switches.items()}
 
 
 def _output_masks(axis: str) -> dict[str, int]:

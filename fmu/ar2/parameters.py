@@ -155,4 +155,11 @@ SETS: Final[Mapping[str, Mapping[str, float]]] = {
 }
 """Named arms: without a load, with 1 kg, and without any friction, for tests of its energy."""
 
-PLANT: Final = Plant("ar2", "fmu.ar2", PARAMETERS, SETS)
+ROBOT_FILE: Final[Mapping[str, tuple[str, float]]] = {
+    f"axes.{axis}.ratio": (f"gear_{axis}", 1.0) for axis in AXES
+}
+STOPS: Final[Mapping[str, tuple[str, str]]] = {
+    axis: (f"stop_low_{axis}", f"stop_high_{axis}") for axis in AXES
+}
+
+PLANT: Final = Plant("ar2", "fmu.ar2", PARAMETERS, SETS, ROBOT_FILE, stops=STOPS)

@@ -39,4 +39,21 @@ SETS: Final[Mapping[str, Mapping[str, float]]] = {
 }
 """With the kit's motors and wheels; with 1 kg at the tool; without any friction, for tests of its energy."""
 
-PLANT: Final = Plant("rome_arm", "fmu.rome_arm", PARAMETERS, SETS, made_of=("fmu.ar2", "fmu.rome_base"))
+ROBOT_FILE: Final[Mapping[str, tuple[str, float]]] = {
+    **{path.replace("geometry", "geometry.base"): to for path, to in base.ROBOT_FILE.items()},
+    **arm.ROBOT_FILE,
+    "geometry.balance.base_kg": ("mass", 1.0),
+    "geometry.balance.base_height_m": ("mass_height", 1.0),
+    "geometry.balance.arm_height_m": ("foot_height", 1.0),
+    **{f"geometry.balance.link_kg.{joint}": (f"mass_{axis}", 1.0) for joint, axis in enumerate(arm.AXES)},
+}
+
+PLANT: Final = Plant(
+    "rome_arm",
+    "fmu.rome_arm",
+    PARAMETERS,
+    SETS,
+    ROBOT_FILE,
+    made_of=("fmu.ar2", "fmu.rome_base"),
+    stops=arm.STOPS,
+)

@@ -92,4 +92,11 @@ The gear of 64:1 ends at 0.7 m/s at the rim, so paths have to be driven at less 
 The line (2.21) is 1 m/s, 0.87 m/s at two rims; the orbit (4.10) at 1 m/DU reaches 1.01 m/s, and some rim
 all of it. The same motor behind 30:1, another gear of the same size (ASSUME), runs 1.5 m/s without load."""
 
-PLANT: Final = Plant("rome_base", "fmu.rome_base", PARAMETERS, SETS)
+ROBOT_FILE: Final[Mapping[str, tuple[str, float]]] = {
+    "geometry.base.wheel_radius_m": ("wheel_radius", 1.0),
+    "geometry.base.wheel_distance_m": ("wheel_distance", 1.0),
+    **{f"axes.{wheel}.ratio": ("gear_wheel", 1.0) for wheel in ("one", "two", "three")},
+}
+"""One gear for all wheels: a file with different ones is refused."""
+
+PLANT: Final = Plant("rome_base", "fmu.rome_base", PARAMETERS, SETS, ROBOT_FILE)

@@ -18,12 +18,31 @@ typedef int (*step_3)(void *, double, double, bool, bool *, bool *, bool *, doub
 #define STOPPED_SHORT 7
 #define SECOND_NS 1e9
 
-static int plant_write(const plant_calls *plant)
+/* Give these of the first `count` values the other sign. */
+static void turn_over(double *values, int64_t count, const int64_t *places, int64_t mirrored)
+{
+    int64_t k;
+    for (k = 0; k < mirrored; k++)
+        if (places[k] < count)
+            values[places[k]] = -values[places[k]];
+}
+
+static int plant_set(const plant_calls *plant)
 {
     size_t count = (size_t)plant->input_count;
     if (plant->fmi == 2)
         return ((set_real)plant->write)(plant->component, plant->input_references, count, plant->inputs);
     return ((set_float64)plant->write)(plant->component, plant->input_references, count, plant->inputs, count);
+}
+
+/* The master's own values stay as it has written them. */
+static int plant_write(const plant_calls *plant)
+{
+    int status;
+    turn_over(plant->inputs, plant->input_count, plant->mirrored_inputs, plant->mirrored_input_count);
+    status = plant_set(plant);
+    turn_over(plant->inputs, plant->input_count, plant->mirrored_inputs, plant->mirrored_input_count);
+    return status;
 }
 
 /* The state may be set back to before this instant, when the world is rewound: hence no promise that it will not. */
@@ -41,12 +60,19 @@ static int plant_forward(const plant_calls *plant)
     return over ? WANTS_TO_END : early ? STOPPED_SHORT : status;
 }
 
-int servo_plant_read(const plant_calls *plant, int64_t outputs)
+static int plant_get(const plant_calls *plant, size_t count)
 {
-    size_t count = (size_t)outputs;
     if (plant->fmi == 2)
         return ((get_real)plant->read)(plant->component, plant->output_references, count, plant->outputs);
     return ((get_float64)plant->read)(plant->component, plant->output_references, count, plant->outputs, count);
+}
+
+int servo_plant_read(const plant_calls *plant, int64_t outputs)
+{
+    int status = plant_get(plant, (size_t)outputs);
+    if (status <= WARNING)
+        turn_over(plant->outputs, outputs, plant->mirrored_outputs, plant->mirrored_output_count);
+    return status;
 }
 
 int64_t servo_plant_step(plant_calls *plant, int64_t sampled, int64_t *status)

@@ -296,6 +296,10 @@ typedef struct {
     void *outputs;
     int64_t step_ns;
     int64_t steps_done;
+    void *mirrored_inputs;
+    int64_t mirrored_input_count;
+    void *mirrored_outputs;
+    int64_t mirrored_output_count;
 } plant_calls;
 
 typedef struct {

@@ -249,8 +249,8 @@ class Ar2Board:
         self._dirty = False
         steps, most = [0] * 6, [0] * 6
         for joint in self.joints:
-            ahead = joint.wanted * joint.axis.direction
-            steps[joint.number - 1], most[joint.number - 1] = ahead, joint.most
+            # Steps are digit 1's: `direction` is in what a joint counts.
+            steps[joint.number - 1], most[joint.number - 1] = joint.wanted, joint.most
         self._move = slice_of(steps, most, self._table.move)
         if self._move is None:
             return ()
@@ -277,7 +277,7 @@ class Ar2Board:
         """Know that what was sent before is done: no move is under way."""
         for joint in self.joints:
             if self._move is not None:
-                joint.moved(joint.axis.direction * self._move.steps[joint.number - 1])
+                joint.moved(self._move.steps[joint.number - 1])
             joint.released = not joint.enabled
         self._move = None
 

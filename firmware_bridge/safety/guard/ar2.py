@@ -23,7 +23,7 @@ from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 HALT: Final = b"TMhalt\n"
 """What takes motion away: nothing can, and nothing follows; its echo proves that the move is over."""
 QUESTION: Final = re.compile(rb"TM(q[0-9]{1,12}|halt)\n")
-PLACE: Final = re.compile(rb"TM([A-F])([0-9]{1,5})\n")
+PLACE: Final = re.compile(rb"TM([A-F])(-?[0-9]{1,5})\n")
 MOVE: Final = re.compile(
     rb"MJA([01])(\d{1,4})B([01])(\d{1,4})C([01])(\d{1,4})D([01])(\d{1,4})E([01])(\d{1,4})F([01])(\d{1,4})"
     rb"T00S(\d{1,3}(?:\.\d{1,6})?)G0H100I0K100\n"
