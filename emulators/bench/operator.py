@@ -48,6 +48,7 @@ class ScriptedOperator:
         self._period = SECOND // mission.send_hz
         self._controls = Controls(robot, rehearsal, mission, self._period, generator)
         self._pending: list[orders.Pending] = []
+        self._titles: dict[int, str] = {}
         self._step = 0
         self._step_at = self._due_of_step()
         self._silent_until: Nanoseconds = 0
@@ -121,6 +122,7 @@ class ScriptedOperator:
         ordered = list(orders.of_step(step, self._robot, now))
         numbers = {pending.number for pending in ordered}
         self._pending = [old for old in self._pending if old.number not in numbers] + ordered
+        self._titles |= {pending.number: pending.title for pending in ordered}
         if step.stray is None:
             return []
         return [datagram(step.stray, self._codec, self._system, self._component)]
@@ -180,7 +182,10 @@ class ScriptedOperator:
                     )
         if again and waiting and waiting[0].rejections > 1:
             return
-        title = waiting[0].title if waiting else f"command {message.command}"
+        # A second answer, to one that was ordered twice, has the name of what was ordered last.
+        title = (
+            waiting[0].title if waiting else self._titles.get(message.command, f"command {message.command}")
+        )
         result = orders.RESULTS.get(message.result, f"result {message.result}")
         self.diary.note(now, Kind.ANSWERED, f"{title}: {result}")
 

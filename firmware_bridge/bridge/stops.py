@@ -15,7 +15,7 @@ from typing import Final
 from firmware_bridge.bridge.fleets import Fleets, asks_to_stop, joined
 from firmware_bridge.drivers.driver import Demand, Driver, Position, Power, Stop
 from firmware_bridge.drivers.fleets import STOP_STEPS
-from firmware_bridge.drivers.stop_steps import StopStep, gentle_within, way
+from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN, StopStep, gentle_within, way
 from firmware_bridge.intent import NEVER_HEARD, Disarm, EmergencyStop, Pause, Request
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
@@ -118,12 +118,21 @@ class AxisStop:
         """Whether a step is under way that takes the power, ordered or not."""
         return self.escalates and self.step.ends_power
 
+    def keeps_off(self, now: Nanoseconds) -> bool:
+        """Return whether the word that took the power stays in force: its confirmation is not steady yet."""
+        off = self.progress is Progress.CONFIRMED and self.place > 0 and self.step.ends_power
+        return off and now - self.confirmed_at < STEADY
+
     def begin(self, now: Nanoseconds, *, off: bool) -> None:
         """Begin with the first step, or go on where the same stop had come to."""
         feedback, before = self.driver.feedback, self.progress
         same = before is Progress.CONFIRMED and now - self.confirmed_at < STEADY
         if same and self.off == off and self.step.ends_power:
+            # Its device, which may have restarted meanwhile, is told once more, and has its time to answer.
+            until = self.until
             self.progress = Progress.UNDER_WAY
+            self._enter(self.place, now)
+            self.until = max(until, min(self.until, self.since + TAKEN_WITHIN))
             return
         if not same and before in (Progress.CONFIRMED, Progress.NOT_ASKED):
             self.since = now
@@ -140,9 +149,13 @@ class AxisStop:
             self.progress, self.confirmed_at = Progress.CONFIRMED, now
 
     def go_on(self, now: Nanoseconds) -> None:
-        """Begin the next step, where one is left."""
-        if self.place + 1 < len(self.steps):
-            self._enter(self.place + 1, now)
+        """Begin the next step, where one is left; after the time of the gentle ones it takes the power."""
+        following = self.place + 1
+        if now >= self._gentle_until:
+            ends_power = (it for it, step in enumerate(self.steps) if it >= following and step.ends_power)
+            following = next(ends_power, following)
+        if following < len(self.steps):
+            self._enter(following, now)
         else:
             self.place, self.progress = len(self.steps), Progress.GIVEN_UP
 
@@ -317,7 +330,8 @@ class Stops:
                 stop.progress = Progress.NOT_ASKED
             else:
                 sent += self._look(stop, demand, now)
-            if (stop.escalates or stop.progress is Progress.GIVEN_UP) and demand is not Stop.POWER_OFF:
+            steps_on = stop.escalates or stop.progress is Progress.GIVEN_UP or stop.keeps_off(now)
+            if steps_on and demand is not Stop.POWER_OFF:
                 changed[name] = stop.step.demand
             elif stop.first.at_once and name in asked and not isinstance(demand, Stop):
                 changed[name] = stop.first.demand
@@ -346,6 +360,7 @@ class Stops:
             return sent
         if stop.progress is Progress.CONFIRMED:
             stop.begin(now, off=stop.off)
+            sent += self._task(stop, now) if stop.ends_power else ()
         stop.extend(now, ramped=ramped)
         return sent + (self._go_on(stop, now) if stop.late(now) else ())
 

@@ -233,6 +233,7 @@ def stories(kinds: Behaviours, seconds: list[float]) -> st.SearchStrategy[list[t
 @example(robot="rome:mw:3", story=[("silent", 1.5), ("chatters", 3.0)], order="Ctrl-C")
 @example(robot="rome:arduinoio:3", story=[("reset", 0.1), ("half answers", 3.0)], order="forced disarm")
 @example(robot="rome:mw:3", story=[("half answers", 0.1)], order="Ctrl-C")
+@example(robot="rome:ros-arduino-bridge", story=[("every other answer", 3.0)], order="Ctrl-C")
 def test_whatever_a_board_and_its_line_do_each_step_lasts_what_its_row_says(
     robot: str, story: list[tuple[str, float]], order: str
 ) -> None:

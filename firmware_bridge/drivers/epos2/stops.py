@@ -78,7 +78,8 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             "power off by SDO" if over_can else f"power off {how}",
             f"0x6040 = 0x0000 {'by SDO' if over_can else how}, and 0x6041 until it confirms",
             Stop.POWER_OFF,
-            times.by_object,
+            # A serial line may have to wait first for what a silent drive keeps it with.
+            times.by_object if over_can else 2 * times.by_object,
             task=Task.DISABLE,
             ends_power=True,
         ),

@@ -22,11 +22,14 @@ def expressed(
     outputs = {motor.number: motor.output(now) for motor in motors}
     told = outputs if dialect.on_board else {it.number: outputs[it.number] for it in motors if it.enabled}
     words = list(dialect.drive(told, {motor.number: motor.way for motor in motors}))
+    if dialect.on_board and not any(outputs.values()):
+        # Speed 0 for all releases them all: said again to motors that are released, it drives none.
+        return words, motors
     for motor in motors:
         if motor.enabled:
             motor.told(outputs[motor.number])
     if dialect.on_board:
-        return words, None if any(outputs.values()) else motors
+        return words, None
     off = [motor for motor in motors if motor.demand is Stop.POWER_OFF]
     if not off:
         return words, None

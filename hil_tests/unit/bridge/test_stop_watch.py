@@ -309,3 +309,51 @@ def test_whatever_a_moving_drive_says_the_last_step_comes_in_bounded_time(
         watched.looks(CYCLE)
     assert watched.now - began < 5 * SECOND
     assert Task.RESET in watched.driver.begun
+
+
+def without_power() -> Watched:
+    """A drive that has confirmed the step that takes its power, and nothing since."""
+    watched = Watched()
+    while Task.DISABLE not in watched.driver.begun:
+        watched.looks(CYCLE)
+    watched.driver.unpowered = True
+    watched.looks(CYCLE)
+    assert watched.confirmed()
+    return watched
+
+
+def test_the_word_that_took_the_power_stays_in_force_until_that_is_steady() -> None:
+    watched = without_power()
+    while watched.now < START + 20 * SECOND:
+        demand = watched.looks(CYCLE)["left"]
+        if demand is not Stop.POWER_OFF:
+            break
+    assert demand is Stop.REST
+    assert to_seconds(watched.now - watched.stops.of_axes["left"].confirmed_at) == pytest.approx(
+        0.5, abs=0.06
+    )
+
+
+def test_a_drive_set_up_anew_after_its_power_off_is_told_once_more_before_it_is_reset() -> None:
+    watched = without_power()
+    watched.looks(8 * CYCLE)
+    watched.driver.begun.clear()
+    watched.driver.unpowered = False
+    assert watched.looks(CYCLE)["left"] is Stop.POWER_OFF
+    assert watched.driver.begun == [Task.DISABLE]
+    watched.looks(3 * CYCLE)
+    assert watched.driver.begun == [Task.DISABLE], "it has its time to answer"
+    watched.driver.unpowered = True
+    watched.looks(CYCLE)
+    assert watched.confirmed()
+
+
+def test_a_drive_that_goes_back_and_forth_about_its_power_is_reset_at_last() -> None:
+    watched = without_power()
+    for cycle in range(200):
+        watched.looks(CYCLE)
+        watched.driver.unpowered = cycle % 3 == 0
+        if Task.RESET in watched.driver.begun:
+            break
+    assert Task.RESET in watched.driver.begun
+    assert to_seconds(watched.now - START) < to_seconds(TAKEN_WITHIN) + 1.5, "the silence before it lasts 1 s"

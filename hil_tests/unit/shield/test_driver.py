@@ -10,6 +10,7 @@ from emulators.arduino_omni.board import FIRMWARES, Board
 from emulators.arduino_omni.motors import four_motors
 from firmware_bridge.drivers.driver import Speed, Stop, Task, Tells
 from firmware_bridge.drivers.shield.dialects import DIALECTS, Dialect
+from firmware_bridge.drivers.shield.expressed import expressed
 from firmware_bridge.drivers.shield.fleet import over_protocol, shield_fleet
 from firmware_bridge.drivers.shield.motor import ShieldMotor
 from firmware_bridge.drivers.shield.plan import MOST, ShieldPlanError, fitting_plan, shield_plan
@@ -263,3 +264,21 @@ def test_a_silent_board_is_told_every_word_that_lets_go_before_one_again(
     assert words > 1
     assert len(set(told[:words])) == words
     assert len(told) > words + 3, "and again, while it may be heard"
+
+
+def test_motors_that_are_released_stay_so_while_speed_0_is_said_again() -> None:
+    """Speed 0 for all of them drives none, whether the board answers it or not."""
+    fleet = shield_fleet(over("ros-arduino-bridge"), "board")
+    motors = [one for one in fleet.drivers if isinstance(one, ShieldMotor)]
+    for one in motors:
+        one.enabled, one.demand = True, Speed(0.0)
+    words, releases = expressed(dialect("ros-arduino-bridge"), motors, SECOND, configured=True)
+    assert [word.data for word in words] == [b"m 0 0 0\r"]
+    assert releases == motors
+    for one in motors:
+        one.way, one.released = 0, True
+    expressed(dialect("ros-arduino-bridge"), motors, SECOND + CYCLE, configured=True)
+    assert all(one.unpowered for one in motors)
+    motors[0].demand = Speed(1.0)
+    expressed(dialect("ros-arduino-bridge"), motors, SECOND + 2 * CYCLE, configured=True)
+    assert not any(one.unpowered for one in motors)

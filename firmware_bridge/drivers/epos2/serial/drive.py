@@ -220,7 +220,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         return self._exchange.go_on()
 
     def _write(self, frame: bytes) -> None:
-        """Write a set-point: the target where it counts, and the controlword."""
+        """Write the target, where it counts, and the controlword: first where that takes the power."""
         axis, taken = self._axis, self._taken
         word, target = SET_POINT[axis.command].unpack(frame)
         address = TARGET[axis.command]
@@ -231,7 +231,8 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         if word == NEW_POSITION and taken.get(at.CONTROLWORD, NEW_POSITION) == NEW_POSITION:
             # The drive takes a position at the bit's rising edge, and the bit may be set.
             writes.append(self._word(ENABLE))
-        writes.append(self._word(word))
+        # An answer that does not come keeps the line for long.
+        writes.insert(0 if word == DISABLE_VOLTAGE else len(writes), self._word(word))
         self._writes = Job(Rank.SET_POINT, self, tuple(writes))
         self._exchange.put(self._writes)
 
