@@ -1,7 +1,6 @@
 """One robot put together: operator, bridge, links, drives and plant in the virtual world."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -11,7 +10,7 @@ from emulators.bench.adapter import Adapter
 from emulators.bench.columns import SAMPLE_EVERY, Column, Samples, columns_of, electric
 from emulators.bench.faults import BRIDGE, OPERATOR_STATION, SECOND_BRIDGE, Fault, Faults, Site
 from emulators.bench.mission import Noise
-from emulators.bench.records import HoldRecord
+from emulators.bench.records import Holds
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.second_station import SecondStation
 from emulators.captured import TRUTH, captured
@@ -115,9 +114,8 @@ class Rig:
         self.faults: Final = Faults(self._site, seed)
         self.faults.plan(faults)
         self.samples: Final = Samples(columns)
-        self.holds: Final[list[HoldRecord]] = []
-        self._noted = self.bridge.holds
-        """The holds as they were noted last."""
+        self._holds: Final = Holds(self.bridge.holds)
+        self.holds: Final = self._holds.records
         self._next_sample: Nanoseconds = 0
         self._rewind = Rewind(self)
 
@@ -239,23 +237,7 @@ class Rig:
             outputs[place] if column.seen is None else column.seen(seen) for column, place in self._reads
         ]
         self.samples.add(now, tuple(values))
-        self._note_holds(now)
-
-    def _note_holds(self, now: Nanoseconds) -> None:
-        """Keep the holds from beginning to end; one shorter than a sample may pass unseen."""
-        if self.bridge.holds is self._noted:
-            return
-        self._noted = self.bridge.holds
-        standing = {hold.name: hold for hold in self.bridge.holds}
-        for index, record in enumerate(self.holds):
-            if record.ended is None:
-                hold = standing.pop(record.name, None)
-                if hold is None or hold.since != record.began:
-                    self.holds[index] = replace(record, ended=now)
-                    if hold is not None:
-                        standing[hold.name] = hold
-        for hold in standing.values():
-            self.holds.append(HoldRecord(hold.name, hold.reason, hold.since, remedy=hold.remedy))
+        self._holds.note(self.bridge.holds, now)
 
 
 def _far(operator: Node, link: Conditions, seed: int) -> Node:

@@ -24,6 +24,7 @@ from emulators.recorded import recorded
 from emulators.rig import Rig
 from firmware_bridge.node import Node
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.shell.run_file import AsRun, run_file
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 
 HAND_STREAM: Final = 0
@@ -107,6 +108,8 @@ def drive(order: Order, progress: Progress) -> Summary:
         radial_error_m=swing,
         figures=order.rehearsal.figures,
     )
+    for name, text in run_file(AsRun(order.mission.on(order.robot))).items():
+        (order.folder / name).write_text(text, encoding="utf-8")
     (order.folder / "summary.json").write_text(as_json(summary), encoding="utf-8")
     (order.folder / "samples.csv").write_text(rig.samples.csv(), encoding="ascii")
     title, pictures = f"{order.robot.name} · {order.mission_name} · seed {order.seed}", list[Path]()

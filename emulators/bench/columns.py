@@ -3,7 +3,8 @@
 The table of samples, the CSV file, the summary's numbers and the pictures all come from them.
 """
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, TypeAlias
 
@@ -117,10 +118,12 @@ class Sample:
 class Samples(Sequence[Sample]):
     """The table of a run: a row every 10 ms."""
 
-    __slots__ = ("_at", "_places", "_rows", "columns")
+    __slots__ = ("_at", "_places", "_rows", "columns", "truth")
 
-    def __init__(self, columns: tuple[Column, ...]) -> None:
+    def __init__(self, columns: tuple[Column, ...], *, truth: bool = True) -> None:
         self.columns: Final = columns
+        self.truth: Final = truth
+        """Whether a plant tells them; else they are what was measured."""
         self._places: Final = {column.name: place for place, column in enumerate(columns)}
         self._at: list[Nanoseconds] = []
         self._rows: list[tuple[float, ...]] = []
@@ -137,6 +140,22 @@ class Samples(Sequence[Sample]):
         return isinstance(other, Samples) and (self._at, self._rows) == (other._at, other._rows)
 
     __hash__ = None  # type: ignore[assignment] # it grows
+
+    def has(self, name: str) -> bool:
+        """Tell whether there is a column of this name."""
+        return name in self._places
+
+    def without_empty(self, names: Collection[str]) -> "Samples":
+        """Return the table without those of these columns that hold no number."""
+        kept = [
+            place
+            for place, column in enumerate(self.columns)
+            if column.name not in names or not all(math.isnan(row[place]) for row in self._rows)
+        ]
+        table = Samples(tuple(self.columns[place] for place in kept), truth=self.truth)
+        for at, row in zip(self._at, self._rows, strict=True):
+            table.add(at, tuple(row[place] for place in kept))
+        return table
 
     def add(self, at: Nanoseconds, values: tuple[float, ...]) -> None:
         """Add a row, its values in the order of the columns."""

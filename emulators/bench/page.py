@@ -1,6 +1,6 @@
 """A run as one page of HTML that needs no other file: what was measured, what held, what was wrong."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
 from pathlib import Path
 from typing import Final
@@ -17,23 +17,36 @@ SPAN: Final = (0, 1)
 
 
 def page(summary: Summary, remarks: Mapping[str, str], pictures: Sequence[Path], again: str) -> str:
-    """Return the page. `remarks` stand beside numbers, `again` is the line that runs it again.
+    """Return the page of a run on the bench.
 
-    OSError where a picture cannot be read.
+    `remarks` stand beside numbers, `again` is the line that runs it again. OSError where a picture cannot be
+    read.
     """
     title = f"{summary.robot}, {summary.mission}, seed {summary.seed}"
-    return document(title, "".join(_parts(title, summary, remarks, pictures, again)))
+    parts = (
+        *beginning(title, again, numbers(summary, remarks)),
+        *held(summary.holds),
+        "<h2>Faults that were put on</h2>",
+        table(FAULTS, map(_faulted, summary.faults), SPAN) if summary.faults else "<p>none</p>",
+        *shown(pictures),
+    )
+    return document(title, "".join(parts))
 
 
-def _parts(
-    title: str, summary: Summary, remarks: Mapping[str, str], pictures: Sequence[Path], again: str
-) -> Iterator[str]:
+def beginning(title: str, again: str, rows: Iterable[Sequence[str]]) -> Iterator[str]:
+    """Yield the heading, the line that makes it again, and what was measured."""
     yield f"<h1>{escape(title)}</h1><p>again: <code>{escape(again)}</code></p>"
-    yield table(MEASURED, numbers(summary, remarks), (1,))
+    yield table(MEASURED, rows, (1,))
+
+
+def held(holds: Sequence[Held]) -> Iterator[str]:
+    """Yield the interlocks that held."""
     yield "<h2>Interlocks that held</h2>"
-    yield table(HELD, map(_held, summary.holds), SPAN) if summary.holds else "<p>none</p>"
-    yield "<h2>Faults that were put on</h2>"
-    yield table(FAULTS, map(_faulted, summary.faults), SPAN) if summary.faults else "<p>none</p>"
+    yield table(HELD, map(_held, holds), SPAN) if holds else "<p>none</p>"
+
+
+def shown(pictures: Iterable[Path]) -> Iterator[str]:
+    """Yield pictures within the page; OSError where one cannot be read."""
     for path in pictures:
         yield f"<figure>{picture(path.read_bytes(), 'png', path.stem)}</figure>"
 

@@ -4,10 +4,11 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from emulators.bench.columns import SAMPLE_EVERY, Floats, Samples
+from emulators.bench.columns import ODOMETRY, POSE, SAMPLE_EVERY, Floats, Sample, Samples
 from emulators.bench.halo import HALO
 from emulators.bench.records import HoldRecord
 from emulators.bench.style import BLUE, GREEN, INK, VERMILION
@@ -17,25 +18,24 @@ MOVING_MPS: Final = 0.01
 
 
 def path_picture(figure: Figure, samples: Samples, holds: Sequence[HoldRecord]) -> None:
-    """Draw where the robot went, and where it believed to be."""
+    """Draw where the robot went, where a plant tells it, and where it believed to be."""
     figure.set_size_inches(7.6, 7.4)
     axes = figure.add_subplot()
-    x, y = samples.column("x_m"), samples.column("y_m")
-    axes.plot(x, y, color=BLUE, linewidth=3.2, alpha=0.45, label="plant", solid_capstyle="round")
-    axes.plot(
-        samples.column("odometry_x_m"),
-        samples.column("odometry_y_m"),
-        color=INK,
-        linewidth=0.7,
-        label="odometry",
-    )
-    _time_marks(axes, samples)
+    place = (POSE if samples.truth else ODOMETRY)[:2]
+    known = np.isfinite(samples.column(place[0]))
+    x, y = (samples.column(name)[known] for name in place)
+    if samples.truth:
+        axes.plot(x, y, color=BLUE, linewidth=3.2, alpha=0.45, label="plant", solid_capstyle="round")
+    believed = [samples.column(name) for name in ODOMETRY[:2]]
+    axes.plot(*believed, color=INK, linewidth=0.7 if samples.truth else 1.6, label="odometry")
+    rows = [row for row, it in zip(samples, known, strict=True) if it]
+    _time_marks(axes, rows, place, max(_extent(x), _extent(y), 0.1))
     began = {hold.began // SAMPLE_EVERY for hold in holds}
-    held = [row for row in samples if row.at // SAMPLE_EVERY in began and abs(row["speed_mps"]) > MOVING_MPS]
+    held = [row for row in rows if row.at // SAMPLE_EVERY in began and abs(row["speed_mps"]) > MOVING_MPS]
     if held:
         axes.scatter(
-            [row["x_m"] for row in held],
-            [row["y_m"] for row in held],
+            [row[place[0]] for row in held],
+            [row[place[1]] for row in held],
             marker="X",
             s=46,
             color=VERMILION,
@@ -49,20 +49,23 @@ def path_picture(figure: Figure, samples: Samples, holds: Sequence[HoldRecord]) 
     )
     axes.scatter(x[-1:], y[-1:], s=54, color=GREEN, zorder=5, label="end")
     _square(axes, x, y)
-    axes.set(title="Path of the reference point", xlabel="x, forward at the start [m]", ylabel="y, left [m]")
+    axes.set(
+        title="Path of the reference point" if samples.truth else "Path, as the bridge measured it",
+        xlabel="x, forward at the start [m]",
+        ylabel="y, left [m]",
+    )
     axes.legend(loc="best")
 
 
-def _time_marks(axes: Axes, samples: Samples) -> None:
+def _time_marks(axes: Axes, rows: Sequence[Sample], place: tuple[str, ...], span: float) -> None:
     """Write the time beside the path, some eight times, but not twice at one place."""
     last: tuple[float, float] | None = None
-    span = max(_extent(samples.column("x_m")), _extent(samples.column("y_m")), 0.1)
-    step = max(len(samples) // 8, 1)
-    for row in samples[step::step]:
-        place = row["x_m"], row["y_m"]
-        if last is not None and math.dist(last, place) < span * 0.07:
+    step = max(len(rows) // 8, 1)
+    for row in rows[step::step]:
+        here = row[place[0]], row[place[1]]
+        if last is not None and math.dist(last, here) < span * 0.07:
             continue
-        last = place
+        last = here
         axes.plot(*last, marker="o", markersize=4, color=BLUE)
         axes.annotate(
             f"{to_seconds(row.at):.0f} s",
@@ -80,10 +83,10 @@ def _square(axes: Axes, x: Floats, y: Floats) -> None:
     half = max(_extent(x), 0.2) * 0.5, max(_extent(y), 0.2) * 0.5
     half = max(half[0], half[1] * 0.35), max(half[1], half[0] * 0.35)
     for limits, values, reach in ((axes.set_xlim, x, half[0]), (axes.set_ylim, y, half[1])):
-        middle = float(values.max() + values.min()) * 0.5
+        middle = float(values.max() + values.min()) * 0.5 if values.size else 0.0
         limits(middle - reach * 1.12, middle + reach * 1.12)
     axes.set_aspect("equal")
 
 
 def _extent(values: Floats) -> float:
-    return float(values.max() - values.min())
+    return float(values.max() - values.min()) if values.size else 0.0

@@ -13,7 +13,7 @@ from matplotlib import style
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from emulators.bench.columns import Panel, Samples, electric
+from emulators.bench.columns import Panel, Samples, current
 from emulators.bench.fault_marks import mark_faults
 from emulators.bench.path_picture import path_picture
 from emulators.bench.records import FaultRecord, HoldRecord
@@ -42,12 +42,14 @@ def draw(
 
     `more` are the robot's own.
     """
+    electric_told = any(samples.has(current(axis.name)) for axis in robot.axes)
     pictures: Mapping[str, Callable[[Figure], None]] = {
         "path": lambda figure: path_picture(figure, samples, holds),
         "speeds": lambda figure: panels_picture(figure, robot, panels, samples, holds),
-        **({"currents": lambda figure: currents_picture(figure, robot, samples)} if electric(robot) else {}),
+        **({"currents": lambda figure: currents_picture(figure, robot, samples)} if electric_told else {}),
         "holds": lambda figure: holds_picture(figure, samples, holds),
-        **{name: partial(_own, picture, robot, samples) for name, picture in more.items()},
+        # A robot's own picture is of its plant.
+        **{name: partial(_own, picture, robot, samples) for name, picture in more.items() if samples.truth},
     }
     written = []
     for name, picture in pictures.items() if len(samples) else ():

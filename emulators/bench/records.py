@@ -1,7 +1,10 @@
 """What a bench run leaves in memory beside its table of samples: every hold from its beginning to its end."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
 
+from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.units import Nanoseconds
 
 
@@ -29,3 +32,28 @@ class HoldRecord:
     """None where it still held when the run was over."""
     remedy: str = ""
     """What whoever drives can do."""
+
+
+class Holds:
+    """The holds of a run from beginning to end; one shorter than a look may pass unseen."""
+
+    def __init__(self, standing: Sequence[Hold] = ()) -> None:
+        self.records: Final[list[HoldRecord]] = []
+        self._noted = standing
+        """The holds as they were noted last."""
+
+    def note(self, holds: Sequence[Hold], now: Nanoseconds) -> None:
+        """Note which hold now."""
+        if holds is self._noted:
+            return
+        self._noted = holds
+        standing = {hold.name: hold for hold in holds}
+        for index, record in enumerate(self.records):
+            if record.ended is None:
+                hold = standing.pop(record.name, None)
+                if hold is None or hold.since != record.began:
+                    self.records[index] = replace(record, ended=now)
+                    if hold is not None:
+                        standing[hold.name] = hold
+        for hold in standing.values():
+            self.records.append(HoldRecord(hold.name, hold.reason, hold.since, remedy=hold.remedy))

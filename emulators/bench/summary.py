@@ -171,11 +171,16 @@ def summarise(
         trace_sha256=run.trace_sha256,
         links_sha256=run.links_sha256,
         guard_refusals=run.guard_refusals,
-        holds=tuple(Held(hold.name, hold.reason, *_span(hold), hold.remedy) for hold in holds),
+        holds=tuple(map(held, holds)),
         faults=tuple(Faulted(fault.kind, fault.title, fault.nodes, *_span(fault)) for fault in faults),
         lines=run.lines,
         figures={name: figure(samples) for name, figure in figures.items()},
     )
+
+
+def held(hold: HoldRecord) -> Held:
+    """Return a hold as it stands in a summary."""
+    return Held(hold.name, hold.reason, *_span(hold), hold.remedy)
 
 
 def mean_acceleration(speed_mps: Floats) -> Floats:

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from emulators.bench.columns import Curve, Panel, Samples, current, electric
+from emulators.bench.columns import Curve, Panel, Samples, current
 from emulators.bench.halo import HALO
 from emulators.bench.records import HoldRecord
 from emulators.bench.style import (
@@ -36,7 +36,8 @@ REASON_LETTERS: Final = 70
 def panels_picture(
     figure: Figure, robot: AnyRobot, panels: Sequence[Panel], samples: Samples, holds: Sequence[HoldRecord]
 ) -> None:
-    """Draw the robot's own panels below each other."""
+    """Draw the robot's own panels below each other, those of which there is a curve."""
+    panels = [panel for panel in panels if any(samples.has(curve.column) for curve in panel.curves)]
     figure.set_size_inches(10.0, 2.2 + 0.9 * sum(panel.height for panel in panels))
     rows = figure.subplots(
         len(panels), 1, sharex=True, squeeze=False, height_ratios=[panel.height for panel in panels]
@@ -47,7 +48,7 @@ def panels_picture(
             _shade(axes, holds, samples)
         if panel.limit is not None:
             _limit(axes, *panel.limit(robot), panel, samples)
-        for curve in panel.curves:
+        for curve in (one for one in panel.curves if samples.has(one.column)):
             _curve(axes, curve, samples, ORANGE if curve.step else next(colours))
         axes.set(title=panel.title, ylabel=panel.label)
         if panel.least:
@@ -63,15 +64,15 @@ def panels_picture(
 
 
 def currents_picture(figure: Figure, robot: AnyRobot, samples: Samples) -> None:
-    """Draw each motor's current in a row of its own."""
-    told = [axis for axis in robot.axes if axis.name in electric(robot)]
+    """Draw each motor's current in a row of its own, where something tells it."""
+    told = [axis for axis in robot.axes if samples.has(current(axis.name))]
     figure.set_size_inches(10.0, 1.2 + 1.7 * len(told))
     rows = figure.subplots(len(told), 1, sharex=True, squeeze=False)[:, 0]
     for index, (axis, axes) in enumerate(zip(told, rows, strict=True)):
         drawn = samples.column(current(axis.name))
         axes.plot(samples.seconds, drawn, color=AXIS_COLOURS[index % len(AXIS_COLOURS)], linewidth=1.1)
-        rms = math.sqrt(float(np.mean(drawn**2)))
-        most = float(np.abs(drawn).max())
+        rms = math.sqrt(float(np.nanmean(drawn**2)))
+        most = float(np.nanmax(np.abs(drawn)))
         axes.set(title=f"{axis.title.capitalize()}, {axis.settings.address}", ylabel="current [A]")
         continuous = axis.settings.continuous_current_ma / 1000.0
         note = f"rms {rms:.2f} A, peak {most:.2f} A, continuous limit {continuous:g} A"
@@ -125,6 +126,7 @@ def holds_picture(figure: Figure, samples: Samples, holds: Sequence[HoldRecord])
 
 def _curve(axes: Axes, curve: Curve, samples: Samples, colour: str) -> None:
     drawn = samples.column(curve.column) * curve.scale
+    label = curve.label if samples.truth else curve.label.replace("plant", "measured")
     if curve.step:
         axes.plot(
             samples.seconds,
@@ -132,16 +134,17 @@ def _curve(axes: Axes, curve: Curve, samples: Samples, colour: str) -> None:
             color=colour,
             linewidth=3.4,
             alpha=0.6,
-            label=curve.label,
+            label=label,
             drawstyle="steps-post",
         )
     else:
-        axes.plot(samples.seconds, drawn, color=colour, linewidth=1.2, label=curve.label)
+        axes.plot(samples.seconds, drawn, color=colour, linewidth=1.2, label=label)
 
 
 def _limit(axes: Axes, limit: float, unit: str, panel: Panel, samples: Samples) -> None:
     """Draw the limit, below 0 only where a curve comes near it."""
-    lowest = min(float(samples.column(curve.column).min()) * curve.scale for curve in panel.curves)
+    curves = [curve for curve in panel.curves if samples.has(curve.column)]
+    lowest = min(float(np.nanmin(samples.column(curve.column))) * curve.scale for curve in curves)
     axes.axhline(limit, color=VERMILION, linewidth=1.0, linestyle=":", label=f"limit {limit:g} {unit}")
     if lowest < -0.1 * limit:
         axes.axhline(-limit, color=VERMILION, linewidth=1.0, linestyle=":")

@@ -31,6 +31,11 @@ COMMANDS: Final[tuple[Row, ...]] = (
         "Play a recording again in virtual time, and show the first packet that differs from it.",
     ),
     Command(
+        "report",
+        "emulators.cli.report:report",
+        "Make the page, the pictures and the table of a recorded drive, as `bench` makes them of its runs.",
+    ),
+    Command(
         "study",
         "emulators.cli.study:study",
         "Make a source's figures and numbers anew: printed, independent, ours, and why they differ.",

@@ -38,7 +38,9 @@ class Lane:
 class Machine:
     """The bridge, and its links by their names."""
 
+    bridge: Bridge
     node: Node
+    """The bridge behind its guard and its lines."""
     lanes: Mapping[str, Lane]
 
     @property
@@ -53,7 +55,7 @@ def machine_of(order: Order, *, timed: bool) -> Machine:
     A bus is timed even so, unless it was recorded where the bridge is: its folder has it as it left.
     """
     robot = order.robot
-    bridge = Bridge(robot, kind_of(robot), stands=order.stands)
+    bridge = Bridge(robot, kind_of(robot), stands=order.stands, mode=order.mode)
     if order.recording.is_dir():
         bridge.offer(LastPlaces(order.recording / RECORDED).read())
     node: Node = guarded(bridge, robot)
@@ -68,7 +70,7 @@ def machine_of(order: Order, *, timed: bool) -> Machine:
         if name not in lanes:
             at_bridge = not timed and order.recording.is_dir()
             lanes[name] = _untimed(name, CAN) if at_bridge else _bus(link.bit_rate)
-    return Machine(node, {**lanes, OPERATOR: _untimed(OPERATOR, OPERATOR)})
+    return Machine(bridge, node, {**lanes, OPERATOR: _untimed(OPERATOR, OPERATOR)})
 
 
 def _untimed(name: str, kind: str) -> Lane:

@@ -69,7 +69,8 @@ def on_all_links(order: Order) -> Stage:
     end = end_of(order, *sent.values())
     comparisons = tuple(_compared(order, machine, name, all_, end) for name, all_ in sent.items())
     recorded = sorted((one for all_ in sent.values() for one in all_), key=lambda one: one.entry.at)
-    return Stage(world.run, comparisons, recorded, len(script), end, lead, kinds=kinds_of(order.robot))
+    kinds = kinds_of(order.robot)
+    return Stage(world.run, comparisons, recorded, len(script), end, lead, bridge=machine.bridge, kinds=kinds)
 
 
 def _woken(machine: Machine, sent: Mapping[str, list[Sent]], order: Order, start: Nanoseconds) -> Woken:

@@ -43,6 +43,8 @@ class Order:
     """Another plant below the drives."""
     stands: tuple[ConfirmZero, ...] = ()
     """What the bridge was told at its start of where its axes stand."""
+    mode: str = ""
+    """The mode after a failed actuator in which it began."""
 
     @property
     def link(self) -> str:

@@ -9,6 +9,7 @@ from emulators.replay.order import Order
 from emulators.replay.recordings import RESOLUTION
 from emulators.replay.senders import Sent
 from emulators.world import World
+from firmware_bridge.bridge import Bridge
 from firmware_bridge.dissector.canopen import service_name
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
@@ -32,6 +33,8 @@ class Stage:
     lead: Nanoseconds = 0
     """The instant at which the recording begins."""
     finish: Callable[[], None] = lambda: None
+    bridge: Bridge | None = None
+    """Who is on all links; None where the drives or the bench are."""
     kinds: Mapping[str, str] = field(default_factory=dict)
     """The kinds of links that are called otherwise, as `dissector.Dissector` takes them."""
 

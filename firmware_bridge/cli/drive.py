@@ -193,6 +193,7 @@ def run(given: DriveOptions) -> None:
     from firmware_bridge.safety.guard import guarded
     from firmware_bridge.shell.last_places import LastPlaces, known_places, usual_path
     from firmware_bridge.shell.ports import UdpPort
+    from firmware_bridge.shell.run_file import AsRun, run_file
 
     machine = find_robot(given.robot)
     named, slow = parted(machine, given.link)
@@ -221,7 +222,8 @@ def run(given: DriveOptions) -> None:
     files = {name: SERIAL_LOG if name in lines else CAN_LOG for name in places}
     files |= dict.fromkeys(machine.capture_links, CAPTURE_LOG) | {OPERATOR: OPERATOR_LOG}
     try:
-        with recording(given.record, files, texts_of(), known=known_places(places_before)) as (around, tell):
+        known = known_places(places_before) | run_file(AsRun(machine, stands, given.mode or ""))
+        with recording(given.record, files, texts_of(), known=known) as (around, tell):
             carried = _far(around(node), slow)
             carry(
                 Narrated(bridge, carried, machine, tell, kept=kept, stamps=stamps, hints=hints),

@@ -7,6 +7,7 @@ one message, and never the robot. Each run has a folder of its own, named by whe
 * `serial.log`: instant, link, R or T, and the bytes, for a line to drives or to a board;
 * `capture.log`: the same of the datagrams of cameras, with the place that they came from or went to;
 * `operator.tlog`, MAVLink's telemetry log;
+* `run.json`, the robot as it is driven, `places.json`, where its axes stood when they were known last;
 * `events.log`: what was told at the terminal and to the operator, among it who drives, arms and stops.
 """
 

@@ -1,0 +1,122 @@
+"""`report`: the page and the pictures of a recorded drive, at the command line."""
+
+import shlex
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from firmware_bridge.cli.commands import command
+from firmware_bridge.cli.console import one_message, refusal, say, written_by
+from firmware_bridge.units import to_seconds
+
+if TYPE_CHECKING:
+    from firmware_bridge.shell.run_file import AsRun
+
+EXAMPLES: Final = """Examples:
+
+`firmware-bridge report recordings/2026-11-26T10-00-00Z` makes the page of a drive that `drive --record` has
+recorded.
+
+`firmware-bridge report recordings/2026-11-26T10-00-00Z --animate` makes a page with a slider, too, which
+plays the path."""
+
+SOON_S: Final = 1.0
+"""What differs before this has differed from the beginning."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReportOptions:
+    """Make the page, the pictures and the table of a recorded drive, as `bench` makes them of its runs.
+
+    Leaves `report.html`, `samples.csv` and pictures in the folder: what devices have measured and the bridge
+    knew, every 10 ms, in the place of what a plant tells. The recording is played into the bridge once more.
+
+    Exit status 0 where all was written; 2 for a folder that cannot be used.
+    """
+
+    folder: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FOLDER",
+            help="The folder of a run, as `drive --record` and `bench` leave it.",
+            show_default=False,
+        ),
+    ]
+    robot: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[ROBOT]",
+            help="A name from `robots`, or a robot file (.toml).",
+            show_default="the robot as it was driven, from the folder's run.json",
+        ),
+    ] = None
+    animate: Annotated[
+        bool, typer.Option("--animate", help="Make animated.html, too, which plays the path with a slider.")
+    ] = False
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", "-o", metavar="DIR", help="Where it goes.", show_default="FOLDER"),
+    ] = None
+
+
+def run(given: ReportOptions) -> None:
+    """Do what `report` says; what is wrong ends the program with a message."""
+    from emulators.bench.rehearsal import rehearsal_of
+    from emulators.extras import cure, installed
+    from emulators.progress_bar import progress_bar
+    from emulators.replay import Into, Order, RecordingFileError
+    from emulators.replay.files import named
+    from emulators.replay.measured import measured
+    from emulators.replay.recordings import cut_off
+    from emulators.replay.report import written
+    from firmware_bridge.robot import RobotFileError
+
+    folder, out = given.folder, given.out or given.folder
+    if not folder.is_dir():
+        raise refusal(f"{folder}: is no folder; name that of a run, as `drive --record` leaves it")
+    if out == folder and (folder / "summary.json").exists():
+        raise refusal(f"{folder}: `bench` has made its page already; say --out DIR for one without its plant")
+    if not installed("plots"):
+        say(f"no pictures this time: {cure('plots')}", err=True)
+    with one_message(RobotFileError, RecordingFileError, LookupError), written_by("--out"):
+        machine, stands, mode = _as_run(given)
+        rehearsal = rehearsal_of(machine)
+        order = Order(machine, folder, into=Into.BRIDGE, stands=stands, mode=mode)
+        out.mkdir(parents=True, exist_ok=True)
+        with progress_bar() as bar:
+            task = bar.add_task(folder.name, total=None)
+            told = measured(
+                order, rehearsal.columns, lambda now, end: bar.update(task, completed=now, total=end)
+            )
+        title, again = (
+            f"{machine.name}, {folder.resolve().name}",
+            shlex.join(("firmware-bridge", *sys.argv[1:])),
+        )
+        made = written(out, title, machine, rehearsal, told, again=again, animate=given.animate)
+        for text in filter(None, map(cut_off, named(order))):
+            say(text)
+    if told.difference:
+        since = to_seconds(told.differs_at or 0)
+        why = "; was it another robot, or driven otherwise?" if since < SOON_S else ""
+        say(f"this bridge does otherwise than was recorded from {since:.3f} s on{why}")
+    say(f"{made[0]}: {len(told.samples)} rows, {len(made) - 2} pictures and pages beside it")
+
+
+def _as_run(given: ReportOptions) -> "AsRun":
+    from firmware_bridge.cli.robot_argument import find_robot
+    from firmware_bridge.shell.run_file import RUN_FILE, AsRun, read_run
+
+    if given.robot is not None:
+        return AsRun(find_robot(given.robot))
+    found = read_run(given.folder)
+    if found is None:
+        raise refusal(
+            f"{given.folder}: has no {RUN_FILE}, which says what was driven; name the robot behind it"
+        )
+    return found
+
+
+report: Final = command(EXAMPLES, work=run)(ReportOptions)

@@ -1,0 +1,63 @@
+"""`run.json` of a recording: the robot as it was driven, and where its axes were said to stand.
+
+Options, links and paths are in it, so whoever reads a recording later needs none of the words of that day.
+"""
+
+import json
+import math
+from pathlib import Path
+from typing import Final, NamedTuple
+
+from pydantic import ValidationError
+
+from firmware_bridge.intent import ConfirmZero
+from firmware_bridge.kinds import kind_named
+from firmware_bridge.robot import AnyRobot, Problem, Robot, RobotFileError
+from firmware_bridge.robot.problems import problems_of
+from firmware_bridge.units import MILLISECOND, to_seconds
+
+RUN_FILE: Final = "run.json"
+
+
+class AsRun(NamedTuple):
+    """What a bridge was started with."""
+
+    robot: AnyRobot
+    stands: tuple[ConfirmZero, ...] = ()
+    mode: str = ""
+
+
+def run_file(run: AsRun) -> dict[str, str]:
+    """Return the file's text by its name; `read_run` reads it."""
+    robot = run.robot.model_dump(mode="json", exclude_none=True)
+    agreed_ms = robot["operator"].pop("agreed_ms", None)
+    stands = {it.axis: None if math.isnan(it.value) else it.value for it in run.stands}
+    told = {"robot": robot, "agreed_ms": agreed_ms, "stands": stands, "mode": run.mode}
+    return {RUN_FILE: json.dumps(told, indent=1) + "\n"}
+
+
+def read_run(folder: Path) -> AsRun | None:
+    """Read a recording's file; None where it has none. RobotFileError, naming the file and what is wrong."""
+    path = folder / RUN_FILE
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"))
+        table, agreed_ms, stands, mode = (
+            told["robot"],
+            told["agreed_ms"],
+            dict(told["stands"]),
+            str(told["mode"]),
+        )
+        kind = kind_named(table["kind"])
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        problem = f"cannot be read ({type(error).__name__}: {error}); name the robot behind the folder"
+        raise RobotFileError(str(path), Problem("", problem)) from error
+    model = Robot[kind.geometry]  # type: ignore[name-defined] # a class from a variable, for pydantic
+    try:
+        robot: AnyRobot = model.model_validate_json(json.dumps(table))
+    except ValidationError as error:
+        raise RobotFileError(str(path), *problems_of(error, model)) from error
+    agreed = None if agreed_ms is None else to_seconds(agreed_ms * MILLISECOND)
+    zeros = (ConfirmZero(axis, math.nan if value is None else float(value)) for axis, value in stands.items())
+    return AsRun(robot.agreed_on(agreed), tuple(zeros), mode)

@@ -1,0 +1,171 @@
+"""The page of a recorded drive: what was measured, as it was known then, without a plant."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner, Result
+
+from emulators.bench.animated import animated
+from emulators.bench.columns import ARMED, PLANAR, Samples
+from emulators.bench.summary import Held
+from firmware_bridge.cli import program
+from firmware_bridge.intent import ConfirmZero
+from firmware_bridge.kinds import find
+from firmware_bridge.robot import RobotFileError
+from firmware_bridge.shell.run_file import RUN_FILE, AsRun, read_run, run_file
+
+REAL: Final = Path(__file__).with_name("places_known")
+"""3 s of `drive rars` at emulated drives in real time, nobody driving."""
+DRIVEN: Final = """
+title = "a metre, and a stop"
+duration_s = 7.0
+[[step]]
+at_s = 0.0
+title = "where it stands"
+zero = { steering = 0.0, lift = 0.0 }
+[[step]]
+at_s = 3.0
+title = "arm"
+arm = true
+[[step]]
+at_s = 4.0
+title = "drive"
+speed_mps = 0.3
+[[step]]
+at_s = 6.0
+title = "stop"
+emergency_stop = true
+"""
+
+
+def told(*words: str) -> Result:
+    return CliRunner().invoke(program, list(words))
+
+
+def table(path: Path) -> "np.ndarray[tuple[int], np.dtype[np.void]]":
+    return np.genfromtxt(path, delimiter=",", names=True)
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run of the bench, with its recording."""
+    folder = tmp_path_factory.mktemp("driven")
+    (folder / "m.toml").write_text(DRIVEN, encoding="utf-8")
+    done = told("bench", "rars", "--mission", str(folder / "m.toml"), "--out", str(folder / "run"))
+    assert done.exit_code == 0, done.output
+    return folder / "run"
+
+
+def test_it_knows_what_the_bridge_knew_in_the_run(bench: Path, tmp_path: Path) -> None:
+    done = told("report", str(bench), "--out", str(tmp_path))
+    assert done.exit_code == 0, done.output
+    then, now = table(bench / "samples.csv"), table(tmp_path / "samples.csv")
+    assert len(now) == pytest.approx(len(then), abs=2)
+    rows = min(len(then), len(now))
+    for name in ("odometry_x_m", "odometry_y_m", "odometry_heading_rad", "demanded_speed_mps", "armed"):
+        assert np.array_equal(then[name][:rows], now[name][:rows], equal_nan=True), name
+    assert now["odometry_x_m"][-1] > 0.5
+    assert {"x_m", "heading_rad", "steer_rad"} & set(now.dtype.names or ()) == set(), "no plant tells it"
+    driving = slice(520, 590)
+    assert np.abs(now["speed_mps"] - then["speed_mps"])[driving].max() < 0.02
+    for name in ("motor_speed_left_rad_s", "current_left_a"):
+        assert np.mean(now[name][driving]) == pytest.approx(np.mean(then[name][driving]), rel=0.05, abs=0.05)
+
+
+def test_its_page_has_numbers_holds_and_pictures(bench: Path, tmp_path: Path) -> None:
+    assert told("report", str(bench), "--out", str(tmp_path)).exit_code == 0
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    for said in (
+        "largest speed",
+        "limit 0.5",
+        "largest current, left rear wheel",
+        "emergency stop",
+        "by odometry",
+    ):
+        assert said in page, said
+    pictures = {path.stem for path in tmp_path.glob("*.png")}
+    assert pictures == {"path", "speeds", "currents", "holds"}
+    assert page.count("data:image/png") == len(pictures)
+    assert "does otherwise than was recorded" not in page
+
+
+def test_a_real_drive_is_reported_in_its_own_folder(tmp_path: Path) -> None:
+    folder = shutil.copytree(REAL, tmp_path / "run")
+    nameless = told("report", str(folder))
+    assert nameless.exit_code == 2
+    assert "has no run.json" in nameless.stderr
+    done = told("report", str(folder), "rars", "--animate")
+    assert done.exit_code == 0, done.output
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "What was said" in page
+    assert "axis zero lost: lift" in page
+    assert (folder / "animated.html").exists()
+
+
+def test_from_where_this_bridge_does_otherwise_is_said(bench: Path, tmp_path: Path) -> None:
+    folder = shutil.copytree(bench, tmp_path / "run")
+    lines = (folder / "can.log").read_text(encoding="ascii").splitlines(keepends=True)
+    at = next(number for number, line in enumerate(lines) if " 501#" in line and number > len(lines) // 2)
+    # A set-point that the bridge has not sent.
+    lines[at] = re.sub(r"501#\w+", "501#0F0011000000", lines[at])
+    (folder / "can.log").write_text("".join(lines), encoding="ascii")
+    done = told("report", str(folder), "--out", str(tmp_path / "page"))
+    assert done.exit_code == 0, done.output
+    assert "does otherwise than was recorded from" in done.output
+    assert "does otherwise than was recorded" in (tmp_path / "page" / "report.html").read_text(
+        encoding="utf-8"
+    )
+    assert len(table(tmp_path / "page" / "samples.csv")) > 600, "it goes on behind that"
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (("nowhere",), "is no folder"),
+        (("bench",), "`bench` has made its page already; say --out DIR"),
+        (("bench", "rome", "--out", "page"), "holds no"),
+        (("bench", "nobody", "--out", "page"), "no such robot"),
+    ],
+)
+def test_a_folder_that_cannot_be_used_is_refused(
+    bench: Path, tmp_path: Path, words: tuple[str, ...], says: str
+) -> None:
+    places = {"bench": str(bench), "nowhere": str(tmp_path / "nowhere"), "page": str(tmp_path / "page")}
+    done = told("report", *(places.get(word, word) for word in words))
+    assert done.exit_code == 2, done.output
+    assert says in done.stderr
+
+
+def test_a_path_is_played_from_where_the_robot_knew_its_place() -> None:
+    samples = Samples((*PLANAR, ARMED), truth=False)
+    for row in range(101):
+        place = float("nan") if row < 10 else row / 100.0
+        values = {"odometry_x_m": place, "odometry_y_m": 0.0, "odometry_heading_rad": 0.0}
+        samples.add(row * 10_000_000, tuple(values.get(it.name, 0.0) for it in samples.columns))
+    page = animated("a <run>", samples, [Held("lift extended", "50 mm </script>", 0.2, None)])
+    data = json.loads(re.search(r"const run = (\{.*?\});\n", page, re.DOTALL)[1].replace("<\\/", "</"))  # type: ignore[index]
+    assert data["at"][0] == 0.1
+    assert data["x"][-1] == 1.0
+    assert data["holds"] == [{"from": 0.2, "to": None, "says": "50 mm </script>"}]
+    assert page.count("</script>") == 1
+    assert "a &lt;run&gt;" in page
+    assert re.findall(r'(?:src|href)="(?!data:|#)', page) == []
+
+
+def test_what_was_driven_is_read_back_whole(tmp_path: Path) -> None:
+    robot = find("rars").agreed_on(0.8)
+    run = AsRun(robot, (ConfirmZero("lift", 0.02), ConfirmZero("steer")), "lift_failed")
+    (tmp_path / RUN_FILE).write_text(run_file(run)[RUN_FILE], encoding="utf-8")
+    found = read_run(tmp_path)
+    assert found is not None
+    assert (found.robot, found.mode, str(found.stands)) == (robot, "lift_failed", str(run.stands))
+    assert read_run(tmp_path / "empty") is None
+    for text in ("{", "[]", '{"robot": {"kind": "nobody"}, "agreed_ms": null, "stands": {}, "mode": ""}'):
+        (tmp_path / RUN_FILE).write_text(text, encoding="utf-8")
+        with pytest.raises(RobotFileError, match="cannot be read"):
+            read_run(tmp_path)
