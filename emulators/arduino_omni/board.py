@@ -112,6 +112,11 @@ class Board:
         """Let its firmware do nothing more; its shield goes on as it was told."""
         self._usb.hang(now)
 
+    def unpower(self, now: Nanoseconds, *, off: bool) -> None:
+        """Take the 5 V of processor and shield, or give them back: both begin anew."""
+        self.mega.brown_out(now, low=off)
+        self.mega.shield.chip.power_on()
+
     def advance(self, now: Nanoseconds) -> None:
         """Be as it is at `now`, for those who look at shield and motors; what it says it keeps."""
         self._usb.advance(now)

@@ -1,20 +1,42 @@
-"""What can be wrong with a board, by name, from one time to another: a row each.
+"""What can be wrong with a board in real time, by the names of a mission's faults: a row each.
 
-Sources: ATmega2560 data sheet: brown-out holds the processor in reset; the
-shield's chip goes on down to 2.3 V.
+Sources: ATmega2560 data sheet: brown-out holds the processor in reset; the shield's chip goes on down to
+2.3 V.
 """
 
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Final
+from typing import Final, TypeAlias
 
 from emulators.arduino_omni.board import Board
 from emulators.arduino_omni.mega.pins import ENCODER_PINS
 from emulators.arduino_omni.shield.motor_shield import PORTS
+from firmware_bridge.node import LINE_BACK, LINE_LOST, SERIAL
 from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.robot.problems import near
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
+
+SAGGED_V: Final = 2.0
+"""Below what the half bridges need."""
+MOTORS: Final = tuple(port.name for port in PORTS)
+ENCODERS: Final = MOTORS[: len(ENCODER_PINS)]
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """A fault that begins, or ends, now."""
+
+    board: Board
+    on: bool
+    now: Nanoseconds
+    motor: int
+    """Which one, from 0."""
+
+
+Put: TypeAlias = Callable[[Change], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,165 +45,189 @@ class BoardFault:
 
     name: str
     what: str
-    put: Callable[[Board, bool, Nanoseconds], None]
+    put: Put
+    nodes: tuple[str, ...] = ()
+    """The motors of which it needs one; empty where it is the board's."""
 
 
-def _limit(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001 - rows have it so
-    board.motors.faults.limits_current = on
+def _limit(it: Change) -> None:
+    it.board.motors.faults.limits_current = it.on
 
 
-def _heat(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001
-    board.motors.follow_heat(followed=on)
-
-
-def _brown_out(board: Board, on: bool, now: Nanoseconds) -> None:  # noqa: FBT001
-    board.mega.brown_out(now, low=on)
-
-
-def _hang(board: Board, on: bool, now: Nanoseconds) -> None:  # noqa: FBT001
-    if on:
-        board.hang(now)
+def _hang(it: Change) -> None:
+    if it.on:
+        it.board.hang(it.now)
     else:
-        board.reset(now)
+        it.board.reset(it.now)
 
 
-def _unpowered(board: Board, on: bool, now: Nanoseconds) -> None:  # noqa: FBT001
-    board.mega.brown_out(now, low=on)
-    board.mega.shield.chip.power_on()
+def _absent(it: Change) -> None:
+    it.board.advance(it.now)
+    it.board.mega.jam_bus(it.now, stuck=it.on)
+    it.board.mega.shield.chip.power_on()
 
 
-def _stuck(board: Board, on: bool, now: Nanoseconds) -> None:  # noqa: FBT001
-    board.mega.jam_bus(now, stuck=on)
-
-
-def _absent(board: Board, on: bool, now: Nanoseconds) -> None:  # noqa: FBT001
-    board.advance(now)
-    board.mega.jam_bus(now, stuck=on)
-    board.mega.shield.chip.power_on()
-
-
-def _swapped(motor: int) -> Callable[[Board, bool, Nanoseconds], None]:
-    def put(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001
-        _in(board.motors.faults.swapped, motor, on=on)
+def _in(of: Callable[[Board], set[int]]) -> Put:
+    def put(it: Change) -> None:
+        if it.on:
+            of(it.board).add(it.motor)
+        else:
+            of(it.board).discard(it.motor)
 
     return put
 
 
-def _reversed(motor: int) -> Callable[[Board, bool, Nanoseconds], None]:
-    def put(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001
-        _in(board.motors.faults.reversed, motor, on=on)
-
-    return put
+def _cut(_: Change) -> None:
+    """Leave the board as it is: its line is gone, see `FaultyBoard`."""
 
 
-def _cable(motor: int) -> Callable[[Board, bool, Nanoseconds], None]:
-    def put(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001
-        _in(board.motors.faults.cut, motor, on=on)
-
-    return put
-
-
-def _encoder(motor: int) -> Callable[[Board, bool, Nanoseconds], None]:
-    def put(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001
-        _in(board.motors.faults.dead, motor, on=on)
-
-    return put
-
-
-def _blocked(motor: int) -> Callable[[Board, bool, Nanoseconds], None]:
-    def put(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001
-        board.motors.block(motor, blocked=on)
-
-    return put
-
-
-def _lifted(motor: int) -> Callable[[Board, bool, Nanoseconds], None]:
-    def put(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001
-        board.motors.hoist(motor, lifted=on)
-
-    return put
-
-
-def _sag(board: Board, on: bool, _: Nanoseconds) -> None:  # noqa: FBT001
-    board.motors.starves(SAGGED_V if on else math.inf)
-
-
-def _in(places: set[int], place: int, *, on: bool) -> None:
-    if on:
-        places.add(place)
-    else:
-        places.discard(place)
-
-
-SAGGED_V: Final = 2.0
-"""Below what the half bridges need."""
+UNPLUGGED: Final = BoardFault(
+    "serial_unplugged",
+    "the USB cable is out: the port is gone, and comes back under its --serial-link; the sketch lives on",
+    _cut,
+)
 ROWS: Final[tuple[BoardFault, ...]] = (
-    BoardFault("current-limit", "a half bridge cuts a current that reaches 3.2 A", _limit),
-    BoardFault("over-temperature", "the half bridges warm up, and shut down at 175 degrees C", _heat),
-    BoardFault("hangs", "the firmware does nothing more until a reset; the shield goes on as told", _hang),
-    BoardFault("brown-out", "the processor is held in reset; the shield goes on as it was told", _brown_out),
-    BoardFault("shield-absent", "no shield is on the board: the sketch hangs in AFMS.begin()", _absent),
+    BoardFault("current_limit", "a half bridge cuts a current that reaches 3.2 A", _limit),
     BoardFault(
-        "i2c-stuck", "the I2C bus is stuck: the sketch hangs, the shield goes on as it was set", _stuck
+        "over_temperature",
+        "the half bridges warm up, and shut down at 175 degrees C",
+        lambda it: it.board.motors.follow_heat(followed=it.on),
     ),
-    BoardFault("unpowered", "processor and shield lose their 5 V, and begin anew", _unpowered),
-    BoardFault("supply-sag", f"the motors' supply sags to {SAGGED_V:g} V: the half bridges are off", _sag),
-    *(
-        BoardFault(f"cable-{motor + 1}", f"the cable of the motor at {port.name} is off", _cable(motor))
-        for motor, port in enumerate(PORTS)
+    BoardFault("board_hangs", "the firmware does nothing more until a reset; the shield goes on", _hang),
+    BoardFault(
+        "board_brown_out",
+        "the processor is held in reset; the shield goes on as it was told",
+        lambda it: it.board.mega.brown_out(it.now, low=it.on),
     ),
-    *(
-        BoardFault(
-            f"blocked-{motor + 1}", f"the shaft of the motor at {port.name} is blocked", _blocked(motor)
-        )
-        for motor, port in enumerate(PORTS)
+    BoardFault(
+        "board_reset",
+        "somebody presses the button",
+        lambda it: it.board.reset(it.now) if it.on else None,
     ),
-    *(
-        BoardFault(
-            f"lifted-{motor + 1}", f"what the motor at {port.name} turns is in the air", _lifted(motor)
-        )
-        for motor, port in enumerate(PORTS)
+    UNPLUGGED,
+    BoardFault("shield_absent", "no shield is on the board: the sketch hangs in AFMS.begin()", _absent),
+    BoardFault(
+        "i2c_stuck",
+        "the I2C bus is stuck: the sketch hangs, the shield goes on as it was set",
+        lambda it: it.board.mega.jam_bus(it.now, stuck=it.on),
     ),
-    *(
-        BoardFault(
-            f"leads-{motor + 1}", f"the leads of the motor at {port.name} are exchanged", _reversed(motor)
-        )
-        for motor, port in enumerate(PORTS)
+    BoardFault(
+        "board_unpowered",
+        "processor and shield lose their 5 V, and begin anew",
+        lambda it: it.board.unpower(it.now, off=it.on),
     ),
-    *(
-        BoardFault(
-            f"channels-{motor + 1}",
-            f"the channels of the encoder at M{motor + 1} are exchanged",
-            _swapped(motor),
-        )
-        for motor in range(len(ENCODER_PINS))
+    BoardFault(
+        "motor_supply_sag",
+        f"the motors' supply sags to {SAGGED_V:g} V: the half bridges are off",
+        lambda it: it.board.motors.starves(SAGGED_V if it.on else math.inf),
     ),
-    *(
-        BoardFault(
-            f"encoder-{motor + 1}", f"the encoder of the motor at M{motor + 1} is dead", _encoder(motor)
-        )
-        for motor in range(len(ENCODER_PINS))
+    BoardFault(
+        "motor_cable_off", "the cable of the motor is off", _in(lambda it: it.motors.faults.cut), MOTORS
+    ),
+    BoardFault(
+        "shaft_blocked",
+        "the motor's shaft is blocked",
+        lambda it: it.board.motors.block(it.motor, blocked=it.on),
+        MOTORS,
+    ),
+    BoardFault(
+        "load_lifted",
+        "what the motor turns is in the air",
+        lambda it: it.board.motors.hoist(it.motor, lifted=it.on),
+        MOTORS,
+    ),
+    BoardFault(
+        "motor_leads_swapped",
+        "the motor's leads are exchanged",
+        _in(lambda it: it.motors.faults.reversed),
+        MOTORS,
+    ),
+    BoardFault(
+        "encoder_swapped",
+        "the channels of the motor's encoder are exchanged",
+        _in(lambda it: it.motors.faults.swapped),
+        ENCODERS,
+    ),
+    BoardFault(
+        "encoder_cable_off", "the motor's encoder is dead", _in(lambda it: it.motors.faults.dead), ENCODERS
     ),
 )
 FAULTS: Final[Mapping[str, BoardFault]] = MappingProxyType({row.name: row for row in ROWS})
+FORMER: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "current-limit": "current_limit",
+        "over-temperature": "over_temperature",
+        "hangs": "board_hangs",
+        "brown-out": "board_brown_out",
+        "shield-absent": "shield_absent",
+        "i2c-stuck": "i2c_stuck",
+        "unpowered": "board_unpowered",
+        "supply-sag": "motor_supply_sag",
+        "cable": "motor_cable_off",
+        "blocked": "shaft_blocked",
+        "lifted": "load_lifted",
+        "leads": "motor_leads_swapped",
+        "channels": "encoder_swapped",
+        "encoder": "encoder_cable_off",
+    }
+)
+"""What they were called before; a motor's number stood behind the name."""
+_FORMER: Final = re.compile(rf"({'|'.join(FORMER)})(?:-([1-4]))?")
 
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """A fault and its time, since power-on."""
+    """A fault, its motor from 0, and its time since power-on."""
 
     fault: BoardFault
+    motor: int = 0
     begins: Nanoseconds = 0
     ends: Nanoseconds = NEVER
+    instead: str = ""
+    """How it is said now, where it was said as before."""
 
 
 def planned(text: str) -> Planned:
-    """Read NAME, NAME@FROM or NAME@FROM-TO, times in s; ValueError that says what is wrong."""
-    name, _, times = text.partition("@")
-    if name not in FAULTS:
-        raise ValueError(f"{text}: there is no such fault; there are: {', '.join(FAULTS)}")
-    if not times:
-        return Planned(FAULTS[name])
+    """Read KIND[,node=M1][@FROM[-TO]], times in s; ValueError that says what is wrong."""
+    said, _, times = text.partition("@")
+    instead = _renamed(said)
+    name, *keys = (instead or said).split(",")
+    fault = FAULTS.get(name)
+    if fault is None:
+        raise ValueError(f"{text}: there is no such fault; {near(name, FAULTS, most=len(FAULTS))}")
+    motor = _motor(text, fault, keys)
+    begins, ends = _times(text, instead or said, times) if times else (0, NEVER)
+    return Planned(fault, motor, begins, ends, instead and text.replace(said, instead, 1))
+
+
+def _renamed(said: str) -> str:
+    """Return how it is said now, where it is said as before; else nothing."""
+    found = _FORMER.fullmatch(said)
+    if found is None:
+        return ""
+    name, number = FORMER[found[1]], found[2]
+    return name if number is None else f"{name},node=M{number}"
+
+
+def _motor(text: str, fault: BoardFault, keys: Iterable[str]) -> int:
+    """Return which motor is said, from 0; 0 where the fault is the board's."""
+    said = dict(key.partition("=")[::2] for key in keys)
+    known = ["node"] if fault.nodes else []
+    for key in said:
+        if key not in known:
+            has = "node" if known else "none"
+            raise ValueError(f"{text}: {fault.name} knows no key '{key}'; there is: {has}")
+    if not fault.nodes:
+        return 0
+    choice = f"{', '.join(fault.nodes[:-1])} or {fault.nodes[-1]}"
+    if not (node := said.get("node", "")):
+        raise ValueError(f"{text}: {fault.name} needs node: {choice}")
+    if node not in fault.nodes and f"M{node}" not in fault.nodes:
+        raise ValueError(f"{text}: there is no node '{node}'; {fault.name} needs node: {choice}")
+    return fault.nodes.index(node if node in fault.nodes else f"M{node}")
+
+
+def _times(text: str, name: str, times: str) -> tuple[Nanoseconds, Nanoseconds]:
     begin, _, end = times.partition("-")
     try:
         begins = round(float(begin) * SECOND)
@@ -190,7 +236,7 @@ def planned(text: str) -> Planned:
         raise ValueError(f"{text}: '{times}' is no time; write {name}@5, or {name}@5-7.5, in s") from None
     if not 0 <= begins < ends:
         raise ValueError(f"{text}: it ends before it begins")
-    return Planned(FAULTS[name], begins, ends)
+    return begins, ends
 
 
 class FaultyBoard:
@@ -199,15 +245,16 @@ class FaultyBoard:
     def __init__(self, board: Board, plan: Iterable[Planned]) -> None:
         self.board: Final = board
         plan = tuple(plan)
-        changes = [(it.begins, True, it.fault) for it in plan] + [
-            (it.ends, False, it.fault) for it in plan if it.ends != NEVER
+        changes = [(it.begins, True, it) for it in plan] + [
+            (it.ends, False, it) for it in plan if it.ends != NEVER
         ]
         self._changes: Final = sorted(changes, key=lambda it: it[0], reverse=True)
+        self._unplugged = False
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Take a chunk from the host, or what became of DTR."""
+        """Take a chunk from the host, or what became of DTR; nothing comes over a cable that is out."""
         sent = self._brought_to(now)
-        return self._with(sent, self.board.receive(packet, now))
+        return self._with(sent, self.board.wake(now) if self._unplugged else self.board.receive(packet, now))
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Do what is due; the first call switches the board on."""
@@ -217,11 +264,17 @@ class FaultyBoard:
     def _brought_to(self, now: Nanoseconds) -> tuple[Packet, ...]:
         sent: tuple[Packet, ...] = ()
         while self._changes and self._changes[-1][0] <= now:
-            at, on, fault = self._changes.pop()
-            sent += self.board.wake(at).sent
-            fault.put(self.board, on, at)
+            at, on, it = self._changes.pop()
+            sent += self._passed(self.board.wake(at).sent)
+            it.fault.put(Change(self.board, on, at, it.motor))
+            if it.fault is UNPLUGGED:
+                self._unplugged = on
+                sent += (Packet(SERIAL, LINE_LOST if on else LINE_BACK, b""),)
         return sent
+
+    def _passed(self, sent: tuple[Packet, ...]) -> tuple[Packet, ...]:
+        return () if self._unplugged else sent
 
     def _with(self, sent: tuple[Packet, ...], reaction: Reaction) -> Reaction:
         due = self._changes[-1][0] if self._changes else NEVER
-        return Reaction(sent + reaction.sent, min(reaction.wake_at, due))
+        return Reaction(sent + self._passed(reaction.sent), min(reaction.wake_at, due))

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from firmware_bridge.safety.snapshot import Hold
-from firmware_bridge.units import Nanoseconds
+from firmware_bridge.units import Nanoseconds, to_seconds
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +32,16 @@ class HoldRecord:
     """None where it still held when the run was over."""
     remedy: str = ""
     """What whoever drives can do."""
+
+    @property
+    def began_s(self) -> float:
+        """The same in seconds."""
+        return to_seconds(self.began)
+
+    @property
+    def ended_s(self) -> float | None:
+        """The same in seconds."""
+        return None if self.ended is None else to_seconds(self.ended)
 
 
 class Holds:

@@ -28,7 +28,7 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge emulate board --firmware ros-arduino-bridge --auto-stop-ms 500 --plant three_wheels.fmu`
 
-`firmware-bridge emulate board --firmware mw --fault current-limit --fault encoder-1@20-30`"""
+`firmware-bridge emulate board --firmware mw --fault current_limit --fault encoder_cable_off,node=M1@20-30`"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,11 +88,12 @@ class BoardOptions:
     fault: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="NAME[@FROM[-TO]]",
-            help="What is wrong, from and to a time in s; again for each: current-limit, over-temperature, "
-            "hangs, brown-out, unpowered, supply-sag, cable-1 to cable-4, blocked-1 to blocked-4, "
-            "lifted-1 to lifted-4, leads-1 to leads-4, encoder-1 to encoder-3, channels-1 to channels-3, "
-            "shield-absent, i2c-stuck.",
+            metavar="KIND[,node=M1][@FROM[-TO]]",
+            help="What is wrong, from and to a time in s; again for each, by the names of a mission's "
+            "faults: current_limit, over_temperature, board_hangs, board_reset, board_brown_out, "
+            "board_unpowered, serial_unplugged, shield_absent, i2c_stuck, motor_supply_sag; of a motor, M1 "
+            "to M4: motor_cable_off, shaft_blocked, load_lifted, motor_leads_swapped; of M1 to M3: "
+            "encoder_cable_off, encoder_swapped.",
             show_default=False,
         ),
     ] = None
@@ -192,13 +193,18 @@ def _firmware(given: BoardOptions) -> "Firmware":
 
 
 def _plan(given: BoardOptions) -> "list[Planned]":
-    from emulators.arduino_omni.faults import planned
+    from emulators.arduino_omni.faults import UNPLUGGED, planned
     from firmware_bridge.shell.ports.pseudo_terminal import WORD
 
     try:
         plan = [planned(text) for text in given.fault or ()]
     except ValueError as error:
         raise refusal(f"--fault {error}") from None
+    for text, one in zip(given.fault or (), plan, strict=True):
+        if one.instead:
+            say(f"--fault {text}: is called {one.instead} now", err=True)
+    if given.serial != WORD and any(one.fault is UNPLUGGED for one in plan):
+        raise refusal(f"--fault {UNPLUGGED.name}: only --serial {WORD} has a cable that can be pulled")
     if given.reset_on_open and given.serial != WORD:
         raise refusal(
             f"--reset-on-open: on {given.serial} the device itself decides; only --serial pty needs it"

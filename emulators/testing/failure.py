@@ -2,11 +2,23 @@
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Final
 
+from emulators.bench.columns import motor_speed
 from emulators.bench.records import FaultRecord
 from emulators.extras import cure, installed
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.units import Nanoseconds, to_seconds
+
+TURNING: Final = frozenset(
+    {
+        *("encoder_cable_off", "encoder_cut", "encoder_frozen", "encoder_swapped", "encoder_counts_lost"),
+        *("motor_cable_off", "motor_leads_swapped", "shaft_blocked", "load_lifted", "index_missing"),
+    }
+)
+"""Kinds that nobody notices while the motor stands."""
+STANDS_RAD_S: Final = 1.0
+"""At the motor's shaft."""
 
 
 def told(rig: VirtualRig, test: str, folder: Path, again: str, *, pictures: bool) -> str:
@@ -24,7 +36,8 @@ def _lines(rig: VirtualRig, test: str, folder: Path, again: str, *, pictures: bo
     yield from (f"  {_span(hold.began, hold.ended)}  {hold.name}: {hold.reason}" for hold in held)
     if rig.faults:
         yield "faults:"
-        yield from (f"  {_span(fault.began, fault.ended)}  {_wrong(fault)}" for fault in rig.faults)
+        for fault in rig.faults:
+            yield f"  {_span(fault.began, fault.ended)}  {_wrong(fault)}{_hidden(rig, fault)}"
     yield "operator:"
     entries = [entry for entry in rig.operator.diary if entry.at >= rig.began]
     yield from (f"  {to_seconds(entry.at):6.2f} s  {entry.kind}: {entry.text}" for entry in entries)
@@ -58,3 +71,15 @@ def _span(began: Nanoseconds, ended: Nanoseconds | None) -> str:
 
 def _wrong(fault: FaultRecord) -> str:
     return f"{fault.kind} ({', '.join(fault.nodes)}): {fault.title}"
+
+
+def _hidden(rig: VirtualRig, fault: FaultRecord) -> str:
+    """Say of a fault that acts on a motor as it turns whether none of its motors has turned since."""
+    columns = [motor_speed(node) for node in fault.nodes if rig.bench.samples.has(motor_speed(node))]
+    if fault.kind not in TURNING or not columns:
+        return ""
+    ended = rig.bench.world.now if fault.ended is None else fault.ended
+    rows = [row for row in rig.bench.samples if fault.began <= row.at <= ended]
+    if any(abs(row[name]) > STANDS_RAD_S for row in rows for name in columns):
+        return ""
+    return "; it could not show: its motor stood all that time"

@@ -95,7 +95,7 @@ class VirtualRig:
 
     @property
     def held(self) -> tuple[HoldRecord, ...]:
-        """All holds so far, the oldest first."""
+        """All holds so far, the oldest first: `began_s` and `ended_s` are seconds of virtual time."""
         return tuple(self.bench.holds)
 
     @property

@@ -116,6 +116,7 @@ FAILING: Final[dict[str, Failing]] = {
     "board_reset": Failing(Nature.HONEST),
     "board_hangs": Failing(Nature.HONEST),
     "board_brown_out": Failing(Nature.HONEST, longest_s=3.0),
+    "board_unpowered": Failing(Nature.HONEST, longest_s=3.0),
     "body_hidden": Failing(Nature.HONEST, longest_s=6.0, takes_power=False),
     "capture_late": Failing(
         Nature.HONEST,

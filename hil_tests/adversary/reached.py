@@ -3,12 +3,19 @@
 from typing import Final
 
 from emulators.bench.columns import SAMPLE_EVERY
-from emulators.bench.faults.board import BoardBrownOut, BoardHangs, BoardReset, BoardSilent, I2cStuck
+from emulators.bench.faults.board import (
+    BoardBrownOut,
+    BoardHangs,
+    BoardReset,
+    BoardSilent,
+    BoardUnpowered,
+    I2cStuck,
+)
 from emulators.rig import BRIDGE, Rig
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER
 
-STARTS_ANEW: Final = {BoardBrownOut.kind, BoardHangs.kind, BoardReset.kind, I2cStuck.kind}
+STARTS_ANEW: Final = {it.kind for it in (BoardBrownOut, BoardHangs, BoardReset, BoardUnpowered, I2cStuck)}
 
 
 class Reached:

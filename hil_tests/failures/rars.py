@@ -210,11 +210,12 @@ SHOWN: Final = (
 ELSEWHERE: Final = {
     **dict.fromkeys(("second_bridge", "second_station", "stray_frames"), "a test of its own"),
     **dict.fromkeys(
-        ("load_lifted", "board_chatters", "i2c_stuck", "shield_absent"),
+        ("load_lifted", "board_chatters", "i2c_stuck", "shield_absent", "current_limit", "over_temperature"),
         "tests of the board and its wiring",
     ),
     **dict.fromkeys(
-        ("board_brown_out", "line_garbage", "capture_late", "capture_loss"), "the adversary's evenings"
+        ("board_brown_out", "board_unpowered", "line_garbage", "capture_late", "capture_loss"),
+        "the adversary's evenings",
     ),
     **dict.fromkeys(("body_hidden", "body_shakes", "markers_swapped"), "tests of robots that cameras see"),
     "grip_lost": "a test of the climber",

@@ -108,6 +108,29 @@ def test_a_failing_test_says_what_held_and_keeps_what_happened(pytester: pytest.
     assert (folder / "samples.csv").read_text(encoding="ascii").count("\n") == 1 + 602
 
 
+def test_a_fault_of_a_motor_that_stood_says_that_it_could_not_show(
+    pytester: pytest.Pytester, run: Run
+) -> None:
+    pytester.makepyfile(
+        test_it="""
+def test_dead_encoder(rig):
+    rig.fault("encoder_cable_off", node="one", for_s=0.5)
+    rig.runs(1.0)
+    rig.operator.drives(0.2)
+    rig.fault("motor_cable_off", node="two", for_s=0.5)
+    rig.runs(1.0)
+    assert all(hold.began_s == hold.began / 1e9 for hold in rig.held)
+    assert "axis position repeats: one" in rig.holds
+"""
+    )
+    result = run("--robot", "rome", "--no-pictures")
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines(
+        ["*encoder_cable_off (one): ; it could not show: its motor stood all that time"]
+    )
+    assert not any("motor_cable_off" in line and "could not show" in line for line in result.outlines)
+
+
 @pytest.mark.interpreted
 @pytest.mark.long(beside="test_one_that_ends_too_soon_says_what_it_printed")
 @pytest.mark.parametrize(

@@ -14,7 +14,8 @@ name: data sheets, the Arduino core, libraries and sketches. None of it was reco
 for a real board, built by avr-gcc and run by simavr, says the same bytes on serial and on I2C as
 ros_arduino_bridge here (`pytest -m avr`). What stands here was found nowhere, and is a choice that may
 change."""
-FAULTS_TEXT: Final = """What can be wrong with a board: `emulate board --fault NAME@FROM-TO`, times in s."""
+FAULTS_TEXT: Final = """What can be wrong with a board: `emulate board --fault KIND,node=M1@FROM-TO`, times in
+s. The names are those of a mission's faults."""
 
 _ROOT: Final = Path(emulators.__file__).parent
 BOARD: Final = "arduino_omni"

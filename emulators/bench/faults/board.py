@@ -57,6 +57,15 @@ class _OfBoards(Fault, ABC):
         return [site.boards[name] for name in self.on(site.robot)]
 
 
+class _OfShields(_OfBoards, ABC):
+    needed: ClassVar = "board with a motor shield"
+
+    @staticmethod
+    def possible(robot: AnyRobot) -> list[str]:
+        """Return the links that have such a board."""
+        return list(robot.shield_links)
+
+
 class BoardSilent(_OfBoards, Lasting):
     """The board is heard no more, and hears nothing."""
 
@@ -117,6 +126,25 @@ class BoardBrownOut(_OfBoards, Lasting):
             board.mega.brown_out(site.world.now, low=on)
 
 
+class BoardUnpowered(_OfShields, Lasting):
+    """Processor and shield lose their 5 V: both begin anew with it."""
+
+    kind: ClassVar = "board_unpowered"
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Take the supply."""
+        del chance
+        self._hold(site, on=True)
+
+    def take_off(self, site: Site) -> None:
+        """Give it back: board and shield start anew."""
+        self._hold(site, on=False)
+
+    def _hold(self, site: Site, *, on: bool) -> None:
+        for name in self.on(site.robot):
+            site.shield(name).unpower(site.world.now, off=on)
+
+
 class BoardChatters(_OfBoards, Lasting):
     """The sketch prints something by itself, again and again: a debug print that was left in."""
 
@@ -135,15 +163,6 @@ class BoardChatters(_OfBoards, Lasting):
                 site.boards[name].mega.print(PRINTED, now)
                 site.world.rouse(name)
             site.world.call_at(now + self.every_ms * MILLISECOND, self._print, site)
-
-
-class _OfShields(_OfBoards, ABC):
-    needed: ClassVar = "board with a motor shield"
-
-    @staticmethod
-    def possible(robot: AnyRobot) -> list[str]:
-        """Return the links that have such a board."""
-        return list(robot.shield_links)
 
 
 class _BusStuck(_OfShields, Lasting):
@@ -261,6 +280,41 @@ class MotorSupplySag(_OfShields, Lasting):
     def _have(self, site: Site, volts: float) -> None:
         for name in self.on(site.robot):
             site.shield(name).motors.starves(volts)
+
+
+class _HalfBridges(_OfShields, Lasting, ABC):
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Let it begin."""
+        del chance
+        for name in self.on(site.robot):
+            self._have(site.shield(name).motors, on=True)
+
+    def take_off(self, site: Site) -> None:
+        """Let it end."""
+        for name in self.on(site.robot):
+            self._have(site.shield(name).motors, on=False)
+
+    @abstractmethod
+    def _have(self, motors: Motors, *, on: bool) -> None:
+        """Have it so, or not."""
+
+
+class CurrentLimit(_HalfBridges):
+    """The half bridges cut a current that reaches their peak, which the emulation leaves out else."""
+
+    kind: ClassVar = "current_limit"
+
+    def _have(self, motors: Motors, *, on: bool) -> None:
+        motors.faults.limits_current = on
+
+
+class OverTemperature(_HalfBridges):
+    """The half bridges warm up, and shut down where they are too hot, which the emulation leaves out else."""
+
+    kind: ClassVar = "over_temperature"
+
+    def _have(self, motors: Motors, *, on: bool) -> None:
+        motors.follow_heat(followed=on)
 
 
 class _WireOff(_OnMotor, ABC):

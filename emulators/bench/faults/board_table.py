@@ -29,6 +29,23 @@ BOARD_ROWS: Final = (
         "the board's supply",
     ),
     Kind(
+        board.BoardUnpowered,
+        "The board's 5 V are gone, which shield and processor have in common; the motors' own supply stays.",
+        "A board: silent, its motors roll out; with the supply both start anew, as after `board_reset`.",
+        "the board's supply",
+    ),
+    Kind(
+        board.CurrentLimit,
+        "A half bridge cuts a current that reaches 3.2 A, as the data sheet says; without it a motor has all"
+        " that it takes.",
+        "A board: notices nothing; a wheel that is held pushes less.",
+    ),
+    Kind(
+        board.OverTemperature,
+        "The half bridges are followed as they warm up, from 25 degrees C on, and shut down at 175.",
+        "A board: notices nothing; the motors of a chip that shut down roll out until it has cooled.",
+    ),
+    Kind(
         board.BoardChatters,
         "The sketch prints something by itself, as a debug print that was left in, or an analog report that a"
         " stray byte has switched on.",

@@ -33,6 +33,14 @@ class PseudoTerminal(ByteFile):
         self._speed: Final = None if baud is None else getattr(termios, f"B{baud}", None)
         self._baud: Final = baud
         self._say = say
+        super().__init__(self._made())
+        self._link = link
+        if link is not None:
+            self._point(link)
+        self.name = f"serial line {link or self.path}"
+
+    def _made(self) -> int:
+        """Make both ends, and return our own; PortError."""
         try:
             own, self._other = os.openpty()
             # Without this the system would echo our own bytes to us, and turn line feeds into two bytes.
@@ -44,11 +52,7 @@ class PseudoTerminal(ByteFile):
             self.path = os.ttyname(self._other)
         except OSError as error:
             raise PortError(f"cannot make a pseudo-terminal: {error.strerror}") from error
-        super().__init__(own)
-        self._link = link
-        if link is not None:
-            self._point(link)
-        self.name = f"serial line {link or self.path}"
+        return own
 
     def read(self, now: Nanoseconds) -> list[tuple[int, bytes]]:
         """Return the bytes that have arrived, at the device's rate; LostPort."""
@@ -71,16 +75,21 @@ class PseudoTerminal(ByteFile):
 
     def close(self) -> None:
         """Close both ends and remove the link; never fails, and may be called again."""
+        self._vanish()
+        self._link = None
+
+    def _vanish(self) -> None:
+        """Close both ends, and remove the link."""
         if self._link is not None and _leads_to(self._link, self.path):
             with contextlib.suppress(OSError):
                 self._link.unlink()
-        self._link = None
         # Keeping the other end open, too, is what lets clients come and go.
         for fileno in (self._fileno, self._other):
             if fileno >= 0:
                 with contextlib.suppress(OSError):
                     os.close(fileno)
         self._fileno = self._other = -1
+        self._waiting.clear()
 
     def _crowded(self, waiting: bytearray) -> None:
         waiting.clear()

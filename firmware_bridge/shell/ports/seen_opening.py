@@ -15,7 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
-from firmware_bridge.node import DTR_DOWN, DTR_UP
+from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.shell.ports.port import PortError
 from firmware_bridge.shell.ports.pseudo_terminal import PseudoTerminal
 from firmware_bridge.units import Nanoseconds
@@ -40,13 +40,19 @@ class SeenOpening(PseudoTerminal):
     ) -> None:
         """Make it; PortError. Without `tells_dtr` it says nothing of who comes and goes."""
         self._watch = -1
+        self._both: select.epoll | None = None
         super().__init__(link, baud, say)
         self._tells_dtr: Final = tells_dtr
-        if tells_dtr:
+        self._clients = 0
+        self._look()
+
+    def _look(self) -> None:
+        """See who opens it from now on; PortError."""
+        if self._tells_dtr:
             _drop_at_close(self._other)
         self._clients = 0
         try:
-            self._both = select.epoll()
+            self._both = both = self._both or select.epoll()
             self._watch = _watch(self.path)
         except (OSError, AttributeError) as error:
             self.close()
@@ -54,25 +60,49 @@ class SeenOpening(PseudoTerminal):
                 f"cannot see who opens {self.name}: {error}; only Linux says it; leave --reset-on-open away"
             ) from error
         for fileno in (self._watch, self._fileno):
-            self._both.register(fileno, select.EPOLLIN)
+            both.register(fileno, select.EPOLLIN)
+
+    def write(self, address: int, payload: bytes, now: Nanoseconds) -> None:
+        """Send bytes; LostPort. `LINE_LOST` pulls the cable: the port is gone until `LINE_BACK`."""
+        if address == LINE_LOST:
+            self._look_away()
+            self._vanish()
+        elif address == LINE_BACK:
+            self._fileno = self._made()
+            os.set_blocking(self._fileno, False)
+            if self._link is not None:
+                self._point(self._link)
+            self._look()
+            self._announce()
+        elif self._fileno >= 0:
+            super().write(address, payload, now)
+
+    def _announce(self) -> None:
+        if self._link is None and self._say is not None:
+            self._say(f"{self.name} is plugged in again, as {self.path}")
 
     def fileno(self) -> int:
         """Return a file that can be read when bytes have arrived, or somebody has come or gone."""
-        return self._both.fileno()
+        return -1 if self._both is None else self._both.fileno()
 
     def read(self, now: Nanoseconds) -> list[tuple[int, bytes]]:
         """Return bytes, and before them what became of DTR."""
-        ready = {fileno for fileno, _ in self._both.poll(0)}
+        ready = {fileno for fileno, _ in self._both.poll(0)} if self._both is not None else set()
         told = [(it, b"") for it in self._told()] if self._watch in ready else []
         return told + (super().read(now) if self._fileno in ready else [])
 
     def close(self) -> None:
         """Close all; never fails, and may be called again."""
-        if self._watch >= 0:
+        self._look_away()
+        if self._both is not None:
             self._both.close()
+            self._both = None
+        super().close()
+
+    def _look_away(self) -> None:
+        if self._watch >= 0:
             os.close(self._watch)
             self._watch = -1
-        super().close()
 
     def _told(self) -> list[int]:
         events = os.read(self._watch, _ROOM)

@@ -21,6 +21,7 @@ ON_A_BOARD = (
     *("board_silent", "board_reset", "board_hangs", "board_brown_out", "line_garbage"),
     *("shaft_blocked", "motor_cable_off", "encoder_cable_off", "load_lifted", "motor_supply_sag"),
     *("board_chatters", "shield_absent", "i2c_stuck", "motor_leads_swapped"),
+    *("board_unpowered", "current_limit", "over_temperature"),
 )
 HEAD = 'title = "t"\nduration_s = 10.0\n[[step]]\nat_s = 1.0\ntitle = "s"\narm = true\n'
 LEAST = {

@@ -14,7 +14,7 @@ from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.gateway import Cluster
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.cli.links import open_serial
-from firmware_bridge.node import CAN, DTR_DOWN, DTR_UP, SERIAL
+from firmware_bridge.node import CAN, DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST, SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.shell.ports import LostPort, Port, PortError, PseudoTerminal, SeenOpening, SerialLine
@@ -278,3 +278,27 @@ def test_a_drive_on_a_pseudo_terminal_outlives_its_clients_in_real_time() -> Non
     assert len(client.answers) > 6
     assert set(client.answers[0::2]) == {ANSWERED_V2}
     assert set(client.answers[1::2]) == {b""}
+
+
+def test_a_cable_that_is_pulled_takes_the_port_away_and_a_new_one_comes_back_under_its_link(
+    tmp_path: Path,
+) -> None:
+    link = tmp_path / "board"
+    with closing(SeenOpening(link)) as port:
+        waits_at = port.fileno()
+        with serial.Serial(str(link), timeout=1) as client:
+            assert packets(port) == [(DTR_UP, b"")]
+            port.write(LINE_LOST, b"", 0)
+            with pytest.raises(serial.SerialException):
+                client.read(1)
+        assert not link.is_symlink()
+        port.write(0, b"nobody hears it", 0)
+        assert (port.read(0), port.fileno()) == ([], waits_at)
+        port.write(LINE_BACK, b"", 0)
+        with serial.Serial(str(link), timeout=1) as client:
+            assert packets(port) == [(DTR_UP, b"")]
+            client.write(b"again")
+            assert heard(port, 5) == b"again"
+            port.write(0, b"here", 0)
+            assert client.read(4) == b"here"
+    assert not link.is_symlink()
