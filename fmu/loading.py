@@ -4,18 +4,21 @@ It refuses to know variables: only whether this machine can run the file as a sl
 """
 
 import contextlib
+import ctypes
 import shutil
 import tempfile
 import weakref
 from collections import deque
 from collections.abc import Callable
 from functools import lru_cache
+from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 from zipfile import BadZipFile, ZipFile
 
 import fmpy
 from fmpy import fmi2, fmi3
+from fmpy.logging import addLoggerProxy
 from fmpy.model_description import read_model_description
 
 from fmu.calls import OK_OR_WARNING
@@ -80,12 +83,15 @@ def loaded(
     except Exception as error:
         shutil.rmtree(folder, ignore_errors=True)
         raise PlantError(f"{path}: the FMU cannot be loaded: {error}") from error
+    number = 0
     try:
         if second:
-            plant.instantiate(loggingOn=True, callbacks=_callbacks(messages))
+            callbacks, number = listened(messages)
+            plant.instantiate(loggingOn=True, callbacks=callbacks)
         else:
             plant.instantiate(loggingOn=True, logMessage=_listener3(messages))
     except Exception as error:
+        forgotten(number)
         plant.freeLibrary()
         shutil.rmtree(folder, ignore_errors=True)
         said = messages[-1] if messages else error
@@ -93,7 +99,7 @@ def loaded(
     vault = None
     if description.coSimulation.canGetAndSetFMUstate:
         vault = Vault(plant.dll, component_of(plant), int(description.fmiVersion[0]))
-    return plant, vault, weakref.finalize(owner, _release, plant, vault, folder)
+    return plant, vault, weakref.finalize(owner, _release, plant, vault, folder, number)
 
 
 def component_of(plant: Any) -> int:
@@ -101,11 +107,12 @@ def component_of(plant: Any) -> int:
     return int(getattr(plant.component, "value", plant.component))
 
 
-def _release(plant: Any, vault: Vault | None, folder: str) -> None:
+def _release(plant: Any, vault: Vault | None, folder: str, number: int) -> None:
     if vault is not None:
         vault.close()
     # Freeing an instance is allowed in every state; fmi*Terminate is not, and adds nothing here.
     plant.freeInstance()
+    forgotten(number)
     shutil.rmtree(folder, ignore_errors=True)
 
 
@@ -117,15 +124,35 @@ def _listener3(messages: deque[str]) -> Callable[[Any, int, bytes, bytes], None]
     return listen
 
 
-def _callbacks(messages: deque[str]) -> Any:
-    def listen(_environment: Any, _name: bytes, status: int, _category: bytes, message: bytes) -> None:
-        if status >= OK_OR_WARNING:
-            messages.append(message.decode(errors="replace"))
+def _listen2(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
+    """Take a message of FMI 2.0, its arguments filled in, for the instance that it is of."""
+    messages = _HEARD.get(environment or 0)
+    if messages is None:
+        # Of an instance that somebody else in this process has made with FMPy.
+        fmi2.printLogMessage(environment, name, status, category, message)
+    elif status >= OK_OR_WARNING:
+        messages.append(message.decode(errors="replace"))
 
-    callbacks = fmi2.fmi2CallbackFunctions()
-    callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(listen)
+
+_HEARD: Final[dict[int, deque[str]]] = {}
+"""The messages of each instance of FMI 2.0, by its number."""
+_NUMBERS: Final = count(1)
+_LISTENER: Final = fmi2.fmi2CallbackLoggerTYPE(_listen2)
+"""FMPy's proxy, which fills in printf's arguments, keeps one logger for the whole process: this one."""
+
+
+def listened(messages: deque[str]) -> tuple[Any, int]:
+    """Return the callbacks of one instance of FMI 2.0, and its number."""
+    callbacks, number = fmi2.fmi2CallbackFunctions(), next(_NUMBERS)
+    callbacks.logger = _LISTENER
     callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
     callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
-    # FMPy's proxy, which would fill in printf arguments, keeps one logger for the whole process, and calls
-    # it after it is gone: messages are taken as they are.
-    return callbacks
+    callbacks.componentEnvironment = number
+    _HEARD[number] = messages
+    addLoggerProxy(ctypes.byref(callbacks))
+    return callbacks, number
+
+
+def forgotten(number: int) -> None:
+    """Take no more messages of an instance of FMI 2.0; 0 is none."""
+    _HEARD.pop(number, None)

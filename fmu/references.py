@@ -20,6 +20,8 @@ class Variable:
     causality: str
     unit: str | None
     description: str
+    start: str = ""
+    """Its start value as the FMU writes it; empty where it has none."""
 
 
 class References:
@@ -41,7 +43,13 @@ class References:
     def described(self) -> tuple[Variable, ...]:
         """Return all real variables, as a master may ask for them."""
         return tuple(
-            Variable(name, str(variable.causality), _unit(variable), str(variable.description or ""))
+            Variable(
+                name,
+                str(variable.causality),
+                _unit(variable),
+                str(variable.description or ""),
+                str(variable.start or ""),
+            )
             for name, variable in self._variables.items()
             if variable.type in _REAL
         )
@@ -78,6 +86,7 @@ class References:
             return variable
         near = difflib.get_close_matches(name, self._variables, n=1)
         hint = f"; the nearest name is '{near[0]}'" if near else ""
+        hint += "; `firmware-bridge fmu show` lists what it has" if kind == "parameter" else ""
         raise PlantError(f"{self._file}: the FMU lacks the {kind} '{name}'{hint}")
 
     def _checked_type(self, name: str, variable: Any) -> int:

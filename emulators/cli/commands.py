@@ -103,6 +103,11 @@ robot; the word `robot` in front of the robot's name may be left out.""",
     ),
     Command("fmu list", "emulators.cli.plants:list_models", "List the models that can be built."),
     Command(
+        "fmu show",
+        "emulators.cli.plants:show",
+        "List a plant's parameters: name, unit, default, meaning; and its inputs and outputs.",
+    ),
+    Command(
         "fmu build",
         "emulators.cli.plants:build_model",
         "Build a robot's plant, or a model, as an FMU, with its sources inside.",

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
+from emulators.cli.options import plant_file
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.options import DurationOption, until
@@ -224,20 +225,8 @@ def _load(given: BoardOptions) -> "Load":
     if given.plant is None:
         return four_motors()
     with one_message(PlantError):
-        load = fmu_load(_file(given.plant), given.axes.split(",") if given.axes else ())
+        load = fmu_load(plant_file(given.plant), given.axes.split(",") if given.axes else ())
     return load if given.supply is None else replace(load, supply=None)
-
-
-def _file(plant: str) -> Path:
-    """Return the FMU of this name: a file, or a plant that is built where that has not been done."""
-    from fmu.build import ensure, is_built
-
-    path = Path(plant)
-    if path.suffix == ".fmu" or path.exists():
-        return path
-    if not is_built(plant):
-        say(f"building the plant {plant}, once")
-    return ensure(plant)
 
 
 emulate: Final = command(EXAMPLES, work=run)(BoardOptions)

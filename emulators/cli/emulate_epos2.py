@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from emulators.cli.options import LatencyOption, ParametersOption, ProfileOption, find_profile
+from emulators.cli.options import LatencyOption, ParametersOption, ProfileOption, find_profile, plant_file
 from emulators.epos2.objects.device_profile import BAUDS, BIT_RATES, DeviceProfile, realistic
 from emulators.servo.motor import MOTOR, SUPPLY_MV
 from firmware_bridge.cli.commands import command, completing
@@ -46,7 +46,7 @@ drive.dcf --serial pty`
 `firmware-bridge emulate epos2 --choice mapping-needs-invalid-pdo=yes --choice boot-time=1s -i socketcan -c
 vcan0`
 
-`firmware-bridge emulate epos2 --plant single_axis.fmu --axes axis --set stop_low=-1 -i socketcan -c vcan0`"""
+`firmware-bridge emulate epos2 --plant single_axis --axes axis --set stop_low=-1 -i socketcan -c vcan0`"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,11 +119,12 @@ class DrivesOptions(Outside):
         ),
     ] = None
     plant: Annotated[
-        Path | None,
+        str | None,
         typer.Option(
-            metavar="FMU",
-            help="A plant in place of the motors: inputs voltage_AXIS, outputs current_AXIS, angle_AXIS and "
-            "speed_AXIS of the shaft, in SI, for each axis; switches and brake where it has them.",
+            metavar="NAME|FMU",
+            help="A plant in place of the motors, of `fmu list`, or any FMU: inputs voltage_AXIS, outputs "
+            "current_AXIS, angle_AXIS and speed_AXIS of the shaft, in SI, for each axis; switches and brake "
+            "where it has them.",
             show_default=False,
         ),
     ] = None
@@ -132,7 +133,7 @@ class DrivesOptions(Outside):
         typer.Option(
             "--set",
             metavar="NAME=VALUE",
-            help="A parameter of the plant, in SI; may be given more than once.",
+            help="A parameter of the plant, in SI, as `fmu show` lists them; may be given more than once.",
             show_default=False,
         ),
     ] = None
@@ -141,7 +142,7 @@ class DrivesOptions(Outside):
         typer.Option(
             metavar="NAMES",
             help="The plant's axes in the order of the nodes.",
-            show_default="motor1,motor2 ...",
+            show_default="the plant's own where there is one for each node, else motor1,motor2 ...",
         ),
     ] = None
     supply: Annotated[
@@ -208,6 +209,9 @@ def run(given: DrivesOptions) -> None:
             f"--axes {given.axes}: there are {len(nodes)} nodes and {len(names)} axes; name one for each"
         )
     mounted = _mounted(given)
+    with one_message(PlantError):
+        plant = None if given.plant is None else plant_file(given.plant)
+        names = names or _axes(plant, len(nodes))
     rate = given.bit_rate or DEFAULT_BIT_RATE
     near = on_the_line(given, nodes)
     order = Order(
@@ -219,8 +223,8 @@ def run(given: DrivesOptions) -> None:
         bit_rate=rate,
         mounted=mounted,
         commissioned={} if given.dcf is None else _commissioned(given.dcf),
-        plant=given.plant,
-        plant_parameters=_settings(given.values or [], given.plant),
+        plant=plant,
+        plant_parameters=_settings(given.values or [], plant),
         axes=names,
         supply_mv=round(given.supply * 1000),
         parameters=given.parameters,
@@ -240,11 +244,19 @@ def run(given: DrivesOptions) -> None:
             RollCalled(around(twins_said(cluster, places)), places),
             openers,
             until(given.duration),
-            f"{order.profile.name} on {where}: node {given.node}{line}; {_text(mounted, given.plant)}",
+            f"{order.profile.name} on {where}: node {given.node}{line}; {_text(mounted, plant)}",
             PlantError,
             ServoError,
             clock=LivedClock(),
         )
+
+
+def _axes(plant: Path | None, count: int) -> tuple[str, ...]:
+    """Return the plant's own axes, where it has one for each node; else none, which are motor1 and so on."""
+    from emulators.boards import axes_of
+
+    own = () if plant is None else axes_of(plant)
+    return own if len(own) == count else ()
 
 
 def _choices(given: DrivesOptions) -> list[str]:

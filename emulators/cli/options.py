@@ -7,7 +7,7 @@ import typer
 
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import DeviceProfile
-from firmware_bridge.cli.console import refusal
+from firmware_bridge.cli.console import refusal, say
 from firmware_bridge.wire.maxon.frame import Generation
 
 PlantOption = Annotated[
@@ -44,6 +44,18 @@ LatencyOption = Annotated[
         "as recorded, or do both at once.",
     ),
 ]
+
+
+def plant_file(plant: str) -> Path:
+    """Return the FMU of this name: a file, or a plant that is built where that has not been done."""
+    from fmu.build import ensure, is_built
+
+    path = Path(plant)
+    if path.suffix == ".fmu" or path.exists():
+        return path
+    if not is_built(plant):
+        say(f"building the plant {plant}, once")
+    return ensure(plant)
 
 
 def parameter_file(folder: Path, node: int) -> Path:

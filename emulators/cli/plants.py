@@ -1,7 +1,8 @@
-"""The plants' commands: `fmu list`, `fmu build`, `fmu check`."""
+"""The plants' commands: `fmu list`, `fmu show`, `fmu build`, `fmu check`."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final, TypeAlias
 
 import typer
 
@@ -16,7 +17,16 @@ if TYPE_CHECKING:
     from fmu.check import Findings
 
 
+Shown: TypeAlias = tuple[str, list[Sequence[str]], dict[str, list[str]]]
+"""A title, a row for each parameter, and other names by their kind."""
 LIST_EXAMPLE: Final = "Example: `firmware-bridge fmu list`"
+SHOW_EXAMPLES: Final = """Examples:
+
+`firmware-bridge fmu show single_axis` lists what `--set NAME=VALUE` may name.
+
+`firmware-bridge fmu show rome` has the values of the robot's file.
+
+`firmware-bridge fmu show my.fmu` lists what any FMU has."""
 BUILD_EXAMPLES: Final = """Examples:
 
 `firmware-bridge fmu build rars`
@@ -57,6 +67,64 @@ def list_models() -> None:
     if failed:
         raise typer.Exit(FAILED)
     say("each as FMI 2.0 or 3.0, with co-simulation and model exchange in one file")
+
+
+@command(SHOW_EXAMPLES)
+def show(
+    model: Annotated[
+        str,
+        typer.Argument(
+            metavar="MODEL|ROBOT|FMU",
+            help="A model that `fmu list` shows, a robot, or an FMU, whoever made it.",
+            autocompletion=completing("fmu.plants:names"),
+        ),
+    ],
+) -> None:
+    """List a plant's parameters: name, unit, default, meaning; and its inputs and outputs."""
+    from rich.table import Table
+
+    from firmware_bridge.cli.tables import terminal
+    from fmu.errors import PlantError
+
+    with one_message(PlantError, RobotFileError):
+        title, rows, variables = _file_shown(Path(model)) if model.endswith(".fmu") else _model_shown(model)
+    table = Table(title=title)
+    for heading in ("parameter", "unit", "default", "meaning"):
+        table.add_column(heading, overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    terminal().print(table)
+    for kind, names in variables.items():
+        say(f"{kind}: {', '.join(names) or 'none'}")
+
+
+def _model_shown(name: str) -> Shown:
+    """Return what a model, or a robot's, has; PlantError, RobotFileError."""
+    from emulators.devices import plant_of
+    from fmu.plants import find
+
+    robot = kinds.find(name) if name.partition(kinds.SIGN)[0] in kinds.names() else None
+    plant = find(name) if robot is None else plant_of(robot)
+    model = plant.model()
+    rows: list[Sequence[str]] = [
+        (it.name, it.unit, f"{it.start:g}", f"{it.description} ({it.source})") for it in plant.parameters
+    ]
+    inputs, outputs = [it.name for it in model.inputs], [it.name for it in model.outputs]
+    sets = [key for key, values in plant.sets.items() if values]
+    title = plant.name if robot is None else f"{plant.name} as {robot.name} has it"
+    return title, rows, {"inputs": inputs, "outputs": outputs, "parameter sets": sets}
+
+
+def _file_shown(path: Path) -> Shown:
+    """Return the same of an FMU; PlantError."""
+    from fmu.plant import variables_of
+
+    found = variables_of(path)
+    rows: list[Sequence[str]] = [
+        (it.name, it.unit or "", it.start, it.description) for it in found if it.causality == "parameter"
+    ]
+    others = {f"{kind}s": [it.name for it in found if it.causality == kind] for kind in ("input", "output")}
+    return path.name, rows, others
 
 
 @command(BUILD_EXAMPLES)

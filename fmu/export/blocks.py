@@ -9,11 +9,12 @@ from functools import cached_property
 
 import sympy as sp
 
+from fmu.errors import PlantError
 from fmu.export.model import Expression, Model, Output
 from fmu.export.reciprocals import Lines, with_reciprocals
 
 
-class UnsupportedError(Exception):
+class UnsupportedError(PlantError):
     """An expression or a table that this exporter has no deterministic code for."""
 
 

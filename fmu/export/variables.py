@@ -40,7 +40,17 @@ class Variable:
 
 
 def variables(program: Program) -> tuple[Variable, ...]:
-    """Return time, inputs, parameters, outputs, locals, rates; UnsupportedError where a name comes twice."""
+    """Return time, inputs, parameters, outputs, locals, rates.
+
+    UnsupportedError where a name comes twice, or a unit is not known.
+    """
+    model = program.model
+    for entry in (*model.inputs, *model.parameters, *model.states, *model.outputs):
+        if entry.unit not in UNITS:
+            raise UnsupportedError(
+                f"'{entry.name}' of {model.name} is in '{entry.unit}', which is no unit that is known; there "
+                f"are: {', '.join(UNITS)}"
+            )
     rows = tuple(_rows(program))
     twice = [name for name, count in Counter(row.name for row in rows).items() if count > 1]
     if twice:

@@ -49,6 +49,49 @@ def test_list_names_every_model_and_its_robot() -> None:
         assert model != "rars" or [cell.strip() for cell in row.split("│")][3:7] == ["34", "4", "23", "79"]
 
 
+@pytest.mark.parametrize(
+    ("model", "rows", "told"),
+    [
+        (
+            "single_axis",
+            ("backlash rad 0.02 backlash", "gear_axis 1 26 gear ratio"),
+            "voltage_axis",
+        ),
+        ("rome", ("wheel_distance m 0.16 ", "gear_wheel 1 64 "), "parameter sets: kit, "),
+    ],
+)
+def test_show_lists_what_can_be_set(model: str, rows: tuple[str, ...], told: str) -> None:
+    status, out, err = run("show", model)
+    assert (status, err) == (0, "")
+    cells = [" ".join(line.replace("│", " ").split()) for line in out.splitlines()]
+    for row in rows:
+        assert any(line.startswith(row.strip()) for line in cells), row
+    assert told in out
+
+
+def test_show_lists_what_an_fmu_of_anybody_has(tmp_path: Path) -> None:
+    status, out, err = run("show", str(ensure("single_axis")))
+    assert (status, err) == (0, "")
+    assert "backlash" in out
+    assert "outputs: current_axis, angle_axis, speed_axis" in out
+    status, _, err = run("show", str(tmp_path / "none.fmu"))
+    assert status == 2
+    assert "there is no such file" in err
+
+
+def test_a_drive_takes_a_plant_by_its_name_and_names_a_parameter_that_is_none() -> None:
+    words = ["emulate", "epos2", "--serial", "pty", "--duration", "0.1", "--plant"]
+    done = CliRunner().invoke(program, [*words, "single_axis", "--set", "stop_lo=-1"])
+    assert done.exit_code == 2, done.output
+    assert "the nearest name is 'stop_low'; `firmware-bridge fmu show` lists what it has" in done.stderr
+    done = CliRunner().invoke(program, [*words, "single_axis", "--set", "stop_low=-1"])
+    assert done.exit_code == 0, done.output
+    assert "the plant single_axis" in done.stdout
+    done = CliRunner().invoke(program, [*words, "single_axs"])
+    assert done.exit_code == 2
+    assert "did you mean 'single_axis'?" in done.stderr
+
+
 def test_a_plant_that_is_not_built_is_summed_up_by_its_equations(monkeypatch: pytest.MonkeyPatch) -> None:
     built = summary("single_axis")
     monkeypatch.setattr("fmu.summary.is_built", lambda _: False)

@@ -1,8 +1,10 @@
 """Whatever is wrong with an FMU, the plant says so in one message; and it leaves nothing behind."""
 
+import ctypes
 import gc
 import math
 import tempfile
+from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,6 +12,7 @@ from zipfile import ZIP_DEFLATED, ZipFile
 
 import pytest
 
+from fmu.loading import forgotten, listened
 from fmu.plant import FmuPlant, PlantError
 from fmu.rars.interface import INPUTS, OUTPUTS, UNITS
 
@@ -201,3 +204,21 @@ def test_a_library_that_cannot_be_loaded_leaves_the_process_where_it_is(
     assert Path.cwd() == tmp_path
     with pytest.raises(PlantError, match=r"odd\.fmu: the FMU cannot be loaded"):
         opened(Path("odd.fmu"))
+
+
+def test_what_an_fmu_says_has_its_arguments_in_it() -> None:
+    """FMI 2.0 hands a format and what follows to the master (section 2.1.5): called as an FMU calls it."""
+    said, others = deque[str](), deque[str]()
+    (callbacks, number), (_, other) = listened(said), listened(others)
+    logger = ctypes.cast(callbacks.logger, ctypes.c_void_p).value
+    assert logger is not None
+    speak = ctypes.CFUNCTYPE(
+        *(None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p),
+        *(ctypes.c_int, ctypes.c_char_p),
+    )(logger)
+    for status in (2, 0):
+        speak(number, b"tank", status, b"logStatusError", b"%d of the %s are open, 100 %%", 3, b"valves")
+    assert list(said) == ["3 of the valves are open, 100 %"]
+    assert not others
+    for one in (number, other):
+        forgotten(one)

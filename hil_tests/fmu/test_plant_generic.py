@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile
 
@@ -9,8 +10,11 @@ import pytest
 import sympy as sp
 from fmpy.validation import validate_fmu
 
+from fmu.build import export
+from fmu.errors import PlantError
 from fmu.export.code import UnsupportedError, c_text
 from fmu.plant import FmuPlant
+from hil_tests.fmu.pendulum import pendulum
 
 
 @pytest.mark.long(keeps=["3"])
@@ -47,3 +51,14 @@ def test_an_fmu_of_a_stranger_without_units(pendulums: Callable[[int], Path], tm
 def test_what_has_no_deterministic_c_is_refused(expression: sp.Expr) -> None:
     with pytest.raises(UnsupportedError, match="no C for"):
         c_text(expression)
+
+
+@pytest.mark.parametrize("table", ["parameters", "inputs", "states", "outputs"])
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_unit_that_is_not_known_is_refused_at_the_build(table: str, fmi: int, tmp_path: Path) -> None:
+    rows = getattr(pendulum(), table)
+    wrong = replace(pendulum(), **{table: (replace(rows[0], unit="furlong"), *rows[1:])})
+    told = rf"'{rows[0].name}' of pendulum is in 'furlong', which .* there are: 1, s"
+    with pytest.raises(PlantError, match=told):
+        export(wrong, fmi, tmp_path / "wrong.fmu", token="{}")
+    assert not list(tmp_path.iterdir())

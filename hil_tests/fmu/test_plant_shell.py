@@ -110,6 +110,7 @@ def test_what_cannot_be_set_in_a_run(slave: Slave, name: str, value: float, mess
         (0.5, 1e-4, "a step from 0.5 s was asked for, but the plant stands at 0 s"),
         (0.0, 0.0, "a step of 0 s is not possible"),
         (0.0, -1e-4, "is not possible"),
+        (0.0, 1e9, "a step of 1e+09 s is not possible: above 0 to 10000 s; take it in parts"),
         (float("nan"), 1e-4, "was asked for"),
         (0.0, float("nan"), "is not possible"),
     ],

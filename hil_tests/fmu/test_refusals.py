@@ -227,10 +227,10 @@ def test_a_very_long_step_that_runs_away_ends_soon(swinging: Callable[[int], Ins
     instance.write(length=1e-9, angle=1.0)
     instance.fmu.exitInitializationMode()
     instance.write(force=1e300)
-    # Taken to its end it would be 10^13 inner steps.
+    # Taken to its end it would be 10^8 inner steps.
     with pytest.raises(FMICallException):
-        instance.step(0.0, 1e10)
-    assert "ran away between 0 s and 1e+10 s" in instance.said[-1][2]
+        instance.step(0.0, 1e5)
+    assert "ran away between 0 s and 100000 s" in instance.said[-1][2]
     instance.fmu.freeInstance()
 
 

@@ -4,8 +4,8 @@
 
 #include "core.h"
 
-/* Above them a double does not count on. */
-#define MOST_STEPS 9e15
+/* Of the integrator in one communication step: more would keep the master for minutes, or for ever. */
+#define MOST_STEPS 1e8
 #define LOOKS 1000
 
 static bool finite_value(double x) { return x - x == 0.0; }
@@ -48,7 +48,7 @@ bool fb_step(fb_instance *instance, double from, double length) {
     return false;
   }
   if (!(length > 0.0) || !(length <= MOST_STEPS * FB_INNER_STEP)) {
-    fb_fail(instance, "a step of %g s is not possible: above 0 to %g s", length, MOST_STEPS * FB_INNER_STEP);
+    fb_fail(instance, "a step of %g s is not possible: above 0 to %g s; take it in parts", length, MOST_STEPS * FB_INNER_STEP);
     return false;
   }
   if (image->stop_time_defined && from + length > image->stop_time + tolerance) {
