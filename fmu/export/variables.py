@@ -45,12 +45,13 @@ def variables(program: Program) -> tuple[Variable, ...]:
     UnsupportedError where a name comes twice, or a unit is not known.
     """
     model = program.model
-    for entry in (*model.inputs, *model.parameters, *model.states, *model.outputs):
-        if entry.unit not in UNITS:
-            raise UnsupportedError(
-                f"'{entry.name}' of {model.name} is in '{entry.unit}', which is no unit that is known; there "
-                f"are: {', '.join(UNITS)}"
-            )
+    given = [(entry.name, entry.unit) for entry in (*model.inputs, *model.parameters)]
+    given += [(entry.name, entry.unit) for entry in model.states]
+    given += [(entry.name, entry.unit) for entry in model.outputs]
+    for name, unit in given:
+        if unit not in UNITS:
+            problem = f"'{name}' of {model.name} is in '{unit}', which is no unit that is known"
+            raise UnsupportedError(f"{problem}; there are: {', '.join(UNITS)}")
     rows = tuple(_rows(program))
     twice = [name for name, count in Counter(row.name for row in rows).items() if count > 1]
     if twice:

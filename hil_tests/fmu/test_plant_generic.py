@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from zipfile import ZIP_DEFLATED, ZipFile
 
 import pytest
@@ -57,8 +58,9 @@ def test_what_has_no_deterministic_c_is_refused(expression: sp.Expr) -> None:
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_a_unit_that_is_not_known_is_refused_at_the_build(table: str, fmi: int, tmp_path: Path) -> None:
     rows = getattr(pendulum(), table)
-    wrong = replace(pendulum(), **{table: (replace(rows[0], unit="furlong"), *rows[1:])})
+    changed: Any = {table: (replace(rows[0], unit="furlong"), *rows[1:])}
+    wrong = replace(pendulum(), **changed)
     told = rf"'{rows[0].name}' of pendulum is in 'furlong', which .* there are: 1, s"
     with pytest.raises(PlantError, match=told):
-        export(wrong, fmi, tmp_path / "wrong.fmu", token="{}")
+        export(wrong, fmi, tmp_path / "wrong.fmu", token="{}")  # noqa: S106 - no password
     assert not list(tmp_path.iterdir())
