@@ -45,7 +45,8 @@ def variables(program: Program) -> tuple[Variable, ...]:
     UnsupportedError where a name comes twice, or a unit is not known.
     """
     model = program.model
-    given = [(entry.name, entry.unit) for entry in (*model.inputs, *model.parameters)]
+    given = [(entry.name, entry.unit) for entry in model.inputs]
+    given += [(entry.name, entry.unit) for entry in model.parameters]
     given += [(entry.name, entry.unit) for entry in model.states]
     given += [(entry.name, entry.unit) for entry in model.outputs]
     for name, unit in given:
