@@ -92,13 +92,13 @@ def _told(statement: ast.stmt) -> Iterator[ast.stmt]:
 def path_of(target: str) -> Path:
     """Return the file of a module of the program, or of an example that its first word names."""
     example = ROOT / "examples" / target.split("/", maxsplit=1)[0]
-    return (example if example.is_dir() else ROOT / "firmware_bridge") / f"{target}.py"
+    return (example / "src" if example.is_dir() else ROOT / "firmware_bridge") / f"{target}.py"
 
 
 def module_of(target: str) -> str:
     """Return the name by which a module is imported."""
     names = path_of(target).with_suffix("").relative_to(ROOT).parts
-    return ".".join(names[2:] if names[0] == "examples" else names)
+    return ".".join(names[3:] if names[0] == "examples" else names)
 
 
 def _breakable(

@@ -88,7 +88,7 @@ def targets() -> Iterator[str]:
     """Yield the modules, in the order of the rooms."""
     ours = ROOT / "firmware_bridge"
     files = [(file, ours) for file in ours.rglob("*.py")]
-    files += [(file, file.parents[1]) for file in ROOT.glob("examples/*/*/*.py")]
+    files += [(file, file.parents[1]) for file in ROOT.glob("examples/*/src/*/*.py")]
     names = sorted(str(file.relative_to(above).with_suffix("")) for file, above in files)
     for pattern, _ in ROOMS:
         for name in names:

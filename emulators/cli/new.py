@@ -116,7 +116,7 @@ def new(
     given, wanted = told.device.continuous_ma / 1000.0, told.motor.continuous_current_a
     if wanted > given:
         say(f"the motor's {wanted:g} A are more than an EPOS2 {device} gives: {given:g} A are written")
-    say(f"{target}: {len(paths)} files; look at each ASSUME in {name}/{name}.toml before the robot moves")
+    say(f"{target}: {len(paths)} files; look at each ASSUME in src/{name}/{name}.toml before the robot moves")
     say(f"next: pip install -e {target}")
     say(f"then: firmware-bridge bench {name}")
 

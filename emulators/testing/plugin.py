@@ -39,7 +39,7 @@ HARDWARE: Final = "hardware"
 """Values of --rig."""
 PROCESSES: Final = pytest.StashKey[list["Process"]]()
 """What a test has started, in the order of starting."""
-PROGRAM: Final = (sys.executable, "-c", "from firmware_bridge.cli import main; main()")
+PROGRAM: Final = (sys.executable, "-P", "-c", "from firmware_bridge.cli import main; main()")
 """`firmware-bridge`, wherever it is installed."""
 NEEDS: Final[dict[str, tuple[Callable[[], bool], str]]] = {
     "vcan": (

@@ -328,7 +328,9 @@ def settled(paper: Paper, wish: Any, **facts: Any) -> Ruling[Any]:
         ruling = paper.cycle(wish, **facts)
         if (paper.demanded, turning(paper)) == before:
             return ruling
-    raise AssertionError("it never settles")
+    holds = "; ".join(f"{hold.name}: {hold.reason}" for hold in ruling.holds) or "nothing holds it"
+    speeds = ", ".join(f"{name} {one.velocity:.3g}" for name, one in paper.axes.items())
+    raise AssertionError(f"it never settles: {holds}, with {speeds}")
 
 
 def turning(paper: Paper) -> list[float]:

@@ -138,14 +138,16 @@ def test_what_it_writes_is_code_to_hold_up(mouse: tuple[Beside, float]) -> None:
     beside.run("-m", "ruff", "check", "--no-cache", "mouse")
     beside.run("-m", "ruff", "format", "--no-cache", "--check", "mouse")
     words = ("--config-file", str(ROOT / "pyproject.toml"), "--cache-dir", str(ROOT / ".mypy_cache"))
-    beside.run("-m", "mypy", *words, "-p", "mouse", MYPYPATH=f"{beside.folder / 'mouse'}{os.pathsep}{ROOT}")
+    beside.run(
+        "-m", "mypy", *words, "-p", "mouse", MYPYPATH=f"{beside.folder / 'mouse' / 'src'}{os.pathsep}{ROOT}"
+    )
 
 
 def test_the_example_is_what_it_writes_and_what_was_added_to_it() -> None:
     example = ROOT / "examples/carrier"
     for name, text in written(CARRIER).items():
         found = (example / name).read_text(encoding="utf-8")
-        if name == "carrier/carrier.toml":
+        if name == "src/carrier/carrier.toml":
             assert found.startswith(text)
             assert list(tomllib.loads(found.removeprefix(text))) == ["outputs"]
         else:
@@ -230,7 +232,7 @@ def test_a_motor_of_ones_own_comes_from_a_file(tmp_path: Path, monkeypatch: pyte
     words = ["--wheel-radius", "0.05", "--track", "0.25", "--mass", "8", "--gear", "20"]
     result = CliRunner().invoke(program, ["new", "mickey", *words, "--motor", "mine.toml"])
     assert result.exit_code == 0, result.output
-    assert 'motor = "my RE25 20 W 24 V"' in Path("mickey/mickey/mickey.toml").read_text(encoding="utf-8")
+    assert 'motor = "my RE25 20 W 24 V"' in Path("mickey/src/mickey/mickey.toml").read_text(encoding="utf-8")
     Path("mine.toml").write_text(data.replace("resistance_ohm", "resistanc_ohm"), encoding="utf-8")
     wrong = CliRunner().invoke(program, ["new", "other", *words, "--motor", "mine.toml"])
     assert wrong.exit_code == 2
@@ -271,7 +273,9 @@ def test_no_motor_is_given_more_than_its_drive_has_and_that_is_said(
     words = ["new", "mouse", "--wheel-radius", "0.08", "--track", "0.35", "--device", device.value]
     told = CliRunner().invoke(program, words)
     assert told.exit_code == 0, told.output
-    axes = tomllib.loads((tmp_path / "mouse" / "mouse" / "mouse.toml").read_text(encoding="utf-8"))["axes"]
+    axes = tomllib.loads((tmp_path / "mouse" / "src" / "mouse" / "mouse.toml").read_text(encoding="utf-8"))[
+        "axes"
+    ]
     settings = [axis["settings"] for axis in axes]
     currents = {(one["continuous_current_ma"], one["peak_current_ma"]) for one in settings}
     continuous = min(5770, device.continuous_ma)
