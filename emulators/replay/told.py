@@ -3,8 +3,9 @@
 Instants count from the begin of the recording: that of a run on the bench, else that of its first packet.
 """
 
+from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from emulators.replay.ending import asked_to_end
 from emulators.replay.files import files_of, within
@@ -21,9 +22,11 @@ from emulators.replay.stage import first_of
 from emulators.wires import CanWire
 from firmware_bridge.dissector import kinds_of
 from firmware_bridge.node import CAN, OPERATOR
+from firmware_bridge.packet import Packet
+from firmware_bridge.recording import mavlink_origin
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.shell.black_box import EVENTS_LOG
-from firmware_bridge.units import Nanoseconds
+from firmware_bridge.shell.black_box import EVENTS_LOG, STATIONS_LOG
+from firmware_bridge.units import MICROSECOND, Nanoseconds
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,8 +105,25 @@ def _found(order: Order) -> dict[str, Recording]:
             " of a run that has all of its links"
         )
     if files.words is not None:
-        found[OPERATOR] = read_telemetry(files.words)
+        found[OPERATOR] = _placed(read_telemetry(files.words), order)
     return found
+
+
+def _placed(words: Recording, order: Order) -> Recording:
+    """Return what stations have said, each from where it spoke, where the run's folder tells that."""
+    file = within(order.recording, STATIONS_LOG) if order.recording.is_dir() else None
+    if file is None:
+        return words
+    told, entries, places = deque(read_lines(file).entries), [], dict[tuple[int, ...], int]()
+    for entry in words.entries:
+        # The telemetry log has whole microseconds.
+        while told and told[0].at <= entry.at + MICROSECOND:
+            new = told.popleft().packet
+            places[tuple(new.payload)] = new.address
+        packet = entry.packet
+        address = places.get(mavlink_origin(packet.payload)[:2], packet.address)
+        entries.append(replace(entry, packet=Packet(packet.link, address, packet.payload)))
+    return replace(words, entries=tuple(entries))
 
 
 def _begin_of(found: Mapping[str, Recording], robot: AnyRobot) -> Nanoseconds:

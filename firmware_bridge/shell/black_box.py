@@ -6,7 +6,7 @@ one message, and never the robot. Each run has a folder of its own, named by whe
 * `can.log`, as `candump -l` writes it, without the marks R and T, which Wireshark does not read;
 * `serial.log`: instant, link, R or T, and the bytes, for a line to drives or to a board;
 * `capture.log`: the same of the datagrams of cameras, with the place that they came from or went to;
-* `operator.tlog`, MAVLink's telemetry log;
+* `operator.tlog`, MAVLink's telemetry log, and `stations.log`: from where each station spoke, which it lacks;
 * `run.json`, the robot as it is driven, `places.json`, where its axes stood when they were known last;
 * `events.log`: what was told at the terminal and to the operator, among it who drives, arms and stops.
 """
@@ -21,8 +21,16 @@ from threading import Event, Thread
 from types import MappingProxyType, TracebackType
 from typing import BinaryIO, Final, Self, TypeAlias
 
+from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.recording import Direction, candump_line, chunk_line, tlog_records
+from firmware_bridge.recording import (
+    Direction,
+    candump_line,
+    chunk_line,
+    mavlink_messages,
+    mavlink_origin,
+    tlog_records,
+)
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
 
 CAN_LOG: Final = "can.log"
@@ -30,6 +38,8 @@ SERIAL_LOG: Final = "serial.log"
 CAPTURE_LOG: Final = "capture.log"
 OPERATOR_LOG: Final = "operator.tlog"
 EVENTS_LOG: Final = "events.log"
+STATIONS_LOG: Final = "stations.log"
+"""A line when a station is heard first, or from elsewhere: instant, place, system and component."""
 MOST: Final = 100_000
 """So many packets at most wait for the disk: some ten seconds of a bus of 1 Mbit/s that is never idle."""
 EVERY_S: Final = 0.2
@@ -72,7 +82,9 @@ class BlackBox:
         self.folder = parent / began
         try:
             self.folder = _new(self.folder)
-            self._open = {name: (self.folder / name).open("ab") for name in {*files.values(), EVENTS_LOG}}
+            names = {*files.values(), EVENTS_LOG}
+            names |= {STATIONS_LOG} if OPERATOR_LOG in names else set()
+            self._open = {name: (self.folder / name).open("ab") for name in names}
             for name, text in known.items():
                 (self.folder / name).write_text(text, encoding="utf-8")
         except OSError as error:
@@ -84,6 +96,7 @@ class BlackBox:
         self._texts = texts
         self._called = called
         self._last_text = ""
+        self._spoke_from: dict[tuple[int, int], int] = {}
         self._epoch: Nanoseconds | None = None
         self._waiting: deque[tuple[Nanoseconds, Direction, Packet] | tuple[Nanoseconds, str]] = deque()
         self._failure: str | None = None
@@ -160,13 +173,25 @@ class BlackBox:
         if name == OPERATOR_LOG:
             records = (name, tlog_records(now, packet.payload, epoch))
             sent = packet.payload if direction is Direction.SENT else b""
-            return [records, *(_event(epoch + now, text) for text in self._new_texts(sent))]
+            heard = self._new_places(now, packet, epoch) if direction is Direction.HEARD else ()
+            return [records, *heard, *(_event(epoch + now, text) for text in self._new_texts(sent))]
         if name == CAN_LOG:
             return [(name, f"{candump_line(now, packet, packet.link, epoch)}\n".encode())]
         if name is not None and name.endswith((SERIAL_LOG, CAPTURE_LOG)) and packet.payload:
             line = chunk_line(now, self._called.get(packet.link, packet.link), direction, packet, epoch)
             return [(name, f"{line}\n".encode())]
         return []
+
+    def _new_places(self, now: Nanoseconds, packet: Packet, epoch: Nanoseconds) -> Iterator[Written]:
+        """Yield from where a station speaks, where that is new."""
+        for message in mavlink_messages(packet.payload):
+            station = mavlink_origin(message)[:2]
+            if self._spoke_from.get(station) != packet.address:
+                self._spoke_from[station] = packet.address
+                line = chunk_line(
+                    now, OPERATOR, Direction.HEARD, Packet(OPERATOR, packet.address, bytes(station)), epoch
+                )
+                yield STATIONS_LOG, f"{line}\n".encode()
 
     def _new_texts(self, datagram: bytes) -> Iterator[str]:
         """Yield what the operator is told; what is told to several stations, once."""

@@ -41,7 +41,11 @@ class Station:
         self._lock = threading.Lock()
         self._ends = threading.Event()
         self.stick = 0
+        self.throttle = 0
+        """Where its z rests."""
         self.armed = False
+        self.x_m = 0.0
+        """Of the newest odometry."""
         self.texts: list[str] = []
         self._thread = threading.Thread(target=self._work, daemon=True)
 
@@ -80,7 +84,7 @@ class Station:
         beats = 0
         while not self._ends.wait(EVERY_S):
             with self._lock:
-                self._link.manual_control_send(1, self.stick, 0, 0, 0, 0)
+                self._link.manual_control_send(1, self.stick, 0, self.throttle, 0, 0)
                 if beats % 20 == 0:
                     self._link.heartbeat_send(6, 8, 0, 0, 0)
                 beats += 1
@@ -96,6 +100,8 @@ class Station:
         kind = message.get_type()
         if kind == "HEARTBEAT":
             self.armed = bool(message.base_mode & mavlink.MAV_MODE_FLAG_SAFETY_ARMED)
+        elif kind == "ODOMETRY":
+            self.x_m = message.x
         elif kind == "STATUSTEXT":
             self.texts.append(message.text)
         elif kind == "TIMESYNC" and message.tc1 == 0:

@@ -17,6 +17,7 @@ from firmware_bridge.shell.black_box import (
     CAPTURE_LOG,
     OPERATOR_LOG,
     SERIAL_LOG,
+    STATIONS_LOG,
     BlackBox,
     BlackBoxError,
 )
@@ -126,3 +127,17 @@ def test_what_was_known_before_is_a_file_of_its_own(tmp_path: Path) -> None:
         pass
     assert LastPlaces(box.folder / RECORDED).read() == {"steer": 10.0}
     assert known_places({}) == {}, "no file where nothing is known"
+
+
+def test_from_where_a_station_speaks_is_noted_when_it_is_new(tmp_path: Path) -> None:
+    elsewhere = number_of("192.168.1.11", 14550)
+    with BlackBox(tmp_path, FILES, lambda _text: None) as box:
+        for at, place in enumerate((PLACE, PLACE, elsewhere, elsewhere)):
+            box.note(at * MILLISECOND, Direction.HEARD, Packet(OPERATOR, place, said("here")[0]))
+        box.note(9 * MILLISECOND, Direction.SENT, Packet(OPERATOR, PLACE, said("there")[0]))
+    lines = (box.folder / STATIONS_LOG).read_text().splitlines()
+    found = [parse_chunk(line, epoch=0) for line in lines]
+    assert [packet for _, _, packet in found] == [
+        Packet(OPERATOR, place, b"\1\1") for place in (PLACE, elsewhere)
+    ]
+    assert found[1][0] - found[0][0] == 2 * MILLISECOND
