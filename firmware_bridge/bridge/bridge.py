@@ -28,7 +28,7 @@ from firmware_bridge.safety.row import Row, Severity
 from firmware_bridge.safety.snapshot import Hold, Snapshot
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.teleop.session import EVERYBODY
-from firmware_bridge.teleop.trust import Stamps, Trust
+from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 REST_WITHIN: Final[Nanoseconds] = 3 * SECOND
@@ -139,8 +139,7 @@ class Bridge:
     @property
     def unconfirmed(self) -> tuple[str, ...]:
         """The axes, in words, whose devices did not confirm at the end that they are without power."""
-        left = self._left or ()
-        drivers = [driver for driver in self._fleets.drivers if driver.axis.name in left]
+        drivers = [driver for driver in self._fleets.drivers if driver.axis.name in (self._left or ())]
         return tuple(driver.axis.called for driver in drivers if not driver.unpowered)
 
     @property
@@ -162,9 +161,10 @@ class Bridge:
         """Take where the axes stood in an earlier run; it is told, and never believed."""
         self._pipeline.offer(last)
 
-    def stamps(self, now: Nanoseconds) -> Stamps:
-        """Return which signatures' time stamps must outlive this run."""
-        return self._operator.stamps(now)
+    @property
+    def operator(self) -> Operator[Any, Any, Any]:
+        """The operators' side of it."""
+        return self._operator
 
     @property
     def seen(self) -> Snapshot[Any, Any]:

@@ -125,12 +125,10 @@ class Narrated:
             if self._phase is Phase.FINISHED and bridge.unconfirmed and not self._alone:
                 self._say(not_confirmed(bridge), now)
         self._keep(now)
-        problem = self._stamps.keep(bridge.stamps, now, ended=bridge.finished)
+        problem = self._stamps.keep(bridge.operator.stamps, now, ended=bridge.finished)
         if problem is not None:
             self._say(problem, now)
-        if bridge.seen.facts.armed != self._armed:
-            self._armed = bridge.seen.facts.armed
-            self._say("armed" if self._armed else "disarmed", now)
+        self._tell_operators(now)
         late = bridge.fleets.late
         if late != self._late and now - self._late_told_at >= SECOND:
             self._say(f"late: {late - self._late} cycles were longer than the robot file says", now)
@@ -140,6 +138,15 @@ class Narrated:
         if bridge.holds != self._holds and bridge.phase is not Phase.FAILED and not (ends and self._alone):
             self._tell_holds({hold.name: hold for hold in bridge.holds}, now)
             self._holds = bridge.holds
+
+    def _tell_operators(self, now: Nanoseconds) -> None:
+        """Tell whether it is armed, and who speaks and is not believed."""
+        bridge = self._bridge
+        if bridge.seen.facts.armed != self._armed:
+            self._armed = bridge.seen.facts.armed
+            self._say("armed" if self._armed else "disarmed", now)
+        for text in bridge.operator.take_strangers():
+            self._say(text, now)
 
     def _keep(self, now: Nanoseconds) -> None:
         """Keep where the axes stand; a file that cannot be written ends no run."""

@@ -43,7 +43,8 @@ class KeptStamps:
         with suppress(ValueError, TypeError, KeyError, AttributeError):
             table = json.loads(text)
             streams = {_stream(name): _stamp(stamp) for name, stamp in table["streams"].items()}
-            return Stamps(_stamp(table["own"]), streams)
+            own = _stamp(table["own"])
+            return Stamps(own, _stamp(table.get("clock", own)), streams)
         raise DamagedStampsError(f"{self.path}: is damaged")
 
     def keep(self, stamps: Stamps, now: Nanoseconds) -> None:
@@ -52,13 +53,13 @@ class KeptStamps:
             self._due = now + EVERY
             before = self._before.streams
             streams = {one: _ahead(stamp, before.get(one)) for one, stamp in stamps.streams.items()}
-            self.write(Stamps(stamps.own + _AHEAD // UNIT, streams), now)
+            self.write(Stamps(stamps.own + _AHEAD // UNIT, stamps.clock, streams), now)
             self._before = stamps
 
     def write(self, stamps: Stamps, now: Nanoseconds) -> None:
         """Keep the stamps as they are."""
         streams = {"/".join(map(str, stream)): stamp for stream, stamp in stamps.streams.items()}
-        self.file.replace(json.dumps({"own": stamps.own, "streams": streams}), now)
+        self.file.replace(json.dumps({"own": stamps.own, "clock": stamps.clock, "streams": streams}), now)
 
 
 def _ahead(stamp: int, before: int | None) -> int:

@@ -27,6 +27,11 @@ class Printer:
         self._told = 0
         self._thread: Thread | None = None
 
+    @property
+    def printing(self) -> bool:
+        """Whether its thread is at work."""
+        return self._thread is not None and self._thread.is_alive()
+
     def print(self, text: str, stream: TextIO) -> None:
         """Let a line be printed."""
         try:

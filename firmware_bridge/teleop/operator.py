@@ -17,7 +17,7 @@ from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.exchange import Decide, Exchange
 from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect, speaks_mavlink_1, target_of
 from firmware_bridge.teleop.messages import HANDLERS, stop_for_anybody
-from firmware_bridge.teleop.session import EVERYBODY, Dropped, Session
+from firmware_bridge.teleop.session import EVERYBODY, MOST_PEERS, Dropped, Session
 from firmware_bridge.teleop.station import Station
 from firmware_bridge.teleop.streams import Telemetry
 from firmware_bridge.teleop.texts import HoldTexts
@@ -57,6 +57,8 @@ class Operator(Generic[G, M, S]):
         """What was told last by the streams that are sent as soon as it changes, by their place."""
         self._called: Final = {axis.name: axis.called for axis in robot.axes}
         self._faults: Final[dict[str, str]] = {}
+        self._doubted_before: Final[set[Sender]] = set()
+        self._strangers: list[str] = []
 
     @property
     def intent(self) -> Intent[M]:
@@ -149,9 +151,20 @@ class Operator(Generic[G, M, S]):
             exchange = Exchange(session, message, sender, now, decide, doubt=doubt)
             return stop_for_anybody(exchange)
         session.dropped.doubted += 1
+        if sender not in self._doubted_before and len(self._doubted_before) < MOST_PEERS:
+            self._doubted_before.add(sender)
+            self._strangers.append(f"{sender} is not obeyed: it {doubt}")
         text = f"{message.get_type()} of {sender} refused: it {doubt}"
         session.untold += session.speaker.say_sometimes("doubted", text, now)
         return []
+
+    def take_strangers(self) -> list[str]:
+        """Return who was heard since the last call and is not believed, each once, and why; for the console.
+
+        On the link only those are told who are believed, and there may be none.
+        """
+        strangers, self._strangers = self._strangers, []
+        return strangers
 
     def _say_if_namesake(self, message: Message, sender: Sender) -> None:
         """Name a station that calls itself as the robot does: an echo of our own words never speaks to us."""

@@ -37,6 +37,8 @@ class Stamps:
 
     own: int = 0
     """Later than every stamp of ours."""
+    clock: int = 0
+    """What our own clock showed at last, whatever stations have said of the time."""
     streams: Mapping[Stream, int] = field(default_factory=dict)
     """The newest stamp that was believed, by stream."""
 
@@ -81,22 +83,28 @@ class Trust:
 class Signatures:
     """Which streams were heard up to which time stamp: nothing is believed twice, after a restart neither."""
 
-    __slots__ = ("_least", "_streams", "_trust")
+    __slots__ = ("_clock", "_least", "_streams", "_trust")
 
     def __init__(self, trust: Trust) -> None:
         self._trust: Final = trust
         self._streams: Final[dict[Stream, int]] = dict(trust.kept.streams)
         """The newest stamp by system, component and link; who has no key cannot add one."""
         self._least = trust.kept.own
-        """What our clock showed at the instant 0 at least, though the machine's has been set back since."""
+        """What our stamps begin with at the instant 0 at least, though the machine's clock is behind that."""
+        self._clock: Final = trust.kept.clock
+        """What our clock showed then at least, though the machine's has been set back since."""
 
     def stamp(self, now: Nanoseconds) -> int:
-        """Return our clock as signatures carry it: never behind one of ours, or one that was believed."""
+        """Return the time as our signatures carry it: never behind one of ours, or one that was believed."""
         return max(self._trust.stamp(now), self._least + now // UNIT)
+
+    def clock(self, now: Nanoseconds) -> int:
+        """Return our own time: a station whose clock is ahead does not change it, and locks nobody out."""
+        return max(self._trust.stamp(now), self._clock + now // UNIT)
 
     def kept(self, now: Nanoseconds) -> Stamps:
         """Return what must outlive this run."""
-        return Stamps(self.stamp(now), dict(self._streams))
+        return Stamps(self.stamp(now), self.clock(now), dict(self._streams))
 
     def doubt(self, message: Message, source: int, now: Nanoseconds) -> str | None:
         """Say why a frame is not believed; None where it is, and its stamp counts from then on."""
@@ -112,7 +120,7 @@ class Signatures:
             return "is signed with another key"
         stamp = stamp_of(frame)
         stream = (message.get_srcSystem(), message.get_srcComponent(), frame[_LINK])
-        newest = self._streams.get(stream, self.stamp(now) - OLDEST - 1)
+        newest = self._streams.get(stream, self.clock(now) - OLDEST - 1)
         if stamp <= newest:
             known = stream in self._streams
             return (

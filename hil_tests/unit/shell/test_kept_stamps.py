@@ -15,7 +15,7 @@ STATION, OTHER = (255, 190, 1), (254, 190, 0)
 
 def test_what_is_written_at_the_end_is_read_again(tmp_path: Path) -> None:
     path = tmp_path / "deeper" / "rars.stamps.json"
-    stamps = Stamps(123, {STATION: 45, OTHER: (1 << 48) - 1})
+    stamps = Stamps(123, 100, {STATION: 45, OTHER: (1 << 48) - 1})
     kept = KeptStamps(path)
     kept.write(stamps, 0)
     assert kept.file.settled() is None
@@ -44,11 +44,11 @@ def test_a_damaged_file_is_no_reason_to_believe(tmp_path: Path, text: str) -> No
 
 def test_a_new_stream_is_written_at_once_and_the_rest_when_it_is_due(tmp_path: Path) -> None:
     kept = KeptStamps(tmp_path / "rars.stamps.json")
-    kept.keep(Stamps(0, {STATION: 5}), 0)
-    kept.keep(Stamps(0, {STATION: 9}), 1)
+    kept.keep(Stamps(0, 0, {STATION: 5}), 0)
+    kept.keep(Stamps(0, 0, {STATION: 9}), 1)
     assert kept.file.settled() is None
     assert kept.read().streams == {STATION: 5}
-    kept.keep(Stamps(0, {STATION: 9, OTHER: 3}), 2)
+    kept.keep(Stamps(0, 0, {STATION: 9, OTHER: 3}), 2)
     assert kept.file.settled() is None
     assert kept.read().streams[OTHER] == 3
 
@@ -61,7 +61,7 @@ def test_a_crash_between_two_writes_leaves_nothing_that_was_heard_open(
     kept = KeptStamps(tmp_path_factory.mktemp("stamps") / "rars.stamps.json")
 
     def at(now: int) -> Stamps:
-        return Stamps(now // UNIT, {STATION: 1000 + now * pace // EVERY})
+        return Stamps(now // UNIT, now // UNIT, {STATION: 1000 + now * pace // EVERY})
 
     for n in range(writes):
         kept.keep(at(n * EVERY), n * EVERY)

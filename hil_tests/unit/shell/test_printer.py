@@ -57,11 +57,14 @@ def test_what_nobody_takes_is_dropped_and_counted_and_told_when_somebody_does(
 
 
 def test_its_end_waits_no_longer_than_it_may(pipe: tuple[int, TextIO]) -> None:
-    _, stream = pipe
+    reader, stream = pipe
     printer = Printer()
     for _ in range(MOST + 10):
         printer.print("x" * 999, stream)
     printer.end(0.01)
+    # Its thread must be done before others have the files of these numbers.
+    while printer.printing:
+        os.read(reader, 1 << 20)
 
 
 def test_a_pipe_that_nobody_reads_any_more_and_a_file_that_is_closed_take_nothing() -> None:

@@ -310,11 +310,29 @@ def test_a_clock_that_was_set_back_lets_no_old_stream_in_and_uses_no_stamp_twice
     assert all(int.from_bytes(one.payload[-12:-6], "little") > last for one in own)
 
 
-def test_a_believed_stamp_raises_our_clock(keyed: RarsBench) -> None:
-    """So MAVLink has it: what is known to be later is the time of what comes next."""
+def test_a_station_whose_clock_is_ahead_raises_our_stamps_and_locks_nobody_out(keyed: RarsBench) -> None:
+    """So that it hears us; whether another stream is too old is a matter of our own clock."""
+    keyed.now = 100 * SECOND
     ahead = Signer(at=500 * SECOND)
     assert believed(keyed, ahead.says(BEAT))
-    assert not believed(keyed, Signer(system=254).says(BEAT)), "a new stream, 500 s behind"
-    forged = Signer(OTHER, system=253, at=10_000 * SECOND)
-    assert not believed(keyed, forged.says(BEAT))
-    assert believed(keyed, Signer(system=252, at=450 * SECOND).says(BEAT))
+    assert believed(keyed, Signer(system=254, at=keyed.now).says(BEAT)), "a new stream, 400 s behind that one"
+    assert not believed(keyed, Signer(system=253, at=keyed.now - 61 * SECOND).says(BEAT)), "too old by ours"
+    own = [one for one in keyed.operator.report(keyed.snapshot(), (), keyed.now) if one.address == HERE]
+    assert own
+    assert all(int.from_bytes(one.payload[-12:-6], "little") >= stamp(500 * SECOND) for one in own)
+    again = restarted(keyed, started_at=NOW + keyed.now)
+    assert believed(again, Signer(system=252, at=keyed.now).says(BEAT)), "after a restart neither"
+
+
+def test_who_is_not_believed_is_named_for_the_console_once(keyed: RarsBench) -> None:
+    """On the link only who is believed is told, and there may be nobody."""
+    for _ in range(3):
+        for signer in (Signer(None), Signer(OTHER, system=254)):
+            hears(keyed, signer.says(BEAT))
+    assert keyed.operator.take_strangers() == [
+        "255/190 at 10.0.0.1:14550 is not obeyed: it is not signed",
+        "254/190 at 10.0.0.1:14550 is not obeyed: it is signed with another key",
+    ]
+    hears(keyed, Signer(None).says(BEAT))
+    hears(keyed, Signer(at=SECOND).says(BEAT))
+    assert keyed.operator.take_strangers() == []
