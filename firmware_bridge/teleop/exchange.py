@@ -18,7 +18,7 @@ from firmware_bridge.intent import (
 )
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.teleop.control import Sender
-from firmware_bridge.teleop.manual_control import stick_of, unread
+from firmware_bridge.teleop.manual_control import Lever, stick_of, unread
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.schedule import Schedule
 from firmware_bridge.teleop.session import Asked, Motion, Peer, Said, Session
@@ -276,6 +276,31 @@ class Exchange:
         elif self.newest():
             self.move(velocity, velocity.asked)
 
+    def take_later(self) -> None:
+        """Take a motion command of a second station with this number: it may stop, or let go, and no more."""
+        message, station = self.message, self.station
+        told: tuple[Motion, str] | Unusable
+        if message.get_msgId() == dialect.MAVLINK_MSG_ID_MANUAL_CONTROL:
+            if pressed(message.buttons, station.stop_button) and not self.stopped:
+                self.request(EmergencyStop())
+            told = stick_of(message, station, Lever())
+        elif message.get_msgId() == dialect.MAVLINK_MSG_ID_RC_CHANNELS_OVERRIDE:
+            channels = channels_of(message, station.channels)
+            if isinstance(channels, Unusable):
+                told = channels
+            else:
+                held = {number: value for number, value in channels.items() if value is not None}
+                told = stick_of_channels(held, station.channels, station.dead_band)
+        else:
+            velocity = velocity_of(message, station.largest(self.session.robot), None)
+            told = velocity if isinstance(velocity, Unusable) else (velocity, velocity.asked)
+        if isinstance(told, Unusable) or told[1]:
+            self.session.dropped.undriven += 1
+            self.warn("number", f"{message.get_type()} of the second {self.sender} moves nothing")
+        elif self.refusal is None:
+            self.move(*told)
+            self.peer.rested_at = self.now
+
     def _turned(self, velocity: Velocity) -> Velocity | Unusable:
         """Refuse a yaw rate alone where it turns nothing: a robot that steers turns only as it drives."""
         wish, still = self.session.intent.wish, replace(velocity, yaw_rate_rad_s=0.0)
@@ -288,6 +313,10 @@ class Exchange:
     def move(self, motion: Motion, deflected: str) -> None:
         """Take a motion command for the newest wish, unless it is none; `deflected` is empty for neutral."""
         session, neutral = self.session, not deflected
+        if deflected and self.now - self.peer.rested_at < session.silent_after:
+            session.dropped.undriven += 1
+            self.warn("number", f"a second station calls itself {self.sender}, and has let go: nothing moves")
+            return
         if isinstance(motion, Stick) and self.peer.said is not None:
             motion = motion.after(self.peer.said.motion)
         if not session.driven.counts(motion, self.now, neutral=neutral):

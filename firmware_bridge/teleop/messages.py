@@ -226,3 +226,12 @@ HANDLERS: Final[dict[int, Callable[[Exchange], None]]] = {
     dialect.MAVLINK_MSG_ID_TIMESYNC: _timesync,
     dialect.MAVLINK_MSG_ID_PING: _ping,
 }
+LATER: Final[dict[int, Callable[[Exchange], None]]] = HANDLERS | dict.fromkeys(
+    (
+        dialect.MAVLINK_MSG_ID_MANUAL_CONTROL,
+        dialect.MAVLINK_MSG_ID_RC_CHANNELS_OVERRIDE,
+        dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED,
+    ),
+    Exchange.take_later,
+)
+"""Of a second station that calls itself as one that was there before."""

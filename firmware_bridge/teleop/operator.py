@@ -16,7 +16,7 @@ from firmware_bridge.teleop.commands import asks_to_stop
 from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.exchange import Decide, Exchange
 from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect, speaks_mavlink_1, target_of
-from firmware_bridge.teleop.messages import HANDLERS, stop_for_anybody
+from firmware_bridge.teleop.messages import HANDLERS, LATER, stop_for_anybody
 from firmware_bridge.teleop.session import EVERYBODY, MOST_PEERS, Dropped, Session
 from firmware_bridge.teleop.station import Station
 from firmware_bridge.teleop.streams import Telemetry
@@ -129,11 +129,11 @@ class Operator(Generic[G, M, S]):
                 replies += stopped
                 continue
             self._say_if_signed_in_vain(message)
-            session.heard(sender, message.get_seq(), now)
+            peer = session.heard(sender, message, now)
             good = True
             old = speaks_mavlink_1(message)
             beats = beats or message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT
-            if (handle := HANDLERS.get(message.get_msgId())) is not None:
+            if (handle := (LATER if peer.later else HANDLERS).get(message.get_msgId())) is not None:
                 exchange = Exchange(session, message, sender, now, decide)
                 handle(exchange)
                 replies += exchange.replies

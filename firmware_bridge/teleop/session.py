@@ -16,6 +16,7 @@ from firmware_bridge.teleop.driven import Channels, Driven
 from firmware_bridge.teleop.link_quality import Link, Quality
 from firmware_bridge.teleop.manual_control import Lever
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
+from firmware_bridge.teleop.numbered import Numbered
 from firmware_bridge.teleop.parameters import Store, parameters_of
 from firmware_bridge.teleop.schedule import Schedule
 from firmware_bridge.teleop.station import AnyStation, Stick, Unusable, Velocity
@@ -117,6 +118,11 @@ class Peer:
     answered: Answered | None = None
     stop_answered_at: Nanoseconds = NEVER_HEARD
     """When an emergency stop was answered that it had sent while another one drove."""
+    numbered: Numbered = field(default_factory=Numbered)
+    later: bool = False
+    """The newest frame is of a second station that calls itself so, which came later."""
+    rested_at: Nanoseconds = NEVER_HEARD
+    """When that one had let go."""
 
     def is_newest(self, message: Message, now: Nanoseconds) -> bool:
         """Tell whether a motion command is newer than all before it, and remember it if so."""
@@ -250,17 +256,22 @@ class Session:
         if sender == self.control.driver:
             self.ages.losses.heard(sequence, now)
 
-    def heard(self, sender: Sender, sequence: int, now: Nanoseconds) -> Peer:
+    def heard(self, sender: Sender, message: Message, now: Nanoseconds) -> Peer:
         """Take note of a good frame; return what is remembered of its sender."""
         self.control.heard(sender, now)
-        self.passed(sender, sequence, now)
+        self.passed(sender, message.get_seq(), now)
         peer = self.peers.get(sender)
         if peer is None:
             if len(self.peers) >= MOST_PEERS:
                 others = (one for one in self.peers if one != self.control.driver)
                 del self.peers[min(others, key=lambda one: self.peers[one].heard_at)]
             peer = self.peers[sender] = Peer()
-        peer.heard_at = now
+        peer.heard_at, alone = now, not peer.numbered.two
+        peer.later = peer.numbered.hear(message.get_seq(), message.get_crc(), now)
+        if alone and peer.numbered.two:
+            peer.moved = None
+            text = f"two stations call themselves {sender}: only the first drives; renumber one"
+            self.tell(Severity.WARNING, text)
         return peer
 
     def wished(self, motion: Motion, wish: object) -> object:

@@ -1,0 +1,77 @@
+"""Whether two stations speak as one system and component: behind a router both come from one place.
+
+A station numbers its frames one after the other. Of two stations the numbers go back and forth, and one that
+was used comes again with another content; a frame that is doubled or overtaken on its way does not look so.
+"""
+
+from collections import deque
+from typing import Final
+
+from firmware_bridge.units import SECOND, Nanoseconds
+
+LEAST: Final = 5
+"""So often the numbers go back to one that was used before two stations are seen in that ..."""
+WITHIN: Final[Nanoseconds] = 3 * SECOND
+"""... in this time; a station that begins anew does it once."""
+GONE: Final[Nanoseconds] = 2 * SECOND
+"""A station that says nothing for so long is not there any more, or has begun anew."""
+NEAR: Final = 32
+"""A number so far ahead at most is of the station whose newest frame that was: others were lost."""
+KEPT: Final = 300
+_ALL, _HALF = 0x100, 0x80
+
+
+class Numbered:
+    """The numbers of the frames of one system and component at one place."""
+
+    __slots__ = ("_back", "_first", "_heard", "_newest", "_next", "_second", "two")
+
+    def __init__(self) -> None:
+        self._newest: tuple[int, int] | None = None
+        """The newest frame's number, and the same counted on over its eight bits."""
+        self._heard: Final[dict[int, int]] = {}
+        """The content of the newest frames, by their numbers as they are counted on."""
+        self._back: Final[deque[Nanoseconds]] = deque(maxlen=LEAST)
+        """When they went back to a number that was used."""
+        self._first: tuple[int, Nanoseconds] | None = None
+        self._second: tuple[int, Nanoseconds] | None = None
+        """The newest frame of who was there first, and of who came later."""
+        self._next = -1
+        """What the first would have said next before its newest gap."""
+        self.two = False
+        """Whether two stations speak."""
+
+    def hear(self, number: int, content: int, now: Nanoseconds) -> bool:
+        """Take a frame, its content as a checksum; return whether it is of the station that came later."""
+        if self._newest is None:
+            self._newest = number, number
+        step = (number - self._newest[0] + _HALF) % _ALL - _HALF
+        place = self._newest[1] + step
+        before = self._heard.get(place)
+        if before == content:
+            return False  # the network has doubled it
+        if before is not None and step <= 0:
+            self._back.append(now)
+        self._newest = number, place
+        self._heard[place] = content
+        if len(self._heard) > KEPT:
+            del self._heard[next(iter(self._heard))]
+        self.two = len(self._back) == LEAST and now - self._back[0] <= WITHIN
+        return self._is_later(number, now) and self.two
+
+    def _is_later(self, number: int, now: Nanoseconds) -> bool:
+        """Return of whom a frame is: of whose newest one it follows next."""
+        first = self._first
+        if first is None or now - first[1] > GONE:
+            first, self._second = self._second or ((number - 1) % _ALL, now), None
+        second, newest = self._second, (number, now)
+        after_first = (number - first[0] - 1) % _ALL
+        after_second = _ALL if second is None else (number - second[0] - 1) % _ALL
+        later = after_first >= NEAR or after_second < after_first
+        if later and second is None and number == self._next:
+            # What looked like lost frames of the first was another one that had joined ahead of it.
+            self._first, self._second, later = newest, first, False
+        else:
+            self._next = (first[0] + 1) % _ALL if after_first else self._next
+            self._first, self._second = (first, newest) if later else (newest, second)
+        return later
