@@ -17,6 +17,8 @@ import pytest
 import hil_tests.lanes  # noqa: F401 - what Hypothesis draws
 from hil_tests import rows as tables
 
+pytest.register_assert_rewrite("emulators.testing.inherited.test_robot")
+
 AT_HAND: Final = {
     "vcan": Path("/sys/class/net/vcan0").exists(),
     "alone": [name for _, name in socket.if_nameindex()] == ["lo"],

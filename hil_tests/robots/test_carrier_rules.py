@@ -7,10 +7,10 @@ import pytest
 from carrier.motion import Motion, State
 
 from emulators.bench.cases import Situation
+from emulators.testing.inherited.paper import START, gate_of, held, seen
 from firmware_bridge.differential.body import ramp_of
 from firmware_bridge.kinds import find
 from firmware_bridge.units import MILLISECOND, SECOND
-from hil_tests.robots.gate import START, gate_of, held, seen
 
 CARRIER: Final = find("carrier")
 TURN: Final = CARRIER.geometry.limits.turn_rate_rad_s

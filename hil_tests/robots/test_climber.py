@@ -7,6 +7,7 @@ import pytest
 
 from emulators.bench.cases import Situation
 from emulators.motion_capture.bodies import Place, product, turned
+from emulators.testing.inherited.paper import START, gate_of, seen
 from firmware_bridge.drivers.driver import SeenPose
 from firmware_bridge.kinds import find, kind_named, parse
 from firmware_bridge.motion.pose import Pose
@@ -15,7 +16,6 @@ from firmware_bridge.robot.file import text_of
 from firmware_bridge.robots.climber.motion import Motion, State
 from firmware_bridge.robots.climber.paths import PATHS
 from firmware_bridge.robots.climber.surface import placed, track_on, unrolled
-from hil_tests.robots.gate import START, gate_of, seen
 from hil_tests.rows import every
 
 CLIMBER = find("climber")

@@ -125,11 +125,11 @@ def test_without_a_mission_it_drives_its_figure_of_eight(mouse: tuple[Beside, fl
     ["mouse and row", pytest.param("mouse and not figure_eight and not interlocks", marks=pytest.mark.long)],
 )
 def test_it_gets_the_safety_tests_of_every_robot(mouse: tuple[Beside, float], chosen: str) -> None:
+    """From what is installed, beside no checkout."""
     beside, _ = mouse
     pytest_words = ("-m", "pytest", "-q", "-p", "no:xdist", "-p", "no:cacheprovider")
-    shared = (str(ROOT / "hil_tests/robots/test_every_robot.py"), "-c", str(ROOT / "pyproject.toml"))
-    path = f"{beside.site}{os.pathsep}{ROOT}"
-    assert " passed" in beside.run(*pytest_words, *shared, "-k", chosen, PYTHONPATH=path)
+    inherited = ("--robot", "mouse", "--pyargs", "emulators.testing.inherited")
+    assert " passed" in beside.run(*pytest_words, *inherited, "-k", chosen)
 
 
 @pytest.mark.long(beside="test_three_commands_drive_a_robot_and_touch_nothing_of_the_product")

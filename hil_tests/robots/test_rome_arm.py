@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from emulators.bench.rehearsal import rehearsal_of
+from emulators.testing.inherited.paper import seen
 from firmware_bridge.kinds import find, kind_of, load
 from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.orbit import THESIS
@@ -25,7 +26,6 @@ from firmware_bridge.robots.rome_arm.motion import Motion, State
 from firmware_bridge.robots.rome_arm.orbit import PATHS
 from firmware_bridge.teleop.station import Stick, Velocity
 from firmware_bridge.units import STANDARD_GRAVITY
-from hil_tests.robots.gate import seen
 from hil_tests.unit.motion.test_orbit_tle import FIVE
 
 ROBOT: Robot[Any] = find("rome_arm")

@@ -6,6 +6,7 @@ from typing import Any, Final
 import pytest
 from typer.testing import CliRunner
 
+from emulators.testing.inherited.paper import START, seen
 from firmware_bridge.cli import program
 from firmware_bridge.drivers.shield.fleet import measured, over_protocol
 from firmware_bridge.kinds import find, parse, robots
@@ -17,7 +18,6 @@ from firmware_bridge.robots.rome.guide import named
 from firmware_bridge.robots.rome.motion import Motion
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from hil_tests.robots.gate import START, seen
 
 ROBOT: Final[Any] = find("rome+cameras")
 CYCLE: Final = 50 * MILLISECOND

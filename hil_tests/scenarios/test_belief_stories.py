@@ -6,6 +6,7 @@ from typing import Final
 import pytest
 
 from emulators.bench.faults.site import Stranger
+from emulators.testing.inherited.scripted import mission_of, scripted
 from firmware_bridge.drivers.driver import Feedback, Position, Power
 from firmware_bridge.drivers.epos2.process_data import SET_POINT, SET_POINT_COB_ID
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
@@ -18,7 +19,6 @@ from firmware_bridge.safety.following import Followers, bounds_of
 from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.units import MILLISECOND, from_seconds, to_seconds
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step
-from hil_tests.scenarios.scripted import mission_of, scripted
 
 RARS: Final[AnyRobot] = find("rars")
 WATCHED: Final = ("axis does not follow", "axis moves unasked", "axis position repeats")

@@ -8,10 +8,10 @@ import pytest
 
 from emulators.bench.faults import read
 from emulators.rig import Rig
+from emulators.testing.inherited.scripted import scripted
 from firmware_bridge.motion.captured import Bounds, Captured, Located, Sight, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.units import MILLISECOND, SECOND, from_seconds
-from hil_tests.scenarios.scripted import scripted
 from hil_tests.unit.capture_driver.captured_carrier import captured_carrier
 
 STORY: Final = """

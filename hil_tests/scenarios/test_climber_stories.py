@@ -9,10 +9,10 @@ import pytest
 from emulators.bench.path_error import path_error
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.run import Order, followed
+from emulators.testing.inherited.scripted import mission_of, scripted
 from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import from_seconds
-from hil_tests.scenarios.scripted import mission_of, scripted
 
 CLOSED = ("square", "triangle", "diamond")
 STOP_DEG, BOUND_DEG = 25.0, 15.0

@@ -4,10 +4,10 @@ import pytest
 
 from emulators.bench.mission import Mission
 from emulators.bench.step import Input
+from emulators.testing.inherited.scripted import scripted
 from firmware_bridge.kinds import find
 from firmware_bridge.units import from_seconds
 from hil_tests.scenarios.ride import ARMED, STANDS, step
-from hil_tests.scenarios.scripted import scripted
 
 
 def test_the_robot_drives_with_the_published_answer_times() -> None:

@@ -14,6 +14,7 @@ from emulators.bench.rehearsal import rehearsal_of
 from emulators.recorded import CHUNKS, FRAMES, SIGHTS, WORDS, recorded
 from emulators.replay import Into, Order, RecordingFileError, replay
 from emulators.run import HAND_STREAM
+from emulators.testing.inherited.scripted import mission_of, scripted
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.kinds import find
@@ -33,7 +34,6 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.maxon.frame import Generation
-from hil_tests.scenarios.scripted import mission_of, scripted
 
 REAL: Final = 1_700_000_000 * SECOND
 """Some clock of a real machine."""

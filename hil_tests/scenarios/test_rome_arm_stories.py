@@ -12,10 +12,10 @@ from emulators.bench import mission as missions
 from emulators.bench.path_error import Followed, path_error
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
+from emulators.testing.inherited.scripted import mission_of, scripted
 from firmware_bridge.kinds import find
 from firmware_bridge.robot import Robot
 from firmware_bridge.units import from_seconds
-from hil_tests.scenarios.scripted import mission_of, scripted
 
 STILL_M = 1e-3
 FLIES = """

@@ -11,10 +11,10 @@ from emulators.bench import mission as missions
 from emulators.bench.path_error import Followed, path_error
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
+from emulators.testing.inherited.scripted import scripted
 from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.kinds import find
 from firmware_bridge.motion.captured import Source
-from hil_tests.scenarios.scripted import scripted
 
 GUIDED_S: Final = 3.0
 STANDS_MPS: Final = 0.005

@@ -8,7 +8,7 @@ from emulators.bench.cases import Case, Situation
 from emulators.bench.rehearsal import rehearsal_of
 from firmware_bridge.drivers.driver import Demand, Feedback, Position, Power, Reading, Speed, Tells
 from firmware_bridge.kind import AnyKind
-from firmware_bridge.kinds import find, kind_of, names
+from firmware_bridge.kinds import find, kind_of
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.gate import Gate
@@ -16,7 +16,6 @@ from firmware_bridge.safety.snapshot import Facts, Ruling, Snapshot
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
 
 START: Final = 100 * SECOND
-ROBOTS: Final = names()
 AnyCase: TypeAlias = Case[Any, Any]
 AnySituation: TypeAlias = Situation[Any, Any]
 WELL: Final[AnySituation] = Situation()

@@ -25,7 +25,7 @@ def mission_of(robot: AnyRobot, text: str) -> missions.Mission:
 def scripted(
     robot: AnyRobot, mission: str | missions.Mission, *, stream: int | tuple[int, int] = 0, **options: Any
 ) -> Iterator[Rig]:
-    """A rig on which the operator drives a mission, with its faults; `stream` seeds the operator's hand.
+    """Give a rig on which the operator drives a mission, with its faults; `stream` seeds the operator's hand.
 
     `options` are the rig's own, and take the place of the mission's.
     """

@@ -1,0 +1,373 @@
+"""What every robot gets because it is installed: the safety tests, from its file, its rows and its cases."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
+from types import MappingProxyType
+from typing import Any, Final
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from emulators.bench.cases import Situation
+from emulators.bench.rehearsal import rehearsal_of
+from emulators.rig import BRIDGE
+from emulators.testing.inherited.paper import (
+    START,
+    AnyCase,
+    Paper,
+    axes_of,
+    cases_of,
+    full_motions,
+    gate_of,
+    held,
+    seen,
+    silence_of,
+)
+from emulators.testing.inherited.scripted import mission_of, scripted
+from firmware_bridge.drivers.driver import Position, Power, Speed
+from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.kinds import find, kind_of, names
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.safety.common import AXIS_ROWS
+from firmware_bridge.safety.interlock import Limit
+from firmware_bridge.safety.row import Row
+from firmware_bridge.safety.snapshot import Following, Ruling
+from firmware_bridge.teleop.station import Stick, Unusable, Velocity
+from firmware_bridge.units import MILLISECOND, SECOND, from_seconds
+
+ROUNDING: Final = 1.0 + 1e-9
+CYCLES: Final = 200
+ORDERLY_S: Final = 5.0
+"""By then a robot that was told to end has come to rest and given up its power."""
+MOVES: Final = 0.05
+"""Share of its top speed that each mission of a robot reaches at least."""
+FULL: Final = 100
+"""Hypothesis's own number of examples."""
+
+
+def examples(count: int) -> int:
+    """Return how many of a test's examples this run draws, as Hypothesis's profile has them."""
+    return -(-count * settings().max_examples // FULL)
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """Give each test the robot of `--robot`, or every installed one."""
+    chosen = metafunc.config.getoption("--robot", None)
+    generate(metafunc, names() if chosen is None else (chosen,))
+
+
+def generate(
+    metafunc: pytest.Metafunc,
+    robots: Sequence[str],
+    missions: Mapping[str, Sequence[str]] = MappingProxyType({}),
+) -> None:
+    """Give each test these robots, and what it asks for of each; of some only these `missions`."""
+    if "case" in metafunc.fixturenames:
+        cases = [(name, case) for name in robots for case in cases_of(name)]
+        ids = [f"{name}-{case.row}-{place}" for place, (name, case) in enumerate(cases)]
+        metafunc.parametrize(("name", "case"), cases, ids=ids)
+    elif "mission" in metafunc.fixturenames:
+        driven = [
+            (name, mission)
+            for name in robots
+            for mission in missions.get(name, tuple(rehearsal_of(find(name)).shipped()))
+        ]
+        metafunc.parametrize(("name", "mission"), driven)
+    elif "name" in metafunc.fixturenames:
+        metafunc.parametrize("name", robots)
+
+
+def rows_of(robot: AnyRobot) -> tuple[Row, ...]:
+    """Return the robot's own rows, the limits last."""
+    kind = kind_of(robot)
+    return (*kind.interlocks, *kind.limits)
+
+
+def test_its_file_loads_and_it_is_what_it_is_installed_as(name: str) -> None:
+    robot = find(name)
+    assert kind_of(robot).name == robot.kind
+    assert name.endswith(".toml") or robot.kind == name
+    assert {axis.role for axis in robot.axes} == frozenset().union(*kind_of(robot).groups.values())
+    assert rehearsal_of(robot).shipped()
+
+
+def test_every_row_of_its_own_has_a_boundary_case_and_no_case_is_for_nothing(name: str) -> None:
+    assert {case.row for case in cases_of(name)} == {row.name for row in rows_of(find(name))}
+
+
+def test_at_its_threshold_a_row_holds_and_says_why(name: str, case: AnyCase) -> None:
+    robot = case.robot or find(name)
+    row = next(row for row in rows_of(robot) if row.name == case.row)
+    gate = gate_of(robot)
+    ruling = gate.rule(seen(robot, START, case.trips))
+    assert held(ruling)[case.row] == case.reason
+    assert next(hold for hold in ruling.holds if hold.name == case.row).remedy
+    if isinstance(row, Limit):
+        assert ruling.stopped == frozenset()
+    else:
+        groups = frozenset(kind_of(robot).groups)
+        stopped = groups if row.stops is None else row.stops
+        assert stopped <= ruling.stopped
+        assert not ruling.asked & stopped
+
+
+def test_just_within_its_threshold_a_row_does_not_hold(name: str, case: AnyCase) -> None:
+    robot = case.robot or find(name)
+    ruling = gate_of(robot).rule(seen(robot, START, case.spares))
+    assert case.row not in held(ruling)
+    assert ruling.stopped == frozenset()
+
+
+def test_a_row_lets_go_when_it_was_clear_for_its_clear_time(name: str, case: AnyCase) -> None:
+    robot = case.robot or find(name)
+    row = next(row for row in rows_of(robot) if row.name == case.row)
+    gate = gate_of(robot)
+    gate.rule(seen(robot, START, case.trips))
+    clear = START + SECOND
+    # "Told to move" reaches one ruling further: the first look clears what the one before has asked for.
+    gate.rule(seen(robot, clear - 1))
+    if row.clear_after:
+        assert case.row in held(gate.rule(seen(robot, clear - 1 + row.clear_after - 1)))
+    assert case.row not in held(gate.rule(seen(robot, clear + row.clear_after)))
+
+
+def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the name of each common hold, and what trips it just beyond its threshold."""
+    silent = robot.operator.silent_ms * MILLISECOND
+    yield "emergency stop", {"emergency_stopped": True}
+    yield "not armed", {"armed": False}
+    yield "operator silent", {"heard_at": START - silent}
+    yield "operator silent", {"heard_at": NEVER_HEARD}
+    for link in robot.links:
+        yield f"link lost: {link}", {"links_lost": {link: "it is gone"}}
+        yield f"another master: {link}", {"masters": {link: "somebody else sends SYNC: 080#"}}
+    well = axes_of(robot, START)
+    for axis in robot.axes:
+        limit = silence_of(robot, axis.link)
+        for row, changes in (
+            ("axis silent", {"heard_at": START - limit}),
+            ("axis silent", {"heard_at": NEVER_HEARD, "power": Power.UNKNOWN}),
+            ("axis fault", {"fault": "0x8611"}),
+            ("axis fault", {"power": Power.FAULT}),
+            ("axis rewritten", {"rewritten": "601#2316100100000000"}),
+            ("axis not enabled", {"power": Power.STOPPED}),
+            ("axis not enabled", {"power": Power.OFF}),
+            *((("axis zero lost", {"zero_lost": True}),) if axis.zero_confirmed else ()),
+        ):
+            changed = replace(well[axis.name], **changes)
+            yield f"{row}: {axis.name}", {"axes": {**well, axis.name: changed}}
+        said = axis.belief.within_ms
+        long = limit if said is None else said * MILLISECOND
+        strays = Following(sampled_at=START, obeyed_at=START - long)
+        repeats = replace(strays, obeyed_at=START, settled_at=START - long)
+        for row, following in (
+            ("axis does not follow", strays),
+            ("axis moves unasked", replace(strays, unasked=True)),
+            ("axis position repeats", repeats),
+        ):
+            yield f"{row}: {axis.name}", {"following": {axis.name: following}}
+
+
+def test_the_common_rows_stop_all_of_it_whatever_it_is_asked(name: str) -> None:
+    robot = find(name)
+    kind = kind_of(robot)
+    tripped = set()
+    for hold, facts in common_trips(robot):
+        for wish in full_motions(kind, robot):
+            ruling = gate_of(robot).rule(seen(robot, START, Situation(wish=wish), **facts))
+            assert hold in held(ruling), hold
+            if not hold.startswith(("link lost", "another master")):
+                assert ruling.stopped == frozenset(kind.groups), hold
+            assert not ruling.asked & ruling.stopped, hold
+        tripped.add(hold.split(":")[0])
+    untold = set() if any(axis.zero_confirmed for axis in robot.axes) else {"axis zero lost"}
+    assert {row.name for row in AXIS_ROWS} - untold <= tripped
+
+
+def test_a_word_just_in_time_stops_nothing(name: str) -> None:
+    robot = find(name)
+    silent = robot.operator.silent_ms * MILLISECOND
+    axes = {
+        axis.name: replace(one, heard_at=START - silence_of(robot, axis.link) + 1)
+        for axis, one in zip(robot.axes, axes_of(robot, START).values(), strict=True)
+    }
+    assert held(gate_of(robot).rule(seen(robot, heard_at=START - silent + 1, axes=axes))) == {}
+
+
+def spoiled(motion: Any, value: float) -> Iterator[Any]:
+    """Yield the motion with each of its numbers in turn replaced, those of its halves as well."""
+    for field in fields(motion):
+        inner = getattr(motion, field.name)
+        if is_dataclass(inner):
+            yield from (replace(motion, **{field.name: it}) for it in spoiled(inner, value))
+        elif "tuple" not in str(field.type):
+            yield replace(motion, **{field.name: value})
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_wish_that_is_no_number_stops_all_of_it(name: str, value: float) -> None:
+    robot = find(name)
+    kind = kind_of(robot)
+    named = set()
+    for wish in spoiled(kind.rest, value):
+        titles = [title for title, read in kind.numbers.items() if read(wish) is value]
+        if titles:
+            ruling = gate_of(robot).rule(seen(robot, START, Situation(wish=wish)))
+            assert held(ruling)["wish unusable"] == f"the {titles[0]} asked for is {value}"
+            assert ruling.stopped == frozenset(kind.groups)
+            assert not ruling.asked
+            named.update(titles)
+    assert named == set(kind.numbers), "every number of the motion is judged"
+
+
+def test_it_rests_when_each_axis_that_takes_it_from_its_place_stands(name: str) -> None:
+    robot = find(name)
+    rules = kind_of(robot).rules(robot)[""]
+    well = axes_of(robot, START)
+    travelling = {role for group in rules.travelling for role in kind_of(robot).groups[group]}
+    assert set(rules.body.rolling) <= {axis.name for axis in robot.axes if axis.role in travelling}
+    assert rules.at_rest(seen(robot))
+    for axis in robot.axes:
+        for speed in (axis.rests_below, -axis.rests_below, math.nan, math.inf):
+            moves = {**well, axis.name: replace(well[axis.name], velocity=speed)}
+            at_rest = rules.at_rest(seen(robot, situation=Situation(body=resting(robot)), axes=moves))
+            assert at_rest is (axis.name not in rules.body.rolling), (axis.name, speed)
+        for sign in (1.0, -1.0):
+            below = sign * math.nextafter(axis.rests_below, 0.0)
+            creeps = {**well, axis.name: replace(well[axis.name], velocity=below)}
+            assert rules.at_rest(seen(robot, situation=Situation(body=resting(robot)), axes=creeps))
+
+
+def test_wheels_that_turn_against_each_other_do_not_rest(name: str) -> None:
+    robot = find(name)
+    rules = kind_of(robot).rules(robot)[""]
+    first, *others = (axis for axis in robot.axes if axis.name in rules.body.rolling)
+    spins = axes_of(robot, START)
+    share = first.top_speed / max(len(others), 1)
+    for axis, speed in ((first, first.top_speed), *((other, -share) for other in others)):
+        spins[axis.name] = replace(spins[axis.name], velocity=speed)
+    known = seen(robot, axes=spins)
+    assert rules.body.moving(known.body) & rules.travelling
+    assert not rules.at_rest(known)
+
+
+def resting(robot: AnyRobot) -> Any:
+    """Return what is known of a body at rest."""
+    return kind_of(robot).body(robot).sensed(axes_of(robot, START), {})
+
+
+shares = st.none() | st.floats(-1.0, 1.0)
+sticks = st.builds(Stick, forward=shares, left=shares, turn=shares, up=shares)
+speeds = st.floats(-1e3, 1e3)
+velocities = st.builds(
+    Velocity, forward_mps=speeds, left_mps=st.just(0.0) | speeds, yaw_rate_rad_s=st.none() | speeds
+)
+words = st.lists(st.tuples(sticks | velocities, st.integers(1, 30), st.booleans()), min_size=1, max_size=6)
+
+
+def within_bounds(paper: Paper) -> None:
+    """Check what the guard checks, from the numbers of the robot file alone."""
+    for axis in paper.robot.axes:
+        demand = paper.demands.get(axis.name)
+        if isinstance(demand, Position):
+            assert axis.travel is not None
+            low, high = axis.travel
+            assert low - 1e-6 * abs(low) <= demand.value <= high + 1e-6 * abs(high)
+    asked = paper.speeds()
+    for axis in paper.robot.axes:
+        assert abs(asked.get(axis.name, 0.0)) <= axis.top_speed * ROUNDING
+    for row in paper.robot.guard.sums:
+        total = sum(factor * asked.get(axis, 0.0) for axis, factor in row.of.items())
+        assert abs(total) <= row.bound * ROUNDING, row.name
+    for pair in paper.robot.guard.exclusive:
+        assert not (moves(paper, pair.one) and moves(paper, pair.other)), pair.name
+
+
+def moves(paper: Paper, axes: tuple[str, ...]) -> bool:
+    """Return whether any of these axes is told to go elsewhere than where it is."""
+    for name in axes:
+        demand = paper.demands.get(name)
+        if isinstance(demand, Position):
+            if abs(demand.value - paper.before[name].position) > 1e-6:
+                return True
+        elif isinstance(demand, Speed) and demand.value != 0.0:
+            return True
+    return False
+
+
+def says(paper: Paper, word: Stick | Velocity, wish: Any) -> Any:
+    """Return the wish after a word of the operator; one that the robot cannot mean changes nothing."""
+    station = paper.kind.station
+    if isinstance(word, Stick):
+        return station.stick(word, wish, paper.robot)
+    meant = station.target(word, wish, paper.robot)
+    return wish if isinstance(meant, Unusable) else meant
+
+
+@settings(max_examples=examples(60), deadline=None)
+@given(said=words)
+def test_whatever_is_said_the_guards_bounds_hold(
+    name: str, said: list[tuple[Stick | Velocity, int, bool]]
+) -> None:
+    paper = Paper(find(name))
+    wish = paper.kind.rest
+    for word, cycles, armed in said:
+        wish = says(paper, word, wish)
+        for _ in range(cycles):
+            paper.cycle(wish, armed=armed)
+            within_bounds(paper)
+
+
+def test_nothing_moves_before_it_is_armed(name: str) -> None:
+    robot = find(name)
+    for wish in full_motions(kind_of(robot), robot):
+        paper = Paper(robot)
+        for _ in range(20):
+            paper.cycle(wish, armed=False)
+            assert not moves(paper, tuple(paper.axes))
+
+
+def settled(paper: Paper, wish: Any, **facts: Any) -> Ruling[Any]:
+    """Go on until a cycle asks the same as the one before, of axes that are as fast; return its ruling."""
+    for _ in range(CYCLES):
+        before = paper.demanded, turning(paper)
+        ruling: Ruling[Any] = paper.cycle(wish, **facts)
+        if (paper.demanded, turning(paper)) == before:
+            return ruling
+    holds = "; ".join(f"{hold.name}: {hold.reason}" for hold in ruling.holds) or "nothing holds it"
+    speeds = ", ".join(f"{name} {one.velocity:.3g}" for name, one in paper.axes.items())
+    raise AssertionError(f"it never settles: {holds}, with {speeds}")
+
+
+def turning(paper: Paper) -> list[float]:
+    return [axis.velocity for axis in paper.axes.values()]
+
+
+def test_a_stop_brings_every_axis_to_rest(name: str) -> None:
+    robot = find(name)
+    for wish in full_motions(kind_of(robot), robot):
+        paper = Paper(robot)
+        settled(paper, wish)
+        ruling = settled(paper, wish, emergency_stopped=True)
+        assert ruling.stopped == frozenset(paper.kind.groups)
+        assert not moves(paper, tuple(paper.axes))
+        assert not paper.rules.body.asked(paper.demanded, paper.kind.body(robot).sensed(paper.axes, {}))
+
+
+def test_its_missions_drive_without_a_refusal_and_it_ends_without_power(name: str, mission: str) -> None:
+    robot = find(name)
+    script, rehearsal = mission_of(robot, mission), rehearsal_of(robot)
+    with scripted(robot, script, noise=script.noise) as rig:
+        rig.run(from_seconds(script.duration_s))
+        assert rig.guard.refused == 0, rig.guard.refusals
+        speed = rig.samples.column("speed_mps")
+        top = next(channel.full(robot) for channel in rehearsal.channels if channel.name == "speed")
+        assert np.abs(speed).max() > MOVES * top
+        assert np.abs(speed).max() <= 1.02 * top
+        rig.world.stop(BRIDGE)
+        rig.runs(ORDERLY_S)
+        assert rig.bridge.finished
+        assert not any(axis.powered for axis in rig.devices.bank.axes)
