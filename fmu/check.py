@@ -13,6 +13,7 @@ from fmpy.model_description import read_model_description
 from fmpy.validation import validate_fmu
 
 from fmu.errors import PlantError, PlantWarning
+from fmu.loading import must_be_file
 from fmu.plant import OTHER_BITS, FmuPlant
 from fmu.references import References
 from fmu.verify import Verdict
@@ -53,8 +54,7 @@ class Findings:
 
 def examine(path: Path) -> Findings:
     """Read, validate and start an FMU; PlantError where it is none."""
-    if not path.is_file():
-        raise PlantError(f"{path}: there is no such file; give the path of an FMU")
+    must_be_file(path)
     try:
         # Unchecked, so that even a wrong description says what it wants to be.
         description = read_model_description(str(path), validate=False)

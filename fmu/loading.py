@@ -28,14 +28,20 @@ from fmu.states import Vault
 
 def described(path: Path) -> Any:
     """Return FMPy's model description after all of its checks."""
-    if not path.is_file():
-        raise PlantError(f"{path}: there is no such file; give the path of an FMU")
+    must_be_file(path)
     try:
         with ZipFile(path) as archive:
             members = tuple((member.filename, member.CRC) for member in archive.infolist())
     except (BadZipFile, OSError) as error:
         raise PlantError(f"{path}: not an FMU: {error}") from error
     return _described(path, members)
+
+
+def must_be_file(path: Path) -> None:
+    """PlantError where this path leads to no file."""
+    if not path.is_file():
+        wrong = "it is a folder, not an FMU" if path.is_dir() else "there is no such file"
+        raise PlantError(f"{path}: {wrong}; give the path of an FMU")
 
 
 @lru_cache(maxsize=16)

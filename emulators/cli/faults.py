@@ -1,7 +1,8 @@
 """`faults`: which faults a mission, a test and the failure report can put on a robot, and where."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
 EXAMPLES: Final = """Examples:
 
 `firmware-bridge faults` lists all of them, `firmware-bridge faults rome` those that ROME can have, and where.
+
+`firmware-bridge faults board` lists those of `emulate board --fault`, `faults epos2` those of a drive.
 
 In a mission: `[[fault]]` with `kind`, `at_s`, `for_s` and the keys; in a test:
 `rig.fault("encoder_cable_off", node="one", for_s=2.0)`; keys in brackets may be left out."""
@@ -34,8 +37,8 @@ class FaultsOptions:
     robot: Annotated[
         str | None,
         typer.Argument(
-            metavar="ROBOT",
-            help="An installed robot, or the path of a robot file.",
+            metavar="ROBOT|DEVICE",
+            help="An installed robot, or the path of a robot file; or a device: board, epos2.",
             show_default=False,
             autocompletion=names,
         ),
@@ -49,9 +52,14 @@ def run(given: FaultsOptions) -> None:
     from emulators.bench.faults import KINDS
     from firmware_bridge.cli.tables import terminal
 
-    robot = None if given.robot is None else find_robot(given.robot)
-    places = {kind.name: _who(kind) for kind in KINDS.values()} if robot is None else _of(robot)
-    table = Table(title="faults" if robot is None else f"faults of {robot.name}")
+    robot = None if given.robot is None or given.robot in DEVICES else find_robot(given.robot)
+    if robot is not None:
+        places = _of(robot)
+    elif given.robot is not None:
+        places = DEVICES[given.robot]()
+    else:
+        places = {kind.name: _who(kind) for kind in KINDS.values()}
+    table = Table(title="faults" if given.robot is None else f"faults of {given.robot}")
     for heading in HEADINGS:
         table.add_column(heading, overflow="fold")
     for name, where in places.items():
@@ -61,12 +69,34 @@ def run(given: FaultsOptions) -> None:
 
 def _of(robot: "AnyRobot") -> dict[str, str]:
     """Return where each kind that a robot can have may be put."""
-    from emulators.fmea.failures import failures_of
+    from emulators.bench.faults.failures import failures_of
 
     found: dict[str, dict[str, None]] = {}
     for failure in failures_of(robot):
         found.setdefault(failure.kind, {})[failure.place] = None
     return {name: ", ".join(filter(None, places)) for name, places in found.items()}
+
+
+def _of_a_board() -> dict[str, str]:
+    """Return the faults of `emulate board`, and the motors of which they need one."""
+    from emulators.arduino_omni.faults import FAULTS
+
+    return {name: ", ".join(row.nodes) for name, row in FAULTS.items()}
+
+
+def _of_a_drive() -> dict[str, str]:
+    """Return the faults of one EPOS2 on a bus."""
+    from emulators.bench.faults import KINDS
+    from emulators.bench.faults.fault import Stations
+
+    nobody = (Stations.MOTORS, Stations.NONE)
+    drives = {name: kind for name, kind in KINDS.items() if kind.fault.among not in nobody}
+    return {name: "a drive" for name, kind in drives.items() if "node" in kind.fault.model_fields}
+
+
+DEVICES: Final[Mapping[str, Callable[[], dict[str, str]]]] = MappingProxyType(
+    {"board": _of_a_board, "epos2": _of_a_drive}
+)
 
 
 def _who(kind: "Kind") -> str:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import partial
 from multiprocessing import get_context
 
+from emulators.bench.faults.failures import Failure, failures_of
 from emulators.fmea.effect import LASTS_S, Effect, Verdict, effect, watched
-from emulators.fmea.failures import Failure, failures_of
 from emulators.fmea.reasons import ALONE, reason
 from emulators.fmea.states import states_of
 from emulators.testing.rig import VirtualRig

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Final
 
+from emulators.bench.faults.failures import Failure
 from emulators.fmea.effect import Effect
-from emulators.fmea.failures import Failure
 from firmware_bridge.drivers.driver import Tells
 from firmware_bridge.drivers.fleets import tells_of
 from firmware_bridge.robot import AnyRobot

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from emulators.bench.columns import Samples
 from emulators.bench.faults import KINDS, FaultError, read
+from emulators.bench.faults.failures import failures_of
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.records import FaultRecord, HoldRecord
@@ -19,7 +20,7 @@ from emulators.testing.errors import RigError
 from emulators.testing.hand import FOR_GOOD_S, Hand
 from emulators.testing.recording import Recording
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.problems import problems_of
+from firmware_bridge.robot.problems import near, nearest, problems_of
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds, to_seconds
 
 ARM_S: Final = 3.0
@@ -142,7 +143,9 @@ class VirtualRig:
             self.bench.faults.plan([fault])
         except ValidationError as error:
             if kind not in KINDS:
-                said = "; ".join(problem for _, problem in problems_of(error, Mission))
+                has = list(dict.fromkeys(failure.kind for failure in failures_of(self.robot)))
+                known = has if nearest(kind, has) or not nearest(kind, KINDS) else list(KINDS)
+                said = f"no such fault as '{kind}'; {near(kind, known, most=len(known))}"
                 raise RigError(f"{said} (firmware-bridge faults {self.robot.name} lists them)") from error
             among = " or ".join(KINDS[kind].fault.among.of(self.robot)) or "nobody here"
             said = "; ".join(

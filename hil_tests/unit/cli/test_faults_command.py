@@ -3,8 +3,9 @@
 import pytest
 from typer.testing import CliRunner
 
+from emulators.arduino_omni.faults import FAULTS
 from emulators.bench.faults import KINDS
-from emulators.fmea.failures import failures_of
+from emulators.bench.faults.failures import failures_of
 from firmware_bridge.cli import program
 from firmware_bridge.kinds import find
 
@@ -48,3 +49,13 @@ def test_a_robot_that_is_none_is_refused() -> None:
     status, _, complained = listed("romm")
     assert status == 2
     assert "no such robot; perhaps 'rome'" in complained
+
+
+def test_of_a_device_it_lists_those_that_it_can_have() -> None:
+    _, board, _ = listed("board")
+    assert [row[0] for row in board] == list(FAULTS)
+    assert {row[1] for row in board if row[0] == "encoder_cable_off"} == {"M1, M2, M3"}
+    _, drive, _ = listed("epos2")
+    names = {row[0] for row in drive}
+    assert {"drive_restart", "encoder_cut", "supply_sag", "node_silent"} <= names
+    assert not names & {"board_hangs", "motor_cable_off", "datagram_loss", "bridge_ends"}

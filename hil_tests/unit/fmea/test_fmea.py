@@ -12,15 +12,15 @@ import pytest
 
 from emulators.bench.columns import Floats
 from emulators.bench.faults import KINDS
+from emulators.bench.faults.failures import failures_of
+from emulators.bench.faults.severe import SEVERE
 from emulators.bench.log import Entry, Kind
 from emulators.bench.records import HoldRecord
 from emulators.fmea import matrix as matrices
 from emulators.fmea.effect import ASIDE, LATE_MS, WATCHED_S, Course, Verdict, effect
-from emulators.fmea.failures import failures_of
 from emulators.fmea.matrix import all_failures, matrix, of_state, state_names
 from emulators.fmea.reasons import REASONS
 from emulators.fmea.report import COLUMNS, as_csv, as_page, wrongs
-from emulators.fmea.severe import SEVERE
 from emulators.fmea.states import states_of
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.cli import main

@@ -138,7 +138,8 @@ def test_parameters_of_the_plant_are_set_by_name() -> None:
 
 def test_a_parameter_needs_a_plant_and_a_value(tmp_path: Path) -> None:
     assert "--set a=1: there is no plant" in refused("--set", "a=1")
-    assert "--set a: say NAME=VALUE" in refused("--plant", str(tmp_path), "--set", "a")
+    assert "--set a: say NAME=VALUE" in refused("--plant", "single_axis", "--set", "a")
+    assert f"{tmp_path}: it is a folder, not an FMU" in refused("--plant", str(tmp_path), "--set", "a=1")
 
 
 def test_an_axis_is_told_its_motor_by_the_plant_and_learns_only_what_the_plant_does_not_tell() -> None:

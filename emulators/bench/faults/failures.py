@@ -7,7 +7,7 @@ from typing import Any
 
 from emulators.bench.faults import KINDS, read
 from emulators.bench.faults.kind import Kind
-from emulators.fmea.severe import SEVERE
+from emulators.bench.faults.severe import SEVERE
 from firmware_bridge.robot import AnyRobot
 
 
