@@ -1,6 +1,7 @@
 """`robots`: the installed robots and their files, each one checked; and the schema of a kind's robot file."""
 
 import json
+from collections.abc import Iterable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Final
@@ -24,16 +25,21 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge robots`
 
-`firmware-bridge robots my_robot.toml` checks one of your own.
+`firmware-bridge robots rover` looks at one of them, `robots my_robot.toml` at a file of your own.
 
 `firmware-bridge robots --schema rars > rars.schema.json` tells an editor every key of such a file."""
 
 
 @command(EXAMPLES)
 def robots(
-    files: Annotated[
-        list[Path] | None,
-        typer.Argument(metavar="FILE", help="More robot files to check.", show_default=False),
+    wanted: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="ROBOT|FILE",
+            help="Only these: installed robots, or robot files of your own.",
+            show_default=False,
+            autocompletion=completing("firmware_bridge.cli.robot_argument:names"),
+        ),
     ] = None,
     *,
     schema: Annotated[
@@ -48,7 +54,7 @@ def robots(
 ) -> None:
     """List the robots that are installed, each file checked, with all its mistakes at once.
 
-    Checks the files that come with the installed kinds and those given.
+    Lists only those that are named, where some are.
     """
     if schema is not None:
         with one_message(RobotFileError):
@@ -58,14 +64,15 @@ def robots(
     for heading in ("robot", "axes", "links", "file", "check"):
         table.add_column(heading, overflow="fold")
     wrong = []
-    shipped = [(name, path, partial(kinds.find, name)) for name, path in kinds.robots().items()]
-    for name, path, read in [*shipped, *(("", path, partial(kinds.load, path)) for path in files or ())]:
+    for name, path in _named(wanted) if wanted else kinds.robots().items():
+        # A file of one's own has the name that stands in it.
+        read = partial(kinds.find, name) if name else partial(kinds.load, path)
         try:
             table.add_row(*_row(name, read(plant_too=True), path))
         except RobotFileError as error:
             wrong.append(error)
-            table.add_row(path.stem, "", "", str(path), "[red]wrong[/]")
-    for name, why in kinds.unloadable().items():
+            table.add_row(name or path.stem, "", "", str(path) if path.name else "", "[red]wrong[/]")
+    for name, why in () if wanted else kinds.unloadable().items():
         wrong.append(why)
         table.add_row(name, "", "", "", "[red]cannot be loaded[/]")
     terminal().print(table)
@@ -73,13 +80,22 @@ def robots(
         raise refusal("\n".join(map(str, wrong)))
 
 
+def _named(wanted: Iterable[str]) -> Iterator[tuple[str, Path]]:
+    """Yield each robot's name and file; the name is empty where it is a path."""
+    installed = kinds.robots()
+    for word in wanted:
+        path = Path(word)
+        named = word in installed or (path.name == word and path.suffix != ".toml" and not path.is_file())
+        yield (word, installed.get(word, Path())) if named else ("", path)
+
+
 def _row(name: str, robot: AnyRobot, path: Path) -> tuple[str, str, str, str, str]:
     axes = "\n".join(f"{axis.settings.number} {axis.title}" for axis in robot.axes)
     links = "\n".join(_link(robot, name) for name in robot.links)
-    weaker = [
-        f"{axis}: {row.name} in place of {strong.name}" for axis, strong, row in kinds.weaker_rows(robot)
-    ]
-    check = "\n".join(["[green]good[/]", *weaker])
+    weaker: dict[str, list[str]] = {}
+    for axis, strong, row in kinds.weaker_rows(robot):
+        weaker.setdefault(f"{row.name} in place of {strong.name}", []).append(axis)
+    check = "\n".join(["[green]good[/]", *(f"{what}: {', '.join(axes)}" for what, axes in weaker.items())])
     return f"{name or robot.name}\n[dim]{robot.title}[/]", axes, links, str(path), check
 
 

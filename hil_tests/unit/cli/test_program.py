@@ -57,6 +57,24 @@ def test_robots_lists_each_axis_with_its_node() -> None:
         assert row in out
 
 
+def test_robots_shows_only_those_that_are_named() -> None:
+    status, out, err = run("robots", "climber", "climber+cameras")
+    assert (status, err) == (0, "")
+    assert re.findall(r"^│ ([\w+]+) .*1 left wheel", out, flags=re.MULTILINE) == [
+        "climber",
+        "climber+cameras",
+    ]
+    status, _, err = run("robots", "climbr")
+    assert (status, "climbr: no such robot; perhaps 'climber'" in err) == (2, True)
+
+
+def test_robots_tells_once_which_axes_have_a_weaker_check() -> None:
+    _, out, _ = run("robots", "ar2")
+    told = " ".join(re.sub(r"[│┃\s]+", " ", out).split())
+    assert out.count("position repeats") == 1, told
+    assert all(f"j{joint}" in out for joint in range(1, 7))
+
+
 def test_robots_checks_the_files_that_it_is_given(tmp_path: Path) -> None:
     status, out, err = run("robots", rars_with(tmp_path, "node = 2", "node = 1"))
     assert status == 2
