@@ -4,9 +4,11 @@ So `--help` lists everything that is installed and imports none of it.
 """
 
 import importlib
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import wraps
+from inspect import cleandoc
 from typing import Any, Final, TypeAlias
 
 import typer
@@ -17,6 +19,10 @@ from firmware_bridge.cli.console import refusal, say
 COMMAND_GROUP: Final = "firmware_bridge.commands"
 """Entry points of this group are tuples of rows."""
 MARKUP: Final = "markdown"
+STATUSES: Final = """Exit status 0 after an orderly end; 1 where it failed or could not start; 2 for
+what is wrong in the words, an option or a file."""
+"""How a command ends whose own help does not say it."""
+_SAYS_STATUSES: Final = re.compile(r"\bstatus\s+[012]\b")
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,12 +76,17 @@ def command(
     """Make a command of a function: its parameters are the options, its docstring is the help.
 
     In the place of a function may stand a dataclass, which says the options once: `work` takes one, when all
-    words are understood. What help and mistakes do not need, a command imports where it is used.
+    words are understood. What help and mistakes do not need, a command imports where it is used. A help that
+    names no exit status ends with `STATUSES`.
     """
 
     def made(function: Callable[..., Any]) -> TyperCommand:
         alone = typer.Typer(add_completion=False, rich_markup_mode=MARKUP, pretty_exceptions_enable=False)
-        alone.command(epilog=examples, cls=kind)(function if work is None else _worked(function, work))
+        said = cleandoc(function.__doc__ or "")
+        if _SAYS_STATUSES.search(said) is None:
+            said = f"{said}\n\n{STATUSES}"
+        called = function if work is None else _worked(function, work)
+        alone.command(epilog=examples, cls=kind, help=said)(called)
         found = typer.main.get_command(alone)
         assert isinstance(found, TyperCommand)  # noqa: S101 - one function alone makes no group
         return found

@@ -1,5 +1,6 @@
 """Commands are rows: each leads to a command, says what that says, and takes no other's place."""
 
+import re
 from collections.abc import Iterable
 from importlib.metadata import EntryPoint
 from typing import Any, Final
@@ -53,6 +54,7 @@ def test_every_command_is_reached_by_its_words() -> None:
         result = run(*words.split(), "--help")
         assert result.exit_code == 0, result.output
         assert f"firmware-bridge {words.partition(' ')[0]}" in result.output
+        assert re.search(r"\bstatus\s+[012]\b", result.output), f"{words} does not say how it ends"
 
 
 def test_a_package_that_cannot_be_imported_is_named_and_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
