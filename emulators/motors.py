@@ -13,7 +13,7 @@ from typing import Annotated, Final, Literal
 
 from pydantic import Field, ValidationError
 
-from firmware_bridge.robot.problems import near, problems_of
+from firmware_bridge.robot.problems import near, nearest, problems_of
 from firmware_bridge.robot.table import NonNegative, Positive, Table
 from fmu.parts.catalogue import RE25, RE40, RE50, Sheet
 
@@ -116,9 +116,10 @@ def motor(name: str) -> Motor:
         return found[0]
     if found:
         raise MotorError(f"--motor {name}: {len(found)} motors have it in their names: {_listed(found)}")
-    raise MotorError(
-        f"--motor: no motor '{name}' is known; {near(name, names())} a .toml file with its data will do"
-    )
+    short = ", ".join(MOTORS)
+    known_names = f"there are {short}, and {len(known)} by order number or a part of the name"
+    hint = near(name, names()) if nearest(name, names()) else known_names
+    raise MotorError(f"--motor: no motor '{name}' is known; {hint} (a .toml file with its data will do, too)")
 
 
 def _listed(found: list[Motor]) -> str:

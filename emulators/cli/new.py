@@ -55,7 +55,7 @@ def new(
         typer.Option(
             "--motor",
             metavar="NAME|FILE",
-            help="A motor that is known, or a file (.toml) with its data.",
+            help="RE25, RE40, RE50; one of maxon's by order number or a part of its name; or a .toml file.",
             autocompletion=completing("emulators.motors:names"),
         ),
     ] = "RE40",

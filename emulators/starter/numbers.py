@@ -20,6 +20,8 @@ OVERSPEED: Final = 1.15
 """How much faster than the fastest set-point a motor may be told to run before its drive clips."""
 USABLE_SPEED: Final = 0.85
 """Of a motor's no-load speed: the rest is for load and a battery that is not full."""
+LEAST_OF_THE_MOTOR: Final = 0.01
+"""Of that usable speed at the robot's limit: below it, somebody has turned the gear's ratio over."""
 ROLLS: Final = 0.010
 """Resistance over load, the castors': the plant's wheels roll at half of it."""
 FRICTION_MARGIN: Final = 1.15
@@ -55,16 +57,11 @@ class Specification:
 
 
 def worked_out(told: Specification) -> dict[str, str]:
-    """Return each template's word with what stands for it; SpecificationError where the motor is too slow."""
+    """Return each template's word with what stands for it; SpecificationError where no robot is like that."""
     motor = told.motor
     radius, track, gear = told.wheel_radius_m, told.track_m, told.gear
     fastest = (told.speed_mps + told.turn_rate_rad_s * track / 2.0) / radius
-    usable = USABLE_SPEED * motor.no_load_speed(told.voltage_v) / gear
-    if fastest > usable:
-        raise SpecificationError(
-            f"{told.speed_mps:g} m/s and {told.turn_rate_rad_s:g} rad/s take {fastest:.3g} rad/s of a wheel, "
-            f"{motor.title} behind {gear:g}:1 gives {usable:.3g}: take a smaller --gear, or less --speed"
-        )
+    _must_be_possible(told, fastest)
     turn_acceleration = 2.0 * told.turn_rate_rad_s
     sideways = 0.8 * told.speed_mps * told.turn_rate_rad_s
     rim = told.acceleration_mps2 / radius * gear * RPM
@@ -142,6 +139,26 @@ def worked_out(told: Specification) -> dict[str, str]:
         "full_turn_deg_s": _number(math.degrees(told.turn_rate_rad_s)),
     }
     return {word: str(number) for word, number in numbers.items()}
+
+
+def _must_be_possible(told: Specification, fastest: float) -> None:
+    """SpecificationError where wheels, motor and gear make no robot; `fastest` is a wheel's, in rad/s."""
+    radius, track, gear = told.wheel_radius_m, told.track_m, told.gear
+    if radius >= track:
+        raise SpecificationError(
+            f"--wheel-radius {radius:g} is not below --track {track:g}: both are in metres"
+        )
+    usable = USABLE_SPEED * told.motor.no_load_speed(told.voltage_v) / gear
+    if fastest > usable:
+        raise SpecificationError(
+            f"{told.speed_mps:g} m/s and {told.turn_rate_rad_s:g} rad/s take {fastest:.3g} rad/s of a wheel, "
+            f"{told.motor.title} behind {gear:g}:1 gives {usable:.3g}: take a smaller --gear, or less --speed"
+        )
+    if fastest < LEAST_OF_THE_MOTOR * usable:
+        raise SpecificationError(
+            f"--gear {gear:g}: at the speed limit the motor turns with {fastest * gear * RPM:.2g} rpm, it "
+            f"can turn with {usable * gear * RPM:.0f}; a ratio is turns of the motor for one of the wheel"
+        )
 
 
 def _number(value: float) -> str:

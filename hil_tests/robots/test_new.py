@@ -204,6 +204,18 @@ def test_the_friction_that_it_writes_is_more_than_its_plant_has_and_less_than_a_
         (("mickey", "--voltage", "-24"), "--voltage must be positive, not -24"),
         (("mickey", "--acceleration", "0"), "--acceleration must be positive, not 0"),
         (("mickey", "--turn-rate", "inf"), "--turn-rate must be positive, not inf"),
+        (
+            ("mickey", "--wheel-radius", "0.35"),
+            "--wheel-radius 0.35 is not below --track 0.35: both are in me",
+        ),
+        (
+            ("mickey", "--gear", "0.0233"),
+            "--gear 0.0233: at the speed limit the motor turns with 2.3 rpm, it can",
+        ),
+        (
+            ("mickey", "--motor", "nonsense"),
+            "there are RE25, RE40, RE50, and 171 by order number or a part of",
+        ),
         (("mickey", "--gear", "200"), "take a smaller --gear, or less --speed"),
         (("mickey", "--encoder-lines", "1"), "--encoder-lines must be 16 to"),
         (("mickey", "--dir", "."), "is there already; take another --dir"),
