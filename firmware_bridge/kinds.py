@@ -129,7 +129,7 @@ def find(name: str, *, plant_too: bool = False) -> AnyRobot:
     kind, plus, more = name.partition(SIGN)
     if kind not in _entries():
         here = f"; for the folder '{kind}' here say pip install -e {kind}" if Path(kind).is_dir() else ""
-        problem = f"no such robot; {near(kind, names())}. A path to a .toml file works, too{here}"
+        problem = f"no such robot; {near(kind, names())} (a path to a .toml file works, too){here}"
         raise RobotFileError(name, Problem("", problem))
     found = kind_named(kind)
     if not plus:
@@ -169,8 +169,8 @@ def _no_kind(name: object, table: Mapping[str, object]) -> Problem:
     alone = table.get("name") == name
     missing = "no kind is given, and " if alone else ""
     problem = (
-        f"{missing}no kind of robot '{name}' is installed; {near(name, names())}. "
-        "Is its package installed (pip install -e FOLDER)?"
+        f"{missing}no kind of robot '{name}' is installed; {near(name, names())} "
+        "(is its package installed? pip install -e FOLDER)"
     )
     return Problem("name" if alone else "kind", problem)
 

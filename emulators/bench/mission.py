@@ -162,7 +162,7 @@ def find(name: str, robot: AnyRobot, rehearsal: Rehearsal) -> Mission:
     shipped = rehearsal.shipped()
     if name in shipped:
         return load(shipped[name], robot, rehearsal)
-    problem = f"no such mission of {robot.name}; {near(name, shipped)}. A path to a .toml file works, too"
+    problem = f"no such mission of {robot.name}; {near(name, shipped)} (a path to a .toml file works, too)"
     raise MissionFileError(name, Problem("", problem))
 
 

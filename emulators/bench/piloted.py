@@ -25,7 +25,9 @@ from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 
 def _is_a_path(name: str) -> str:
     if name not in PATHS and not name.endswith(".csv"):
-        raise ValueError(f"there is no path '{name}'; {near(name, list(PATHS))}, or a file that ends in .csv")
+        raise ValueError(
+            f"there is no path '{name}'; {near(name, list(PATHS))} (or a file that ends in .csv)"
+        )
     return name
 
 

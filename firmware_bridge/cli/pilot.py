@@ -221,7 +221,7 @@ def _path(name: str, size: float) -> "Way":
         return PATHS[name](size)
     if name.endswith(".csv"):
         return path_file.load(Path(name))
-    raise PathError(f"there is no path '{name}'; {near(name, list(PATHS))}, or a file that ends in .csv")
+    raise PathError(f"there is no path '{name}'; {near(name, list(PATHS))} (or a file that ends in .csv)")
 
 
 def _device(given: PilotOptions) -> "Callable[[], Port]":

@@ -118,7 +118,7 @@ def test_an_unknown_robot_is_answered_with_those_that_there_are(command: str) ->
         2,
         "",
         (
-            f"firmware-bridge: r2d2: no such robot; there are: {', '.join(kinds.names())}."
-            " A path to a .toml file works, too\n"
+            f"firmware-bridge: r2d2: no such robot; there are: {', '.join(kinds.names())}"
+            " (a path to a .toml file works, too)\n"
         ),
     )
