@@ -24,6 +24,7 @@ In a mission: `[[fault]]` with `kind`, `at_s`, `for_s` and the keys; in a test:
 `rig.fault("encoder_cable_off", node="one", for_s=2.0)`; keys in brackets may be left out."""
 COMMON: Final = frozenset({"at_s", "title", "until_s", "for_s"})
 """Keys of every fault."""
+BOARD: Final = "board"
 HEADINGS: Final = ("fault", "where", "keys", "what happens")
 
 
@@ -63,7 +64,9 @@ def run(given: FaultsOptions) -> None:
     for heading in HEADINGS:
         table.add_column(heading, overflow="fold")
     for name, where in places.items():
-        table.add_row(name, where, ", ".join(_keys(KINDS[name])), KINDS[name].happens)
+        # `emulate board` takes no key but the motor.
+        keys = ["node"][: bool(where)] if given.robot == BOARD else _keys(KINDS[name])
+        table.add_row(name, where, ", ".join(keys), KINDS[name].happens)
     terminal().print(table)
 
 
@@ -95,7 +98,7 @@ def _of_a_drive() -> dict[str, str]:
 
 
 DEVICES: Final[Mapping[str, Callable[[], dict[str, str]]]] = MappingProxyType(
-    {"board": _of_a_board, "epos2": _of_a_drive}
+    {BOARD: _of_a_board, "epos2": _of_a_drive}
 )
 
 

@@ -66,6 +66,23 @@ class _OfShields(_OfBoards, ABC):
         return list(robot.shield_links)
 
 
+class _Switched(_OfBoards, Lasting, ABC):
+    """What is so from its beginning to its end."""
+
+    def put_on(self, site: Site, chance: Generator) -> None:
+        """Let it begin."""
+        del chance
+        self._have(site, on=True)
+
+    def take_off(self, site: Site) -> None:
+        """Let it end."""
+        self._have(site, on=False)
+
+    @abstractmethod
+    def _have(self, site: Site, *, on: bool) -> None:
+        """Have it so, or not."""
+
+
 class BoardSilent(_OfBoards, Lasting):
     """The board is heard no more, and hears nothing."""
 
@@ -107,40 +124,22 @@ class BoardHangs(_OfBoards):
             board.hang(site.world.now)
 
 
-class BoardBrownOut(_OfBoards, Lasting):
+class BoardBrownOut(_Switched):
     """The supply of the board's processor is too low: it is held in reset, and its shield goes on."""
 
     kind: ClassVar = "board_brown_out"
 
-    def put_on(self, site: Site, chance: Generator) -> None:
-        """Let the supply sag."""
-        del chance
-        self._hold(site, on=True)
-
-    def take_off(self, site: Site) -> None:
-        """Give it back: the board starts anew."""
-        self._hold(site, on=False)
-
-    def _hold(self, site: Site, *, on: bool) -> None:
+    def _have(self, site: Site, *, on: bool) -> None:
         for board in self.boards(site):
             board.mega.brown_out(site.world.now, low=on)
 
 
-class BoardUnpowered(_OfShields, Lasting):
+class BoardUnpowered(_OfShields, _Switched):
     """Processor and shield lose their 5 V: both begin anew with it."""
 
     kind: ClassVar = "board_unpowered"
 
-    def put_on(self, site: Site, chance: Generator) -> None:
-        """Take the supply."""
-        del chance
-        self._hold(site, on=True)
-
-    def take_off(self, site: Site) -> None:
-        """Give it back: board and shield start anew."""
-        self._hold(site, on=False)
-
-    def _hold(self, site: Site, *, on: bool) -> None:
+    def _have(self, site: Site, *, on: bool) -> None:
         for name in self.on(site.robot):
             site.shield(name).unpower(site.world.now, off=on)
 
@@ -165,19 +164,12 @@ class BoardChatters(_OfBoards, Lasting):
             site.world.call_at(now + self.every_ms * MILLISECOND, self._print, site)
 
 
-class _BusStuck(_OfShields, Lasting):
-    """The I2C bus between board and shield takes nothing."""
+class _BusStuck(_OfShields, _Switched):
+    """The I2C bus between board and shield takes nothing; a sketch that waits for it hangs until a reset."""
 
-    def put_on(self, site: Site, chance: Generator) -> None:
-        """Let it begin."""
-        del chance
+    def _have(self, site: Site, *, on: bool) -> None:
         for name in self.on(site.robot):
-            site.shield(name).mega.jam_bus(site.world.now, stuck=True)
-
-    def take_off(self, site: Site) -> None:
-        """Let it end; a sketch that has waited for it hangs until a reset."""
-        for name in self.on(site.robot):
-            site.shield(name).mega.jam_bus(site.world.now, stuck=False)
+            site.shield(name).mega.jam_bus(site.world.now, stuck=on)
 
 
 class I2cStuck(_BusStuck):
@@ -282,39 +274,24 @@ class MotorSupplySag(_OfShields, Lasting):
             site.shield(name).motors.starves(volts)
 
 
-class _HalfBridges(_OfShields, Lasting, ABC):
-    def put_on(self, site: Site, chance: Generator) -> None:
-        """Let it begin."""
-        del chance
-        for name in self.on(site.robot):
-            self._have(site.shield(name).motors, on=True)
-
-    def take_off(self, site: Site) -> None:
-        """Let it end."""
-        for name in self.on(site.robot):
-            self._have(site.shield(name).motors, on=False)
-
-    @abstractmethod
-    def _have(self, motors: Motors, *, on: bool) -> None:
-        """Have it so, or not."""
-
-
-class CurrentLimit(_HalfBridges):
+class CurrentLimit(_OfShields, _Switched):
     """The half bridges cut a current that reaches their peak, which the emulation leaves out else."""
 
     kind: ClassVar = "current_limit"
 
-    def _have(self, motors: Motors, *, on: bool) -> None:
-        motors.faults.limits_current = on
+    def _have(self, site: Site, *, on: bool) -> None:
+        for name in self.on(site.robot):
+            site.shield(name).motors.faults.limits_current = on
 
 
-class OverTemperature(_HalfBridges):
+class OverTemperature(_OfShields, _Switched):
     """The half bridges warm up, and shut down where they are too hot, which the emulation leaves out else."""
 
     kind: ClassVar = "over_temperature"
 
-    def _have(self, motors: Motors, *, on: bool) -> None:
-        motors.follow_heat(followed=on)
+    def _have(self, site: Site, *, on: bool) -> None:
+        for name in self.on(site.robot):
+            site.shield(name).motors.follow_heat(followed=on)
 
 
 class _WireOff(_OnMotor, ABC):

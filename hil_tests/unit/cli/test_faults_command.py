@@ -3,7 +3,7 @@
 import pytest
 from typer.testing import CliRunner
 
-from emulators.arduino_omni.faults import FAULTS
+from emulators.arduino_omni.faults import FAULTS, planned
 from emulators.bench.faults import KINDS
 from emulators.bench.faults.failures import failures_of
 from firmware_bridge.cli import program
@@ -55,6 +55,9 @@ def test_of_a_device_it_lists_those_that_it_can_have() -> None:
     _, board, _ = listed("board")
     assert [row[0] for row in board] == list(FAULTS)
     assert {row[1] for row in board if row[0] == "encoder_cable_off"} == {"M1, M2, M3"}
+    for fault, nodes, keys, *_ in board:
+        text = f"{fault},node={nodes.partition(',')[0]}" if nodes else fault
+        assert (planned(text).fault.name, keys) == (fault, "node" if nodes else ""), "what --fault takes"
     _, drive, _ = listed("epos2")
     names = {row[0] for row in drive}
     assert {"drive_restart", "encoder_cut", "supply_sag", "node_silent"} <= names
