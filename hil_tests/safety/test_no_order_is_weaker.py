@@ -69,7 +69,7 @@ def moved_s(order: Callable[[VirtualRig], None], lie: str, robot: str) -> float:
         return runs(rig, 6.0)
 
 
-@pytest.mark.long(keeps=["tells the truth", "says now and then it is off"])
+@pytest.mark.long(keeps=["tells the truth"])
 @every("robot", ["rars", "climber"])
 @pytest.mark.parametrize("lie", LIES)
 def test_an_order_to_stop_is_no_slower_than_the_stick_let_go(robot: str, lie: str) -> None:

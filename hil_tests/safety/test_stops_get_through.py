@@ -125,7 +125,7 @@ def test_a_deaf_drive_at_standstill_loses_its_power_as_its_rows_say(
         assert not left.powered
 
 
-@pytest.mark.long(keeps=[ARM, SHIELDS[0]])
+@pytest.mark.long(keeps=[SHIELDS[0]])
 @pytest.mark.parametrize("robot", [ARM, *SHIELDS])
 @every("fault", ["board_silent", "board_brown_out", "board_hangs"])
 def test_the_end_of_the_program_comes_whatever_the_board_does(robot: str, fault: str) -> None:

@@ -57,6 +57,7 @@ def driven(robot: AnyRobot) -> Iterator[Samples]:
         rig.finish()
 
 
+@pytest.mark.long(keeps=["rars", "rome", "carrier", "climber"])
 @pytest.mark.parametrize("name", MISSIONS)
 def test_the_robot_moves_as_with_motors_that_are_not_mirrored(name: str) -> None:
     robot = find(name)

@@ -103,6 +103,7 @@ def test_the_lift_rises_at_rest_only_and_holds_the_wheels(rides: Ridden) -> None
     assert ride.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
 
 
+@pytest.mark.long(keeps=["0-30", "58-0"])
 @pytest.mark.parametrize(("begin", "end"), [(0, 10), (0, 30), (0, 58), (-30, 30), (58, 0)])
 def test_the_wheels_follow_the_angle_that_is_steered(rides: Ridden, begin: float, end: float) -> None:
     """A step of the steering at 0.3 m/s: the plant's wheels keep the ratio of that instant's angle."""

@@ -105,7 +105,7 @@ def test_an_orbit_too_large_for_the_base_takes_its_time_and_says_so() -> None:
         assert speeds.max() <= 1.02 * rig.robot.geometry.base.limits.speed_mps
 
 
-@pytest.mark.long(keeps=["arm reset", "base reset"])
+@pytest.mark.long(keeps=["arm reset"])
 @pytest.mark.parametrize(
     ("faults", "name"),
     [

@@ -91,7 +91,7 @@ def test_an_emergency_stop_ends_without_power_where_the_robot_stands_by_itself(
 SPEEDS: Final = (0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
 
 
-@pytest.mark.long(keeps=["-0.4-0-serial", "0.35-30-serial"])
+@pytest.mark.long(keeps=["0.35-30-can"])
 @on_each_link
 @pytest.mark.parametrize("steered", [0, 30])
 @pytest.mark.parametrize("speed", [sign * speed for speed in SPEEDS for sign in (1, -1)])

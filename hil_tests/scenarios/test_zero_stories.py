@@ -178,6 +178,7 @@ def test_a_wheel_that_restarts_needs_nobody(rides: Ridden) -> None:
     assert not one.held("axis zero lost: left")
 
 
+@pytest.mark.long(keeps=["can-0.05-right", "serial-0.339-left"])
 @pytest.mark.parametrize("node", ["left", "right"])
 @pytest.mark.parametrize("for_s", [0.05, 0.339])
 @LINKS
