@@ -21,7 +21,7 @@ from firmware_bridge.wire.can import EXTENDED, REMOTE, identifier
 can.log.addHandler(logging.NullHandler())
 
 _SEND_S: Final = 0.02
-_LISTEN_S: Final = 0.1
+_LISTEN_S: Final = 0.02
 """How long a reader thread listens before it looks whether it shall end, in seconds."""
 MULTICAST: Final = "udp_multicast"
 """A bus of datagrams: every process of one machine, or of one network, that has joined a group."""
