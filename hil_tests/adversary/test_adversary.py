@@ -54,7 +54,7 @@ def search(robot: AnyRobot, natures: frozenset[Nature], judged: AnyRobot | None 
 @pytest.mark.parametrize(
     ("line", "seed"), [(line, seed) for line, evenings in ROBOTS.items() for seed in range(evenings)]
 )
-def test_no_evening_breaks_a_rule(line: str, natures: frozenset[Nature], seed: int) -> None:
+def test_no_random_run_breaks_a_rule(line: str, natures: frozenset[Nature], seed: int) -> None:
     found, _ = search(robot_of(read(line)), natures).evening(seed)
     assert found is None, as_toml(found, line)
 
@@ -114,7 +114,7 @@ def test_a_climber_without_its_joints_rule_touches_the_stop(line: str) -> None:
 
 
 @pytest.mark.long(beside="test_an_emergency_stop_that_does_nothing_is_found")
-def test_an_arm_that_is_told_too_much_loses_its_steps() -> None:
+def test_an_arm_that_is_reported_too_much_loses_its_steps() -> None:
     """With limits that its motors cannot follow: nobody but the plant tells."""
     arm = find("ar2")
     limits = arm.geometry.limits.model_copy(update={"speed_mps": 0.04})

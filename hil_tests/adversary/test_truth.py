@@ -197,7 +197,7 @@ def ahead(robot: AnyRobot, *faults: Fault) -> Life:
         (ROME, {"unreached": WHEELS, "runs_on": WHEELS, "gone": True}, None, 1_000.0),
     ],
 )
-def test_a_board_has_its_time_to_boot_and_what_nobody_reaches_is_judged_by_its_own_stop(
+def test_a_board_has_its_time_to_boot_and_what_no_one_reaches_is_judged_by_its_own_stop(
     robot: AnyRobot, how: dict[str, object], name: str | None, within_s: float
 ) -> None:
     judge, turns = Judge(invariants(robot)), rolling(robot, **how)

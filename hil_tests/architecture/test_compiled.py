@@ -42,6 +42,6 @@ def test_no_function_changes_a_variable_of_the_one_around_it() -> None:
     assert not guilty
 
 
-def test_no_protocol_among_them_is_asked_for_at_run_time() -> None:
+def test_no_protocol_among_them_is_requested_at_run_time() -> None:
     """mypyc makes no class of Python's own of a protocol, and `runtime_checkable` wants one."""
     assert not [str(file) for file in COMPILED if "runtime_checkable" in file.read_text()]

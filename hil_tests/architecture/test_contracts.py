@@ -52,7 +52,7 @@ def test_the_product_does_not_know_its_tests() -> None:
     assert knows == {"emulators/testing/plugin.py", "emulators/testing/inherited/test_robot.py"}
 
 
-def test_every_module_says_what_it_is_for() -> None:
+def test_every_module_states_what_it_is_for() -> None:
     said = {name(path): ast.get_docstring(parsed(path)) or "" for path in sources(*PACKAGES)}
     assert [path for path, text in said.items() if not text.partition("\n")[0].endswith(".")] == []
 

@@ -101,6 +101,6 @@ def test_every_known_equation_is_in_the_table_once(source: str) -> None:
     assert [one for one, other in pairwise(sorted(listed)) if one == other] == []
 
 
-def test_what_has_no_place_says_why_and_every_study_is_named() -> None:
+def test_what_has_no_place_states_why_and_every_study_is_named() -> None:
     assert [item for item, places, remark in ROWS if "`" not in places and "Not " not in remark] == []
     assert {study.name for study in studies()} <= {place.removeprefix("study ") for place in PLACES}

@@ -97,7 +97,7 @@ def test_each_way_to_break_a_line(source: str, change: str, becomes: str) -> Non
         "left = 'right'",
     ],
 )
-def test_what_nobody_could_notice_or_mistake_is_left_alone(source: str) -> None:
+def test_what_no_one_could_notice_or_mistake_is_left_alone(source: str) -> None:
     kept = {change for change in broken(source) if change != "'right' -> 'left'"}
     assert kept == set()
 
@@ -115,7 +115,7 @@ def test_the_second_of_the_same_in_a_line_has_a_name_of_its_own() -> None:
     assert len(named) == len(set(named))
 
 
-def test_each_mutant_is_what_it_says_and_another_program() -> None:
+def test_each_mutant_is_what_it_states_and_another_program() -> None:
     target = "motion/ramp"
     source = ast.unparse(ast.parse(Path("firmware_bridge/motion/ramp.py").read_text(encoding="utf-8")))
     made = [ast.unparse(one.tree()) for one in mutants(target)]
@@ -123,7 +123,7 @@ def test_each_mutant_is_what_it_says_and_another_program() -> None:
     assert len(set(made)) == len(made)
 
 
-def test_a_module_that_tells_does_the_same_and_says_where_it_was() -> None:
+def test_a_module_that_reports_does_the_same_and_states_where_it_was() -> None:
     source = '''
 def f(a):
     """Twice, or nothing."""
@@ -194,7 +194,7 @@ def test_a_sample_is_the_same_for_the_same_seed_and_within_its_budget() -> None:
         ("within = 3", False),
     ],
 )
-def test_what_somebody_has_tuned_is_left_as_it_is(source: str, tuned: bool) -> None:  # noqa: FBT001
+def test_what_someone_has_tuned_is_left_as_it_is(source: str, tuned: bool) -> None:  # noqa: FBT001
     assert is_tuned(ast.parse(source).body[0]) is tuned
     assert is_tuned(ast.parse("500 * MILLISECOND", mode="eval").body)
 
@@ -223,7 +223,7 @@ def test_a_test_is_found_by_its_name_however_often_a_process_collects_it(tmp_pat
     assert campaign.in_a_fork(runs) == ([0] * 4, [3] * 4)
 
 
-def test_a_test_that_is_not_found_is_told(tmp_path: Path) -> None:
+def test_a_test_that_is_not_found_is_reported(tmp_path: Path) -> None:
     file = tmp_path / "test_one.py"
     file.write_text("def test_it(): pass\n")
 

@@ -20,7 +20,7 @@ def test_each_line_has_a_row_for_each_speed() -> None:
     assert rows == [(line, when, round(1000 * told)) for line, when, told in wanted()]
 
 
-def test_a_base_with_the_robot_file_s_usual_cycle_is_not_long_faster_than_twice_what_it_was_told() -> None:
+def test_a_base_with_the_robot_file_s_usual_cycle_is_soon_no_faster_than_twice_its_command() -> None:
     rows = [row for row in KEPT.read() if row.when == TURNING and row.line.startswith("rome:")]
     assert rows
     for row in rows:

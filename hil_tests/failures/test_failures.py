@@ -56,7 +56,7 @@ def test_each_test_that_the_page_names_is_there() -> None:
     assert [row.test for row in SHOWN if f"def {row.test}(" not in texts] == []
 
 
-def test_every_kind_of_fault_is_a_cause_or_says_why_not() -> None:
+def test_every_kind_of_fault_is_a_cause_or_states_why_not() -> None:
     faults = [
         fault
         for cause in CAUSES.values()

@@ -57,7 +57,7 @@ def test_switches_are_discrete_and_bounded(fmi: int) -> None:
 
 @VERSIONS
 @pytest.mark.parametrize("model", TUNABLE)
-def test_parameters_tell_their_kind_bounds_and_size(model: str, fmi: int) -> None:
+def test_parameters_report_their_kind_bounds_and_size(model: str, fmi: int) -> None:
     rows = [
         row
         for row in read_model_description(str(ensure(model, fmi))).modelVariables
@@ -83,7 +83,7 @@ def test_no_parameter_set_is_out_of_bounds(model: str) -> None:
 
 
 @VERSIONS
-def test_a_switch_beyond_its_ends_is_taken_at_the_nearest_and_told_once(tmp_path: Path, fmi: int) -> None:
+def test_a_switch_beyond_its_ends_is_taken_at_the_nearest_and_reported_once(tmp_path: Path, fmi: int) -> None:
     axis = bench_axis(fmi, tmp_path)
     for value, taken, other in ((1.5, 1.0, 0.0), (-3.0, 0.0, 1.0)):
         axis.write(brake_axis=other)
@@ -116,7 +116,7 @@ def test_a_parameter_out_of_bounds_is_refused(
     axis.fmu.freeInstance()
 
 
-def test_a_bound_above_is_told_too() -> None:
+def test_a_bound_above_is_reported_too() -> None:
     with pytest.raises(PlantError, match=r"slope cannot be 1\.6: it is 1\.5 or less"):
         FmuPlant(ensure("rars"), (), (), {"slope": 1.6})
 

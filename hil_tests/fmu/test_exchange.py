@@ -61,7 +61,7 @@ def test_both_versions_give_the_same_rates(made: Maker) -> None:
 
 @pytest.mark.long(keeps=["3"])
 @VERSIONS
-def test_a_strangers_solver_comes_to_the_same_place(fmu_file: dict[int, Path], fmi: int) -> None:
+def test_a_third_party_solver_comes_to_the_same_place(fmu_file: dict[int, Path], fmi: int) -> None:
     fields = [("time", np.float64), *((name, np.float64) for name in INPUTS)]
     driven = np.array([(0.0, 5.0, 7.0, 6.0, 12.0), (0.5, 5.0, 7.0, 6.0, 12.0)], dtype=np.dtype(fields))
     ends = [
@@ -137,7 +137,7 @@ def test_a_model_is_no_slave_and_the_other_way_round(made: Maker, fmi: int) -> N
 
 
 @VERSIONS
-def test_a_solver_that_goes_astray_is_told(made: Maker, fmi: int) -> None:
+def test_a_solver_that_goes_astray_is_reported(made: Maker, fmi: int) -> None:
     model = made(fmi, "model")
     model.initialise()
     good = model.states()

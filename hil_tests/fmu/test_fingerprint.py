@@ -86,7 +86,7 @@ def test_the_parameters_of_a_run_do_not_matter(fmu_file: dict[int, Path]) -> Non
         pytest.param(
             "-O2 -ffp-contract=fast -march=native",
             marks=[
-                pytest.mark.long(beside="test_the_program_says_so_in_one_line"),
+                pytest.mark.long(beside="test_the_program_states_so_in_one_line"),
                 pytest.mark.skipif(not HAS_FMA, reason="this CPU does not fuse multiply and add"),
             ],
         ),
@@ -99,7 +99,7 @@ def other(
     return compiled_otherwise(fmu_file[3], folder / "other.fmu", folder / "unzipped", request.param)
 
 
-@pytest.mark.long(beside="test_the_program_says_so_in_one_line")
+@pytest.mark.long(beside="test_the_program_states_so_in_one_line")
 def test_a_plant_that_was_compiled_otherwise_is_named(other: Path) -> None:
     with pytest.warns(PlantWarning, match=r"other\.fmu: this plant was compiled in another way") as caught:
         plant = FmuPlant(other, list(INPUTS), list(OUTPUTS))
@@ -117,7 +117,7 @@ def test_a_plant_that_was_compiled_otherwise_is_named(other: Path) -> None:
     assert [problem for problem in found.problems if "-ffp-contract=off" in problem]
 
 
-def test_the_program_says_so_in_one_line(other: Path, tmp_path: Path) -> None:
+def test_the_program_states_so_in_one_line(other: Path, tmp_path: Path) -> None:
     mission = tmp_path / "short.toml"
     mission.write_text(MISSION, encoding="utf-8")
     words = ["bench", "rars", "-m", str(mission), "--plant", str(other), "--out", str(tmp_path / "out")]
@@ -135,14 +135,14 @@ def test_the_program_says_so_in_one_line(other: Path, tmp_path: Path) -> None:
     assert (result.returncode, more) == (0, []) or "check the plant" in more[0]
 
 
-@pytest.mark.long(beside="test_the_program_says_so_in_one_line")
+@pytest.mark.long(beside="test_the_program_states_so_in_one_line")
 def test_harmless_flags_are_harmless(fmu_file: dict[int, Path], tmp_path: Path) -> None:
     flags = "-O3 -march=native -ffp-contract=off"
     path = compiled_otherwise(fmu_file[3], tmp_path / "other.fmu", tmp_path / "unzipped", flags)
     assert examine(path).fingerprint is Verdict.SAME
 
 
-@pytest.mark.long(beside="test_the_program_says_so_in_one_line")
+@pytest.mark.long(beside="test_the_program_states_so_in_one_line")
 def test_one_bit_in_one_parameter_is_another_plant() -> None:
     model = find("rars").model()
     (first, *others) = model.parameters
@@ -166,7 +166,7 @@ def test_both_versions_carry_the_same_fingerprint(fmu_file: dict[int, Path]) -> 
 
 
 @pytest.mark.parametrize("text", [None, b"", b"[]", b'{"inputs": {}}', b"\xff"])
-def test_a_stranger_has_none(fmu_file: dict[int, Path], tmp_path: Path, text: bytes | None) -> None:
+def test_a_foreign_node_has_none(fmu_file: dict[int, Path], tmp_path: Path, text: bytes | None) -> None:
     path = tmp_path / "bare.fmu"
     with ZipFile(fmu_file[3]) as source, ZipFile(path, "w", ZIP_DEFLATED) as archive:
         for name in source.namelist():

@@ -177,7 +177,7 @@ def test_a_compiler_for_another_machine_adds_its_binary(fmi: int) -> None:
         ensure("single_axis", fmi, [broken])
 
 
-def test_build_goes_into_this_folder_unless_told_otherwise(
+def test_build_goes_into_this_folder_unless_reported_otherwise(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -255,7 +255,7 @@ def asked_of_a_plant(name: str) -> list[str]:
         ),
     ],
 )
-def test_a_robot_asks_for_its_axes_and_its_body(robot: str, axes: list[str], body: list[str]) -> None:
+def test_a_robot_requests_its_axes_and_its_body(robot: str, axes: list[str], body: list[str]) -> None:
     asked = asked_of_a_plant(robot)
     assert asked[: len(axes)] == [f"voltage_{axis}" for axis in axes]
     assert asked[4 * len(axes) :] == ["battery_voltage", *body]
@@ -309,7 +309,7 @@ def test_each_command_explains_itself_with_an_example(command: str) -> None:
 
 @pytest.mark.long(keeps=["climber"])
 @pytest.mark.parametrize("name", kinds.names())
-def test_a_robot_s_plant_begins_with_what_its_file_says(tmp_path: Path, name: str) -> None:
+def test_a_robot_s_plant_begins_with_what_its_file_states(tmp_path: Path, name: str) -> None:
     path = tmp_path / "plant.fmu"
     assert run("build", name, "--out", str(path))[0] == 0
     given = {

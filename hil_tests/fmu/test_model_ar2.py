@@ -131,7 +131,9 @@ def test_without_current_it_falls_to_its_stop_and_stays_there() -> None:
         ((0.0, -30.0, 60.0, 0.0, 0.0, 0.0), ((0.1, 32), (0.3, 173), (1.0, 268))),
     ],
 )
-def test_it_falls_as_its_page_says(degrees: tuple[float, ...], after: tuple[tuple[float, int], ...]) -> None:
+def test_it_falls_as_its_page_states(
+    degrees: tuple[float, ...], after: tuple[tuple[float, int], ...]
+) -> None:
     with ModelBench(MODEL, at(degrees)) as bench:
         begin, seconds = bench.now()["tool_z"], 0.0
         for until, millimetres in after:

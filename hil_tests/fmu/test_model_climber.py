@@ -197,7 +197,7 @@ def test_the_corrected_pivot_keeps_its_distance(ratio: float) -> None:
 
 
 @pytest.mark.parametrize(("ratio", "share"), [(20.0, 0.04), (200.0, 5e-3)])
-def test_the_robot_pivots_as_the_reduced_solution_says(rolled: Maker, ratio: float, share: float) -> None:
+def test_the_robot_pivots_as_the_reduced_solution_states(rolled: Maker, ratio: float, share: float) -> None:
     """With wheels like balls, for which (33) holds; its standing wheel shifts by a share of b / r_c."""
     wheel, track = NUMBERS["wheel_radius"], NUMBERS["half_track"]
     tank = ratio * track

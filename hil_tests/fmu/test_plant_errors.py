@@ -206,7 +206,7 @@ def test_a_library_that_cannot_be_loaded_leaves_the_process_where_it_is(
         opened(Path("odd.fmu"))
 
 
-def test_what_an_fmu_says_has_its_arguments_in_it() -> None:
+def test_what_an_fmu_states_has_its_arguments_in_it() -> None:
     """FMI 2.0 hands a format and what follows to the master (section 2.1.5): called as an FMU calls it."""
     said, others = deque[str](), deque[str]()
     (callbacks, number), (_, other) = listened(said), listened(others)

@@ -235,7 +235,7 @@ def test_a_plant_that_came_with_the_package_is_taken_as_long_as_its_sources_are_
 
 
 @pytest.mark.usefixtures("none_came")
-def test_without_sympy_a_plant_says_how_to_have_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_without_sympy_a_plant_states_how_to_have_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     def version(name: str) -> str:
         raise metadata.PackageNotFoundError(name)
 
@@ -253,7 +253,7 @@ def test_unknown_model_and_version_are_refused(tmp_path: Path) -> None:
         build.build("rars", 1, tmp_path / "x.fmu")
 
 
-def test_a_compiler_that_fails_says_why(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_compiler_that_fails_states_why(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("CC", "false")
     with pytest.raises(PlantError, match="failed"):
         build.build("single_axis", 3, tmp_path / "x.fmu")

@@ -32,7 +32,7 @@ def test_another_model(pendulums: Callable[[int], Path], fmi: int) -> None:
         assert plant.read("height") == pytest.approx(1 - math.cos(plant.outputs[0]), abs=1e-12)
 
 
-def test_an_fmu_of_a_stranger_without_units(pendulums: Callable[[int], Path], tmp_path: Path) -> None:
+def test_an_third_party_fmu_without_units(pendulums: Callable[[int], Path], tmp_path: Path) -> None:
     bare = tmp_path / "bare.fmu"
     with ZipFile(pendulums(2)) as source, ZipFile(bare, "w", ZIP_DEFLATED) as target:
         for name in source.namelist():

@@ -87,7 +87,7 @@ def run(*words: str) -> tuple[int, str, str]:
     return result.exit_code, result.stdout, result.stderr
 
 
-def test_a_strangers_plant_is_listed_built_and_checked(install: Installer, tmp_path: Path) -> None:
+def test_a_third_party_plant_is_listed_built_and_checked(install: Installer, tmp_path: Path) -> None:
     install(pendulum="swinging.parameters:PLANT")
     assert "pendulum" in names()
     assert "│ pendulum " in run("list")[1]
@@ -145,7 +145,7 @@ def test_two_plants_of_one_name_are_refused(install: Installer) -> None:
         find("pendulum")
 
 
-def test_an_unknown_plant_and_set_are_told_with_the_nearest() -> None:
+def test_an_unknown_plant_and_set_are_reported_with_the_nearest() -> None:
     with pytest.raises(UnknownNameError, match="there is no plant 'rarz'; did you mean 'rars'"):
         find("rarz")
     with pytest.raises(
@@ -154,7 +154,7 @@ def test_an_unknown_plant_and_set_are_told_with_the_nearest() -> None:
         find("rars").parameter_set("a_plausible_yaw")
 
 
-def test_equations_in_another_package_than_told_are_missed() -> None:
+def test_equations_in_another_package_than_reported_are_missed() -> None:
     with pytest.raises(PlantError, match="is to stand in the package no_such_package: there is none"):
         ensure(Plant("lost", "no_such_package", PARAMETERS))
 
@@ -176,12 +176,12 @@ def test_a_path_leads_through_attributes_keys_and_names_of_rows() -> None:
         ("axes.left", "that is no number"),
     ],
 )
-def test_a_path_that_leads_nowhere_is_told_with_the_nearest(path: str, said: str) -> None:
+def test_a_path_that_leads_nowhere_is_reported_with_the_nearest(path: str, said: str) -> None:
     with pytest.raises(UnknownNameError, match=f"takes '{path}' from the robot's file.*{said}"):
         Plant("p", "p", (), {}, {path: ("gear", 1.0)}).parameters_of(ROBOT)
 
 
-def test_a_plant_tells_its_variables_with_units_and_meaning() -> None:
+def test_a_plant_reports_its_variables_with_units_and_meaning() -> None:
     with FmuPlant(ensure("rars"), (), ()) as plant:
         told = plant.variables
     assert told["lift_height"].unit == "m"

@@ -190,7 +190,7 @@ def rigs() -> Iterator[list[Rig]]:
 
 @pytest.mark.long(keeps=["tiny 3"])
 @pytest.mark.parametrize("who", ["PythonFMU", "tiny 2", "tiny 3"])
-def test_a_strangers_plant_drives_the_robot(strangers: dict[str, Path], rigs: list[Rig], who: str) -> None:
+def test_a_third_party_plant_drives_the_robot(strangers: dict[str, Path], rigs: list[Rig], who: str) -> None:
     robot = robot_with()
     rigs.append(rig := Rig(robot, REHEARSAL, operator(robot), plant_path=strangers[who]))
     rig.run(from_seconds(5.0))
@@ -223,7 +223,7 @@ def test_a_plant_that_lacks_a_variable_is_refused_by_name(
 
 
 @pytest.mark.parametrize("who", ["PythonFMU", "tiny 2", "tiny 3"])
-def test_a_plant_that_lacks_a_variable_of_the_body_is_refused_by_whoever_looks_at_it(
+def test_a_plant_that_lacks_a_variable_of_the_body_is_refused_by_whichever_client_looks_at_it(
     strangers: dict[str, Path], tmp_path: Path, who: str
 ) -> None:
     path = changed(strangers[who], tmp_path / "odd.fmu", ('name="yaw_rate"', 'name="yaw_rate_x"'))
@@ -290,7 +290,7 @@ def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(strangers:
     assert {f"axis silent: {axis}" for axis in AXES} <= {hold.name for hold in bridge.holds}
 
 
-def test_the_command_line_says_it_in_one_line(strangers: dict[str, Path], tmp_path: Path) -> None:
+def test_the_command_line_states_it_in_one_line(strangers: dict[str, Path], tmp_path: Path) -> None:
     mission = tmp_path / "crawl.toml"
     mission.write_text(MISSION, encoding="utf-8")
     text = KIND.file.read_text(encoding="utf-8")
@@ -303,7 +303,7 @@ def test_the_command_line_says_it_in_one_line(strangers: dict[str, Path], tmp_pa
     assert re.match(r"firmware-bridge: .*Stranger\.fmu: doStep failed at 3\.2500 s", line)
 
 
-def test_strangers_need_no_more_than_the_bench_reads(strangers: dict[str, Path]) -> None:
+def test_foreign_nodes_need_no_more_than_the_bench_reads(strangers: dict[str, Path]) -> None:
     with ZipFile(strangers["PythonFMU"]) as archive:
         text = archive.read("modelDescription.xml").decode()
     names = set(re.findall(r'name="(\w+)"', text))

@@ -118,7 +118,7 @@ def test_stories_of_a_user_run(run: Run, tmp_path: Path) -> None:
         ("study tipping --quick", "studies come with a checkout"),
     ],
 )
-def test_what_is_missing_is_said_with_its_cure(run: Run, words: str, said: str) -> None:
+def test_what_is_missing_is_stated_with_its_fix(run: Run, words: str, said: str) -> None:
     ended = run("firmware-bridge", *words.split())
     assert ended.returncode != 0
     assert said in " ".join(ended.stderr.split())
@@ -130,7 +130,7 @@ def test_the_doctor_misses_nothing_that_is_needed(run: Run) -> None:
     assert told["missing"] == []
 
 
-def test_the_base_is_as_small_as_the_page_says(run: Run) -> None:
+def test_the_base_is_as_small_as_the_page_states(run: Run) -> None:
     listed = json.loads(run("python", "-m", "pip", "list", "--format", "json").stdout)
     names = {it["name"].lower() for it in listed}
     assert not names & {"matplotlib", "sympy", "mypy"}

@@ -67,7 +67,7 @@ def drives(bus: Bus, tmp_path: Path) -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("drives")
-def test_cansend_asks_and_candump_hears_the_answers(bus: Bus) -> None:
+def test_cansend_requests_and_candump_receives_the_answers(bus: Bus) -> None:
     bus.sends("601#4000100000000000")
     assert bus.hears("581#4300100092010200")
     bus.sends("602#4018100200000000")

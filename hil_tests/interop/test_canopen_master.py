@@ -181,7 +181,7 @@ def test_the_drive_is_taken_through_its_states_and_turns(bench: Bench) -> None:
     assert node.sdo[0x606C].raw == pytest.approx(1000, abs=60)
 
 
-def test_a_positioning_reaches_its_target_and_says_so(bench: Bench) -> None:
+def test_a_positioning_reaches_its_target_and_states_so(bench: Bench) -> None:
     node = bench.enabled()
     node.sdo[0x6060].raw = 1
     node.sdo[0x607A].raw = 20_000
@@ -204,7 +204,7 @@ def test_a_quick_stop_is_left_only_by_command(bench: Bench) -> None:
     assert bench.speed_rpm() == pytest.approx(0, abs=1)
 
 
-def test_the_stranger_hears_the_drive_die(bench: Bench) -> None:
+def test_the_foreign_node_sees_the_drive_die(bench: Bench) -> None:
     node = bench.enabled()
     node.sdo.download(0x1016, 1, (100 | 0x7F << 16).to_bytes(4, "little"))
     bench.network.send_message(0x700 + 0x7F, b"\x05")

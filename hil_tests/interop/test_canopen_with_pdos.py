@@ -114,7 +114,7 @@ def test_a_remapped_pdo_arrives_with_each_sync(bench: Bench) -> None:
     assert got == [8, 8, 8]
 
 
-def test_heartbeat_and_emergency_reach_the_stranger(bench: Bench) -> None:
+def test_heartbeat_and_emergency_reach_the_foreign_node(bench: Bench) -> None:
     node = bench.powered()
     node.sdo["Producer Heartbeat Time"].raw = 50
     bench.ear.heard.clear()

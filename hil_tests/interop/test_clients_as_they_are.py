@@ -214,7 +214,7 @@ def test_a_client_that_resets_and_polls_the_error_register(generation: Generatio
     pytest.fail("it has not come back")
 
 
-def test_the_serial_number_that_is_told_is_the_one_that_answers() -> None:
+def test_the_serial_number_that_is_reported_is_the_one_that_answers() -> None:
     profile = numbered(EPOS2_70_10, NEAR + 6)
     told = profile.differing(NEAR + 6)
     drive = Epos2(NEAR + 6, ServoAxis("drive", 2000), profile)

@@ -22,7 +22,7 @@ CLIENTS: Final = Path(__file__).parents[2] / "examples" / "arduino"
         ("turn_by_firmata.py", ("firmata", "--encoders", "2"), ("300",)),
     ],
 )
-def test_it_turns_what_it_says(
+def test_it_turns_what_it_states(
     client: str, board: tuple[str, ...], words: tuple[str, ...], tmp_path: Path
 ) -> None:
     link = tmp_path / "board.tty"
@@ -34,7 +34,7 @@ def test_it_turns_what_it_says(
     assert min(counts) >= 200, done.stdout
 
 
-def test_without_a_port_it_says_how_it_is_used() -> None:
+def test_without_a_port_it_states_how_it_is_used() -> None:
     for client in CLIENTS.glob("*.py"):
         done = subprocess.run([sys.executable, client], capture_output=True, text=True, check=False)
         assert done.returncode == 1

@@ -70,7 +70,7 @@ def bench(sheet: Path) -> Iterator[Bench]:
 
 
 @pytest.mark.parametrize(("method", "turns"), [(1, -3), (2, 7), (7, 1), (34, 1), (-1, 8), (-2, -4)])
-def test_the_strangers_homing_finds_the_index(bench: Bench, method: int, turns: int) -> None:
+def test_a_third_party_homing_finds_the_index(bench: Bench, method: int, turns: int) -> None:
     bench.node.sdo[0x6098].raw = method
     assert bench.node.homing()
     assert bench.zero == turns * TURN
@@ -78,7 +78,7 @@ def test_the_strangers_homing_finds_the_index(bench: Bench, method: int, turns: 
     assert bench.node.statusword & 0x8000
 
 
-def test_the_stranger_is_told_that_there_is_no_home_switch_that_way(bench: Bench) -> None:
+def test_the_foreign_node_reads_that_there_is_no_home_switch_that_way(bench: Bench) -> None:
     bench.node.sdo[0x6098].raw = 11
     assert not bench.node.homing()
     assert not bench.node.is_homed()

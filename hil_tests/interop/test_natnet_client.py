@@ -49,7 +49,7 @@ def emulated(*words: str) -> Iterator[int]:
 
 
 @pytest.mark.parametrize("version", ["3.1", "2.10", "4.1"])
-def test_a_strangers_client_reads_the_stream(version: str) -> None:
+def test_a_third_party_client_reads_the_stream(version: str) -> None:
     heard: list[Any] = []
     models: list[Any] = []
     with (

@@ -57,7 +57,7 @@ def session(emulated: Devices, sheet: Path) -> list[str]:
     return log
 
 
-def test_a_strangers_session_plays_again(emulated: Devices, sheet: Path, tmp_path: Path) -> None:
+def test_a_third_party_session_plays_again(emulated: Devices, sheet: Path, tmp_path: Path) -> None:
     log = session(emulated, sheet)
     file = tmp_path / "stranger.log"
     file.write_text("\n".join(log) + "\n", encoding="ascii")

@@ -46,7 +46,7 @@ def test_a_robot_that_turns_too_fast_has_to_be_armed_again() -> None:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("beyond", "told"), [(0.0, False), (0.995e-4, False), (1.005e-4, True)])
-def test_a_step_that_the_ramp_delays_is_told(sign: float, beyond: float, *, told: bool) -> None:
+def test_a_step_that_the_ramp_delays_is_reported(sign: float, beyond: float, *, told: bool) -> None:
     for wish in (Motion(sign * (STEP + beyond)), Motion(turn_rad_s=sign * (SPIN + beyond))):
         assert holds(Situation(wish=wish)) == ({"acceleration limit"} if told else set())
 
@@ -57,7 +57,7 @@ def test_only_the_change_counts(sign: float) -> None:
         assert holds(Situation(wish=motion, demanded=motion)) == set()
 
 
-def test_what_the_ramp_reaches_in_one_cycle_is_not_told_even_without_a_tolerance(
+def test_what_the_ramp_reaches_in_one_cycle_is_not_reported_even_without_a_tolerance(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("firmware_bridge.differential.robot.SPEED_TOLERANCE", 0.0)

@@ -10,7 +10,7 @@ from firmware_bridge.kinds import names
 LONG: Final = {"rars": ("line",), "climber": ("vertical",)}
 """Of robots whose missions are long those that are driven here; the others are in hil_tests/scenarios."""
 KEPT: Final = {
-    "test_the_common_rows_stop_all_of_it_whatever_it_is_asked": ["ar2", "carrier", "rars", "rome"],
+    "test_the_common_rows_stop_all_of_it_whatever_it_is_requested": ["ar2", "carrier", "rars", "rome"],
     "test_its_missions_drive_without_a_refusal_and_it_ends_without_power": ["carrier-line"],
 }
 """Tests that have no time in the first lane, and the cases that it keeps of them."""

@@ -274,7 +274,7 @@ def test_the_examples_import_public_modules_alone() -> None:
 
 
 @pytest.mark.parametrize("device", Epos2Device)
-def test_no_motor_is_given_more_than_its_drive_has_and_that_is_said(
+def test_no_motor_is_given_more_than_its_drive_has_and_that_is_stated(
     device: Epos2Device, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """An RE40 may have 5.77 A for as long as it likes."""

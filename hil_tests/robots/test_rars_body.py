@@ -40,7 +40,7 @@ def test_speed_and_turn_are_of_both_wheels_each_its_own(left: float, right: floa
     assert state.yaw_rate_rad_s == pytest.approx((right - left) * BASE.wheel_radius_m / BASE.rear_track_m)
 
 
-def test_angle_and_height_are_of_their_axes_and_unknown_until_they_were_heard() -> None:
+def test_angle_and_height_are_of_their_axes_and_unknown_until_they_were_received() -> None:
     screw = scissor.screw_from_height(LIFT, 0.1)
     seen = axes(steer=(davis.pinion_from_steer(BASE, 0.3), 9.0), lift=(screw, 7.0))
     state = BODY.sensed(seen, {})

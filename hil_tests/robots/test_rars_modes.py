@@ -48,7 +48,7 @@ def at(steer: float) -> float:
 
 
 @pytest.mark.parametrize(("mode", "name"), LEFT_OUT.items())
-def test_what_a_mode_does_without_is_told_nothing_and_the_rest_is_as_ever(mode: str, name: str) -> None:
+def test_what_a_mode_does_without_is_reported_nothing_and_the_rest_is_as_ever(mode: str, name: str) -> None:
     assert KIND.rules(ROBOT)[mode].without == {name}
     state = State(0.2, 0.0, 0.0, 0.1, 0.0)
     whole = WHOLE.demands(ALL, state)
@@ -57,7 +57,7 @@ def test_what_a_mode_does_without_is_told_nothing_and_the_rest_is_as_ever(mode: 
 
 @pytest.mark.parametrize("steer", [-0.4, 0.0, 0.4])
 @pytest.mark.parametrize(("mode", "name"), [("left_failed", "right"), ("right_failed", "left")])
-def test_one_wheel_tells_how_the_robot_moves_in_the_turn_that_is_steered(
+def test_one_wheel_reports_how_the_robot_moves_in_the_turn_that_is_steered(
     mode: str, name: str, steer: float
 ) -> None:
     whole = dict(zip(("left", "right"), davis.wheel_speeds(BASE, 0.15, steer), strict=True))
@@ -177,7 +177,7 @@ def test_the_modes_numbers_are_none_of_those_that_mean_something_else() -> None:
         (Motion(steer_rad=0.2 - 0.995 * DEGREE), None),
     ],
 )
-def test_who_wants_to_steer_a_degree_beside_the_angle_is_told_the_angle(
+def test_who_wants_to_steer_a_degree_beside_the_angle_is_reported_the_angle(
     wish: Motion, told: str | None
 ) -> None:
     seen: Any = SimpleNamespace(body=State(0.2, 0.0, 0.0, 0.0, 0.0))
@@ -194,7 +194,7 @@ def test_one_wheel_carries_the_pose_by_what_it_rolled_since_the_last_sample(mode
     assert (pose.x_m, pose.y_m, pose.heading_rad) == pytest.approx((0.5 * R, 0.0, 0.0))
 
 
-def test_an_angle_just_as_far_as_may_be_is_not_told() -> None:
+def test_an_angle_just_as_far_as_may_be_is_not_reported() -> None:
     still = State(0.0, 0.0, 0.0, 0.0, 0.0)
     row = KIND.modes["steering_failed"].limits[0]
     for beside, told in ((STAYS_WITHIN_RAD, False), (math.nextafter(STAYS_WITHIN_RAD, 1.0), True)):

@@ -57,7 +57,7 @@ def test_the_bench_expects_what_the_bridge_shows_by_other_equations(name: str) -
 
 
 @pytest.mark.parametrize("name", ["orbit", "formation"])
-def test_a_path_tells_the_speeds_that_it_has(name: str) -> None:
+def test_a_path_reports_the_speeds_that_it_has(name: str) -> None:
     path, step = PATHS[name](ROBOT.geometry), 1e-4
     for seconds in np.linspace(1.0, 60.0, 20):
         before, now, after = (path.base(seconds + it) for it in (-step, 0.0, step))
@@ -164,7 +164,7 @@ def test_an_orbit_is_given_by_a_two_line_element_set_too(tmp_path: Path) -> None
         (PRINTED + f"tle = [\n{TLE}\n]\n", "needs one of"),
     ],
 )
-def test_an_orbit_that_nobody_can_fly_is_refused_by_its_table(tmp_path: Path, orbit: str, says: str) -> None:
+def test_an_orbit_that_no_one_can_fly_is_refused_by_its_table(tmp_path: Path, orbit: str, says: str) -> None:
     with pytest.raises(RobotFileError, match=rf"geometry\.orbit.*{re.escape(says)}"):
         other(tmp_path, orbit)
 

@@ -59,7 +59,7 @@ def test_a_robot_is_located_by_one_body_only() -> None:
         parse(text + sensors.replace('name = "place"', 'name = "again"'), "two.toml")
 
 
-def test_before_it_is_seen_the_guide_wishes_for_nothing_and_the_path_begins_where_it_is_seen() -> None:
+def test_before_it_is_seen_the_guide_commands_nothing_and_the_path_begins_where_it_is_seen() -> None:
     guide = named(ROBOT, "line")
     unseen = replace(KNOWN, source=Source.UNSEEN, pose=Pose())
     for cycle in range(3):
@@ -78,7 +78,7 @@ def test_two_encoders_are_enough_where_cameras_see_the_base(protocol: str) -> No
 
 
 @pytest.mark.parametrize("words", [["bench"], ["drive", "--serial", "/dev/null"]])
-def test_drive_and_bench_refuse_with_the_reason_where_nobody_would_know_the_pose(words: list[str]) -> None:
+def test_drive_and_bench_refuse_with_the_reason_where_no_one_would_know_the_pose(words: list[str]) -> None:
     command, *more = words
     result = CliRunner().invoke(program, [command, "rome", "--protocol", "mw", *more], env={"COLUMNS": "200"})
     assert result.exit_code == 2

@@ -46,7 +46,7 @@ def told(robot: str) -> Iterator[str]:
             yield kind
 
 
-@pytest.mark.long(beside="test_whatever_a_board_and_its_line_do_each_step_lasts_what_its_row_says")
+@pytest.mark.long(beside="test_whatever_a_board_and_its_line_do_each_step_lasts_what_its_row_states")
 @pytest.mark.parametrize("robot", ["rars", "rars+serial", "climber", "rome:mw:3", ARM])
 def test_it_stands_in_time_and_the_end_comes(robot: str) -> None:
     kinds = tuple(told(robot))

@@ -46,7 +46,7 @@ def test_what_a_robot_file_leaves_out_is_worked_out(name: str) -> None:
         assert axis.holds_with == axis.epos2.continuous_current_ma / 1000
 
 
-def test_what_a_robot_file_says_counts() -> None:
+def test_what_a_robot_file_states_counts() -> None:
     said = Belief(
         rests_below=0.3,
         speed=1.0,
@@ -98,7 +98,7 @@ def test_a_link_of_every_second_cycle_has_twice_the_way() -> None:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("demand", [Stop.REST, Stop.QUICK_STOP, Stop.POWER_OFF, Speed(0.0)])
-def test_what_is_told_to_stand_may_not_move_faster_than_its_slack(demand: Demand, sign: float) -> None:
+def test_what_is_commanded_to_stand_may_not_move_faster_than_its_slack(demand: Demand, sign: float) -> None:
     assert not rested(demand).strays(sign * SLACK)
     one = rested(demand)
     assert one.strays(sign * above(SLACK))
@@ -119,7 +119,7 @@ def test_what_is_told_to_stand_may_not_move_faster_than_its_slack(demand: Demand
         (3.0 + AT_THREE + 1e-6, True, True),
     ],
 )
-def test_a_speed_that_is_not_the_one_told_is_too_little_or_unasked(
+def test_a_speed_that_is_not_the_one_commanded_is_too_little_or_uncommanded(
     does: float, sign: float, *, strays: bool, unasked: bool
 ) -> None:
     one = settled(Speed(sign * 3.0), sign * 3.0)
@@ -156,7 +156,7 @@ def test_what_stays_behind_may_turn_back_by_the_slack_of_the_faster_end(
     assert one.follower.following.unasked is unasked
 
 
-def test_what_is_no_number_is_unasked() -> None:
+def test_what_is_no_number_is_uncommanded() -> None:
     one = rested(Speed(0.0))
     assert one.strays(0.0, velocity=math.nan)
     assert one.follower.following.unasked
@@ -213,7 +213,7 @@ def test_each_of_several_demands_between_two_samples_counts(between: int) -> Non
     assert (known.low, known.high) == (-between, between)
 
 
-def test_while_it_strays_the_last_sample_that_obeyed_is_kept() -> None:
+def test_while_it_deviates_the_last_sample_that_obeyed_is_kept() -> None:
     one = rested(Speed(0.0))
     last = one.now
     assert [one.does(3.0).obeyed_at for _ in range(3)] == [last] * 3
@@ -224,7 +224,7 @@ def test_while_it_strays_the_last_sample_that_obeyed_is_kept() -> None:
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.01, -0.01])
-def test_where_it_obeys_a_position_it_does_not_move_unasked(speed: float) -> None:
+def test_where_it_obeys_a_position_it_does_not_move_uncommanded(speed: float) -> None:
     one = rested(Position(0.0), STEERING)
     known = one.does(speed)
     assert known.obeyed_at == known.sampled_at
@@ -245,7 +245,7 @@ def test_a_position_is_approached_or_not(sign: float) -> None:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_who_goes_away_from_its_position_moves_unasked(sign: float) -> None:
+def test_who_goes_away_from_its_position_moves_uncommanded(sign: float) -> None:
     one = rested(Position(0.0), STEERING)
     slack = STEERING.top_speed / 40.0
     assert not one.strays(0.0, position=sign * slack)
@@ -283,7 +283,7 @@ def test_given_up_it_may_be_as_fast_as_it_ever_is_or_as_it_was(share: float, sig
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_told_a_position_on_its_way_it_may_be_as_far_beside_it_as_its_lag_takes_it(sign: float) -> None:
+def test_reported_a_position_on_its_way_it_may_be_as_far_beside_it_as_its_lag_takes_it(sign: float) -> None:
     one = Told(STEERING)
     one.told(Speed(sign * 1.5))
     one.does(sign * 1.5, 40)
@@ -294,7 +294,7 @@ def test_told_a_position_on_its_way_it_may_be_as_far_beside_it_as_its_lag_takes_
     assert (known.low, known.high) == pytest.approx((place - further, place + further))
 
 
-def test_a_position_that_is_told_on_the_way_may_be_overshot_a_little() -> None:
+def test_a_position_that_is_reported_on_the_way_may_be_overshot_a_little() -> None:
     one = Told(STEERING)
     one.told(Speed(1.5))
     one.does(1.5, 40)
@@ -306,7 +306,7 @@ def test_a_position_that_is_told_on_the_way_may_be_overshot_a_little() -> None:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_wheel_whose_position_repeats_owes_its_way(sign: float) -> None:
+def test_a_wheel_whose_position_repeats_backlog_its_way(sign: float) -> None:
     one = settled(Speed(sign * 0.1), sign * 0.1)
     creep = bounds_of(RARS, WHEEL).creep
     before = one.follower.following.sampled_at
@@ -323,7 +323,7 @@ def test_a_wheel_whose_position_repeats_owes_its_way(sign: float) -> None:
     assert one.follower.following.owes == 0.0
 
 
-def test_what_need_not_move_owes_nothing() -> None:
+def test_what_need_not_move_has_no_backlog() -> None:
     one = rested(Speed(0.0))
     known = one.does(0.0, 100)
     assert (known.owes, known.settled_at) == (0.0, one.now)
@@ -332,7 +332,7 @@ def test_what_need_not_move_owes_nothing() -> None:
 
 @pytest.mark.parametrize("place", [0.0, 0.2])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_position_that_repeats_owes_what_its_range_has_left_behind(sign: float, place: float) -> None:
+def test_a_position_that_repeats_backlog_what_its_range_has_left_behind(sign: float, place: float) -> None:
     one = Told(STEERING)
     one.position = place
     one.told(Position(place))
@@ -345,7 +345,7 @@ def test_a_position_that_repeats_owes_what_its_range_has_left_behind(sign: float
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_an_axis_that_moves_too_slowly_to_its_position_owes_nothing(sign: float) -> None:
+def test_an_axis_that_moves_too_slowly_to_its_position_has_no_backlog(sign: float) -> None:
     """It does not follow; its position does not repeat."""
     one = rested(Position(sign * 1.0), STEERING)
     known = one.does(sign * 0.001, 20)
@@ -354,7 +354,7 @@ def test_an_axis_that_moves_too_slowly_to_its_position_owes_nothing(sign: float)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_wheel_owes_the_least_that_it_should_have_gone(sign: float) -> None:
+def test_a_wheel_backlog_the_least_that_it_should_have_gone(sign: float) -> None:
     one = settled(Speed(sign * 2.0), sign * 2.0)
     one.told(Speed(sign * 3.0))
     assert one.does(0.0).owes == pytest.approx(0.05 * 2.0)
@@ -364,7 +364,7 @@ def test_a_wheel_owes_the_least_that_it_should_have_gone(sign: float) -> None:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_however_slow_it_should_go_it_owes_until_it_moves(sign: float) -> None:
+def test_however_slow_it_should_go_it_backlog_until_it_moves(sign: float) -> None:
     one = settled(Speed(sign * 5e-7), sign * 5e-7)
     assert one.does(0.0).owes == pytest.approx(0.05 * 5e-7)
     one.told(Speed(0.0))

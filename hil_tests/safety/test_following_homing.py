@@ -23,14 +23,14 @@ def homes() -> Told:
     return one
 
 
-def test_it_may_go_either_way_as_fast_as_its_file_says_and_stand() -> None:
+def test_it_may_go_either_way_as_fast_as_its_file_states_and_stand() -> None:
     one = homes()
     for speed in (-FAST - 0.99 * SLACK, FAST + 0.99 * SLACK, 0.0, -1.0, -FAST):
         for _ in range(40):
             assert not one.strays(speed), speed
 
 
-def test_faster_is_unasked_from_the_first_sample_on() -> None:
+def test_faster_is_uncommanded_from_the_first_sample_on() -> None:
     for speed in (-FAST - 1.01 * SLACK, FAST + 1.01 * SLACK):
         one = homes()
         assert one.strays(speed)
@@ -43,7 +43,7 @@ def test_to_stand_is_no_debt() -> None:
     assert known.owes == 0.0
 
 
-def test_told_to_rest_it_may_ramp_down_and_no_longer_run() -> None:
+def test_reported_to_rest_it_may_ramp_down_and_no_longer_run() -> None:
     one = homes()
     one.does(-FAST, 5)
     one.told(Stop.REST)

@@ -40,7 +40,7 @@ def test_power_that_comes_back_finds_the_axis_as_it_is(sign: float) -> None:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_nothing_that_is_told_without_torque_is_judged_by_the_next_sample(sign: float) -> None:
+def test_nothing_that_is_reported_without_torque_is_judged_by_the_next_sample(sign: float) -> None:
     one = rested(Speed(0.0))
     one.does(sign * 9.0, power=Power.OFF)
     one.told(Speed(sign * 0.1))
@@ -68,7 +68,7 @@ def test_with_torque_or_without_a_word_for_it_an_axis_is_watched(power: Power) -
     assert one.strays(1.0, power=power)
 
 
-def test_a_device_that_has_stopped_by_itself_is_to_stand_whatever_it_is_told() -> None:
+def test_a_device_that_has_stopped_by_itself_is_to_stand_whatever_it_is_reported() -> None:
     one = settled(Speed(3.0), 3.0)
     assert not one.strays(3.0, power=Power.STOPPED)
     for _ in range(20):
@@ -125,7 +125,7 @@ def test_its_range_reaches_to_rest_and_back_each_time_that_a_device_stops_and_go
         assert (known.low, known.high) == pytest.approx((3.0, 3.0), abs=1e-3)
 
 
-def test_a_device_that_was_not_heard_or_counts_anew_is_not_judged() -> None:
+def test_a_device_that_was_not_received_or_counts_again_is_not_judged() -> None:
     follower = Follower(WHEEL, bounds_of(RARS, WHEEL))
     assert follower.saw(Feedback("left")).obeyed_at == NEVER_HEARD
     one = rested(Speed(0.0))

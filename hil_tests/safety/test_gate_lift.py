@@ -64,7 +64,7 @@ def test_the_base_counts_as_standing_only_well_below_its_threshold(robot: Rars, 
         assert lift_free(gate.rule(well(now, intent=wish, speed_mps=speed))) is lifting
 
 
-def test_a_lift_that_is_not_wished_is_not_refused(robot: Rars, well: Well) -> None:
+def test_a_lift_that_is_not_commanded_is_not_refused(robot: Rars, well: Well) -> None:
     ruling = gate_of(robot).rule(
         well(START, intent={"speed_mps": 0.01}, speed_mps=0.3, demanded_speed_mps=0.01)
     )
@@ -93,7 +93,7 @@ def test_a_lift_within_a_millimetre_has_arrived(
     assert lift_free(ruling) is not wanted
 
 
-def test_who_asks_for_both_at_once_drives(robot: Rars, well: Well) -> None:
+def test_who_requests_both_at_once_drives(robot: Rars, well: Well) -> None:
     ruling = gate_of(robot).rule(well(START, intent={"speed_mps": 0.05, "lift_m": 0.3}))
     assert names(ruling) == ("lift refused",)
     assert (ruling.allowed.speed_mps, lift_free(ruling)) == (0.05, False)

@@ -37,7 +37,7 @@ def reckless(robot: Rars) -> Rars:
     return limited(robot, speed_mps=9.0, acceleration_g=90.0, turn_radius_m=0.2, steer_angle_deg=85.0)
 
 
-def test_a_number_is_told_in_the_unit_of_its_bound_unless_another_is_named() -> None:
+def test_a_number_is_reported_in_the_unit_of_its_bound_unless_another_is_named() -> None:
     assert bounded(-200.0, 100.0, "m/s") == (-100.0, "asked for -200.00 m/s, allowed is -100.00 m/s")
 
 
@@ -158,7 +158,7 @@ def test_the_lift_is_kept_within_its_rate_and_range(
         (0.3, 0.3, False),
     ],
 )
-def test_a_wish_that_the_ramp_delays_is_told(
+def test_a_command_that_the_ramp_delays_is_reported(
     robot: Rars, well: Well, demanded: float, wish: float, *, held: bool
 ) -> None:
     ruling = gate_of(robot).rule(well(START, intent={"speed_mps": wish}, demanded_speed_mps=demanded))
@@ -166,7 +166,7 @@ def test_a_wish_that_the_ramp_delays_is_told(
     assert names(ruling) == (("acceleration limit",) if held else ())
 
 
-def test_what_the_ramp_reaches_in_one_cycle_is_not_told_even_without_a_tolerance(
+def test_what_the_ramp_reaches_in_one_cycle_is_not_reported_even_without_a_tolerance(
     robot: Rars, well: Well, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(rules, "SPEED_TOLERANCE_MPS", 0.0)
@@ -180,7 +180,7 @@ def test_in_a_turn_the_ramp_delays_more(robot: Rars, well: Well) -> None:
     assert names(gate_of(robot).rule(snapshot)) == ("acceleration limit",)
 
 
-def test_a_wish_that_leaves_the_steering_where_it_is_has_nothing_to_clip(robot: Rars, well: Well) -> None:
+def test_a_command_that_leaves_the_steering_where_it_is_has_nothing_to_clip(robot: Rars, well: Well) -> None:
     ruling = gate_of(robot).rule(well(START, intent={"steer_rad": None}))
     assert (names(ruling), ruling.allowed.steer_rad) == ((), None)
 
@@ -232,7 +232,7 @@ def test_a_limit_is_shown_until_it_has_not_clipped_for_300_milliseconds(
 
 
 @pytest.mark.parametrize("name", TRIPS)
-def test_while_stopped_no_limit_is_told_and_one_that_was_told_runs_out(
+def test_while_stopped_no_limit_is_reported_and_one_that_was_reported_runs_out(
     robot: Rars, well: Well, name: str
 ) -> None:
     assert name not in names(gate_of(robot).rule(well(START, intent=TRIPS[name], armed=False)))

@@ -78,7 +78,7 @@ def test_a_limit_sees_what_the_limits_before_it_have_left_and_the_ruling_before(
     assert [before for _, _, before in seen] == [None, None, ruling, ruling]
 
 
-def test_an_axis_that_is_missing_is_judged_as_one_of_its_name_that_was_never_heard(
+def test_an_axis_that_is_missing_is_judged_as_one_of_its_name_that_was_never_received(
     robot: Rars, well: Well, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     judged: list[Feedback] = []
@@ -119,7 +119,7 @@ def test_each_trip_restarts_the_clear_time_of_200_milliseconds(robot: Rars, well
     assert names(judge.rule(well(clear + 200 * MILLISECOND))) == ()
 
 
-def test_a_driver_that_tells_too_little_is_refused_with_the_robots_file(robot: Rars) -> None:
+def test_a_driver_that_reports_too_little_is_refused_with_the_robots_file(robot: Rars) -> None:
     needy = AxisInterlock("any", lambda *_: None, "", needs=EVERYTHING)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(gate, "AXIS_ROWS", (needy,))

@@ -66,7 +66,7 @@ def test_just_below_its_threshold_it_lets_the_robot_drive(
 
 @each
 @with_or_without_a_look
-def test_at_its_threshold_it_stops_the_robot_and_says_why(
+def test_at_its_threshold_it_stops_the_robot_and_states_why(
     robot: Rars, well: Well, case: Case, between: tuple[int, ...]
 ) -> None:
     gate = gate_of(robot)
@@ -119,7 +119,7 @@ def test_the_first_clear_look_starts_the_clear_time_however_late_it_comes(
 
 
 @each
-def test_a_trip_in_between_starts_the_clear_time_anew(robot: Rars, well: Well, case: Case) -> None:
+def test_a_trip_in_between_starts_the_clear_time_again(robot: Rars, well: Well, case: Case) -> None:
     gate = gate_of(robot)
     began = gate.rule(tripped(well, case)).holds
     gate.rule(well(START + SECOND))
@@ -184,7 +184,7 @@ def test_a_lift_comes_to_rest_only_well_below_its_threshold(robot: Rars, well: W
     assert names(ruling) == ()
 
 
-def test_a_drive_that_is_missing_from_the_snapshot_was_never_heard(robot: Rars, well: Well) -> None:
+def test_a_drive_that_is_missing_from_the_snapshot_was_never_received(robot: Rars, well: Well) -> None:
     snapshot = well(START)
     others = {name: one for name, one in snapshot.facts.axes.items() if name != "left"}
     ruling = gate_of(robot).rule(with_facts(snapshot, axes=others))

@@ -91,7 +91,7 @@ def pair(bound: float = 50.0) -> Trio:
     return Trio(SpeedSum, name="sum", of={"a": 1.0, "b": 1.0}, bound=bound)
 
 
-def test_only_who_has_not_been_sent_anything_at_this_instant_may_mend_a_sum() -> None:
+def test_only_who_has_not_been_sent_anything_at_this_instant_may_repair_a_sum() -> None:
     trio = pair()
     trio.axes["a"].commanded_at = trio.axes["b"].commanded_at = 0
     assert trio.refuses(asked(a=60.0)) is None, "b may still mend it"
@@ -120,7 +120,7 @@ def test_a_sum_that_stands_beyond_ends_after_a_cycle_from_when_it_was_passed_las
     assert trio.sent("b", CYCLE + 12 * MILLISECOND, -10.0) == NEVER
 
 
-def test_nobody_goes_on_from_mixture_to_mixture() -> None:
+def test_no_one_goes_on_from_mixture_to_mixture() -> None:
     """Of each cycle 15 ms are beyond, and each time the other axis could mend it: the integral ends that."""
     trio = pair()
     for name, speed in (("a", 50.0), ("b", -50.0), ("a", 100.0), ("b", -100.0)):
@@ -184,7 +184,7 @@ def test_each_mover_is_looked_at() -> None:
     assert trio.refuses({"a": Asked(moves=True, speed=1.0), **asked(c=1.0)}) is not None
 
 
-def test_who_is_asked_to_rest_together_is_in_nobodys_way() -> None:
+def test_who_is_requested_to_rest_together_is_in_nobodys_way() -> None:
     trio = sides()
     trio.axes["a"].moving = True
     assert trio.refuses(asked(a=0.0, b=1.0)) is None

@@ -63,7 +63,7 @@ def test_over_a_serial_line_neither(rpm: int) -> None:
     assert desk.refusals
 
 
-def test_over_can_wheels_and_lift_never_move_together_whoever_is_first() -> None:
+def test_over_can_wheels_and_lift_never_move_together_whichever_is_first() -> None:
     bench = Bench(RARS)
     bench.says(*(wheel(node, ENABLE, 0) for node in (1, 2)), position(4, ENABLE, 0))
     bench.says(wheel(1, ENABLE, 100), wheel(2, ENABLE, 100))

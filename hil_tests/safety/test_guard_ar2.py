@@ -78,7 +78,7 @@ def test_what_is_not_listed_or_beyond_its_bound_does_not_leave(data: bytes, why:
     assert why in OnTheLine().told().refused(data)
 
 
-def test_a_joint_moves_once_somebody_has_said_where_it_stands() -> None:
+def test_a_joint_moves_once_someone_has_stated_where_it_stands() -> None:
     one = OnTheLine()
     assert "nobody has said where it stands" in one.refused(STEP)
     assert one.told().says(STEP)
@@ -96,7 +96,7 @@ def test_no_joint_goes_beyond_its_travel(axis: int, place: int, sign: int) -> No
     assert OnTheLine().told(places).says(inwards)
 
 
-def test_one_move_is_under_way_until_what_was_said_after_it_is_echoed() -> None:
+def test_one_move_is_under_way_until_what_was_stated_after_it_is_echoed() -> None:
     one = OnTheLine().told()
     assert one.says(STEP)
     one.echoes(words.MOVING)
@@ -119,7 +119,7 @@ def test_one_move_is_under_way_until_what_was_said_after_it_is_echoed() -> None:
         lambda one: one.bench.hears(Packet("arm", LINE_BACK, b"")),
     ],
 )
-def test_a_board_that_begins_anew_stands_nobody_knows_where(
+def test_a_board_that_begins_again_stands_no_one_knows_where(
     begins_anew: Callable[[OnTheLine], object],
 ) -> None:
     one = OnTheLine().told()
@@ -138,7 +138,7 @@ said = st.one_of(
 
 @settings(max_examples=examples(60))
 @given(lines=st.lists(said, max_size=30), begin=st.tuples(*(st.integers(0, axis.steps) for axis in JOINTS)))
-def test_whatever_is_said_the_arm_stays_in_its_travel(lines: list[bytes], begin: tuple[int, ...]) -> None:
+def test_whatever_is_stated_the_arm_stays_in_its_travel(lines: list[bytes], begin: tuple[int, ...]) -> None:
     """By the emulated board, which does what has left, and answers at once."""
     one, arm = OnTheLine().told(begin), Arm()
     arm.joints.places[:6] = begin

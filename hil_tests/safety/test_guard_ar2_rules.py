@@ -96,7 +96,7 @@ def with_moves_of(milliseconds: int) -> AnyRobot:
     ("move_ms", "percent", "steps", "good"),
     [(24, 10.0, 10, True), (24, 10.0, 11, False), (500, 4.0, 18, True), (500, 4.0, 20, False)],
 )
-def test_a_move_is_no_longer_than_the_file_says_and_never_longer_than_100_ms(
+def test_a_move_is_no_longer_than_the_file_states_and_never_longer_than_100_ms(
     move_ms: int, percent: float, steps: int, *, good: bool
 ) -> None:
     refusal = refuses(rules_of(with_moves_of(move_ms)), move(steps, percent=percent))
@@ -155,14 +155,14 @@ def test_an_echo_of_before_the_move_proves_nothing() -> None:
     assert refuses(rules, move(3)) is None
 
 
-def test_what_a_board_says_before_it_is_asked_is_let_in() -> None:
+def test_what_a_board_states_before_it_is_requested_is_let_in() -> None:
     rules = Ar2Rules(ROBOT, ARM)
     hears(rules, b"anything")
     assert not rules.waiting
 
 
 @pytest.mark.parametrize("address", [LINE_LOST, LINE_BACK])
-def test_only_the_line_itself_says_that_it_is_gone(address: int) -> None:
+def test_only_the_line_itself_states_that_it_is_gone(address: int) -> None:
     rules = rules_of()
     hears(rules, b"more", address)
     assert [joint.place for joint in joints(rules)] == [100] * 6
@@ -210,7 +210,7 @@ def test_a_question_and_a_move_are_words_to_all_joints(data: bytes, address: int
     assert rules.axes_of(line(data, address)) == (rules.axes if of_all else ())
 
 
-def test_a_joint_that_is_no_axis_is_not_moved_and_not_said_to_stand_anywhere() -> None:
+def test_a_joint_that_is_no_axis_is_not_moved_and_not_stated_to_stand_anywhere() -> None:
     robot = ROBOT.model_copy(update={"axes": ROBOT.axes[:5]})
     rules = rules_of(robot)
     assert refuses(rules, words.test("F50")) == "no axis is joint J6"
@@ -227,7 +227,7 @@ def test_what_other_axes_must_know_of_a_joint() -> None:
     assert joint.cycle == ROBOT.cycle * ROBOT.ar2_link(ARM).every
 
 
-def test_a_joint_moves_though_nobody_has_said_where_the_others_stand() -> None:
+def test_a_joint_moves_though_no_one_has_stated_where_the_others_stand() -> None:
     rules = rules_of(places=None)
     sends(rules, words.test(words.place(1, 100)))
     for number in range(3):

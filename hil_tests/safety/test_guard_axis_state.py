@@ -41,7 +41,7 @@ def test_before_any_word_what_takes_the_power_is_in_force() -> None:
         assert not one.powered
 
 
-def test_the_word_that_starts_a_homing_moves_while_its_drive_has_not_said_that_it_does_not() -> None:
+def test_the_word_that_starts_a_homing_moves_while_its_drive_has_not_stated_that_it_does_not() -> None:
     one = axis("lift")
     assert one.moves_with(SetPoint(START_HOMING, 0)) is True
     one.read(at.HOMING_METHOD, (35).to_bytes(1, "little"))
@@ -146,7 +146,7 @@ def test_a_place_that_was_rested_at_is_forgotten_with_another_mode() -> None:
     assert one.moves_with(SetPoint(NEW_SET_POINT, 501))
 
 
-def test_who_says_that_its_homing_turns_nothing_is_in_nobodys_way() -> None:
+def test_who_states_that_its_homing_turns_nothing_is_in_nobodys_way() -> None:
     """Method 35 takes the place where it stands."""
     one, other = axis("lift"), axis("left")
     sends(other, ENABLE, 100)

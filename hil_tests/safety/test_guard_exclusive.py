@@ -41,12 +41,12 @@ def test_both_wheels_stand_against_the_lift(pair: Bench) -> None:
 
 
 @pytest.mark.parametrize("rest", [OFF, SHUTDOWN, HALT, 0x000B])
-def test_a_wheel_that_was_told_to_rest_gives_the_way_free(pair: Bench, rest: int) -> None:
+def test_a_wheel_that_was_commanded_to_rest_gives_the_way_free(pair: Bench, rest: int) -> None:
     pair.says(wheel(1, ENABLE, 100), wheel(1, rest, 100))
     assert pair.says(position(4, GO, 500)) == (position(4, GO, 500),)
 
 
-def test_in_one_cycle_the_side_that_moves_is_told_to_rest_first(pair: Bench) -> None:
+def test_in_one_cycle_the_side_that_moves_is_commanded_to_rest_first(pair: Bench) -> None:
     pair.says(wheel(1, ENABLE, 100))
     assert pair.says(position(4, GO, 500), wheel(1, ENABLE, 0)) == (position(4, HALT, 0), wheel(1, ENABLE, 0))
     assert pair.says(position(4, GO, 500)) == (position(4, GO, 500),)
@@ -62,7 +62,7 @@ def test_the_wheels_may_not_move_while_the_lift_goes_to_its_target(pair: Bench, 
 
 
 @pytest.mark.parametrize("rest", [HALT, OFF, SHUTDOWN, 0x000B])
-def test_a_lift_that_was_told_to_rest_gives_the_way_free(pair: Bench, rest: int) -> None:
+def test_a_lift_that_was_commanded_to_rest_gives_the_way_free(pair: Bench, rest: int) -> None:
     pair.says(position(4, GO, 500), position(4, ENABLE, 500), position(4, rest, 500))
     assert pair.says(wheel(1, ENABLE, 100)) == (wheel(1, ENABLE, 100),)
 
@@ -124,7 +124,7 @@ def test_what_may_be_older_than_the_target_or_is_not_enabled_is_no_arrival(
 
 
 @pytest.mark.parametrize("again", [GO, ENABLE])
-def test_a_lift_that_goes_on_after_a_halt_has_to_arrive_anew(pair: Bench, again: int) -> None:
+def test_a_lift_that_goes_on_after_a_halt_has_to_arrive_again(pair: Bench, again: int) -> None:
     """While it is halted the same bit says that it stands."""
     pair.says(position(4, GO, 500), position(4, HALT, 500))
     pair.hears(status(4, REACHED), now=CYCLE)
@@ -162,7 +162,7 @@ def test_a_lift_that_is_sent_where_it_rests_does_not_move(pair: Bench, away: int
     assert pair.refuses(position(4, GO, 49_999 - FOLLOWING), 2 * CYCLE)[0] == LIFT_MOVES
 
 
-def test_nobody_creeps_away_in_small_steps(pair: Bench) -> None:
+def test_no_one_creeps_away_in_small_steps(pair: Bench) -> None:
     resting(pair, 50_000)
     pair.says(wheel(1, ENABLE, 100), now=2 * CYCLE)
     now = 2 * CYCLE
@@ -233,7 +233,7 @@ def test_a_lift_that_was_reset_rests_nowhere_known(pair: Bench, command: str) ->
     assert pair.refuses(position(4, GO, 50_000), 5 * CYCLE)[0] == LIFT_MOVES
 
 
-def test_on_a_serial_line_a_position_that_was_read_tells_where_the_lift_rests() -> None:
+def test_on_a_serial_line_a_position_that_was_read_reports_where_the_lift_rests() -> None:
     desk = SerialBench()
     where, what = reading(4, at.POSITION_ACTUAL), reading(4, at.STATUSWORD)
     going = (target(4, 90_000), word(4, ENABLE), word(4, GO), word(4, ENABLE), word(1, ENABLE))
@@ -249,7 +249,7 @@ def test_on_a_serial_line_a_position_that_was_read_tells_where_the_lift_rests() 
     assert desk.says(word(4, GO), now=CYCLE) == (word(4, HALT),)
 
 
-def test_a_drive_that_an_earlier_run_has_left_with_power_rests_where_it_says() -> None:
+def test_a_drive_that_an_earlier_run_has_left_with_power_rests_where_it_states() -> None:
     bench = Bench(RARS)
     bench.hears(sample(4, REACHED, 50_000))
     said = (wheel(1, ENABLE, 1), position(4, GO, 50_000))
@@ -288,7 +288,7 @@ def test_a_lift_that_goes_on_is_there_a_cycle_later_at_the_earliest(pair: Bench)
 
 
 @pytest.mark.parametrize("other", [at.TARGET_POSITION, at.POSITION_DEMAND, at.VELOCITY_ACTUAL])
-def test_what_else_is_read_on_a_serial_line_tells_no_position(other: Address) -> None:
+def test_what_else_is_read_on_a_serial_line_reports_no_position(other: Address) -> None:
     desk = SerialBench()
     asked = reading(4, other)
     desk.says(asked)

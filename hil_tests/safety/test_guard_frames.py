@@ -168,7 +168,7 @@ def test_packets_and_wakes_reach_the_node(bench: Bench) -> None:
     assert bench.puppet.heard == [(frame(0x181, "4002"), 5), (None, 6)]
 
 
-def test_what_a_node_says_to_a_packet_is_judged_as_well(bench: Bench) -> None:
+def test_what_a_node_states_to_a_packet_is_judged_as_well(bench: Bench) -> None:
     bench.puppet.says = (wheel(1, 0x000F, 5000),)
     assert bench.guard.receive(frame(0x080, ""), 3).sent == (wheel(1, 0, 0),)
     assert bench.guard.refusals[0].at == 3

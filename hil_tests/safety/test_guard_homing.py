@@ -181,7 +181,7 @@ def test_the_start_needs_each_word_of_the_drives(made: Made, without: Address) -
         (at.HOMING_METHOD, 0),
     ],
 )
-def test_a_drive_that_says_anything_else_is_not_started(made: Made, address: Address, value: int) -> None:
+def test_a_drive_that_states_anything_else_is_not_started(made: Made, address: Address, value: int) -> None:
     assert prepared(made(), tells={address: value}).writes(LIFT, at.CONTROLWORD, START) == NO_WORD
 
 
@@ -239,7 +239,7 @@ def test_a_place_elsewhere_belongs_to_its_file(made: Made) -> None:
 
 
 @BOTH
-def test_while_it_homes_nothing_else_is_told_to_move(made: Made) -> None:
+def test_while_it_homes_nothing_else_is_commanded_to_move(made: Made) -> None:
     line = started(made)
     reason = line.goes(STEER, 20_000)
     assert reason == "homing: steering may not move while scissor lift finds its zero"
@@ -288,7 +288,7 @@ def test_a_silence_about_its_own_axis_is_no_silence(made: Made) -> None:
 
 
 @BOTH
-def test_a_bridge_that_says_nothing_is_spoken_for(made: Made) -> None:
+def test_a_bridge_that_sends_nothing_is_spoken_for(made: Made) -> None:
     line = started(made)
     line.now += SECOND
     sent = line.bench.says(now=line.now)

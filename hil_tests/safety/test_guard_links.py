@@ -152,7 +152,7 @@ def test_a_bus_and_a_serial_line_live_side_by_side(mixed: Bench) -> None:
     assert mixed.says(*said) == said
 
 
-def test_on_a_mixed_robot_the_node_is_answered_for_what_it_asked_on_the_line(mixed: Bench) -> None:
+def test_on_a_mixed_robot_the_node_is_answered_for_what_it_requested_on_the_line(mixed: Bench) -> None:
     mixed.says(speed("base", 900), writing(at.TARGET_VELOCITY, 300), writing(at.CONTROLWORD, ENABLE))
     done = Packet("tail", 0x11, bytes(4))
     assert heard(mixed.guard, done)
@@ -189,7 +189,7 @@ def heard(guard: Guarded, packet: Packet) -> bool:
     return [packet for packet, _ in node.heard] == [packet]
 
 
-def test_where_several_are_silent_the_shortest_patience_is_told() -> None:
+def test_where_several_are_silent_the_shortest_patience_is_reported() -> None:
     bench = Bench(made(every={"tail": 4}))
     bench.says(speed("base", 100), speed("tail", 100), arm(5))
     bench.guard.wake(12 * CYCLE)

@@ -63,7 +63,7 @@ def reset(node: int) -> Packet:
 
 @pytest.mark.parametrize("others", [wheel(2, 0x000F, 500), wheel(2, 0x000F, 0), wheel(2, 0x000B, 0)])
 @pytest.mark.parametrize("addressed", [0, 2])
-def test_a_drive_that_was_not_told_to_give_up_its_power_is_never_reset(
+def test_a_drive_that_was_not_commanded_to_give_up_its_power_is_never_reset(
     bench: Bench, others: Packet, addressed: int
 ) -> None:
     bench.says(OFF[0], others, OFF[2], OFF[3])
@@ -97,7 +97,7 @@ def test_a_drive_that_has_confirmed_needs_no_reset(bench: Bench, statusword: int
 
 
 @pytest.mark.parametrize("word", [0x000F, 0x010F, 0x000B, 0x0006, 0x0080])
-def test_any_other_word_starts_the_time_anew(bench: Bench, word: int) -> None:
+def test_any_other_word_starts_the_time_again(bench: Bench, word: int) -> None:
     bench.says(*OFF)
     bench.says(wheel(2, word, 0), now=PATIENCE)
     bench.says(OFF[1], now=2 * PATIENCE)

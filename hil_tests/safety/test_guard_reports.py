@@ -37,7 +37,7 @@ REPORTS: Final = (status, sample, status_read)
 
 @pytest.mark.parametrize("report", REPORTS)
 @pytest.mark.parametrize("state", State)
-def test_power_is_what_the_newest_statusword_says(bench: Bench, state: State, report: type) -> None:
+def test_power_is_what_the_newest_statusword_states(bench: Bench, state: State, report: type) -> None:
     bench.hears(report(1, state.value | 0x8200))
     powered = state in POWERED
     assert (bench.says(ENDS_WATCH) == (ENDS_WATCH,)) is not powered
@@ -47,7 +47,7 @@ def test_power_is_what_the_newest_statusword_says(bench: Bench, state: State, re
 
 
 @pytest.mark.parametrize("statusword", [0x0000 | 0x0001, 0x017F, 0x4137])
-def test_a_statusword_that_is_no_state_says_nothing(bench: Bench, statusword: int) -> None:
+def test_a_statusword_that_is_no_state_sends_nothing(bench: Bench, statusword: int) -> None:
     bench.hears(status(1, ENABLED), status(1, statusword))
     assert bench.refuses(ENDS_WATCH)[1] == aborted(1, 0x1016, 1)
     bench.hears(status(1, OFF), status(1, statusword))
@@ -75,7 +75,7 @@ def test_a_statusword_that_is_no_state_says_nothing(bench: Bench, statusword: in
     ],
     ids=str,
 )
-def test_what_is_no_statusword_of_the_drive_says_nothing_of_its_power(bench: Bench, packet: Packet) -> None:
+def test_what_is_no_statusword_of_the_drive_sends_nothing_of_its_power(bench: Bench, packet: Packet) -> None:
     bench.hears(status(1, OFF), packet)
     assert bench.says(ENDS_WATCH) == (ENDS_WATCH,)
 
@@ -92,7 +92,7 @@ def test_a_drive_that_has_power_though_it_was_sent_none_counts_as_powered(bench:
     assert bench.refuses(UNLISTED)[1] == ()
 
 
-def test_a_drive_that_nobody_has_sent_a_word_is_stopped_and_keeps_its_power(bench: Bench) -> None:
+def test_a_drive_that_no_one_has_sent_a_word_is_stopped_and_keeps_its_power(bench: Bench) -> None:
     """An earlier run has left it: a quick stop gives no power and takes none."""
     bench.hears(status(1, ENABLED), status(4, ENABLED))
     assert bench.refuses(UNLISTED)[1] == (wheel(1, 0x000B, 0), position(4, 0x000B, 0))
@@ -133,7 +133,7 @@ def test_a_reset_makes_a_report_old_and_nothing_else_does(
     assert bench.says(ENDS_WATCH, now=SECOND) == (ENDS_WATCH,)
 
 
-def test_a_drive_that_has_said_nothing_of_its_power_keeps_its_watch(bench: Bench) -> None:
+def test_a_drive_that_has_stated_nothing_of_its_power_keeps_its_watch(bench: Bench) -> None:
     assert bench.refuses(ENDS_WATCH)[1] == aborted(1, 0x1016, 1)
 
 
@@ -159,7 +159,7 @@ WATCH_OFF: Final = number(1, at.CONSUMER_HEARTBEAT_1, 0)
 ASKED: Final = reading(1, at.STATUSWORD)
 
 
-def test_on_a_serial_line_the_answer_to_a_read_statusword_tells_of_power() -> None:
+def test_on_a_serial_line_the_answer_to_a_read_statusword_reports_of_power() -> None:
     desk = SerialBench()
     desk.says(ASKED)
     assert desk.hears(value(ASKED, b"\x37\x01"))

@@ -240,7 +240,7 @@ REQUESTS: st.SearchStrategy[Request] = st.one_of(
 
 
 @given(st.lists(REQUESTS, max_size=20))
-def test_whatever_the_node_says_no_target_beyond_its_bounds_leaves(said: list[Request]) -> None:
+def test_whatever_the_node_states_no_target_beyond_its_bounds_leaves(said: list[Request]) -> None:
     desk = SerialBench()
     for request in said:
         for packet in desk.says(says(request)):

@@ -74,7 +74,7 @@ def test_what_left_before_the_line_was_lost_is_answered_no_more(desk: SerialBenc
     assert desk.hears(Packet(LINK, 0x10, bytes(8)))
 
 
-def test_an_answer_that_nobody_has_asked_for_is_not_the_node_s(desk: SerialBench) -> None:
+def test_an_answer_that_no_one_has_requested_is_not_the_node_s(desk: SerialBench) -> None:
     assert not desk.hears(Packet(LINK, 0x10, bytes(8)))
 
 

@@ -61,7 +61,7 @@ def moving(node: int) -> SerialBench:
 
 
 @pytest.mark.parametrize("node", [1, 2])
-def test_who_moves_is_kept_from_being_made_deaf_and_may_be_started(node: int) -> None:
+def test_who_moves_is_kept_from_being_made_unable_to_receive_and_may_be_started(node: int) -> None:
     desk = moving(node)
     for command in (NmtCommand.ENTER_PRE_OPERATIONAL, NmtCommand.RESET_COMMUNICATION):
         for whom in (canopen.ALL_NODES, node):
@@ -98,7 +98,7 @@ def test_each_position_that_is_read_counts() -> None:
         assert lift.moves_with(SetPoint(NEW_SET_POINT, place + 100_000))
 
 
-def test_an_answer_to_a_write_tells_nothing_of_the_drive() -> None:
+def test_an_answer_to_a_write_reports_nothing_of_the_drive() -> None:
     desk = SerialBench()
     said = word(4, 0x0006)
     desk.says(said)
@@ -134,7 +134,7 @@ def test_the_guard_looks_again_when_the_first_axis_is_overdue_whenever_that_is()
         assert bench.guard.wake(now).wake_at == now + 3 * CYCLE
 
 
-def test_a_word_to_all_joints_was_said_to_each() -> None:
+def test_a_word_to_all_joints_was_stated_to_each() -> None:
     machine = find("ar2")
     guard = guarded(puppet := Puppet(), machine)
     puppet.says = (Packet("arm", 0, b"TMq1\n"),)

@@ -124,7 +124,7 @@ def test_what_is_not_listed_does_not_leave(protocol: str, word: bytes) -> None:
     assert bench.reason.endswith("is not listed")
 
 
-def test_a_board_with_a_loop_is_told_no_more_than_the_top_speed() -> None:
+def test_a_board_with_a_loop_is_reported_no_more_than_the_top_speed() -> None:
     """11.8 rad/s are 190.4 counts a frame; alone to either side the sums allow less."""
     bench = Bench("ros-arduino-bridge")
     assert bench.say(speeds(0, -150, 150)) == [speeds(0, -150, 150)]
@@ -157,7 +157,7 @@ def test_all_wheels_of_one_word_are_judged_together(ticks: tuple[int, int, int],
 @pytest.mark.parametrize("size", [1, 20])
 @pytest.mark.parametrize("ways", [("f", "b"), ("b", "f")], ids="-".join)
 @pytest.mark.parametrize("protocol", ["ros-arduino-bridge", "arduinoio"])
-def test_a_motor_is_not_reversed_before_it_was_told_0_for_half_a_cycle(
+def test_a_motor_is_not_reversed_before_it_was_reported_0_for_half_a_cycle(
     protocol: str, ways: tuple[str, str], size: int
 ) -> None:
     first, second = ways
@@ -276,7 +276,7 @@ def test_the_guard_s_words_stop_every_motor_of_a_board(robot: str) -> None:
         assert speed(rig) < 0.01
 
 
-def test_mwprotocols_libraries_are_those_that_the_board_has_told() -> None:
+def test_mwprotocols_libraries_are_those_that_the_board_has_reported() -> None:
     bench = Bench("mw")
     info = messages.ServerInfo(17, 1, b"Mega2560", 0, (mw.SHIELD.encode(), mw.ENCODER.encode()))
     told = mw.encode_answer(1, mw.row_of(messages.GetServerInfo()).answer.encode(info))
@@ -287,14 +287,14 @@ def test_mwprotocols_libraries_are_those_that_the_board_has_told() -> None:
     assert bench.talker.heard == [told]
 
 
-def test_what_a_board_says_is_let_in() -> None:
+def test_what_a_board_states_is_let_in() -> None:
     bench = Bench("ros-arduino-bridge")
     bench.guard.receive(Packet("board", 0, b"OK\r\n"), bench.now)
     assert bench.talker.heard == [b"OK\r\n"]
     assert not bench.guard.links["board"].waiting
 
 
-def test_a_motor_that_is_told_a_way_and_no_pwm_does_not_move() -> None:
+def test_a_motor_that_is_reported_a_way_and_no_pwm_does_not_move() -> None:
     bench = Bench("arduinoio")
     assert bench.say(way(1, "f")) == [way(1, "f")]
     assert bench.reset()

@@ -65,7 +65,7 @@ def motor(rules: ShieldRules, number: int = 1) -> GuardedMotor:
         ("arduinoio", (), pwm(1, 255), [0.0]),
     ],
 )
-def test_a_command_asks_for_the_speed_that_it_can_come_to(
+def test_a_command_requests_the_speed_that_it_can_come_to(
     protocol: str, before: tuple[bytes, ...], word: bytes, asked: list[float], direction: int
 ) -> None:
     rules = rules_of(protocol, direction, slope_pwm_s=STEEP)

@@ -116,7 +116,7 @@ def test_a_word_means_what_its_firmware_makes_of_it(protocol: str, data: bytes, 
     assert READERS[one.link.protocol](data, one) == means
 
 
-def test_a_library_that_the_board_has_not_told_is_not_listed() -> None:
+def test_a_library_that_the_board_has_not_reported_is_not_listed() -> None:
     one = board("mw", (mw.SHIELD,))
     request = mw.encode_request(messages.ReadCount(0, 0), 1, (mw.SHIELD, mw.ENCODER))
     assert READERS[one.link.protocol](request, one) is None
@@ -127,7 +127,7 @@ def test_what_takes_a_motors_speed_is_for_that_motor() -> None:
     assert READERS[board("mw").link.protocol](stops, board("mw")) == Word({2: RELEASED})
 
 
-def test_the_version_is_asked_for_in_a_message_of_its_own() -> None:
+def test_the_version_is_requested_in_a_message_of_its_own() -> None:
     one = board("firmata")
     asks = firmata.encode(firmata.Message(firmata.VERSION))
     assert READERS[one.link.protocol](asks, one) == NOTHING
@@ -141,11 +141,11 @@ def test_gains_leave_as_the_file_has_them_and_in_its_order() -> None:
         assert READERS[one.link.protocol](ros.encode("u", four), other) == means
 
 
-def test_a_board_that_has_not_told_its_shield_is_told_nothing() -> None:
+def test_a_board_that_has_not_reported_its_shield_is_reported_nothing() -> None:
     assert list(no_motion(1, board("mw", (mw.ENCODER,)))) == []
 
 
-def test_libraries_are_those_of_the_answer_that_tells_them() -> None:
+def test_libraries_are_those_of_the_answer_that_reports_them() -> None:
     row = mw.row_of(messages.GetServerInfo())
     told = row.answer.encode(messages.ServerInfo(1, 0, b"board", 0, (b"one", b"two")))
     answers: list[mw.Traced | mw.Answered] = [mw.Traced(b"hello"), mw.Answered(row.code, told)]

@@ -67,7 +67,7 @@ def test_a_sum_is_bounded_to_both_sides(
 
 
 @pytest.mark.parametrize("word", [0x0000, 0x0006, 0x000B, 0x010F])
-def test_only_an_axis_that_is_told_to_move_counts(word: int) -> None:
+def test_only_an_axis_that_is_commanded_to_move_counts(word: int) -> None:
     bench = Bench(PAIR)
     both = (speed(1, 1000, word), speed(2, 1000))
     bench.says(speed(1, 100), speed(2, 100))
@@ -109,7 +109,7 @@ def test_rest_is_never_refused_and_what_it_leaves_is_stopped_after_a_cycle() -> 
     assert bench.guard.wake(now + CYCLE).wake_at == NEVER
 
 
-def test_the_last_one_that_could_mend_a_sum_and_rests_instead_has_it_stopped_at_once() -> None:
+def test_the_last_one_that_could_repair_a_sum_and_rests_instead_has_it_stopped_at_once() -> None:
     bench = Bench(robot_with(wheels("left", "right"), sums={"left": ({"left": 1.0, "right": 0.1}, 500.0)}))
     assert bench.says(speed(1, 560)) == (speed(1, 560),)
     assert bench.says(speed(2, 0), now=1) == (speed(2, 0), speed(1, 0))
@@ -122,7 +122,7 @@ def test_a_sum_of_one_axis_is_a_plain_bound() -> None:
     assert bench.refuses(speed(1, 251)) == ("left of 502.0000 is beyond 500.0000", (speed(1, 0),))
 
 
-def test_an_axis_that_speaks_twice_does_not_mend_for_the_others() -> None:
+def test_an_axis_that_speaks_twice_does_not_repair_for_the_others() -> None:
     sums = {"all": (dict.fromkeys(("one", "two", "three"), 1.0), 900.0)}
     bench = Bench(robot_with(wheels("one", "two", "three"), sums=sums))
     bench.says(*(speed(node, 0) for node in (1, 2, 3)))
@@ -155,7 +155,7 @@ def test_both_wheels_may_reverse_in_one_cycle(between: Nanoseconds) -> None:
 
 
 @pytest.mark.parametrize("way", [1, -1])
-def test_nobody_goes_on_from_one_mixture_to_the_next(way: int) -> None:
+def test_no_one_goes_on_from_one_mixture_to_the_next(way: int) -> None:
     """Each vector is within the bounds; but always the rising wheel first, and the other one late."""
     bench = Bench(PAIR)
     motors = Motors(PAIR)

@@ -124,7 +124,7 @@ def test_it_stays_watchful_until_every_axis_is_spoken_for_again(bench: Bench) ->
         (*MOVES, wheel(1, 0x000F, 0), wheel(2, 0x000F, 0), position(3, 0x010F, 700)),
     ],
 )
-def test_a_robot_that_is_told_to_rest_is_not_watched(bench: Bench, packets: tuple[Packet, ...]) -> None:
+def test_a_robot_that_is_commanded_to_rest_is_not_watched(bench: Bench, packets: tuple[Packet, ...]) -> None:
     bench.says(*packets, now=CYCLE)
     assert bench.guard.wake(100 * CYCLE) == Reaction((), NEVER)
     assert bench.guard.refused == 0
@@ -144,7 +144,7 @@ def test_a_refused_set_point_is_speech_too(bench: Bench) -> None:
     assert bench.guard.wake(2 * CYCLE).wake_at == 2 * CYCLE + PATIENCE
 
 
-def test_the_earlier_of_both_wishes_wins(bench: Bench) -> None:
+def test_the_earlier_of_both_commands_wins(bench: Bench) -> None:
     bench.puppet.wake_at = 5
     assert bench.guard.wake(0).wake_at == 5
     bench.says(*MOVES, now=CYCLE)
@@ -255,7 +255,7 @@ def test_a_guard_needs_no_listener(robot: AnyRobot) -> None:
 
 
 @pytest.mark.parametrize("holding", [True, False])
-def test_a_node_that_holds_something_after_it_was_asked_to_end_holds_it_behind_the_guard(
+def test_a_node_that_holds_something_after_it_was_requested_to_end_holds_it_behind_the_guard(
     robot: AnyRobot, *, holding: bool
 ) -> None:
     class Held(Stopping):

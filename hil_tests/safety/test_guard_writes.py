@@ -126,7 +126,7 @@ def test_an_object_may_be_written_within_its_bounds(
     ],
     ids=str,
 )
-def test_a_refused_write_is_told_with_its_bounds(bench: Bench, packet: Packet, reason: str) -> None:
+def test_a_refused_write_is_reported_with_its_bounds(bench: Bench, packet: Packet, reason: str) -> None:
     assert bench.refuses(packet)[0] == reason
 
 

@@ -209,7 +209,7 @@ def test_and_it_must_be_the_right_word(made: Made, address: Address, value: int)
 @pytest.mark.parametrize(
     ("address", "value"), [(at.HOMING_METHOD, 35), (at.HOME_POSITION, PLACE), (at.MODE, 6)]
 )
-def test_what_was_said_before_it_was_written_again_counts_no_more(
+def test_what_was_stated_before_it_was_written_again_counts_no_more(
     made: Made, address: Address, value: int
 ) -> None:
     line = prepared(made(), ("writes", address, value))
@@ -246,7 +246,7 @@ def test_bytes_of_a_write_that_are_not_used_do_not_count(unused: bytes) -> None:
 
 
 @BOTH
-def test_a_drive_that_was_reset_has_said_nothing(made: Made) -> None:
+def test_a_drive_that_was_reset_has_stated_nothing(made: Made) -> None:
     line = prepared(made())
     line.resets()
     assert line.writes(LIFT, at.CONTROLWORD, START) is not None
@@ -299,7 +299,7 @@ def test_a_start_by_process_data_is_never_listed() -> None:
 
 
 @BOTH
-def test_after_it_the_lift_rests_where_the_drive_says_now(made: Made) -> None:
+def test_after_it_the_lift_rests_where_the_drive_states_now(made: Made) -> None:
     """What was far before is near now: to hold it there is no motion, so the wheels may go."""
     line = prepared(made())
     for word in (START, HALT):

@@ -46,7 +46,7 @@ def test_a_travel_to_both_sides_is_one_of_homes_to_both_sides() -> None:
     assert zeroing("steer").homes == range(-134_953, 134_954)
 
 
-def test_where_it_stands_may_be_said_within_its_travel() -> None:
+def test_where_it_stands_may_be_stated_within_its_travel() -> None:
     one = in_homing(zeroing())
     assert one.homes is not None
     one.read(at.HOMING_METHOD, 35)
@@ -55,7 +55,7 @@ def test_where_it_stands_may_be_said_within_its_travel() -> None:
         assert one.prepared is good
 
 
-def test_a_homing_by_the_file_needs_a_current_only_where_the_file_tells_one() -> None:
+def test_a_homing_by_the_file_needs_a_current_only_where_the_file_reports_one() -> None:
     axis = next(axis for axis in HOMED.axes if axis.name == "lift")
     assert axis.zero.homing is not None
     for current_a, needed in ((None, False), (0.5, True)):
@@ -114,7 +114,7 @@ def test_a_word_passes_by_object_or_as_a_set_point(
         (at.HOMING_METHOD, PROFILE_POSITION, False),
     ],
 )
-def test_homing_mode_is_left_when_the_drive_says_that_it_is_in_its_own(
+def test_homing_mode_is_left_when_the_drive_states_that_it_is_in_its_own(
     address: at.Address, value: int, *, left: bool
 ) -> None:
     one = in_homing(zeroing())
@@ -122,7 +122,7 @@ def test_homing_mode_is_left_when_the_drive_says_that_it_is_in_its_own(
     assert one.in_homing is not left
 
 
-def test_what_was_written_counts_when_the_drive_has_said_it_again() -> None:
+def test_what_was_written_counts_when_the_drive_has_stated_it_again() -> None:
     one = in_homing(zeroing())
     one.read(at.HOMING_METHOD, 35)
     one.read(at.HOME_POSITION, 0)

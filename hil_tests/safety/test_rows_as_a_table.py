@@ -51,7 +51,7 @@ def told(row: Any) -> list[str]:
     return words + ([] if row.stops is None else [f"stops {' '.join(sorted(row.stops))}"])
 
 
-def test_each_row_is_as_bad_as_the_table_says() -> None:
+def test_each_row_is_as_bad_as_the_table_states() -> None:
     """One link stops everything, the other one its own group."""
     links = {**ROBOT.links, "arm": ROBOT.links["arm"].model_copy(update={"stops": ("arm",)})}
     common: Any = whole_robot_rows({}, links)

@@ -16,7 +16,7 @@ from firmware_bridge.safety.snapshot import Facts, Following, Hold
 from firmware_bridge.units import MILLISECOND, SECOND
 
 
-def test_an_axis_that_was_never_seen_is_told_to_stand_and_owes_nothing() -> None:
+def test_an_axis_that_was_never_seen_is_commanded_to_stand_and_has_no_backlog() -> None:
     known = Following()
     assert (known.demand, known.changed_at) == (Stop.REST, NEVER_HEARD)
     times = {known.sampled_at, known.obeyed_at, known.settled_at, known.place_at}
@@ -26,7 +26,7 @@ def test_an_axis_that_was_never_seen_is_told_to_stand_and_owes_nothing() -> None
     assert known.idle == 2, "it has not turned for as many samples as count"
 
 
-def test_a_robot_is_whole_and_its_operator_there_where_nothing_else_is_said() -> None:
+def test_a_robot_is_whole_and_its_operator_there_where_nothing_else_is_stated() -> None:
     needed: dict[str, Any] = {"axes": {}, "sensors": {}, "links_lost": {}}
     facts = Facts(now=0, armed=False, emergency_stopped=False, heard_at=NEVER_HEARD, neutral=True, **needed)
     assert facts.stood_still == 0
@@ -100,7 +100,7 @@ def test_a_pause_is_no_more_than_a_notice() -> None:
 
 
 @pytest.mark.parametrize("row", [AXIS_ANSWERS, AXIS_UNMEASURED], ids=lambda row: row.name)
-def test_a_weaker_row_says_for_how_long_an_axis_was_not_heard(row: AxisInterlock) -> None:
+def test_a_weaker_row_states_for_how_long_an_axis_was_not_received(row: AxisInterlock) -> None:
     (axis,) = (axis for axis in find("rars").axes if axis.name == "left")
     feedback = Feedback("left", Power.ON, 3 * SECOND, 3 * SECOND, position=0.0, velocity=0.0)
     needed: dict[str, Any] = {"axes": {}, "sensors": {}, "links_lost": {}}

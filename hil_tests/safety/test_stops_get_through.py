@@ -111,7 +111,7 @@ def test_a_drive_that_hangs_loses_its_power_in_time(
 
 @every("robot", ["rars", "climber"])
 @every("order", [("forced disarm", 0.7), ("emergency stop", 1.2), ("Ctrl-C", 1.2)], ids=lambda it: it[0])
-def test_a_deaf_drive_at_standstill_loses_its_power_as_its_rows_say(
+def test_a_drive_that_receives_nothing_at_standstill_loses_its_power_as_its_rows_say(
     robot: str, order: tuple[str, float]
 ) -> None:
     """By PDO 150 ms, by SDO 200 ms, silence 350 ms; emergency stop and end look for half a second before."""
@@ -234,7 +234,7 @@ def stories(kinds: Behaviours, seconds: list[float]) -> st.SearchStrategy[list[t
 @example(robot="rome:arduinoio:3", story=[("reset", 0.1), ("half answers", 3.0)], order="forced disarm")
 @example(robot="rome:mw:3", story=[("half answers", 0.1)], order="Ctrl-C")
 @example(robot="rome:ros-arduino-bridge", story=[("every other answer", 3.0)], order="Ctrl-C")
-def test_whatever_a_board_and_its_line_do_each_step_lasts_what_its_row_says(
+def test_whatever_a_board_and_its_line_do_each_step_lasts_what_its_row_states(
     robot: str, story: list[tuple[str, float]], order: str
 ) -> None:
     with driving(robot) as rig, ExitStack() as stack:

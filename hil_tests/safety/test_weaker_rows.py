@@ -55,7 +55,7 @@ def heard(seen: Snapshot, axis: str, at: Nanoseconds) -> Snapshot:
     return with_facts(seen, axes=axes)
 
 
-def test_a_row_that_needs_no_more_than_is_told_stands_itself() -> None:
+def test_a_row_that_needs_no_more_than_is_reported_stands_itself() -> None:
     for row in common.AXIS_ROWS:
         assert row.fitting(EVERYTHING) is row
         assert row.fitting(row.needs) is row
@@ -82,14 +82,14 @@ def weaker(axis: Axis, link: AnyLink) -> list[str]:
     return [fitting.name for row, fitting in rows if fitting is not None and fitting is not row]
 
 
-def test_an_epos2_tells_enough_for_every_row(robot: Rars) -> None:
+def test_an_epos2_reports_enough_for_every_row(robot: Rars) -> None:
     link = robot.epos2_link("drives")
     for driver in Epos2Driver:
         assert weaker(robot.axes[0], link.model_copy(update={"driver": driver})) == []
 
 
 @pytest.mark.parametrize(("port", "unmeasured"), [(1, 0), (2, 0), (3, 3)])
-def test_a_shield_has_no_word_for_power_and_tells_nothing_of_a_motor_that_it_does_not_count(
+def test_a_shield_has_no_word_for_power_and_reports_nothing_of_a_motor_that_it_does_not_count(
     port: int, unmeasured: int
 ) -> None:
     rome = over_protocol(kinds.find("rome"), "arduinoio")
@@ -97,7 +97,7 @@ def test_a_shield_has_no_word_for_power_and_tells_nothing_of_a_motor_that_it_doe
     assert found == [WEAK, "axis restarted", *unmeasured * [UNMEASURED]]
 
 
-def test_a_driver_that_does_not_tell_power_gets_the_weaker_row_by_name(robot: Rars) -> None:
+def test_a_driver_that_does_not_report_power_gets_the_weaker_row_by_name(robot: Rars) -> None:
     rows = {
         one.axis.name: [name for name, _ in one.rows] for one in axis_rows(robot, tells_of(robot, lift=MUTE))
     }
@@ -117,7 +117,7 @@ def test_one_weaker_row_stands_in_for_all_that_watch_how_an_axis_moves(robot: Ra
     ("silence", "holds"),
     [(0, False), (LIMIT // 2 - 1, False), (LIMIT // 2, True), (LIMIT - 1, True)],
 )
-def test_who_does_not_tell_how_it_moves_answers_within_half_the_silence(
+def test_who_does_not_report_how_it_moves_answers_within_half_the_silence(
     robot: Rars, well: Well, silence: Nanoseconds, *, holds: bool
 ) -> None:
     told = tells_of(robot, lift=EVERYTHING - {Tells.POSITION})
@@ -127,14 +127,14 @@ def test_who_does_not_tell_how_it_moves_answers_within_half_the_silence(
     assert f"{UNMEASURED}: lift" not in names(never)
 
 
-def test_it_is_told_with_the_robot_file(robot: Rars, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_is_reported_with_the_robot_file(robot: Rars, monkeypatch: pytest.MonkeyPatch) -> None:
     assert list(kinds.weaker_rows(robot)) == []
     monkeypatch.setattr(kinds, "tells_of", lambda _robot, _axis: MUTE)
     told = [(axis, strong.name, weak.name) for axis, strong, weak in kinds.weaker_rows(robot)]
     assert told == [(axis.name, STRONG, WEAK) for axis in robot.axes]
 
 
-def test_a_driver_that_tells_too_little_is_refused_with_link_and_row(
+def test_a_driver_that_reports_too_little_is_refused_with_link_and_row(
     robot: Rars, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     needy = AxisInterlock("axis stalls", lambda *_: None, "", needs=frozenset({Tells.CURRENT}))
@@ -176,17 +176,17 @@ def test_it_lets_go_when_answers_have_been_fresh_for_200_ms(
     assert (f"{WEAK}: lift" in names(judge.rule(heard(well(now), "lift", now)))) is holds
 
 
-def test_one_that_was_never_heard_is_silent_and_not_late(robot: Rars, well: Well) -> None:
+def test_one_that_was_never_received_is_silent_and_not_late(robot: Rars, well: Well) -> None:
     held = names(mute(robot).rule(heard(well(SECOND), "lift", NEVER_HEARD)))
     assert "axis silent: lift" in held
     assert f"{WEAK}: lift" not in held
 
 
-def test_the_word_for_power_is_not_asked_of_who_has_none(robot: Rars, well: Well) -> None:
+def test_the_word_for_power_is_not_requested_from_a_device_that_has_none(robot: Rars, well: Well) -> None:
     assert names(mute(robot).rule(heard(well(SECOND), "lift", SECOND))) == ()
 
 
-def test_a_device_without_a_word_for_its_zero_is_asked_about_when_it_restarts(
+def test_a_device_without_a_word_for_its_zero_is_requested_about_when_it_restarts(
     robot: Rars, well: Well
 ) -> None:
     told = tells_of(robot, lift=EVERYTHING - {Tells.ZERO}, left=EVERYTHING - {Tells.ZERO})
@@ -201,7 +201,7 @@ def test_a_device_without_a_word_for_its_zero_is_asked_about_when_it_restarts(
         assert set(names(ruling)) == holds
 
 
-def test_one_that_was_never_heard_is_silent_and_has_not_restarted(robot: Rars, well: Well) -> None:
+def test_one_that_was_never_received_is_silent_and_has_not_restarted(robot: Rars, well: Well) -> None:
     told = tells_of(robot, lift=EVERYTHING - {Tells.ZERO})
     axes = {**well(SECOND).facts.axes, "lift": Feedback("lift", zero_lost=True)}
     ruling = gate.Gate(robot, KIND.rules(robot), told).rule(with_facts(well(SECOND), axes=axes))

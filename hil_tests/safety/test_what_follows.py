@@ -86,14 +86,14 @@ def on_a_link_that_stops(robot: Rars, *groups: str) -> Rars:
     return robot.model_copy(update={"links": links})
 
 
-def test_every_row_says_what_follows_from_it(robot: Rars) -> None:
+def test_every_row_states_what_follows_from_it(robot: Rars) -> None:
     rules = KIND.rules(robot)[""]
     common = whole_robot(robot)
     rows = (*common, *rules.interlocks, *rules.after_limits, *AXIS_ROWS, LEFT_OUT_ROW, *rules.limits)
     assert {row.name: follows(row) for row in rows} == FOLLOWS
 
 
-def test_a_row_that_says_no_more_stops_everything_until_it_is_clear() -> None:
+def test_a_row_that_states_no_more_stops_everything_until_it_is_clear() -> None:
     for row in (Row("any", ""), Interlock("any", lambda _: None, "")):
         assert follows(row) == (ALL, "blocks arming")
         assert (row.clear_after, row.severity) == (0, Severity.WARNING)
@@ -147,7 +147,7 @@ def test_on_such_a_link_the_rest_of_the_robot_goes_on(
         (Power.FAULT, 0, False),
     ],
 )
-def test_an_axis_that_is_left_out_may_have_no_power_while_it_is_heard(
+def test_an_axis_that_is_left_out_may_have_no_power_while_it_is_received(
     robot: Rars, well: Well, power: Power, silence: Nanoseconds, *, holds: bool
 ) -> None:
     seen = well(SECOND, drives={"lift": {"power": power, "heard_at": SECOND - silence}})
@@ -169,7 +169,7 @@ def test_an_axis_that_is_left_out_may_have_no_power_while_it_is_heard(
         ({"drives": {"lift": {"velocity": 1.0}}}, True),
     ],
 )
-def test_at_rest_it_neither_leaves_its_place_nor_is_told_to(
+def test_at_rest_it_neither_leaves_its_place_nor_is_reported_to(
     robot: Rars, well: Well, changes: dict[str, Any], *, rests: bool
 ) -> None:
     assert KIND.rules(robot)[""].at_rest(well(SECOND, **changes)) is rests

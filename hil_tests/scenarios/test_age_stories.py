@@ -88,7 +88,7 @@ def test_a_link_that_gets_slow_under_way_stops_the_robot_until_the_stick_is_let_
 
 @pytest.mark.long(keeps=["arm-disarm"])
 @pytest.mark.parametrize(("go", "stop"), [("arm", "disarm"), ("clear", "emergency_stop")])
-def test_an_order_that_was_said_before_a_stop_does_not_undo_it(rides: Ridden, go: str, stop: str) -> None:
+def test_an_order_that_was_stated_before_a_stop_does_not_undo_it(rides: Ridden, go: str, stop: str) -> None:
     """It comes 260 ms late, behind the stop."""
     ride = rides(
         ARMED,
@@ -170,7 +170,7 @@ def test_a_minute_that_is_played_again_moves_nothing(rides: Ridden) -> None:
 
 @pytest.mark.long(keeps=["-5.0"])
 @pytest.mark.parametrize("ahead_s", [5.0, -5.0])
-def test_a_station_whose_clock_is_set_is_asked_anew(rides: Ridden, ahead_s: float) -> None:
+def test_a_station_whose_clock_is_set_is_requested_again(rides: Ridden, ahead_s: float) -> None:
     """Set back, its words look old, and nothing moves until it has answered; set forward, none looks old."""
     ride = rides(
         BY_SET_POINT,
@@ -197,7 +197,7 @@ def refusing(robot: AnyRobot) -> AnyRobot:
 
 @pytest.mark.long(keeps=["stick"])
 @pytest.mark.parametrize("by", ["twist", "stick"])
-def test_where_unknown_is_refused_only_who_tells_his_age_drives(rides: Ridden, by: str) -> None:
+def test_where_unknown_is_refused_only_who_reports_his_age_drives(rides: Ridden, by: str) -> None:
     ride = rides(step(0.1, input=by), ARMED, step(6.0, speed_mps=0.2), robot=refusing(RARS), **ALONE)
     ride.runs_until(9.0)
     if by == "twist":
@@ -209,7 +209,7 @@ def test_where_unknown_is_refused_only_who_tells_his_age_drives(rides: Ridden, b
     assert any("nobody can tell how old" in text for text in texts(ride))
 
 
-def test_a_lost_share_of_the_operators_frames_is_told(rides: Ridden) -> None:
+def test_a_lost_share_of_the_operators_frames_is_reported(rides: Ridden) -> None:
     ride = rides(BY_SET_POINT, ARMED, **{**ALONE, "noise": Noise(loss=0.2)})
     ride.runs_until(15.0)
     assert ride.operator.diary.values["LOSS"] == pytest.approx(0.2, abs=0.1)

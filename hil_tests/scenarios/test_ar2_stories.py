@@ -67,7 +67,7 @@ def height(rig: Rig) -> float:
     return float(rig.samples[-1]["y_m"])
 
 
-def test_it_goes_where_the_stick_says_and_loses_no_step() -> None:
+def test_it_goes_where_the_stick_states_and_loses_no_step() -> None:
     with driven() as rig:
         rig.runs(3.4)
         begin = height(rig)
@@ -104,7 +104,7 @@ def test_at_full_stick_it_loses_no_step(stick: dict[str, float]) -> None:
     rig.finish()
 
 
-def test_after_a_reset_nothing_moves_until_somebody_has_said_where_it_stands() -> None:
+def test_after_a_reset_nothing_moves_until_someone_has_stated_where_it_stands() -> None:
     arms = step(9.0, "up_mps = 0.0") + step(10.0, "arm = true") + step(11.0, "up_mps = 0.012")
     with driven(arms, fault(6.0, "board_reset")) as rig:
         rig.runs(16.0)
@@ -113,8 +113,8 @@ def test_after_a_reset_nothing_moves_until_somebody_has_said_where_it_stands() -
         assert not rig.bridge.seen.facts.armed
 
 
-@pytest.mark.long(beside="test_after_a_reset_nothing_moves_until_somebody_has_said_where_it_stands")
-def test_once_it_was_said_again_it_goes_on() -> None:
+@pytest.mark.long(beside="test_after_a_reset_nothing_moves_until_someone_has_stated_where_it_stands")
+def test_once_it_was_stated_again_it_goes_on() -> None:
     again = step(9.0, "up_mps = 0.0") + step(
         10.0, "zero = { j1 = 0.0, j2 = -85.0, j3 = 88.0, j4 = 0.0, j5 = 57.0, j6 = 0.0 }"
     )

@@ -37,7 +37,7 @@ def noticed(ride: Ride, name: str, after: float) -> float:
 
 @pytest.mark.long(keeps=["can"])
 @LINKS
-def test_a_drive_that_ignores_its_set_points_moves_unasked(rides: Ridden, robot: AnyRobot | None) -> None:
+def test_a_drive_that_ignores_its_set_points_moves_uncommanded(rides: Ridden, robot: AnyRobot | None) -> None:
     """It says that it is enabled; demanded 0, measured 0.15 m/s."""
     ride = rides(
         ARMED,
@@ -146,7 +146,7 @@ def test_wheels_that_spin_are_no_rest(rides: Ridden) -> None:
     assert "arm: temporarily rejected" in answers or "arm: denied" in answers
 
 
-def test_a_battery_that_stays_low_stops_the_robot_and_lets_nobody_arm(rides: Ridden) -> None:
+def test_a_battery_that_stays_low_stops_the_robot_and_lets_no_one_arm(rides: Ridden) -> None:
     ride = rides(
         ARMED,
         step(4.0, speed_mps=0.2),

@@ -51,7 +51,9 @@ def test_a_board_that_answers_late_is_named_meanwhile_and_no_longer() -> None:
 
 
 @pytest.mark.parametrize("protocol", FULL)
-def test_a_bus_that_is_stuck_while_it_drives_takes_every_step_and_is_told_at_the_end(protocol: str) -> None:
+def test_a_bus_that_is_stuck_while_it_drives_takes_every_step_and_is_reported_at_the_end(
+    protocol: str,
+) -> None:
     with driven(protocol, "speed_mps = 0.2", 30.0, fault("i2c_stuck", 6.5), FULL[protocol]) as rig:
         rig.runs(15.0)
         assert speed(rig) > 0.1, "nothing is left that could stop it"

@@ -78,7 +78,7 @@ def test_it_is_located_by_cameras_and_by_odometry_where_they_do_not_see(rig: Rig
     assert {it.source for it, _ in within(10.1, 12.0)} == {Source.CAPTURED}
 
 
-def test_what_the_cameras_are_asked_is_let_out_and_nothing_of_it_is_refused(rig: Rig) -> None:
+def test_what_the_cameras_are_requested_is_let_out_and_nothing_of_it_is_refused(rig: Rig) -> None:
     rig.run(12 * SECOND)
     assert rig.guard.refused == 0
     assert rig.bridge.seen.facts.armed

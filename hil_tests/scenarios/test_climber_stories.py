@@ -42,7 +42,7 @@ def changed(table: str, **values: Any) -> AnyRobot:
     return robot.model_copy(update={"geometry": geometry.model_copy(update={table: other})})
 
 
-@pytest.mark.long(beside="test_where_a_magnet_lets_go_it_says_so_and_the_drives_stop")
+@pytest.mark.long(beside="test_where_a_magnet_lets_go_it_states_so_and_the_drives_stop")
 @pytest.mark.parametrize("name", CLOSED)
 def test_by_captured_pose_a_closed_path_is_kept_to_and_closes(name: str) -> None:
     ridden = Ridden(find("climber+cameras"), name)
@@ -55,22 +55,22 @@ def test_by_captured_pose_a_closed_path_is_kept_to_and_closes(name: str) -> None
     assert set(ridden.held) == {"not armed"}
 
 
-@pytest.mark.long(beside="test_where_a_magnet_lets_go_it_says_so_and_the_drives_stop")
+@pytest.mark.long(beside="test_where_a_magnet_lets_go_it_states_so_and_the_drives_stop")
 @pytest.mark.parametrize("name", CLOSED)
-def test_by_odometry_alone_it_is_off_by_what_the_summary_tells(name: str) -> None:
+def test_by_odometry_alone_it_is_off_by_what_the_summary_reports(name: str) -> None:
     ridden = Ridden(find("climber"), name)
     assert 0.001 < ridden.figures["closure_m"] < 0.03
     assert ridden.figures["max_joint_deg"] < BOUND_DEG
 
 
-@pytest.mark.long(beside="test_where_a_magnet_lets_go_it_says_so_and_the_drives_stop")
+@pytest.mark.long(beside="test_where_a_magnet_lets_go_it_states_so_and_the_drives_stop")
 @pytest.mark.parametrize("name", CLOSED)
 def test_without_the_rule_the_same_paths_touch_the_joints_stop(name: str) -> None:
     free = changed("joint", turns_round_deg=80.0, slow_deg=80.0, bound_deg=85.0, sensor_bound_deg=90.0)
     assert Ridden(free, name).figures["max_joint_deg"] > STOP_DEG
 
 
-@pytest.mark.long(beside="test_where_a_magnet_lets_go_it_says_so_and_the_drives_stop")
+@pytest.mark.long(beside="test_where_a_magnet_lets_go_it_states_so_and_the_drives_stop")
 def test_coupled_it_cannot_turn_round_and_the_rule_stops_it() -> None:
     robot = changed("base", coupled=True)
     paths = robot.geometry.paths.model_copy(update={"length_m": 2.0})
@@ -84,7 +84,7 @@ def test_coupled_it_cannot_turn_round_and_the_rule_stops_it() -> None:
     assert last["y_m"] == pytest.approx(1.2, abs=0.1)
 
 
-def test_where_a_magnet_lets_go_it_says_so_and_the_drives_stop() -> None:
+def test_where_a_magnet_lets_go_it_states_so_and_the_drives_stop() -> None:
     ridden = Ridden(find("climber"), "falls")
     assert ridden.held["off the wall"] == "0% of its magnets are on the wall"
     # g t^2 / 2 from within some 0.1 s of the fault at 9 s until 14 s.

@@ -74,7 +74,7 @@ def test_a_stop_button_of_the_same_ids_elsewhere_is_not_dropped(rides: Ridden) -
     assert ride.stands_from(6.0, slower_than=0.005) < 6.6
 
 
-def test_a_stick_left_deflected_by_a_station_long_gone_blocks_nobody(rides: Ridden) -> None:
+def test_a_stick_left_deflected_by_a_station_long_gone_blocks_no_one(rides: Ridden) -> None:
     ride = rides(ARMED, DRIVES, step(6.0, silent_s=200), **ALONE)
     other = beside(ride)
     other.talks(ride, 8.0, (ARM, (1.0,)))

@@ -29,7 +29,7 @@ def test_a_lift_whose_drive_has_restarted_is_not_taken_for_retracted(rides: Ridd
     assert "axis zero lost: lift" in ride.holding
 
 
-def test_a_lift_that_says_it_is_not_where_it_was_sent_is_not_armed(rides: Ridden) -> None:
+def test_a_lift_that_states_it_is_not_where_it_was_sent_is_not_armed(rides: Ridden) -> None:
     """Its target is still 50 mm, and its drive says 0: to arm now would move it."""
     ride = with_a_restarted_lift(rides, step(10.0, arm=True), step(11.0, arm=True))
     ride.runs_until(14.0)
@@ -54,7 +54,7 @@ def test_late_datagrams_are_a_silent_operator_until_the_first_has_come(rides: Ri
     assert to_seconds(hold.ended) == pytest.approx(6.95, abs=0.06)
 
 
-def test_the_record_says_which_faults_were_on_and_when(rides: Ridden) -> None:
+def test_the_record_states_which_faults_were_on_and_when(rides: Ridden) -> None:
     faults = (
         fault("frame_loss", 5.0, node="steer", share=0.1, for_s=0.5, title="a loose contact"),
         fault("nmt_stranger", 5.5, command="start"),

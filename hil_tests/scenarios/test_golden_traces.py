@@ -108,7 +108,7 @@ def test_a_change_shows_its_first_packet_in_words() -> None:
     assert milliamperes[0] ^ 1 == milliamperes[1]
 
 
-def test_a_run_that_ends_early_says_what_is_missing() -> None:
+def test_a_run_that_ends_early_states_what_is_missing() -> None:
     name = TOOL.missions()[0]
     lines = kept(name)
     short = lines[: lines.rindex(b"\n", 0, len(lines) - 1) + 1]

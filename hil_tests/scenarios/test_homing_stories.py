@@ -88,7 +88,7 @@ def test_a_raised_lift_that_restarted_is_homed_and_the_robot_drives(rides: Ridde
 
 @pytest.mark.long(beside="test_it_is_stopped_on_its_way_and_found_by_the_next_order")
 @LINKS
-def test_steering_that_nobody_has_seen_finds_its_end(rides: Ridden, robot: AnyRobot) -> None:
+def test_steering_that_no_one_has_seen_finds_its_end(rides: Ridden, robot: AnyRobot) -> None:
     one = rides(
         step(1.5, zero={"lift": 0.0}),
         HOME,

@@ -19,7 +19,7 @@ def test_each_drive_is_commanded_and_turns(tmp_path: Path) -> None:
     assert many.turning == 3
 
 
-def test_in_a_second_each_drive_tells_ten_times_what_it_sees_and_that_it_lives() -> None:
+def test_in_a_second_each_drive_reports_ten_times_what_it_sees_and_that_it_lives() -> None:
     many = crowd(127, every=HUNDRED_MS, heartbeat_ms=100, cycle=only_sync)
     heard: Counter[int] = Counter()
 

@@ -55,8 +55,8 @@ def test_an_operator_who_tries_everything_forbidden_gets_no_further(driven: Driv
     assert told["max_acceleration_mps2"] <= LARGEST_ACCELERATION_MPS2
 
 
-@pytest.mark.long(beside="test_at_its_threshold_it_stops_the_robot_and_says_why")
-def test_every_interlock_that_an_operator_can_trip_is_tripped_and_says_why(driven: Driven) -> None:
+@pytest.mark.long(beside="test_at_its_threshold_it_stops_the_robot_and_states_why")
+def test_every_interlock_that_an_operator_can_trip_is_tripped_and_states_why(driven: Driven) -> None:
     holds = summary(driven("interlocks"))["holds"]
     assert all(hold["reason"] for hold in holds)
     assert {
@@ -139,7 +139,7 @@ def test_nothing_but_rolling_out_follows_a_fault_that_stops_the_robot(driven: Dr
         assert bool(soon) is (fault["began_s"] >= 17.0 and armed), fault["title"]
 
 
-@pytest.mark.long(beside="test_what_it_leaves_behind_is_what_the_readme_says")
+@pytest.mark.long(beside="test_what_it_leaves_behind_is_what_the_readme_states")
 def test_a_run_leaves_everything_that_it_promises(driven: Driven) -> None:
     folder = driven("line")
     names = {path.name for path in folder.iterdir()}
@@ -179,7 +179,7 @@ def test_one_seed_is_one_run(driven: Driven, tmp_path: Path) -> None:
 @pytest.mark.long(beside="test_tshark_finds_nothing_malformed")
 @pytest.mark.tshark
 @pytest.mark.parametrize("name", ["line", "interlocks"])
-def test_a_strangers_dissector_finds_no_malformed_frame(driven: Driven, name: str) -> None:
+def test_a_third_party_dissector_finds_no_malformed_frame(driven: Driven, name: str) -> None:
     log = driven(name) / "can.log"
     canopen = ["-r", str(log), "-d", "can.subdissector,canopen"]
     read = subprocess.run([TSHARK, *canopen], capture_output=True, check=True, text=True)

@@ -29,7 +29,7 @@ def powered(one: Ride) -> bool:
 
 @pytest.mark.long(keeps=["can"])
 @on_each_link
-def test_asked_to_end_it_leaves_no_power_and_the_next_one_drives(rides: Ridden, link: str) -> None:
+def test_requested_to_end_it_leaves_no_power_and_the_next_one_drives(rides: Ridden, link: str) -> None:
     end = fault("bridge_ends", ENDS_S, for_s=5.0)
     one = rides(*DRIVING, *AGAIN, seconds=20, robot=ROBOTS[link], faults=[end])
     one.runs_until(ENDS_S + 4.0)
@@ -58,7 +58,7 @@ def test_killed_it_leaves_the_drives_to_their_own_watch(rides: Ridden, link: str
 
 
 @pytest.mark.long(beside="test_ctrl_c_on_a_slope_holds_and_a_second_one_within_5_s_lets_go")
-def test_asked_twice_on_a_slope_it_lets_go(rides: Ridden) -> None:
+def test_requested_twice_on_a_slope_it_lets_go(rides: Ridden) -> None:
     plant = RARS.plant.model_copy(update={"parameters": {"slope": math.radians(5.0), "floor_friction": 0.9}})
     end = fault("bridge_ends", ENDS_S, again_after_s=4.0)
     one = rides(ARMED, seconds=20, robot=RARS.model_copy(update={"plant": plant}), faults=[end])
@@ -72,7 +72,7 @@ def test_asked_twice_on_a_slope_it_lets_go(rides: Ridden) -> None:
 
 @pytest.mark.long(keeps=["can"])
 @on_each_link
-def test_a_run_across_a_bridge_that_was_started_anew_goes_on_as_it_went(rides: Ridden, link: str) -> None:
+def test_a_run_across_a_bridge_that_was_started_again_goes_on_as_it_went(rides: Ridden, link: str) -> None:
     end = fault("bridge_ends", ENDS_S, how="killed", for_s=0.4)
     one = rides(*DRIVING, seconds=20, robot=ROBOTS[link], faults=[end])
     one.runs_until(ENDS_S - 0.1)
@@ -89,7 +89,7 @@ def test_a_run_across_a_bridge_that_was_started_anew_goes_on_as_it_went(rides: R
         assert one.rig.world.trace_sha256 == went
 
 
-def test_a_second_bridge_disturbs_nobody(rides: Ridden) -> None:
+def test_a_second_bridge_disturbs_no_one(rides: Ridden) -> None:
     one = rides(*DRIVING, seconds=20, faults=[fault("second_bridge", 5.0, for_s=1.0)])
     one.runs_until(7.0)
     assert one.now["armed"]

@@ -138,7 +138,7 @@ def test_from_10_mm_it_settles_below_the_critical_delay_and_swings_above(
         assert max(driven.swings[-3:]) > 0.05
 
 
-@pytest.mark.long(beside="test_with_the_right_model_it_says_where_the_robot_will_be")
+@pytest.mark.long(beside="test_with_the_right_model_it_states_where_the_robot_will_be")
 @pytest.mark.parametrize(
     ("link", "max_delay_s", "reaction_s"),
     [

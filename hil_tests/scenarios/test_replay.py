@@ -144,7 +144,7 @@ def test_a_frame_that_is_missing_in_the_recording_is_shown_as_the_one_that_came(
     assert line.lines[number - 1].split()[2] in came
 
 
-def test_a_frame_that_does_not_come_is_said_to_be_missing(line: Session, tmp_path: Path) -> None:
+def test_a_frame_that_does_not_come_is_stated_to_be_missing(line: Session, tmp_path: Path) -> None:
     # A heartbeat of the first drive, after which it says nothing more in this recording.
     last = last_of(line, lambda sender: sender == "left")
 
@@ -225,7 +225,7 @@ def test_drives_that_say_nothing_stay_off_the_bus(line: Session, tmp_path: Path)
 
 
 @pytest.mark.long(beside="test_a_run_plays_again_into_all_that_took_part")
-def test_a_bridge_that_was_told_where_its_axes_stand_is_told_so_again(tmp_path: Path) -> None:
+def test_a_bridge_that_was_given_where_its_axes_stand_is_informed_again(tmp_path: Path) -> None:
     frames, messages = [], []
     said = (ConfirmZero("lift", 0.1), ConfirmZero("steer", 10.0))
     rig = Rig(RARS, REHEARSAL, Player([]), stands=said)

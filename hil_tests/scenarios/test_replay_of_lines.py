@@ -145,7 +145,7 @@ def test_one_changed_bit_of_what_the_bridge_has_sent_is_named_by_its_line(title:
 
 @pytest.mark.long(beside="test_one_changed_bit_of_what_the_bridge_has_sent_is_named_by_its_line")
 @pytest.mark.parametrize("title", ["firmata", "mw"])
-def test_one_changed_bit_of_what_it_has_heard_is_another_run(title: str, tmp_path: Path) -> None:
+def test_one_changed_bit_of_what_it_has_received_is_another_run(title: str, tmp_path: Path) -> None:
     """Of Firmata a count is another one; an MWProtocol frame is damaged, and the bridge asks again."""
     lines = read(folder_of(title))
     place = next(

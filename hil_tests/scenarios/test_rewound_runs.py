@@ -239,7 +239,7 @@ def test_a_moment_belongs_to_its_rig(kept: Kept, straight: Straight) -> None:
         kept.one.rig.world.restore(kept.moments[0][1])
 
 
-def test_observers_are_outside_and_hear_everything_again(kept: Kept) -> None:
+def test_observers_are_outside_and_receive_everything_again(kept: Kept) -> None:
     rig = kept.one.rig
     rig.restore(kept.moment(500)[1])
     moment = rig.snapshot()

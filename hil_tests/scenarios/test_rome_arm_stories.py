@@ -93,7 +93,7 @@ def test_base_and_arm_fly_the_orbit_together_from_beside_it() -> None:
 
 
 @pytest.mark.long(beside="test_base_and_arm_fly_the_orbit_together_from_beside_it")
-def test_an_orbit_too_large_for_the_base_takes_its_time_and_says_so() -> None:
+def test_an_orbit_too_large_for_the_base_takes_its_time_and_states_so() -> None:
     """At 1 m for 1 DU the printed orbit would take 1.02 m/s."""
     with flown(robot=scaled(m_per_du=1.0), lasts=26.0) as (rig, script):
         rig.run(from_seconds(26.0))

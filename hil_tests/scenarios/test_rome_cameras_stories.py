@@ -72,7 +72,7 @@ def error_m(rig: Rig) -> float:
     return found
 
 
-@pytest.mark.long(beside="test_a_wheel_that_nobody_counts_and_that_stands_is_seen_and_the_base_stops")
+@pytest.mark.long(beside="test_a_wheel_that_no_one_counts_and_that_stands_is_seen_and_the_base_stops")
 def test_on_the_rough_floor_cameras_keep_it_nearer_to_the_path_than_odometry_does() -> None:
     floor = missions.find("floor", find("rome"), rehearsal_of(find("rome")))
     more = f"plant = {{ {', '.join(f'{name} = {value}' for name, value in floor.plant.items())} }}\n"
@@ -86,7 +86,7 @@ def test_on_the_rough_floor_cameras_keep_it_nearer_to_the_path_than_odometry_doe
     assert errors["rome"] > 2.0 * errors["rome+cameras"]
 
 
-@pytest.mark.long(beside="test_a_wheel_that_nobody_counts_and_that_stands_is_seen_and_the_base_stops")
+@pytest.mark.long(beside="test_a_wheel_that_no_one_counts_and_that_stands_is_seen_and_the_base_stops")
 def test_two_encoders_and_cameras_drive_the_circle_as_three_do() -> None:
     for protocol in ("mw", "arduinoio", "firmata"):
         with circling("rome+cameras", protocol=protocol) as rig:
@@ -95,7 +95,7 @@ def test_two_encoders_and_cameras_drive_the_circle_as_three_do() -> None:
             assert rig.guard.refused == 0
 
 
-@pytest.mark.long(beside="test_a_wheel_that_nobody_counts_and_that_stands_is_seen_and_the_base_stops")
+@pytest.mark.long(beside="test_a_wheel_that_no_one_counts_and_that_stands_is_seen_and_the_base_stops")
 def test_hidden_for_a_second_it_goes_on_and_for_long_it_stops_and_takes_up_again() -> None:
     faults = HIDDEN.format(at=5.0, until=6.0) + HIDDEN.format(at=7.0, until=11.0)
     with circling("rome+cameras", faults) as rig:
@@ -118,7 +118,7 @@ def test_hidden_for_a_second_it_goes_on_and_for_long_it_stops_and_takes_up_again
         assert off_m(rig) < 0.02
 
 
-@pytest.mark.long(beside="test_a_wheel_that_nobody_counts_and_that_stands_is_seen_and_the_base_stops")
+@pytest.mark.long(beside="test_a_wheel_that_no_one_counts_and_that_stands_is_seen_and_the_base_stops")
 def test_markers_taken_for_others_never_move_the_base_and_stop_it_in_the_end() -> None:
     with circling("rome+cameras", SWAPPED.format(at=5.0, until=8.5)) as rig:
         rig.runs(5.0)
@@ -132,7 +132,7 @@ def test_markers_taken_for_others_never_move_the_base_and_stop_it_in_the_end() -
         assert speed(rig) > 0.2
 
 
-def test_a_wheel_that_nobody_counts_and_that_stands_is_seen_and_the_base_stops() -> None:
+def test_a_wheel_that_no_one_counts_and_that_stands_is_seen_and_the_base_stops() -> None:
     fault = '[[fault]]\nkind = "motor_cable_off"\nnode = "three"\nat_s = 4.5\n'
     with circling("rome+cameras", fault, "arduinoio") as rig:
         rig.runs(4.5)

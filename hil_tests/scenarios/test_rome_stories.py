@@ -28,7 +28,7 @@ def test_each_firmware_drives_the_circle_and_the_guard_has_nothing_to_refuse(pro
         assert speed(rig) < STANDS_MPS
 
 
-def test_who_takes_control_is_told_what_the_start_has_shown_of_the_boards_reset() -> None:
+def test_who_takes_control_is_reported_what_the_start_has_shown_of_the_boards_reset() -> None:
     said: list[bytes] = []
 
     def note(_now: int, sender: str, packet: Packet) -> None:

@@ -114,7 +114,7 @@ def test_every_interlock_holds_as_over_can(driven: Callable[[AnyRobot, str], Pat
     assert through["lines"][0]["late_cycles"] == 0
 
 
-def test_rs232_drives_with_the_longer_cycle_that_its_robot_file_says(rides: Ridden) -> None:
+def test_rs232_drives_with_the_longer_cycle_that_its_robot_file_states(rides: Ridden) -> None:
     slow = over_serial(RARS, Generation.V1).model_copy(update={"cycle_ms": 140})
     one = rides(ARMED, step(4.0, speed_mps=0.2, ramp_mps2=0.2), seconds=8, robot=slow)
     one.runs(7)
@@ -155,7 +155,7 @@ def test_when_the_bridge_dies_all_four_drives_stop_by_their_own_watch(rides: Rid
 
 
 @pytest.mark.long(beside="test_a_cause_has_the_outcome_that_was_measured")
-def test_an_adapter_that_is_unplugged_is_told_within_a_cycle_and_needs_a_new_arm(rides: Ridden) -> None:
+def test_an_adapter_that_is_unplugged_is_reported_within_a_cycle_and_needs_a_new_arm(rides: Ridden) -> None:
     one = rides(
         *DRIVING,
         step(6.0, speed_mps=0.0),

@@ -102,5 +102,5 @@ def test_a_robot_s_drive_is_chosen_by_its_node(tmp_path: Path) -> None:
         (("epos2", "--serial", "/dev/no-such", "--serial-link", "x"), "only a pseudo-terminal wants a link"),
     ],
 )
-def test_mistakes_are_told_in_one_message(words: tuple[str, ...], told: str) -> None:
+def test_mistakes_are_reported_in_one_message(words: tuple[str, ...], told: str) -> None:
     assert told in refused(*words)

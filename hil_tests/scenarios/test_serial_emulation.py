@@ -129,7 +129,7 @@ def test_a_process_that_stands_still_for_a_while_invents_no_time_out(line: Line)
         (("--serial", "pty", "--serial-link", os.devnull), "cannot make the link /dev/null"),
     ],
 )
-def test_mistakes_are_told_in_one_message(words: tuple[str, ...], message: str) -> None:
+def test_mistakes_are_reported_in_one_message(words: tuple[str, ...], message: str) -> None:
     with emulate(*words) as program:
         _, complained = program.communicate(timeout=HUNG_S)
     assert program.returncode == 2

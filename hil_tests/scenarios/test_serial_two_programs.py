@@ -124,7 +124,7 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-def test_the_robot_is_armed_over_the_line_loses_it_and_is_armed_anew(
+def test_the_robot_is_armed_over_the_line_loses_it_and_is_armed_again(
     start: Callable[..., Program], operator: Operator, tmp_path: Path
 ) -> None:
     link = tmp_path / "rars.tty"
@@ -211,7 +211,7 @@ def test_a_second_station_on_another_port_clears_and_arms_nothing_but_may_stop(
         (("--baud", "9600"), "--protocol and --baud are of a serial port; name it with --serial DEVICE"),
     ],
 )
-def test_mistakes_are_told_in_one_message(
+def test_mistakes_are_reported_in_one_message(
     start: Callable[..., Program], words: tuple[str, ...], message: str
 ) -> None:
     program = start("drive", "rars", *words)

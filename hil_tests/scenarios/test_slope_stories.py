@@ -276,7 +276,7 @@ def test_a_bridge_that_dies_on_a_slope_leaves_the_robot_to_roll(rides: Ridden) -
 
 
 @pytest.mark.interpreted
-def test_a_driver_that_tells_no_current_keeps_the_power(
+def test_a_driver_that_reports_no_current_keeps_the_power(
     rides: Ridden, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("firmware_bridge.drivers.epos2.drive.TELLS", frozenset())

@@ -129,7 +129,7 @@ def test_channels_that_are_given_back_stop_it_at_the_ramp(rides: Ridden) -> None
 
 @pytest.mark.long(keeps=["refuse-0.0"])
 @pytest.mark.parametrize(("age", "speed"), [(UnknownAge.DRIVE, 0.2), (UnknownAge.REFUSE, 0.0)])
-def test_channels_tell_no_age_and_are_obeyed_where_such_words_are(
+def test_channels_report_no_age_and_are_obeyed_where_such_words_are(
     rides: Ridden, age: UnknownAge, speed: float
 ) -> None:
     robot = find("rars")

@@ -74,7 +74,9 @@ def ended(one: Ride, within_s: float) -> float:
 @pytest.mark.long(keeps=["stop-can", "reset_communication-can"])
 @on_each_link
 @deafened
-def test_a_drive_that_a_stranger_made_deaf_comes_to_rest(rides: Ridden, link: str, command: str) -> None:
+def test_a_drive_that_a_foreign_node_made_unable_to_receive_comes_to_rest(
+    rides: Ridden, link: str, command: str
+) -> None:
     one = driven(rides, link, command=command)
     one.runs_until(10.0)
     assert one.stands_from(DEAF_S, slower_than=0.01) < DEAF_S + 1.5
@@ -85,7 +87,9 @@ def test_a_drive_that_a_stranger_made_deaf_comes_to_rest(rides: Ridden, link: st
 
 @pytest.mark.long(keeps=["stop"])
 @deafened
-def test_an_emergency_stop_stops_a_deaf_drive_and_blocks_arming(rides: Ridden, command: str) -> None:
+def test_an_emergency_stop_stops_a_drive_that_receives_nothing_and_blocks_arming(
+    rides: Ridden, command: str
+) -> None:
     one = driven(rides, "can", step(6.05, emergency_stop=True), step(7.5, arm=True), command=command)
     one.runs_until(10.0)
     assert one.stands_from(DEAF_S, slower_than=0.01) < DEAF_S + 1.5
@@ -96,7 +100,9 @@ def test_an_emergency_stop_stops_a_deaf_drive_and_blocks_arming(rides: Ridden, c
 @pytest.mark.long(keeps=["stop-can"])
 @on_each_link
 @deafened
-def test_a_forced_disarm_takes_the_power_of_a_deaf_drive(rides: Ridden, link: str, command: str) -> None:
+def test_a_forced_disarm_takes_the_power_of_a_drive_that_receives_nothing(
+    rides: Ridden, link: str, command: str
+) -> None:
     one = driven(rides, link, step(6.05, force_disarm=True), command=command)
     one.runs_until(DEAF_S + 1.5)
     assert unpowered(one)
@@ -106,7 +112,9 @@ def test_a_forced_disarm_takes_the_power_of_a_deaf_drive(rides: Ridden, link: st
 @pytest.mark.long(keeps=["reset_communication-can"])
 @on_each_link
 @deafened
-def test_an_orderly_end_leaves_no_deaf_drive_with_power(rides: Ridden, link: str, command: str) -> None:
+def test_an_orderly_end_leaves_no_drive_with_power_that_receives_nothing(
+    rides: Ridden, link: str, command: str
+) -> None:
     one = driven(rides, link, command=command)
     one.runs_until(DEAF_S + 0.02)
     ended(one, 8.0)
@@ -116,7 +124,7 @@ def test_an_orderly_end_leaves_no_deaf_drive_with_power(rides: Ridden, link: str
     assert one.fastest(to_seconds(one.rig.world.now) - 0.5) < 0.003
 
 
-def test_a_drive_that_hears_only_the_heartbeat_stops_when_it_is_withheld(rides: Ridden) -> None:
+def test_a_drive_that_receives_only_the_heartbeat_stops_when_it_is_withheld(rides: Ridden) -> None:
     one = driven(rides, "can", fresh=True)
     one.runs_until(DEAF_S)
     hears_only(one, BEAT)
@@ -128,7 +136,7 @@ def test_a_drive_that_hears_only_the_heartbeat_stops_when_it_is_withheld(rides: 
     assert "silence unconfirmed: left" not in told(one), "it was enough"
 
 
-def test_a_drive_without_a_watch_that_hears_only_the_network_is_reset_at_last(rides: Ridden) -> None:
+def test_a_drive_without_a_watch_that_receives_only_the_network_is_reset_at_last(rides: Ridden) -> None:
     """Reset communication has taken its watch over the bridge: silence does not stop it."""
     one = driven(rides, "can", command="reset_communication", fresh=True)
     one.runs_until(DEAF_S + 0.01)
@@ -194,7 +202,7 @@ def test_a_second_bridge_that_is_ended_at_once_leaves_the_first_one_s_robot_alon
     assert one.now["speed_mps"] == pytest.approx(0.3, abs=0.02)
 
 
-def test_a_second_bridge_refuses_to_start_and_says_why(rides: Ridden) -> None:
+def test_a_second_bridge_refuses_to_start_and_states_why(rides: Ridden) -> None:
     one = driven(rides, "can", fresh=True)
     one.runs_until(DEAF_S)
     second, sent = second_bridge(one)
@@ -224,7 +232,7 @@ def test_a_second_bridge_refuses_to_start_and_says_why(rides: Ridden) -> None:
     ],
     ids=["heartbeat", "sync", "network command", "set-point"],
 )
-def test_another_master_stops_the_robot_and_blocks_arming_while_it_is_heard(
+def test_another_master_stops_the_robot_and_blocks_arming_while_it_is_received(
     rides: Ridden, frame: Packet, told: str
 ) -> None:
     one = driven(rides, "can", step(6.5, speed_mps=0.0), step(8.0, arm=True), step(10.5, arm=True))
@@ -246,7 +254,7 @@ def test_another_master_stops_the_robot_and_blocks_arming_while_it_is_heard(
     ["2316100100000000", "2384600001000000", "2B4060000F000000", "2F60600006000000"],
     ids=["no watch", "a profile without brakes", "controlword", "homing mode"],
 )
-def test_a_drive_that_somebody_else_has_written_to_stops_and_is_set_up_again(
+def test_a_drive_that_someone_else_has_written_to_stops_and_is_set_up_again(
     rides: Ridden, frame: str
 ) -> None:
     one = driven(

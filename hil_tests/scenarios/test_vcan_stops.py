@@ -33,7 +33,7 @@ def comes_to_rest(bench: Bench, within: float) -> None:
     until(lambda: abs(bench.eye.speed()) < 0.005, within, "at rest")
 
 
-def test_a_drive_that_was_made_deaf_stops_and_an_end_leaves_it_without_power(
+def test_a_drive_that_was_made_unable_to_receive_stops_and_an_end_leaves_it_without_power(
     bench: Bench, client: Client
 ) -> None:
     bench.gets_under_way(client, 0.3)

@@ -46,9 +46,7 @@ def told(one: Ride) -> str:
 
 @pytest.mark.long(keeps=["can"])
 @LINKS
-def test_a_raised_lift_that_restarts_is_believed_where_somebody_saw_it(
-    rides: Ridden, robot: AnyRobot
-) -> None:
+def test_a_raised_lift_that_restarts_is_believed_where_someone_saw_it(rides: Ridden, robot: AnyRobot) -> None:
     one = rides(
         ARMED,
         step(4.0, lift_m=RAISED_M),
@@ -142,7 +140,7 @@ def test_a_robot_that_starts_with_its_lift_up_is_not_armed_unseen(rides: Ridden,
     assert "look where it stands, and say so" in told(one)
 
 
-@pytest.mark.long(beside="test_a_stop_in_the_middle_leaves_it_lost_and_the_drive_is_set_up_anew")
+@pytest.mark.long(beside="test_a_stop_in_the_middle_leaves_it_lost_and_the_drive_is_set_up_again")
 def test_an_emergency_stop_while_a_zero_is_set_leaves_it_lost(rides: Ridden) -> None:
     """Over a serial line it takes long enough for that; what the drive took does not count."""
     one = rides(
@@ -163,7 +161,7 @@ def test_an_emergency_stop_while_a_zero_is_set_leaves_it_lost(rides: Ridden) -> 
     assert kept_back(one) == []
 
 
-def test_a_wheel_that_restarts_needs_nobody(rides: Ridden) -> None:
+def test_a_wheel_that_restarts_needs_no_one(rides: Ridden) -> None:
     one = rides(
         ARMED,
         step(4.0, speed_mps=0.2),

@@ -49,7 +49,7 @@ def test_a_folder_has_every_table_and_picture_and_the_same_bytes_each_time(tmp_p
     ]
 
 
-def test_the_report_is_one_page_that_needs_no_other_and_says_everything() -> None:
+def test_the_report_is_one_page_that_needs_no_other_and_states_everything() -> None:
     text = page([(STUDY, made(GOOD, BAD))])
     for word in ("One &amp; only", "Somebody, 2000", "mass &amp; more", "A remark.", "as in (1)", "b [m]"):
         assert word in text
@@ -89,7 +89,7 @@ def test_the_independent_ways_find_what_is_known() -> None:
     assert swing[-1] == pytest.approx([np.cos(1.0), -np.sin(1.0)], abs=1e-9)
 
 
-def test_without_a_checkout_one_line_says_where_studies_are(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_checkout_one_line_states_where_studies_are(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delitem(sys.modules, "emulators.cli.study", raising=False)
     installed = metadata.entry_points
     absent = "firmware_bridge.study"

@@ -53,7 +53,9 @@ def line() -> Iterator[Line]:
     os.close(host)
 
 
-def test_a_board_is_left_alone_in_its_boot_loader_and_then_asked_until_it_has_said_all(line: Line) -> None:
+def test_a_board_is_left_alone_in_its_boot_loader_and_then_requested_until_it_has_stated_all(
+    line: Line,
+) -> None:
     with BoardCall(line.port, "ros-arduino-bridge") as call:
         os.write(line.device, b"57600 from before the question\r\n")
         assert not any(call.complete() for _ in range(BOOTS))
@@ -66,7 +68,7 @@ def test_a_board_is_left_alone_in_its_boot_loader_and_then_asked_until_it_has_sa
     assert set(QUESTIONS) == {*FIRMWARES, ARM}
 
 
-def test_a_drive_on_a_line_is_asked_again_until_it_answers_without_an_error(line: Line) -> None:
+def test_a_drive_on_a_line_is_requested_again_until_it_answers_without_an_error(line: Line) -> None:
     with LineCall(line.port, "2", Generation.V2) as call:
         assert not call.complete()
         assert line.heard() == ASKED

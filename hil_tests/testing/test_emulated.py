@@ -67,7 +67,7 @@ def test_two_tests_at_once_are_on_two_buses_and_one_that_is_given_back_is_taken_
         (lambda folder: emulated.Drives(never, folder).lose_power("2"), "no drives '2' .*: none yet"),
     ],
 )
-def test_what_cannot_be_is_said_in_one_line(
+def test_what_cannot_be_is_stated_in_one_line(
     tmp_path: Path, wrong: Callable[[Path], object], said: str
 ) -> None:
     with pytest.raises(RigError, match=said) as error:

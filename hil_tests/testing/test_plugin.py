@@ -84,7 +84,7 @@ def test_the_stories_of_the_page_and_others(pytester: pytest.Pytester, run: Run)
     assert '<property name="seed" value="8"' in report
 
 
-def test_a_failing_test_says_what_held_and_keeps_what_happened(pytester: pytest.Pytester, run: Run) -> None:
+def test_a_failing_test_states_what_held_and_keeps_what_happened(pytester: pytest.Pytester, run: Run) -> None:
     pytester.makeini("[pytest]\nrig_robot = rars")
     pytester.makepyfile(test_it=BLOCKS["test_silence"].replace('"operator silent"', '"boredom"'))
     result = run("--kept", "left", "--seed", "3", "--no-pictures", "--report-page", "new/page.html")
@@ -108,7 +108,7 @@ def test_a_failing_test_says_what_held_and_keeps_what_happened(pytester: pytest.
     assert (folder / "samples.csv").read_text(encoding="ascii").count("\n") == 1 + 602
 
 
-def test_a_fault_of_a_motor_that_stood_says_that_it_could_not_show(
+def test_a_fault_of_a_motor_that_stood_states_that_it_could_not_show(
     pytester: pytest.Pytester, run: Run
 ) -> None:
     pytester.makepyfile(
@@ -132,7 +132,7 @@ def test_dead_encoder(rig):
 
 
 @pytest.mark.interpreted
-@pytest.mark.long(beside="test_one_that_ends_too_soon_says_what_it_printed")
+@pytest.mark.long(beside="test_one_that_ends_too_soon_states_what_it_printed")
 @pytest.mark.parametrize(
     ("story", "bus"),
     [
@@ -150,7 +150,7 @@ def test_the_stories_of_the_page_in_real_time(
     run("--bus", bus).assert_outcomes(passed=1)
 
 
-@pytest.mark.long(beside="test_a_failing_test_says_what_held_and_keeps_what_happened")
+@pytest.mark.long(beside="test_a_failing_test_states_what_held_and_keeps_what_happened")
 def test_a_failing_test_leaves_pictures(pytester: pytest.Pytester, run: Run) -> None:
     pytester.makepyfile(test_it="def test_nothing(rig):\n    rig.runs(0.5)\n    assert not rig.now")
     run("--robot", "rome", "--report-page", "page.html")
@@ -160,7 +160,7 @@ def test_a_failing_test_leaves_pictures(pytester: pytest.Pytester, run: Run) -> 
     assert {"path", "speeds", "currents", "holds"} <= pictures
 
 
-def test_a_story_for_no_robot_and_one_that_cannot_be_told(pytester: pytest.Pytester, run: Run) -> None:
+def test_a_story_for_no_robot_and_one_that_cannot_be_reported(pytester: pytest.Pytester, run: Run) -> None:
     pytester.makepyfile(
         """
         import pytest
@@ -181,7 +181,7 @@ def test_a_story_for_no_robot_and_one_that_cannot_be_told(pytester: pytest.Pytes
     result.stdout.no_fnmatch_line("kept in*")
 
 
-def test_whoever_does_not_use_it_does_not_wait_for_it() -> None:
+def test_a_client_that_does_not_use_it_does_not_wait_for_it() -> None:
     entries = tomllib.loads(PROJECT.read_text(encoding="utf-8"))["project"]["entry-points"]["pytest11"]
     assert entries == {PLUGIN: PLUGIN}
     program = f"import sys, pytest, {PLUGIN}; print(*sys.modules)"

@@ -51,7 +51,7 @@ def python(tmp_path: Path) -> Iterator[Starts]:
         one.stop()
 
 
-def test_one_that_ends_too_soon_says_what_it_printed(python: Starts) -> None:
+def test_one_that_ends_too_soon_states_what_it_printed(python: Starts) -> None:
     one = python("print('no bus'); raise SystemExit(3)")
     with pytest.raises(AssertionError, match=r"ended with 3, not 'ready' printed; it printed:\nno bus"):
         one.says("ready", within=60)
@@ -67,7 +67,7 @@ def test_one_that_hangs_is_ended(python: Starts) -> None:
     assert one.status is not None
 
 
-@pytest.mark.long(beside="test_one_that_ends_too_soon_says_what_it_printed")
+@pytest.mark.long(beside="test_one_that_ends_too_soon_states_what_it_printed")
 def test_drives_on_a_line_and_a_master_of_ones_own(pytester: pytest.Pytester, imported: Imported) -> None:
     pytester.makepyfile(MASTER)
     result = pytester.runpytest_inprocess(*WORDS, plugins=[imported])
@@ -75,7 +75,9 @@ def test_drives_on_a_line_and_a_master_of_ones_own(pytester: pytest.Pytester, im
     result.stdout.fnmatch_lines(["*still runs after 0.1 s; it printed:*", "exit status: None", "here"])
 
 
-@pytest.mark.long(beside="test_a_board_is_left_alone_in_its_boot_loader_and_then_asked_until_it_has_said_all")
+@pytest.mark.long(
+    beside="test_a_board_is_left_alone_in_its_boot_loader_and_then_requested_until_it_has_stated_all"
+)
 @pytest.mark.parametrize(
     "board",
     ['"mw"', '"arduinoio"', '"firmata", "--encoders", "2"', '"ar2"', '"rome", protocol="firmata"'],

@@ -107,7 +107,7 @@ def test_who_moves_them_leaves_them_at_rest_and_all_are_stopped_before_one_loses
     ]
 
 
-def test_one_that_goes_on_turning_keeps_its_power_and_one_that_is_silent_holds_up_nobody(
+def test_one_that_goes_on_turning_keeps_its_power_and_one_that_is_silent_holds_up_no_one(
     program: Program,
 ) -> None:
     real = RealDrives(program, None, moved=True)
@@ -121,7 +121,7 @@ def test_one_that_goes_on_turning_keeps_its_power_and_one_that_is_silent_holds_u
     assert not any("disable" in words for words in program.said)
 
 
-def test_what_nobody_can_do_to_them_is_left_out(program: Program) -> None:
+def test_what_no_one_can_do_to_them_is_left_out(program: Program) -> None:
     real = RealDrives(program, None, moved=True)
     for wrong, said in (
         (lambda: real("1", "--load", "2e-5,0.001"), "take no --load"),

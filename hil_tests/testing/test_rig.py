@@ -71,7 +71,7 @@ def test_what_fails_in_a_branch_stays_for_the_report(rig: VirtualRig) -> None:
     assert rig.now == pytest.approx(began + 0.5)
 
 
-def test_a_rig_that_was_broken_off_is_made_anew(kept: Kept, rig: VirtualRig) -> None:
+def test_a_rig_that_was_broken_off_is_made_again(kept: Kept, rig: VirtualRig) -> None:
     rig.whole = False
     assert kept.armed(ROBOT, 0) is not rig
 
@@ -97,7 +97,7 @@ def test_the_operator_falls_silent_and_comes_back(rig: VirtualRig) -> None:
         (lambda rig: rig.fault("node_silent", node="x"), "cannot have the fault 'node_silent': .*rome"),
     ],
 )
-def test_what_cannot_be_is_said_in_one_line(rig: VirtualRig, wrong: object, said: str) -> None:
+def test_what_cannot_be_is_stated_in_one_line(rig: VirtualRig, wrong: object, said: str) -> None:
     assert callable(wrong)
     with pytest.raises(RigError, match=said) as error:
         wrong(rig)

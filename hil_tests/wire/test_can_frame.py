@@ -70,7 +70,7 @@ payloads = st.lists(st.one_of(few_edges, st.integers(0, 255)), max_size=8).map(b
 @pytest.mark.long(beside="test_known_frames")
 @settings(max_examples=examples(2000))
 @given(addresses, remotes, payloads)
-def test_every_frame_is_as_long_as_the_second_computation_says(
+def test_every_frame_is_as_long_as_the_second_computation_states(
     address: int, remote: int, payload: bytes
 ) -> None:
     address |= remote

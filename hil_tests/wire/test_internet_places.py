@@ -12,7 +12,9 @@ PORTS = st.integers(1, 0xFFFF)
 
 
 @given(st.ip_addresses(), PORTS)
-def test_a_number_tells_its_place(address: ipaddress.IPv4Address | ipaddress.IPv6Address, port: int) -> None:
+def test_a_number_reports_its_place(
+    address: ipaddress.IPv4Address | ipaddress.IPv6Address, port: int
+) -> None:
     assert host_and_port(number_of(str(address), port)) == (str(address), port)
 
 

@@ -65,7 +65,7 @@ def test_v1_a_host_that_goes_away_is_forgotten(agreed: bytes) -> None:
     assert end.hear(ASKED_V1, 2 * TIMEOUT) == READ
 
 
-def test_v1_a_failed_last_answer_is_not_said_again() -> None:
+def test_v1_a_failed_last_answer_is_not_stated_again() -> None:
     end = device()
     end.hear(ASKED_V1, 0)
     end.answer(bytes(8), 0)

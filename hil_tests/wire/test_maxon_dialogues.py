@@ -26,7 +26,7 @@ def serve(
 
 @fragmented
 @every_exchange
-def test_the_device_says_its_part(exchange: Exchange, generation: Generation, cut: Cut) -> None:
+def test_the_device_states_its_part(exchange: Exchange, generation: Generation, cut: Cut) -> None:
     end = device(generation)
     for _ in range(2):  # the second time shows that the first has left nothing behind
         said = dialogue(exchange, generation)
@@ -40,7 +40,7 @@ def test_the_device_says_its_part(exchange: Exchange, generation: Generation, cu
 
 @fragmented
 @every_exchange
-def test_the_host_says_its_part(exchange: Exchange, generation: Generation, cut: Cut) -> None:
+def test_the_host_states_its_part(exchange: Exchange, generation: Generation, cut: Cut) -> None:
     end = host_end(generation, TIMEOUT)
     answered = generation in row_of(exchange.request).answered
     for _ in range(2):

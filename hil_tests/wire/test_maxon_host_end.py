@@ -8,7 +8,7 @@ from firmware_bridge.wire.maxon.lines import host_end
 from hil_tests.wire.maxon_ends import ASKED_V1, ASKED_V2, READ, TIMEOUT, both
 
 
-def test_v1_the_host_says_which_step_failed() -> None:
+def test_v1_the_host_states_which_step_failed() -> None:
     for said, outcome in (
         (b"F", Failure.REFUSED),
         (b"OF", Failure.DAMAGED),
@@ -34,7 +34,7 @@ def test_v1_the_host_gives_up_a_step_that_takes_too_long(said: str) -> None:
     assert (host.due, host.ready_at) == (NEVER, since + 2 * TIMEOUT)
 
 
-def test_v1_the_host_hears_the_handshake_through_noise() -> None:
+def test_v1_the_host_receives_the_handshake_through_noise() -> None:
     host = host_end(Generation.V1, TIMEOUT)
     host.ask(READ, 0)
     assert host.hear(bytes.fromhex("01FF4F 02FF4F FF0100 030000000040010000 5D46 77"), 0) == Answered(
@@ -42,7 +42,7 @@ def test_v1_the_host_hears_the_handshake_through_noise() -> None:
     )
 
 
-def test_v2_the_host_hears_its_answer_through_noise_and_tells_a_garbled_one() -> None:
+def test_v2_the_host_receives_its_answer_through_noise_and_reports_a_garbled_one() -> None:
     host = host_end(Generation.V2, TIMEOUT)
     host.ask(READ, 0)
     answer = bytes.fromhex("9002 0004 0000000040010000 2CC6")

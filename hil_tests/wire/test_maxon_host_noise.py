@@ -19,7 +19,7 @@ NOISE = {
 
 @fragmented
 @every_exchange
-def test_the_host_says_its_part_through_noise(exchange: Exchange, generation: Generation, cut: Cut) -> None:
+def test_the_host_states_its_part_through_noise(exchange: Exchange, generation: Generation, cut: Cut) -> None:
     host = host_end(generation, 500 * MILLISECOND)
     answered = generation in row_of(exchange.request).answered
     for _ in range(2):

@@ -79,7 +79,7 @@ def test_a_device_that_ends_a_reset_all_the_same_is_understood(generation: Gener
     assert (host.busy, host.ready_at, host.due) == (False, MILLISECOND, NEVER)
 
 
-def test_a_reset_that_nobody_begins_to_take_has_failed() -> None:
+def test_a_reset_that_no_one_begins_to_take_has_failed() -> None:
     host = host_end(Generation.V1, TIMEOUT)
     host.ask(nmt(NmtCommand.RESET_NODE), 0, answered=False)
     assert host.wake(host.due) is Failure.SILENCE

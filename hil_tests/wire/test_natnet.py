@@ -66,7 +66,7 @@ TWICE = (BODY, BODY._replace(mean_error_m=0.5))
 @every("version", VERSIONS)
 @every("others", [(), ((0.5, 0.5, 0.5),)])
 @every("seen", [TWO, TWICE, ()])
-def test_a_glance_sees_what_the_whole_frame_tells(
+def test_a_glance_sees_what_the_whole_frame_reports(
     version: Version, others: tuple[frames.Point, ...], seen: tuple[RigidBody, ...]
 ) -> None:
     whole = SEEN._replace(bodies=seen, other_markers=others, params=2, precise=(0, 0))
@@ -258,7 +258,7 @@ def test_a_damaged_frame_is_read_or_refused(data: st.DataObject) -> None:
         ("b0040000 01000000 616263", "name at byte 8 has no end"),
     ],
 )
-def test_a_refusal_says_where(payload: str, said: str) -> None:
+def test_a_refusal_states_where(payload: str, said: str) -> None:
     with pytest.raises(NatNetError, match=said):
         frames.decoded(bytes.fromhex(payload), Version(3, 1))
 
@@ -279,12 +279,12 @@ def test_a_frame_in_the_layout_of_another_version_is_refused() -> None:
 
 
 @pytest.mark.parametrize("version", [Version(1, 7), Version(2, 8), Version(5, 0), Version(0, 0)])
-def test_a_version_that_nobody_has_described_is_refused(version: Version) -> None:
+def test_a_version_that_no_one_has_described_is_refused(version: Version) -> None:
     with pytest.raises(NatNetError, match=f"NatNet {version} is not known; {FIRST} to {LAST} are"):
         frames.encoded(SEEN, version)
 
 
-def test_a_list_of_another_length_than_said_is_refused() -> None:
+def test_a_list_of_another_length_than_stated_is_refused() -> None:
     payload = bytearray(split(LOST_4_1)[1])
     payload[payload.index(b"\x26\0\0\0")] = 0x27
     with pytest.raises(NatNetError, match="bodies: said to be 39 bytes long, and 38 by its items"):
@@ -299,7 +299,7 @@ def test_a_list_of_another_length_than_said_is_refused() -> None:
         (ServerInfo("Motive", (3, 1, 0, 0), (4, 1, 0, 0), 10_000_000, 1511, 0), 279),
     ],
 )
-def test_who_serves_says_its_version(info: ServerInfo, size: int) -> None:
+def test_who_serves_states_its_version(info: ServerInfo, size: int) -> None:
     payload = messages.server_info_payload(info)
     assert len(payload) == size
     junk = payload[:7] + bytes([0xAB]) * 249 + payload[256:]
@@ -315,7 +315,7 @@ def test_who_serves_says_its_version(info: ServerInfo, size: int) -> None:
         (messages.connect_payload(Connect("x", (4, 1, 0, 0), (4, 1, 0, 0), (3, 1, 0, 0))) + b"\0\0", None),
     ],
 )
-def test_whoever_connects_is_understood(payload: bytes, connect: Connect | None) -> None:
+def test_every_client_that_connects_is_understood(payload: bytes, connect: Connect | None) -> None:
     found = messages.connected(payload)
     if connect is not None:
         assert found == connect
@@ -324,7 +324,7 @@ def test_whoever_connects_is_understood(payload: bytes, connect: Connect | None)
         assert (found.wants is None) == (len(payload) == 264)
 
 
-def test_a_model_of_an_unknown_type_is_stepped_over_where_its_length_is_told() -> None:
+def test_a_model_of_an_unknown_type_is_stepped_over_where_its_length_is_reported() -> None:
     robot = RigidBodyModel("robot", 7)
     payload = models.encoded((robot, RigidBodyModel("other", 8)), Version(4, 1))
     strange = payload[:4] + b"\x63" + payload[5:]

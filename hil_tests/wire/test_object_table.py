@@ -73,7 +73,7 @@ def test_a_row_is_sound(row: ObjectRow) -> None:
 
 
 @ROWS
-def test_a_row_says_how_far_its_default_is_known(row: ObjectRow) -> None:
+def test_a_row_states_how_far_its_default_is_known(row: ObjectRow) -> None:
     invented = row.default_provenance is Provenance.ASSUMED
     assert invented == (row.default_source == "own assumption")
     if invented:

@@ -70,7 +70,7 @@ def test_segments_are_the_same_both_ways(raw: bytes, toggle: bool, last: bool) -
 
 
 @given(ADDRESSES, st.integers(0, 0xFFFF_FFFF))
-def test_an_abort_keeps_its_code_whoever_sends_it(address: Address, code: int) -> None:
+def test_an_abort_keeps_its_code_whichever_node_sends_it(address: Address, code: int) -> None:
     frame = sdo.encode_abort(address, code)
     assert sdo.decode_request(frame) == sdo.decode_response(frame) == sdo.Abort(address, code)
 
@@ -91,7 +91,7 @@ def test_eight_bytes_are_no_segment() -> None:
         sdo.encode_download_segment(bytes(8), toggle=False, last=True)
 
 
-def test_an_abort_says_where_and_why() -> None:
+def test_an_abort_states_where_and_why() -> None:
     assert str(SdoAbort(AbortCode.READ_ONLY, at.STATUSWORD)) == "0x6041: 0x06010002 object is read-only"
     assert meaning_of(0x1234_5678) == "0x12345678"
 

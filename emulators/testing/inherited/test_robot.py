@@ -98,7 +98,7 @@ def test_every_row_of_its_own_has_a_boundary_case_and_no_case_is_for_nothing(nam
     assert {case.row for case in cases_of(name)} == {row.name for row in rows_of(find(name))}
 
 
-def test_at_its_threshold_a_row_holds_and_says_why(name: str, case: AnyCase) -> None:
+def test_at_its_threshold_a_row_holds_and_states_why(name: str, case: AnyCase) -> None:
     robot = case.robot or find(name)
     row = next(row for row in rows_of(robot) if row.name == case.row)
     gate = gate_of(robot)
@@ -171,7 +171,7 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
             yield f"{row}: {axis.name}", {"following": {axis.name: following}}
 
 
-def test_the_common_rows_stop_all_of_it_whatever_it_is_asked(name: str) -> None:
+def test_the_common_rows_stop_all_of_it_whatever_it_is_requested(name: str) -> None:
     robot = find(name)
     kind = kind_of(robot)
     tripped = set()
@@ -208,7 +208,7 @@ def spoiled(motion: Any, value: float) -> Iterator[Any]:
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-def test_a_wish_that_is_no_number_stops_all_of_it(name: str, value: float) -> None:
+def test_a_command_that_is_no_number_stops_all_of_it(name: str, value: float) -> None:
     robot = find(name)
     kind = kind_of(robot)
     named = set()
@@ -309,7 +309,7 @@ def says(paper: Paper, word: Stick | Velocity, wish: Any) -> Any:
 
 @settings(max_examples=examples(60), deadline=None)
 @given(said=words)
-def test_whatever_is_said_the_guards_bounds_hold(
+def test_whatever_is_stated_the_guards_bounds_hold(
     name: str, said: list[tuple[Stick | Velocity, int, bool]]
 ) -> None:
     paper = Paper(find(name))

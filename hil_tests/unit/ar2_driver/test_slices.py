@@ -47,7 +47,7 @@ def test_what_is_too_far_for_one_move_is_cut_for_all_joints_alike() -> None:
     assert found.steps == (20, -10, 2, 0, 0, 0)
 
 
-def test_who_is_there_is_told_nothing() -> None:
+def test_who_is_there_is_reported_nothing() -> None:
     assert slice_of((0,) * 6, MOST, 60 * MILLISECOND) is None
 
 

@@ -72,7 +72,7 @@ def test_several_joints_go_in_the_turns_of_the_longest() -> None:
     assert turns == [5 * n + 4 for n in range(200)]
 
 
-def test_it_answers_before_it_moves_and_hears_nothing_while_it_does() -> None:
+def test_it_answers_before_it_moves_and_receives_nothing_while_it_does() -> None:
     bench = Bench()
     assert bench.ask(ONE, 5 * MILLISECOND) == b"command recieved"
     assert bench.kept == []
@@ -151,7 +151,7 @@ def test_a_part_of_a_string_is_as_the_core_cuts_it(left: int, right: int, found:
         (b"WIN22\n", b"", None),
     ],
 )
-def test_each_command_says_what_is_published(line: bytes, said: bytes, after_ms: int | None) -> None:
+def test_each_command_states_what_is_published(line: bytes, said: bytes, after_ms: int | None) -> None:
     bench = Bench()
     begun = bench.begun
     assert bench.ask(line, 3_600 * SECOND) == said
@@ -169,7 +169,7 @@ def test_an_input_that_is_waited_for_is_looked_at_ten_times_a_second() -> None:
     assert bench.now - begun == 3_100 * MILLISECOND
 
 
-def test_outputs_and_servos_do_what_they_are_told() -> None:
+def test_outputs_and_servos_do_what_they_are_reported() -> None:
     bench = Bench()
     levels = [bench.mega.pins.read(pin) for pin in range(38, 54)]
     assert levels == [1] * 8 + [0] * 8
@@ -204,7 +204,7 @@ def test_generations_differ_in_rows(generation: str, line: bytes, said: bytes) -
 # Switches
 
 
-def test_a_joint_goes_to_its_switch_and_21_pulses_further_and_it_is_said_half_a_second_later() -> None:
+def test_a_joint_goes_to_its_switch_and_21_pulses_further_and_it_is_stated_half_a_second_later() -> None:
     bench = Bench()
     bench.joints.places[0] = 321
     begun = bench.begun

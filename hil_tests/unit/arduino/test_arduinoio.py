@@ -157,7 +157,7 @@ def test_the_hosts_end_refuses_what_the_sketch_would_not_take(
 
 @settings(max_examples=examples(60))
 @given(st.lists(st.binary(max_size=40), max_size=8))
-def test_whatever_a_stranger_sends_silence_or_numbers(chunks: list[bytes]) -> None:
+def test_whatever_a_foreign_node_sends_silence_or_numbers(chunks: list[bytes]) -> None:
     it = host()
     said = b"".join(it.ask(chunk) for chunk in chunks)
     assert all(io.decode(line) is not None for line in said.split(b"\r\n")[:-1])
@@ -167,5 +167,5 @@ def test_whatever_a_stranger_sends_silence_or_numbers(chunks: list[bytes]) -> No
 
 
 @given(st.binary(max_size=20))
-def test_whatever_a_board_says_the_hosts_end_reads_a_number_or_none(noise: bytes) -> None:
+def test_whatever_a_board_states_the_hosts_end_reads_a_number_or_none(noise: bytes) -> None:
     io.decode(noise)

@@ -139,7 +139,7 @@ DIALOGUES = {
 
 
 @pytest.mark.parametrize("firmware", FIRMWARES)
-def test_a_host_hears_the_same_at_the_same_time_whoever_looks_at_the_board(firmware: str) -> None:
+def test_a_host_receives_the_same_at_the_same_time_whichever_client_looks_at_the_board(firmware: str) -> None:
     dialogue, last = DIALOGUES[firmware]
     seldom, often = Watched(firmware, SECOND), Watched(firmware, 79 * MICROSECOND)
     for it in (seldom, often):
@@ -260,13 +260,13 @@ def test_an_fmu_without_axes_for_a_shield_is_refused() -> None:
         (("--firmware", "mw", "--plant", "rome_bas"), "did you mean 'rome_base'"),
     ],
 )
-def test_mistakes_are_told_in_one_line(words: tuple[str, ...], told: str) -> None:
+def test_mistakes_are_reported_in_one_line(words: tuple[str, ...], told: str) -> None:
     result = CliRunner().invoke(program, ["emulate", "board", *words])
     assert result.exit_code == 2, result.output
     (line,) = result.stderr.splitlines()
     assert told in line
 
 
-def test_the_help_says_that_opening_resets_nothing() -> None:
+def test_the_help_states_that_opening_resets_nothing() -> None:
     help_ = " ".join(CliRunner().invoke(program, ["emulate", "board", "--help"]).output.split())
     assert "resets nothing" in help_.replace("│ ", "")

@@ -145,7 +145,7 @@ def test_a_shaft_that_is_blocked_for_a_while_stands_and_draws_a_stalls_current()
     assert it.board.motors.speeds[1] == pytest.approx(it.board.motors.speeds[0], rel=1e-3)
 
 
-def test_a_firmware_that_hangs_runs_on_and_says_nothing_until_it_is_reset() -> None:
+def test_a_firmware_that_hangs_runs_on_and_sends_nothing_until_it_is_reset() -> None:
     it = Host("board_hangs@3-4")
     it.ask(b"o 100 0 0\r", 1.2)
     speed = it.board.motors.speeds[0]
@@ -241,7 +241,7 @@ def test_what_was_called_otherwise_before_is_understood_and_named(text: str, ins
         ("board_brown_out@-3", "is no time"),
     ],
 )
-def test_what_is_no_fault_is_told(text: str, told: str) -> None:
+def test_what_is_no_fault_is_reported(text: str, told: str) -> None:
     with pytest.raises(ValueError, match=re.escape(told)):
         planned(text)
 

@@ -21,7 +21,7 @@ def host(*, encoders: bool = False) -> Host:
     return Host(lambda mega: FirmataSketch(mega, encoders=encoders), words.BAUD, ready=4 * SECOND)
 
 
-def test_it_blinks_for_two_seconds_and_says_who_is_there() -> None:
+def test_it_blinks_for_two_seconds_and_states_who_is_there() -> None:
     it = Host(FirmataSketch, words.BAUD, ready=3_200 * MILLISECOND)
     assert it.banner == b""
     it.run(20 * MILLISECOND)
@@ -96,7 +96,7 @@ def test_a_register_is_read_once_or_again_and_again() -> None:
     assert it.ask(b"", SECOND) == b""
 
 
-def test_who_is_not_there_or_asked_for_in_ten_bits_is_told_in_words() -> None:
+def test_who_is_not_there_or_requested_in_ten_bits_is_reported_in_words() -> None:
     it = host()
     it.ask(CONFIG)
     few = words.exclusive(words.STRING, words.pairs(b"I2C: Too few bytes received"))
@@ -140,7 +140,7 @@ def test_pins_are_set_reported_and_reset() -> None:
     assert it.mega.pins.duties == {}
 
 
-def test_analog_inputs_are_told_every_19_ms_until_they_are_not() -> None:
+def test_analog_inputs_are_reported_every_19_ms_until_they_are_not() -> None:
     it = host()
     said = it.ask(bytes.fromhex("C0 01"), SECOND)
     assert len(said) // 3 in {49, 50, 51}
@@ -177,7 +177,7 @@ EXCLUSIVES = st.builds(
 
 @settings(max_examples=examples(60))
 @given(st.lists(st.one_of(COMMANDS, EXCLUSIVES, st.binary(max_size=20)), max_size=8), st.booleans())
-def test_whatever_a_stranger_sends_good_messages_or_silence(chunks: list[bytes], encoders: bool) -> None:  # noqa: FBT001
+def test_whatever_a_foreign_node_sends_good_messages_or_silence(chunks: list[bytes], encoders: bool) -> None:  # noqa: FBT001
     it = host(encoders=encoders)
     it.ask(CONFIG)
     for chunk in chunks:
@@ -196,7 +196,7 @@ def test_whatever_a_stranger_sends_good_messages_or_silence(chunks: list[bytes],
 
 
 @given(st.binary(max_size=200), st.booleans())
-def test_whatever_is_said_either_end_goes_on(noise: bytes, from_board: bool) -> None:  # noqa: FBT001
+def test_whatever_is_stated_either_end_goes_on(noise: bytes, from_board: bool) -> None:  # noqa: FBT001
     split = words.Parser(from_board=from_board)
     found = list(words.Parser(from_board=from_board).hear(noise))
     assert [it for byte in noise for it in split.hear(bytes((byte,)))] == found

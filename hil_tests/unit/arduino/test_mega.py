@@ -116,7 +116,7 @@ def test_numbers_are_as_wide_as_the_avrs() -> None:
     ]
 
 
-def test_pins_are_inputs_until_told_otherwise() -> None:
+def test_pins_are_inputs_until_reported_otherwise() -> None:
     pins = Pins()
     pins.driven[7] = True
     assert [pins.read(it) for it in (7, 8, 99)] == [1, 0, 0]
@@ -218,7 +218,7 @@ def sketch_of(it: UsbBoard) -> Echo:
     return it.mega.sketch
 
 
-def test_a_boot_loader_that_hears_a_byte_keeps_it_and_stays_until_none_has_come_for_9_s() -> None:
+def test_a_boot_loader_that_receives_a_byte_keeps_it_and_stays_until_none_has_come_for_9_s() -> None:
     """stk500v2: whatever byte comes within its second, frame of its own or not."""
     host = Host(board()).run(SETUP_AT - MILLISECOND)
     host.say(b"lost")

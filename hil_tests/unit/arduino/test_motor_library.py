@@ -81,7 +81,7 @@ def test_each_call_writes_what_the_library_writes(made: bytes, expected: str) ->
         (library.Run.RELEASE, COAST),
     ],
 )
-def test_each_motor_gets_what_was_asked_for_it_and_no_other(
+def test_each_motor_gets_what_was_requested_it_and_no_other(
     number: int, command: library.Run, expected: Output
 ) -> None:
     it = Master().begin()

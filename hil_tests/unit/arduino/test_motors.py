@@ -171,7 +171,7 @@ def test_a_shield_that_wakes_drives_from_the_instant_at_which_its_oscillator_run
 
 
 @given(st.lists(st.integers(0, 10 * MILLISECOND), max_size=6))
-def test_it_does_not_matter_how_often_it_is_asked(steps: list[int]) -> None:
+def test_it_does_not_matter_how_often_it_is_requested(steps: list[int]) -> None:
     many, one = Bench(), Bench()
     for it in (many, one):
         it.drive(1, 150, BACKWARD)

@@ -51,7 +51,7 @@ def host(libraries: tuple[str, ...] = mw.LIBRARIES, encoders: int = 2) -> Host:
 
 
 @pytest.mark.parametrize(("request_", "sequence", "asked", "answered"), EXCHANGES)
-def test_the_hosts_end_says_and_reads_the_worked_frames(
+def test_the_hosts_end_states_and_reads_the_worked_frames(
     request_: mw.Message, sequence: int, asked: str, answered: str
 ) -> None:
     assert mw.encode_request(request_, sequence) == bytes.fromhex(asked)
@@ -83,7 +83,7 @@ def test_the_board_answers_the_worked_frames_in_a_row(*, slowly: bool) -> None:
         assert said == bytes.fromhex(answered), request
 
 
-def test_a_board_with_three_libraries_says_so() -> None:
+def test_a_board_with_three_libraries_states_so() -> None:
     it = host(THREE)
     assert it.ask(bytes.fromhex("5A 03 00 00 01 FC")) == bytes.fromhex(INFO)
     assert it.mega.pins.read(13) == 1
@@ -230,7 +230,7 @@ def test_each_row_reads_what_it_writes(case: tuple[mw.Shape, mw.Message]) -> Non
 
 
 @given(st.binary(max_size=200))
-def test_whatever_a_board_says_the_hosts_end_goes_on(noise: bytes) -> None:
+def test_whatever_a_board_states_the_hosts_end_goes_on(noise: bytes) -> None:
     reader = mw.AnswerReader()
     for found in reader.hear(noise):
         if isinstance(found, mw.Answered):
@@ -250,7 +250,7 @@ FRAMES = st.builds(
 
 @settings(max_examples=examples(60))
 @given(st.lists(st.one_of(FRAMES, st.binary(max_size=20)), max_size=8))
-def test_whatever_a_stranger_sends_silence_or_a_good_answer(chunks: list[bytes]) -> None:
+def test_whatever_a_foreign_node_sends_silence_or_a_good_answer(chunks: list[bytes]) -> None:
     it = host()
     said = b"".join(it.ask(chunk) for chunk in chunks)
     reader = mw.AnswerReader()
@@ -261,7 +261,7 @@ def test_whatever_a_stranger_sends_silence_or_a_good_answer(chunks: list[bytes])
     assert it.ask(GOOD) == SAID
 
 
-def test_every_command_has_a_number_of_its_own_and_what_is_not_emulated_says_so() -> None:
+def test_every_command_has_a_number_of_its_own_and_what_is_not_emulated_states_so() -> None:
     assert len(mw.COMMANDS) == len(mw.ROWS)
     assert all(row.assumed for row in mw.ROWS if row.request is None)
     for row in mw.ROWS:

@@ -172,7 +172,7 @@ def test_raw_pwm_has_no_loop() -> None:
 
 @pytest.mark.parametrize("command", [b"m 10 0 0\r", b"o 100 0 0\r"])
 @pytest.mark.parametrize("auto_stop", [500, 2000])
-def test_nobody_speaks_and_it_stops_by_itself(command: bytes, auto_stop: int) -> None:
+def test_no_one_speaks_and_it_stops_by_itself(command: bytes, auto_stop: int) -> None:
     it = host(auto_stop=auto_stop)
     it.send(command)
     it.run(auto_stop * MILLISECOND)
@@ -286,7 +286,7 @@ def test_a_ping_without_a_sensor_keeps_the_board_for_a_second() -> None:
         max_size=8,
     )
 )
-def test_whatever_a_stranger_sends_lines_come_back_and_it_lives_on(chunks: list[bytes]) -> None:
+def test_whatever_a_foreign_node_sends_lines_come_back_and_it_lives_on(chunks: list[bytes]) -> None:
     it = host()
     said = b"".join(it.ask(chunk, 200 * MILLISECOND) for chunk in chunks)
     it.run(70 * SECOND)  # a full ring of pings
@@ -300,7 +300,7 @@ def test_whatever_a_stranger_sends_lines_come_back_and_it_lives_on(chunks: list[
 
 
 @given(st.binary(max_size=200), st.sampled_from(sorted(ros.COMMANDS)))
-def test_whatever_a_board_says_the_hosts_end_goes_on(noise: bytes, letter: str) -> None:
+def test_whatever_a_board_states_the_hosts_end_goes_on(noise: bytes, letter: str) -> None:
     lines = list(ros.LineReader().hear(noise))
     split = ros.LineReader()
     assert [it for byte in noise for it in split.hear(bytes((byte,)))] == lines

@@ -33,7 +33,7 @@ def test_a_channel_write_takes_the_time_of_its_bits() -> None:
     assert (it.bus.bytes, it.bus.busy) == (6, it.now)
 
 
-def test_nobody_there_is_told_after_the_address() -> None:
+def test_no_one_there_is_reported_after_the_address() -> None:
     it = Master()
     assert not it.write("26 00 00 00 08", address=0x61).acknowledged
     assert it.now == (1 + 9 + 1) * BIT

@@ -66,7 +66,7 @@ def test_it_is_given_up_and_comes_to_rest_with_the_homing_acceleration(bench: Ax
     bench.homes(1)
 
 
-def test_a_start_in_a_halt_is_not_heard(bench: AxisBench) -> None:
+def test_a_start_in_a_halt_is_not_received(bench: AxisBench) -> None:
     bench.write(at.CONTROLWORD, ENABLED | HALT)
     bench.write(at.CONTROLWORD, START | HALT)
     bench.run(100)

@@ -66,7 +66,7 @@ def test_every_method_that_moves_stands_in_the_table() -> None:
 
 
 @pytest.mark.parametrize(("method", "start", "zero", "off"), ROWS)
-def test_home_is_where_the_method_says(method: int, start: float, zero: int, off: int) -> None:
+def test_home_is_where_the_method_states(method: int, start: float, zero: int, off: int) -> None:
     bench = AxisBench(start * GEAR, STIFF)
     bench.enable()
     assert bench.homes(method) == pytest.approx(zero, abs=off)

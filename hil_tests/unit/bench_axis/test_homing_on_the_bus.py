@@ -41,7 +41,7 @@ def test_a_homing_goes_on_as_it_went_when_time_is_put_back(
     assert first[0] == 7 * TURN
 
 
-def test_the_end_of_a_homing_is_told_on_the_bus(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_end_of_a_homing_is_reported_on_the_bus(monkeypatch: pytest.MonkeyPatch) -> None:
     run = Run(monkeypatch, kernel.NATIVE)
     run.ends()
     words = [packet.payload.hex() for _, packet in run.master.heard if packet.address == 0x181]

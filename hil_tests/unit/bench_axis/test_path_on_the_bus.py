@@ -75,7 +75,7 @@ def test_a_path_goes_on_as_it_went_when_time_is_put_back(
     assert first[0] == POSITIONS[-1]
 
 
-def test_the_path_is_told_on_the_bus(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_path_is_reported_on_the_bus(monkeypatch: pytest.MonkeyPatch) -> None:
     run = Run(monkeypatch, kernel.NATIVE)
     run.ends()
     words = [packet.payload.hex() for _, packet in run.master.heard if packet.address == 0x181]

@@ -178,7 +178,7 @@ def test_the_line_of_cameras_is_no_bus() -> None:
     assert line.startswith("my.toml: fault[0].link: climber has no bus 'cameras'; there are: drives")
 
 
-def test_all_that_is_wrong_is_said_at_once() -> None:
+def test_all_that_is_wrong_is_stated_at_once() -> None:
     lines = refusal(
         table("frame_los", AT)
         + table("frame_loss", f"{AT}nod = 3\nshare = 7.0")

@@ -14,7 +14,7 @@ from hil_tests.unit.bench_operator.joined import find, join, mission
 @pytest.mark.parametrize(
     ("speed", "steer_deg"), [(0.3, 20.0), (0.3, -20.0), (-0.3, 20.0), (-0.3, -20.0), (0.5, 0.0)]
 )
-def test_what_the_mission_says_is_what_the_bridge_understands(
+def test_what_the_mission_states_is_what_the_bridge_understands(
     how: str, speed: float, steer_deg: float
 ) -> None:
     joined = join(mission(f"1.0 speed_mps = {speed}; steer_deg = {steer_deg}", head=f'input = "{how}"\n'))
@@ -69,7 +69,7 @@ def test_buttons_are_tapped() -> None:
     assert (joined.run(2.5).wish.headlamp, joined.run(2.5).wish.detector) == (True, True)
 
 
-def test_the_lift_moves_by_stick_until_told_otherwise() -> None:
+def test_the_lift_moves_by_stick_until_reported_otherwise() -> None:
     joined = join(mission("1.0 lift_rate_mps = -0.05", "2.0 lift_rate_mps = 0.0"))
     assert joined.run(1.5).wish.lift_rate_mps == pytest.approx(-0.05)
     assert joined.run(2.5).wish.lift_rate_mps == 0.0

@@ -19,7 +19,7 @@ def parse(roles: str, robot: AnyRobot = ROBOT) -> Mission:
     return missions.parse(TEXT.format(roles=roles), "my.toml", robot, REHEARSAL)
 
 
-def test_each_is_asked_for_by_its_place_and_no_number() -> None:
+def test_each_is_requested_by_its_place_and_no_number() -> None:
     (step,) = parse('["lift", "steering"]').step
     orders = list(of_step(step, ROBOT, 0))
     assert [(order.title, order.number, order.params[0]) for order in orders] == [
@@ -38,7 +38,7 @@ def test_each_is_asked_for_by_its_place_and_no_number() -> None:
         ("[]", ROBOT, "at least 1"),
     ],
 )
-def test_what_is_not_homed_is_told(roles: str, robot: AnyRobot, told: str) -> None:
+def test_what_is_not_homed_is_reported(roles: str, robot: AnyRobot, told: str) -> None:
     with pytest.raises(MissionFileError) as wrong:
         parse(roles, robot)
     assert told in str(wrong.value)

@@ -43,7 +43,7 @@ def test_a_command_without_an_answer_is_repeated_and_given_up() -> None:
     assert joined.driver.diary.texts(Kind.UNANSWERED) == ["arm"]
 
 
-def test_what_is_rejected_for_the_moment_is_asked_again_as_new() -> None:
+def test_what_is_rejected_for_the_moment_is_requested_again_as_new() -> None:
     joined = join(mission("1.0 arm = true"))
     joined.robotlike.refusals = 3
     joined.run(4.0)

@@ -23,7 +23,7 @@ def summary() -> Summary:
     return summarise(RUN, AXES, rows(11, lambda _: 0.1), holds, faults)
 
 
-def test_it_says_what_was_measured_what_held_what_was_wrong_and_how_to_run_it_again(tmp_path: Path) -> None:
+def test_it_states_what_was_measured_what_held_what_was_wrong_and_how_to_run_it_again(tmp_path: Path) -> None:
     drawn = tmp_path / "path.png"
     drawn.write_bytes(b"\x89PNG")
     text = page(summary(), {"max_speed_mps": "limit 0.5"}, [drawn], AGAIN)
@@ -35,7 +35,7 @@ def test_it_says_what_was_measured_what_held_what_was_wrong_and_how_to_run_it_ag
         assert said in text, said
 
 
-def test_what_was_not_is_said_too() -> None:
+def test_what_was_not_is_stated_too() -> None:
     text = page(summarise(RUN, AXES, rows(11, lambda _: 0.1), []), {}, [], AGAIN)
     assert text.count("<p>none</p>") == len(("holds", "faults"))
 

@@ -107,7 +107,7 @@ def test_the_two_frames_are_laid_upon_each_other_at_the_first_row() -> None:
     assert summarise(RUN, turned, []).max_odometry_error_m == pytest.approx(0.0, abs=1e-12)
 
 
-def test_a_column_that_says_so_is_in_the_summary_with_its_largest_value() -> None:
+def test_a_column_that_states_so_is_in_the_summary_with_its_largest_value() -> None:
     summary = summarise(RUN, table([{"lift_m": 0.2}, {"lift_m": -0.4}, {"lift_m": 0.1}]), [])
     assert summary.largest == {"lift_m": 0.4}
 
@@ -154,7 +154,7 @@ def test_the_file_has_the_keys_that_its_readers_rely_on() -> None:
     assert read["holds"] == [lift | {"remedy": "lower it"}, silence | {"remedy": ""}]
 
 
-def test_the_faults_that_were_put_on_are_told_with_their_beginning_and_end() -> None:
+def test_the_faults_that_were_put_on_are_reported_with_their_beginning_and_end() -> None:
     faults = [
         FaultRecord("frame_loss", "a loose contact", ("steer",), SECOND, 3 * SECOND // 2),
         FaultRecord("can_cut", "", ("bridge", "left"), 2 * SECOND),

@@ -78,7 +78,9 @@ def test_a_disarmed_robot_needs_a_new_arm(armed: "Bench") -> None:
     assert set(armed.words("left", begin)) == {(0x000F, 0)}
 
 
-def test_after_a_pause_the_robot_goes_on_when_it_is_asked_to_with_the_stick_let_go(armed: "Bench") -> None:
+def test_after_a_pause_the_robot_goes_on_when_it_is_requested_to_with_the_stick_let_go(
+    armed: "Bench",
+) -> None:
     driving(armed)
     armed.commands(PAUSE, 0.0)
     armed.runs(1)
@@ -211,7 +213,7 @@ def test_a_forced_disarm_takes_the_power_of_what_does_not_come_to_rest(armed: "B
     assert {drive.state for drive in armed.drives.values()} == {State.SWITCH_ON_DISABLED}
 
 
-def test_after_a_forced_disarm_arming_enables_again_and_is_asked_for_twice(armed: "Bench") -> None:
+def test_after_a_forced_disarm_arming_enables_again_and_is_requested_twice(armed: "Bench") -> None:
     armed.commands(ARM, 0.0, FORCE)
     armed.runs(0.2)
     assert armed.arms() == TEMPORARILY_REJECTED
@@ -293,7 +295,7 @@ def test_a_fault_stops_the_others_and_takes_the_leave_away(armed: "Bench") -> No
     assert armed.arms() == ACCEPTED
 
 
-def test_a_faulted_drive_is_never_told_to_move(armed: "Bench") -> None:
+def test_a_faulted_drive_is_never_reported_to_move(armed: "Bench") -> None:
     driving(armed)
     armed.inject("left", armed.drives["left"].fails(0x2310))
     begin = armed.now

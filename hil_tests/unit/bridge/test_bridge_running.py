@@ -51,7 +51,7 @@ def test_without_an_answer_the_set_points_leave_10_ms_after_sync(armed: "Bench")
     assert 10 * MILLISECOND <= set_point - sync < 11 * MILLISECOND
 
 
-def test_the_wheels_ramp_to_the_wished_speed_and_no_faster_than_the_limit(armed: "Bench") -> None:
+def test_the_wheels_ramp_to_the_commanded_speed_and_no_faster_than_the_limit(armed: "Bench") -> None:
     begin = armed.now
     driving(armed)
     targets = [target for word, target in armed.words("left", begin) if word == 0x000F]
@@ -60,7 +60,7 @@ def test_the_wheels_ramp_to_the_wished_speed_and_no_faster_than_the_limit(armed:
     assert max(later - earlier for earlier, later in pairwise(targets)) <= 351
 
 
-def test_the_wheels_follow_the_angle_that_is_steered_not_the_one_that_is_wished(armed: "Bench") -> None:
+def test_the_wheels_follow_the_angle_that_is_steered_not_the_one_that_is_commanded(armed: "Bench") -> None:
     driving(armed)
     armed.drives["steer"].jammed = True
     armed.steer = 30.0
@@ -93,7 +93,7 @@ def test_the_set_point_bit_rises_at_a_new_position_and_falls_25_ms_later(armed: 
     assert 25 * MILLISECOND <= frames[risen + 1][0] - sync < 26 * MILLISECOND
 
 
-def test_not_armed_the_steering_is_told_to_halt_where_it_was(started: "Bench") -> None:
+def test_not_armed_the_steering_is_commanded_to_halt_where_it_was(started: "Bench") -> None:
     started.steer = 20.0
     begin = started.now
     started.runs(0.3)

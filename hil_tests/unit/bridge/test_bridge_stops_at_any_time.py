@@ -65,7 +65,7 @@ def test_at_no_instant_after_it_a_drive_has_power(bench: "Bench", order: tuple[A
 
 
 @both
-def test_what_stops_while_it_only_listens_is_kept_and_says_nothing_to_the_drives(
+def test_what_stops_while_it_only_listens_is_kept_and_sends_nothing_to_the_drives(
     bench: "Bench", order: tuple[Any, ...]
 ) -> None:
     bench.runs(0.1)
@@ -76,7 +76,7 @@ def test_what_stops_while_it_only_listens_is_kept_and_says_nothing_to_the_drives
     assert states(bench) <= WITHOUT_POWER
 
 
-def test_ended_while_it_only_listens_it_is_finished_at_once_and_has_said_nothing(bench: "Bench") -> None:
+def test_ended_while_it_only_listens_it_is_finished_at_once_and_has_stated_nothing(bench: "Bench") -> None:
     bench.runs(0.19)
     bench.stops()
     assert bench.bridge.finished
@@ -128,7 +128,7 @@ def test_while_it_comes_to_rest_a_forced_disarm_brakes_and_takes_the_power_at_re
     assert armed.bridge.unconfirmed == ()
 
 
-def test_while_it_comes_to_rest_an_emergency_stop_is_latched_and_told(armed: "Bench") -> None:
+def test_while_it_comes_to_rest_an_emergency_stop_is_latched_and_reported(armed: "Bench") -> None:
     driving(armed)
     armed.stops()
     assert armed.commands(*EMERGENCY_STOP) == ACCEPTED
@@ -139,7 +139,7 @@ def test_while_it_comes_to_rest_an_emergency_stop_is_latched_and_told(armed: "Be
     assert states(armed) <= WITHOUT_POWER
 
 
-def test_while_it_comes_to_rest_nothing_else_is_obeyed_and_that_is_said(armed: "Bench") -> None:
+def test_while_it_comes_to_rest_nothing_else_is_obeyed_and_that_is_stated(armed: "Bench") -> None:
     driving(armed)
     armed.stops()
     assert armed.arms() == DENIED

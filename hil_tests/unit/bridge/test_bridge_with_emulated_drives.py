@@ -23,7 +23,7 @@ def test_start_up_takes_less_than_a_second(emulated: "tuple[Bench, Devices]") ->
     assert bench.bridge.failure is None
 
 
-def test_the_plant_drives_as_the_operator_wishes_and_odometry_knows(
+def test_the_plant_drives_as_the_operator_commands_and_odometry_knows(
     emulated: "tuple[Bench, Devices]",
 ) -> None:
     bench, below = emulated

@@ -169,7 +169,7 @@ def test_it_is_lost_while_it_homes_known_when_it_has_and_drives(started: Bench) 
     assert started.drives["lift"].position > 0.0
 
 
-def test_one_at_a_time_and_nobody_confirms_meanwhile(started: Bench) -> None:
+def test_one_at_a_time_and_none_is_confirmed_meanwhile(started: Bench) -> None:
     homing(started)
     for axis, value in ((STEER, NAN), (LIFT, NAN), (STEER, 0.0), (LIFT, 0.1)):
         assert started.commands(STANDS, axis, value) == TEMPORARILY_REJECTED
@@ -188,7 +188,7 @@ def test_an_axis_waits_for_those_that_its_file_names(bench: Bench) -> None:
     assert bench.commands(STANDS, STEER, NAN) == ACCEPTED
 
 
-def test_who_is_not_named_keeps_nobody(bench: Bench) -> None:
+def test_who_is_not_named_keeps_no_one(bench: Bench) -> None:
     bench.drives["steer"].referenced = False
     bench.starts()
     assert bench.commands(STANDS, LIFT, NAN) == ACCEPTED
@@ -208,7 +208,7 @@ def test_it_needs_an_operator_who_speaks(started: Bench) -> None:
     assert "home: no motion command for" in started.told()
 
 
-def test_nobody_homes_an_armed_robot(started: Bench) -> None:
+def test_no_one_homes_an_armed_robot(started: Bench) -> None:
     assert started.arms() == ACCEPTED
     assert started.commands(STANDS, LIFT, NAN) == TEMPORARILY_REJECTED
     assert "zero: disarm first" in started.told()
@@ -239,7 +239,7 @@ def test_every_way_to_ask_for_a_stop_stops_it(
     assert drive.position == pytest.approx(stood, abs=1)
 
 
-def test_one_that_was_stopped_is_set_up_anew_and_homed_by_the_next_order(started: Bench) -> None:
+def test_one_that_was_stopped_is_set_up_again_and_homed_by_the_next_order(started: Bench) -> None:
     drive = homing(started)
     started.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0)
     started.runs(0.3)
@@ -254,7 +254,7 @@ def test_one_that_was_stopped_is_set_up_anew_and_homed_by_the_next_order(started
     assert started.arms() == ACCEPTED
 
 
-def test_a_drive_that_fails_is_told_and_halted(started: Bench) -> None:
+def test_a_drive_that_fails_is_reported_and_halted(started: Bench) -> None:
     started.drives["lift"].gives_up = True
     homing(started)
     begin = started.now
@@ -348,7 +348,7 @@ def test_at_the_start_one_is_homed_after_the_other() -> None:
     assert bench.guard.refused == 0
 
 
-def test_at_the_start_nobody_homes_without_an_operator() -> None:
+def test_at_the_start_no_one_homes_without_an_operator() -> None:
     bench = begun(Bridge(ROBOT, KIND, stands=(ConfirmZero("lift"),)))
     bench.drives["lift"].referenced = False
     bench.talks = False

@@ -85,7 +85,7 @@ class Standing:
         return [hold.reason for hold in self.letting_go.holds]
 
 
-def test_while_the_base_moves_nothing_is_asked_for() -> None:
+def test_while_the_base_moves_nothing_is_requested() -> None:
     standing = Standing()
     assert standing.asks(SECOND, rests=False) is None
     assert standing.letting_go.stage is Stage.KEPT
@@ -99,7 +99,7 @@ def test_it_stands_with_power_while_it_is_looked_at_and_then_all_let_go() -> Non
     assert standing.told() == []
 
 
-def test_a_base_that_moves_again_is_looked_at_anew() -> None:
+def test_a_base_that_moves_again_is_looked_at_again() -> None:
     standing = Standing()
     standing.asks(LOOKS_FOR - 1)
     assert standing.asks(rests=False) is None
@@ -199,7 +199,7 @@ def test_a_current_that_is_not_known_keeps_the_power(what: dict[str, Any]) -> No
     assert standing.told() == ["held with power: the current with which node 2 (right) stands is not known"]
 
 
-def test_a_driver_that_cannot_tell_it_keeps_the_power() -> None:
+def test_a_driver_that_cannot_report_it_keeps_the_power() -> None:
     standing = Standing()
     standing.cart.drivers["left"].tells = frozenset(Tells) - {Tells.CURRENT}
     standing.asks(LOOKS_FOR)
@@ -228,7 +228,7 @@ def test_where_all_are_silent_nothing_is_known(early: int, *, held: bool) -> Non
 
 
 @pytest.mark.parametrize(("current_a", "held"), [(0.1, False), (2.0, True)])
-def test_one_that_is_silent_leaves_it_to_those_that_are_heard(current_a: float, *, held: bool) -> None:
+def test_one_that_is_silent_leaves_it_to_those_that_are_received(current_a: float, *, held: bool) -> None:
     assert silent_since({"right"}, current_a=current_a).letting_go.held is held
 
 
@@ -362,7 +362,7 @@ def test_one_in_fault_is_not_given_power() -> None:
     assert standing.cart.drivers["left"].begun == [Task.ENABLE]
 
 
-def test_what_is_not_asked_for_any_more_is_watched_on_until_somebody_gives_power() -> None:
+def test_what_is_not_requested_any_more_is_watched_on_until_someone_gives_power() -> None:
     standing = Standing()
     standing.lets_go()
     standing.letting_go.not_asked(standing.now)

@@ -26,7 +26,7 @@ def source(locating: Locating) -> Source | None:
     return None if locating.located is None else locating.located.source
 
 
-def test_without_cameras_it_is_odometrys_and_begins_where_it_is_told_to() -> None:
+def test_without_cameras_it_is_odometrys_and_begins_where_it_is_reported_to() -> None:
     locating = Locating(find("rome"))
     locating.rolled(Pose(0.3, 0.1, 0.2), CYCLE, shown(5.0, 5.0, CYCLE))
     assert (locating.pose, locating.located) == (Pose(0.3, 0.1, 0.2), None)
@@ -46,7 +46,7 @@ def test_with_cameras_it_is_theirs_carried_on_by_what_is_rolled() -> None:
     assert source(locating) is Source.CAPTURED
 
 
-def test_elsewhere_it_is_believed_when_somebody_says_so_or_what_was_rolled_is_not_known() -> None:
+def test_elsewhere_it_is_believed_when_someone_states_so_or_what_was_rolled_is_not_known() -> None:
     for anew in (Locating.begin_anew, Locating.interrupted):
         locating = Locating(find("rome+cameras"))
         see(locating, 2.0, -1.0, CYCLE)

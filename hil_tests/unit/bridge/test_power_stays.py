@@ -12,7 +12,7 @@ def turning() -> Standing:
     return standing
 
 
-def test_it_is_told_when_the_base_does_not_rest_in_its_time() -> None:
+def test_it_is_reported_when_the_base_does_not_rest_in_its_time() -> None:
     standing = turning()
     standing.asks(RESTS_WITHIN - CYCLE, rests=False)
     assert standing.told() == []
@@ -21,7 +21,7 @@ def test_it_is_told_when_the_base_does_not_rest_in_its_time() -> None:
 
 
 @pytest.mark.parametrize("what", ["it rests", "nobody asks", "the power is ordered off", "the wheel stands"])
-def test_it_is_told_no_longer_than_it_is_so(what: str) -> None:
+def test_it_is_reported_no_longer_than_it_is_so(what: str) -> None:
     standing = turning()
     standing.asks(RESTS_WITHIN, rests=False)
     assert standing.told()

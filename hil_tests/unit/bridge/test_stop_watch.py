@@ -125,7 +125,7 @@ def test_one_that_slows_down_is_given_more_time(share: float, *, fails: bool) ->
 
 
 @pytest.mark.parametrize(("power", "patience"), [(Power.ON, SILENT), (Power.UNKNOWN, 150 * MILLISECOND)])
-def test_one_that_is_not_heard_is_given_its_time_out_and_no_more(power: Power, patience: int) -> None:
+def test_one_that_is_not_received_is_given_its_time_out_and_no_more(power: Power, patience: int) -> None:
     watched = Watched()
     watched.tells(5.0, power)
     watched.looks()
@@ -160,7 +160,7 @@ def escalated(watched: Watched) -> list[str]:
     return failed
 
 
-def test_a_drive_that_is_deaf_to_everything_is_taken_through_every_step() -> None:
+def test_a_drive_that_is_receiving_nothing_is_taken_through_every_step() -> None:
     watched = Watched()
     assert escalated(watched) == list(STEPS)
     assert watched.driver.begun == TASKS
@@ -171,7 +171,7 @@ def test_a_drive_that_is_deaf_to_everything_is_taken_through_every_step() -> Non
     assert hold.row.disarms
 
 
-def test_for_an_axis_that_rested_nobody_else_loses_power() -> None:
+def test_for_an_axis_that_rested_no_one_else_loses_power() -> None:
     watched = Watched(0.0)
     assert escalated(watched) == [step for step in STEPS if step != "silence"]
 
@@ -211,7 +211,7 @@ def test_the_link_is_silent_for_that_step_and_no_longer() -> None:
     assert beats["drives"][-1] > missed[-1]
 
 
-def test_a_confirmed_stop_begins_anew_where_the_word_is_missed_or_says_otherwise() -> None:
+def test_a_confirmed_stop_begins_again_where_the_word_is_missed_or_states_otherwise() -> None:
     for speed, later in ((0.0, SILENT), (1.0, 1)):
         watched = Watched(0.0)
         watched.looks()
@@ -247,7 +247,7 @@ def test_an_axis_that_may_move_is_left_alone() -> None:
     assert watched.driver.begun == []
 
 
-def test_a_stop_that_escalates_does_not_end_because_nobody_asks_any_more() -> None:
+def test_a_stop_that_escalates_does_not_end_because_no_one_requests_any_more() -> None:
     watched = Watched()
     watched.looks()
     watched.looks(SILENT)
@@ -294,7 +294,7 @@ def test_an_honest_drive_is_never_taken_further_than_its_ramp(
 
 
 @given(said=st.lists(st.tuples(st.sampled_from([1, 49, 50, 51, 200]), st.floats(0.2, 12.0)), max_size=30))
-def test_whatever_a_moving_drive_says_the_last_step_comes_in_bounded_time(
+def test_whatever_a_moving_drive_states_the_last_step_comes_in_bounded_time(
     said: list[tuple[int, float]],
 ) -> None:
     watched = Watched()
@@ -334,7 +334,7 @@ def test_the_word_that_took_the_power_stays_in_force_until_that_is_steady() -> N
     )
 
 
-def test_a_drive_set_up_anew_after_its_power_off_is_told_once_more_before_it_is_reset() -> None:
+def test_a_drive_set_up_again_after_its_power_off_is_reported_once_more_before_it_is_reset() -> None:
     watched = without_power()
     watched.looks(8 * CYCLE)
     watched.driver.begun.clear()

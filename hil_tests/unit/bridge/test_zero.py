@@ -79,7 +79,7 @@ def test_the_place_is_that_of_the_axis(started: "Bench") -> None:
     assert started.bridge.seen.body.steer_rad == pytest.approx(-0.7853982, abs=1e-4)
 
 
-def test_a_restarted_drive_moves_when_it_was_told_where_it_stands(started: "Bench") -> None:
+def test_a_restarted_drive_moves_when_it_was_given_its_position(started: "Bench") -> None:
     restarted(started)
     assert lost(started, "lift")
     assert not lost(started, "steer")
@@ -93,7 +93,7 @@ def test_a_restarted_drive_moves_when_it_was_told_where_it_stands(started: "Benc
     assert started.drives["lift"].position == pytest.approx(HALF_UP_QC, abs=1), "to be told moves nothing"
 
 
-def test_it_may_be_said_twice_and_once_more_otherwise(started: "Bench") -> None:
+def test_it_may_be_stated_twice_and_once_more_otherwise(started: "Bench") -> None:
     for height in (0.1, 0.1, 0.2):
         assert started.commands(STANDS, LIFT, height) == ACCEPTED
         started.runs(0.3)
@@ -101,7 +101,7 @@ def test_it_may_be_said_twice_and_once_more_otherwise(started: "Bench") -> None:
     assert started.arms() == ACCEPTED
 
 
-def test_while_it_is_set_it_is_said_again_in_vain_and_nobody_is_armed(started: "Bench") -> None:
+def test_while_it_is_set_it_is_stated_again_in_vain_and_no_one_is_armed(started: "Bench") -> None:
     assert started.commands(STANDS, LIFT, 0.1) == ACCEPTED
     assert started.commands(STANDS, LIFT, 0.2) == TEMPORARILY_REJECTED
     assert started.arms() == TEMPORARILY_REJECTED
@@ -139,7 +139,7 @@ def test_the_ends_of_an_axis_are_places_too(started: "Bench", axis: int, value: 
     assert started.commands(STANDS, axis, value) == ACCEPTED
 
 
-def test_nobody_is_asked_while_the_robot_is_armed_or_moves(armed: "Bench") -> None:
+def test_no_one_is_requested_while_the_robot_is_armed_or_moves(armed: "Bench") -> None:
     assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
     assert "zero: disarm first" in armed.told()
     driving(armed)
@@ -184,7 +184,7 @@ def test_a_drive_without_power_is_enabled_first(started: "Bench") -> None:
         (at.MODE_DISPLAY, "refuses", "0x6061"),
     ],
 )
-def test_a_drive_that_does_not_take_it_is_never_told_to_home(
+def test_a_drive_that_does_not_take_it_is_never_reported_to_home(
     started: "Bench", address: at.Address, how: str, says: str
 ) -> None:
     drive = started.drives["steer"]
@@ -213,7 +213,7 @@ def test_one_that_restarts_meanwhile_has_lost_it(started: "Bench") -> None:
 
 @pytest.mark.long(keeps=["0-True", "5-False", "8-True"])
 @pytest.mark.parametrize(("after", "force"), list(product((0, 1, 2, 3, 5, 8), (False, True))))
-def test_a_stop_in_the_middle_leaves_it_lost_and_the_drive_is_set_up_anew(
+def test_a_stop_in_the_middle_leaves_it_lost_and_the_drive_is_set_up_again(
     started: "Bench", after: int, *, force: bool
 ) -> None:
     drive = started.drives["lift"]
@@ -239,7 +239,7 @@ def test_a_stop_in_the_middle_leaves_it_lost_and_the_drive_is_set_up_anew(
     assert started.bridge.seen.body.lift_m == pytest.approx(0.1, abs=1e-5)
 
 
-def test_what_an_earlier_run_has_kept_is_told_and_not_believed(bench: "Bench") -> None:
+def test_what_an_earlier_run_has_kept_is_reported_and_not_believed(bench: "Bench") -> None:
     bench.bridge.offer({"lift": 0.25, "left": 3.0, "nobody": 1.0})
     for drive in bench.drives.values():
         drive.referenced = False
@@ -252,7 +252,7 @@ def test_what_an_earlier_run_has_kept_is_told_and_not_believed(bench: "Bench") -
     assert bench.bridge.places == {"lift": 0.1, "steer": 0.0}
 
 
-def test_after_a_restart_it_is_told_where_the_axis_was_last(started: "Bench") -> None:
+def test_after_a_restart_it_is_reported_where_the_axis_was_last(started: "Bench") -> None:
     started.stands(steer_deg=-30.0, lift_m=0.3)
     restarted(started)
     assert "nobody knows where it stands (last known: 0.3 m)" in started.told()
@@ -268,7 +268,7 @@ def started_with(bench_with: "Callable[[Bridge], Bench]", **stands: float) -> "B
     return bench
 
 
-def test_what_is_said_at_the_start_is_taken_when_the_drives_are_ready(
+def test_what_is_stated_at_the_start_is_taken_when_the_drives_are_ready(
     bench_with: "Callable[[Bridge], Bench]",
 ) -> None:
     bench = started_with(bench_with, lift=0.2, steer=10.0)
@@ -279,7 +279,7 @@ def test_what_is_said_at_the_start_is_taken_when_the_drives_are_ready(
     assert bench.guard.refused == 0
 
 
-def test_what_was_said_at_the_start_is_not_taken_later(bench_with: "Callable[[Bridge], Bench]") -> None:
+def test_what_was_stated_at_the_start_is_not_taken_later(bench_with: "Callable[[Bridge], Bench]") -> None:
     bench = started_with(bench_with, lift=0.2)
     bench.runs(0.1)
     bench.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 0.0)
@@ -292,7 +292,7 @@ def test_what_was_said_at_the_start_is_not_taken_later(bench_with: "Callable[[Br
 
 
 @pytest.mark.parametrize("stands", [{"lift": 2.0}, {"left": 0.0}, {"nobody": 0.0}, {"steer": NAN}])
-def test_nobody_starts_a_bridge_with_a_place_that_there_is_not(stands: dict[str, float]) -> None:
+def test_no_one_starts_a_bridge_with_a_place_that_there_is_not(stands: dict[str, float]) -> None:
     robot = kinds.find("rars")
     with pytest.raises(ValueError, match="zero: "):
         Bridge(robot, KIND, stands=tuple(ConfirmZero(*one) for one in stands.items()))

@@ -43,7 +43,7 @@ DATA = number_of("127.0.0.1", 1511)
 
 @pytest.mark.parametrize("version", [Version(2, 10), V3_1, Version(4, 0), Version(4, 1), Version(4, 4)])
 @pytest.mark.parametrize("wanted", ["robot", 7])
-def test_it_tells_where_the_body_was_and_when(version: Version, wanted: str | int) -> None:
+def test_it_reports_where_the_body_was_and_when(version: Version, wanted: str | int) -> None:
     seen = body(body=wanted)
     world, _, listening = joined(seen, EXACT, version)
     world.run(SECOND)
@@ -73,7 +73,7 @@ def test_the_jitter_of_frames_and_network_does_not_reach_their_age() -> None:
 
 
 @pytest.mark.parametrize("lost", Lost)
-def test_hidden_it_says_nothing_and_says_why(lost: Lost) -> None:
+def test_hidden_it_sends_nothing_and_states_why(lost: Lost) -> None:
     seen = body()
     world, system, listening = joined(seen, Cameras(lost=lost))
     system.hide(Hidden(7, SECOND, 2 * SECOND))
@@ -101,7 +101,7 @@ def test_swapped_markers_are_counted_as_a_jump_there_and_one_back() -> None:
     assert seen.reading.pose.jumps == 2
 
 
-def test_an_absent_body_is_said_to_be() -> None:
+def test_an_absent_body_is_stated_to_be() -> None:
     for wanted in (99, "nobody"):
         seen = body(body=wanted)
         world, _, listening = joined(seen, EXACT)
@@ -123,7 +123,7 @@ def test_where_the_markers_are_mounted_is_taken_off() -> None:
     assert seen.reading.pose.heading_rad == pytest.approx(1.1)
 
 
-def test_a_server_that_is_not_there_is_asked_again_and_one_that_restarts_is_found() -> None:
+def test_a_server_that_is_not_there_is_requested_again_and_one_that_restarts_is_found() -> None:
     seen = body()
     link = NatNetLink(LINK, table(), [seen])
     asked = [link.wake(now) for now in (0, SECOND, 2 * SECOND)]
@@ -141,7 +141,7 @@ def test_a_server_that_is_not_there_is_asked_again_and_one_that_restarts_is_foun
 @pytest.mark.parametrize(
     ("host", "heard"), [("127.0.0.1", True), ("127.0.0.2", False), ("::1", False), ("10.0.0.1", False)]
 )
-def test_nobody_else_is_believed(host: str, *, heard: bool) -> None:
+def test_no_one_else_is_believed(host: str, *, heard: bool) -> None:
     seen = body(body=1)
     link = NatNetLink(LINK, table(), [seen])
     info = messages.server_info_payload(ServerInfo("x", (1, 0, 0, 0), (3, 1, 0, 0)))
@@ -207,14 +207,14 @@ def test_what_is_further_than_it_gets_is_a_jump(aside: float, turn: float, after
 
 
 @given(st.lists(st.tuples(st.integers(0, 10 * SECOND), st.integers(0, 50 * MILLISECOND)), max_size=30))
-def test_nothing_leaves_after_it_was_heard_nor_before_it_can_have(heard: list[tuple[int, int]]) -> None:
+def test_nothing_leaves_after_it_was_received_nor_before_it_can_have(heard: list[tuple[int, int]]) -> None:
     clock = StampClock()
     for stamp, took in sorted(heard):
         left = clock.left_at(stamp + 7 * SECOND, stamp + took)
         assert stamp - MILLISECOND < left <= stamp + took
 
 
-def test_a_clock_that_is_fast_is_followed_and_one_that_was_set_begins_anew() -> None:
+def test_a_clock_that_is_fast_is_followed_and_one_that_was_set_begins_again() -> None:
     for ppm in (-50, 50):
         clock, left = StampClock(), 0
         for second in range(1, 600):
@@ -281,7 +281,7 @@ def test_a_pose_of_a_few_bytes_is_read_with_the_zeros_that_were_cut() -> None:
     assert (pose.stamp_us, pose.position, pose.attitude) == (7, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 
 
-def test_mavlink_says_itself_that_it_jumped_or_failed() -> None:
+def test_mavlink_states_itself_that_it_jumped_or_failed() -> None:
     mavlink: Any = pytest.importorskip("pymavlink.dialects.v20.common")
     codec = mavlink.MAVLink(None, srcSystem=1, srcComponent=197)
     seen = body(up="z")
@@ -317,7 +317,7 @@ def test_mavlink_says_itself_that_it_jumped_or_failed() -> None:
     assert sighted(seen) is Sighting.LOST
 
 
-def test_up_is_as_the_robot_file_says() -> None:
+def test_up_is_as_the_robot_file_states() -> None:
     for up in Up:
         seen = body(up=up.value)
         world, _, listening = joined(seen, Cameras(noise_m=0.0, up=up))
@@ -362,13 +362,13 @@ def test_a_tilted_body_is_tilted_the_same_way_whatever_is_up() -> None:
         assert seen.reading.pose.position == pytest.approx((1.0, 2.0, 0.3))
 
 
-def test_a_server_that_was_found_hears_that_somebody_listens() -> None:
+def test_a_server_that_was_found_receives_that_someone_listens() -> None:
     link = NatNetLink(LINK, table(), [body(body=1)])
     served(link, V3_1)
     assert link.beat(0) == (Packet(LINK, AT, packet(MessageId.KEEPALIVE)),)
 
 
-def test_names_are_asked_for_when_they_are_not_known_and_when_they_have_changed() -> None:
+def test_names_are_requested_when_they_are_not_known_and_when_they_have_changed() -> None:
     asks = (Packet(LINK, AT, packet(MessageId.REQUEST_MODELDEF)),)
     link = NatNetLink(LINK, table(), [body(body="robot")])
     assert served(link, V3_1) == asks

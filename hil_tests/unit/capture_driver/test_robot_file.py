@@ -34,7 +34,7 @@ def test_a_link_to_cameras_and_a_body_are_read() -> None:
     assert (settings.body, settings.up, settings.mount.x) == ("carrier", "y", 0.0)
 
 
-def test_cameras_are_where_the_file_says_and_need_no_place() -> None:
+def test_cameras_are_where_the_file_states_and_need_no_place() -> None:
     assert list(places_of(captured_carrier(), None, Place())) == ["drives"]
 
 
@@ -56,12 +56,12 @@ def test_cameras_are_where_the_file_says_and_need_no_place() -> None:
         (('name = "place"', 'name = "place"\nevery = 3'), "every: no such key"),
     ],
 )
-def test_a_mistake_is_told(change: tuple[str, str], told: str, tmp_path: Path) -> None:
+def test_a_mistake_is_reported(change: tuple[str, str], told: str, tmp_path: Path) -> None:
     with pytest.raises(RobotFileError, match=re.escape(told)):
         file_at(tmp_path, written(change))
 
 
-def test_an_axis_on_cameras_and_a_battery_that_is_a_body_are_told(tmp_path: Path) -> None:
+def test_an_axis_on_cameras_and_a_battery_that_is_a_body_are_reported(tmp_path: Path) -> None:
     assert LEFT in written()
     text = written().replace(LEFT, LEFT.replace("drives", "cameras"))
     with pytest.raises(RobotFileError, match="'cameras' is a capture system, which moves nothing"):

@@ -55,14 +55,14 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_what_it_leaves_behind_is_what_the_readme_says(results: Path) -> None:
+def test_what_it_leaves_behind_is_what_the_readme_states(results: Path) -> None:
     readme = (Path(__file__).parents[3] / "README.md").read_text(encoding="utf-8")
     rows = readme.partition("| file | what it is |")[2].partition("\n\n")[0].splitlines()
     named = [word.strip("`") for row in rows[2:] for word in row.split("|")[1].split()]
     assert sorted(path.name for path in (results / "first").iterdir()) == sorted(named)
 
 
-def test_the_table_says_where_the_results_are(results: Path) -> None:
+def test_the_table_states_where_the_results_are(results: Path) -> None:
     said = (results / "said").read_text(encoding="utf-8")
     assert str(results / "first") in said.replace("\n", "")
     for word in ("real-time factor", "largest speed", "odometry error", "bus load"):
@@ -86,7 +86,7 @@ def test_the_bus_is_recorded_frame_by_frame(results: Path) -> None:
     assert 0 <= instants[0] <= instants[-1] <= 2_000_000_000
 
 
-def test_the_line_to_a_board_is_recorded_as_the_bridge_speaks_and_hears(tmp_path: Path) -> None:
+def test_the_line_to_a_board_is_recorded_as_the_bridge_speaks_and_receives(tmp_path: Path) -> None:
     mission = tmp_path / "arm.toml"
     mission.write_text('title = "t"\nduration_s = 2.0\n[[step]]\nat_s = 1.0\ntitle = "arm"\narm = true\n')
     words = ["bench", "rome", "--mission", str(mission), "--out", str(tmp_path / "rome")]
@@ -129,7 +129,7 @@ def test_what_it_recorded_plays_again(results: Path) -> None:
         assert result.exit_code == 0, result.output
 
 
-def test_a_run_that_did_not_start_has_a_status_and_says_why(tmp_path: Path) -> None:
+def test_a_run_that_did_not_start_has_a_status_and_states_why(tmp_path: Path) -> None:
     text = robots()["rars"].read_text(encoding="utf-8")
     other = re.sub(r"product_code = 0x\w+", "product_code = 0x61100000", text, count=1)
     assert other != text

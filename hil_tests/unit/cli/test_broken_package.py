@@ -44,7 +44,7 @@ def test_it_is_one_row_among_the_robots(site: Path) -> None:
 
 
 @pytest.mark.parametrize("words", [("drive", "scout"), ("bench", "scout"), ("emulate", "scout")])
-def test_who_names_it_is_told_why(site: Path, words: tuple[str, ...]) -> None:
+def test_who_names_it_is_reported_why(site: Path, words: tuple[str, ...]) -> None:
     status, _, complained = said(site, *words)
     (line,) = complained.splitlines()
     assert (status, line.startswith(f"firmware-bridge: {WHY}")) == (2, True), line

@@ -44,7 +44,7 @@ def run(*words: str) -> Any:
 
 
 @pytest.mark.parametrize("words", EVERY)
-def test_a_row_says_how_the_help_of_its_command_begins(words: str) -> None:
+def test_a_row_states_how_the_help_of_its_command_begins(words: str) -> None:
     help_text = " ".join((EVERY[words].load().help or "").split())
     assert help_text.startswith(EVERY[words].line.removesuffix("."))
 
@@ -65,7 +65,7 @@ def test_a_package_that_cannot_be_imported_is_named_and_left_out(monkeypatch: py
     assert " drive " in result.stdout
 
 
-def test_nobody_takes_the_place_of_a_command_that_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_one_takes_the_place_of_a_command_that_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     row = Command("epos2 state", "somewhere:state", "Something else.")
     with_strangers(monkeypatch, Stranger("greedy", [row]))
     result = run("epos2", "--help")
@@ -84,7 +84,7 @@ def test_a_package_adds_a_group_with_commands(monkeypatch: pytest.MonkeyPatch) -
     assert "It does it." in run("own", "--help").stdout
 
 
-def test_a_command_that_cannot_be_imported_says_so_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_command_that_cannot_be_imported_states_so_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     with_strangers(monkeypatch, Stranger("half", [Command("half", "no_such_package.half:it", "It.")]))
     result = run("half")
     assert result.exit_code == 2
@@ -105,6 +105,6 @@ def test_what_a_row_names_must_be_a_command() -> None:
         Command("run", "firmware_bridge.cli.console:refusal", "It.").load()
 
 
-def test_typer_is_asked_for_a_group() -> None:
+def test_typer_is_requested_a_group() -> None:
     group = typer.main.get_group(program)
     assert {words.partition(" ")[0] for words in EVERY} == set(group.list_commands(typer.Context(group)))

@@ -55,7 +55,7 @@ def test_drives_that_are_not_known_to_be_without_power_are_named_at_the_end(
     assert took[0] < STOP_WITHIN, to_seconds(took[0])
 
 
-def test_a_line_on_which_nothing_was_heard_is_told_with_what_it_was_spoken_to_in(
+def test_a_line_on_which_nothing_was_received_is_reported_with_what_it_was_spoken_to_in(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def carried(

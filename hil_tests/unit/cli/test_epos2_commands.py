@@ -128,7 +128,7 @@ def test_who_is_behind_a_line(on: Bench) -> None:
     assert "the drive on the line is node 1, not 2; nothing was done" in other.line
 
 
-def test_a_bus_where_nobody_answers_is_told(on: Bench) -> None:
+def test_a_bus_where_no_one_answers_is_reported(on: Bench) -> None:
     told = ask("scan", "--node", "5-6,9", "--timeout", "5", "--listen", "0", *on.can)
     assert (told.status, told.out) == (1, "silent: 5-6,9\n")
     assert f"nobody answers on {on.channel}: are they on, on this bus, at this bit rate" in told.line
@@ -161,7 +161,7 @@ def test_json_of_read(way: tuple[str, ...]) -> None:
     assert found["objects"][1]["value"] == "EPOS2"
 
 
-def test_json_tells_a_refusal_in_its_place(on: Bench) -> None:
+def test_json_reports_a_refusal_in_its_place(on: Bench) -> None:
     told = ask("read", "0x5555", "statusword", "--json", *on.can)
     assert told.status == 1
     missing, word = json.loads(told.out)["objects"]
@@ -199,20 +199,20 @@ def test_json_of_the_others(on: Bench) -> None:
         (("nmt", "start", "--node", "9"), "does not answer"),
     ],
 )  # fmt: skip
-def test_what_the_drive_refuses_is_told_in_words(on: Bench, words: tuple[str, ...], told: str) -> None:
+def test_what_the_drive_refuses_is_reported_in_words(on: Bench, words: tuple[str, ...], told: str) -> None:
     found = ask(*words, *on.can)
     assert found.status == 1
     assert told in found.line
 
 
-def test_a_node_behind_the_line_that_is_not_there_is_told(on: Bench) -> None:
+def test_a_node_behind_the_line_that_is_not_there_is_reported(on: Bench) -> None:
     found = ask("read", "statusword", *on.serial, "--node", "9")
     assert found.status == 1
     assert "node 9" in found.line
     assert "does not answer through the drive on the line" in found.line
 
 
-def test_another_drive_on_the_line_than_named_is_told(on: Bench) -> None:
+def test_another_drive_on_the_line_than_named_is_reported(on: Bench) -> None:
     found = ask("write", "0x6081", "7", *on.serial, "--gateway", "2")
     assert found.status == 1
     assert "the drive on the line is node 1, not 2; nothing was done" in found.line
@@ -245,14 +245,14 @@ def test_another_drive_on_the_line_than_named_is_told(on: Bench) -> None:
         (("read", "statusword", "-i", "socketcan", "-c", "nosuchcan0"), "nosuchcan0"),
     ],
 )  # fmt: skip
-def test_mistakes_are_told_in_one_line_before_anything_is_sent(words: tuple[str, ...], told: str) -> None:
+def test_mistakes_are_reported_in_one_line_before_anything_is_sent(words: tuple[str, ...], told: str) -> None:
     found = ask(*words)
     assert found.status == 2
     assert told in found.line
     assert not found.out
 
 
-def test_a_line_in_use_is_told(on: Bench) -> None:
+def test_a_line_in_use_is_reported(on: Bench) -> None:
     with serial.Serial(on.path, exclusive=True):
         found = ask("read", "statusword", *on.serial)
     assert found.status == 2
@@ -260,7 +260,7 @@ def test_a_line_in_use_is_told(on: Bench) -> None:
 
 
 @pytest.mark.parametrize("words", [("read",), ("read", "--watch"), ("write",), ("write", "0x6081"), ("nmt",)])
-def test_a_command_that_lacks_its_words_says_which(words: tuple[str, ...]) -> None:
+def test_a_command_that_lacks_its_words_states_which(words: tuple[str, ...]) -> None:
     result = CliRunner().invoke(program, ["epos2", *words], env={"COLUMNS": "200", "TERM": "dumb"})
     assert isinstance(result.exception, SystemExit)
     assert result.exit_code == 2

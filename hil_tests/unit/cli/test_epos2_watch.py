@@ -69,7 +69,7 @@ def test_without_a_terminal_each_change_is_a_line_and_ctrl_c_ends_it_well(on: Be
     assert (rest, complaint, running.returncode) == (b"", b"", 0)
 
 
-def test_on_a_terminal_it_is_drawn_anew(on: Bench) -> None:
+def test_on_a_terminal_it_is_drawn_again(on: Bench) -> None:
     screen, other = os.openpty()
     with begun("read", "-w", "profile-velocity", *on.serial, screen=other) as running:
         os.close(other)
@@ -88,7 +88,7 @@ def test_watching_for_programs_and_for_a_time(on: Bench) -> None:
     assert json.loads(line)["objects"][0]["value"] == 0x0540
 
 
-def test_watching_ends_where_nobody_answers(on: Bench) -> None:
+def test_watching_ends_where_no_one_answers(on: Bench) -> None:
     told = ask("read", "statusword", "--watch", *on.can, "--node", "9")
     assert told.status == 1
     assert "does not answer" in told.line
@@ -99,7 +99,7 @@ def test_a_period_that_is_none_is_refused(on: Bench, words: tuple[str, ...]) -> 
     assert ask("read", "statusword", *on.can, *words).status == 2
 
 
-def test_an_interrupted_command_says_so() -> None:
+def test_an_interrupted_command_states_so() -> None:
     silent = PseudoTerminal()
     with begun("read", "statusword", "--serial", silent.path) as running:
         clock = Clock()

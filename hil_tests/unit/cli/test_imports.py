@@ -102,7 +102,7 @@ def test_a_command_imports_no_more_than_it_needs(words: str) -> None:
     assert "typer" in found
 
 
-def test_each_library_that_the_program_needs_is_known_to_the_table_or_left_for_who_asks_for_it() -> None:
+def test_each_library_that_the_program_needs_is_known_to_the_table_or_left_for_who_requests_it() -> None:
     rows = requires("firmware-bridge") or ()
     needed = {re.split(r"[^\w-]", row)[0] for row in rows if "extra ==" not in row}
     owners = packages_distributions()

@@ -33,7 +33,7 @@ def test_where_the_devices_stop_by_themselves_the_stop_goes_on(name: str) -> Non
 
 @pytest.mark.parametrize("name", ["rome:mw:3", "rome:arduinoio:3", "rome+cameras:firmata", "rome_arm:mw:3"])
 @pytest.mark.parametrize(("later", "leaves"), [(AGAIN_WITHIN, True), (AGAIN_WITHIN + 1, False)])
-def test_where_nothing_stops_them_it_is_said_and_only_then_asked_again_they_are_left(
+def test_where_nothing_stops_them_it_is_stated_and_only_then_requested_again_they_are_left(
     name: str, later: Nanoseconds, *, leaves: bool
 ) -> None:
     leaving, said = told(name)
@@ -45,7 +45,7 @@ def test_where_nothing_stops_them_it_is_said_and_only_then_asked_again_they_are_
         assert leaving.may_leave(SECOND + later + 1), "it was said anew"
 
 
-def test_a_failure_to_tell_takes_nothing_from_the_devices_and_is_raised_next(tmp_path: Path) -> None:
+def test_a_failure_to_report_takes_nothing_from_the_devices_and_is_raised_next(tmp_path: Path) -> None:
     class Beside:
         """A node that says something to a device whenever it is woken."""
 

@@ -124,7 +124,7 @@ def test_a_robot_is_not_driven_from_beyond_the_machine_without_a_key() -> None:
         ("pilot rars --path line --max-delay 3", "50 to 2000 ms may be"),
     ],
 )
-def test_a_pilot_without_what_it_needs_is_told_what(words: str, told: str) -> None:
+def test_a_pilot_without_what_it_needs_is_reported_what(words: str, told: str) -> None:
     assert told in refused(*words.split())
 
 

@@ -76,7 +76,7 @@ def on_scripted(monkeypatch: pytest.MonkeyPatch, *words: str) -> Any:
     return run("-i", "virtual", "-c", "foreign", *words)
 
 
-def test_a_live_bus_is_told_change_by_change_and_as_a_picture_at_its_end(
+def test_a_live_bus_is_reported_change_by_change_and_as_a_picture_at_its_end(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     told = on_scripted(monkeypatch)
@@ -151,7 +151,7 @@ def test_a_recording_of_any_year_has_its_own_length_and_rates(tmp_path: Path, se
     assert "100 ms" in told.stdout
 
 
-def test_a_configuration_file_tells_how_its_node_is_set_up(tmp_path: Path) -> None:
+def test_a_configuration_file_reports_how_its_node_is_set_up(tmp_path: Path) -> None:
     path, sheet = tmp_path / "can.log", tmp_path / "drive.dcf"
     path.write_text("(1.000000) can0 201#03\n", encoding="ascii")
     sheet.write_text(
@@ -163,7 +163,7 @@ def test_a_configuration_file_tells_how_its_node_is_set_up(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("compressed", [False, True])
-def test_a_recording_of_lines_is_said_line_by_line(tmp_path: Path, *, compressed: bool) -> None:
+def test_a_recording_of_lines_is_stated_line_by_line(tmp_path: Path, *, compressed: bool) -> None:
     path = tmp_path / ("serial.log.gz" if compressed else "serial.log")
     path.write_bytes(gzip.compress(LINES.encode()) if compressed else LINES.encode())
     told = run("--log", str(path), "--robot", "rome")
@@ -188,7 +188,7 @@ def test_a_recording_of_lines_is_said_line_by_line(tmp_path: Path, *, compressed
         ("serial", "1001416000 01ABF0", "ReadObject: 0x6041 Statusword"),
     ],
 )
-def test_what_a_device_has_recorded_says_its_side_and_needs_no_robot(
+def test_what_a_device_has_recorded_states_its_side_and_needs_no_robot(
     tmp_path: Path, kind: str, heard: str, said: str
 ) -> None:
     path, name = tmp_path / "serial.log", device_side("line", kind)
@@ -244,7 +244,7 @@ def test_what_a_device_has_recorded_says_its_side_and_needs_no_robot(
         (("--log", "LOG", "--eds", "LOG.none"), LOG, "cannot be read as a data sheet"),
     ],
 )
-def test_mistakes_are_told_in_one_line(
+def test_mistakes_are_reported_in_one_line(
     tmp_path: Path, words: tuple[str, ...], content: str, told: str
 ) -> None:
     path = tmp_path / "can.log"

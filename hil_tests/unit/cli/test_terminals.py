@@ -39,7 +39,7 @@ def environment(**more: str) -> dict[str, str]:
 
 @pytest.mark.long(keeps=["by the locale"])
 @pytest.mark.parametrize("how", ASCII)
-def test_a_terminal_that_knows_only_ascii_is_told_a_run_in_ascii(how: str, tmp_path: Path) -> None:
+def test_a_terminal_that_knows_only_ascii_is_reported_a_run_in_ascii(how: str, tmp_path: Path) -> None:
     mission = tmp_path / "look.toml"
     mission.write_text(MISSION, encoding="utf-8")
     words = ["bench", "rars", "--mission", str(mission), "--out", str(tmp_path / "out")]
@@ -53,7 +53,7 @@ def test_a_terminal_that_knows_only_ascii_is_told_a_run_in_ascii(how: str, tmp_p
 
 @pytest.mark.long(keeps=["by the locale"])
 @pytest.mark.parametrize("how", ASCII)
-def test_a_terminal_that_knows_only_ascii_is_told_a_mistake_in_ascii(how: str) -> None:
+def test_a_terminal_that_knows_only_ascii_is_reported_a_mistake_in_ascii(how: str) -> None:
     ended = subprocess.run(
         [*PROGRAM, "robots", "größe²Ω.toml"], capture_output=True, check=False, env=environment(**ASCII[how])
     )
@@ -76,7 +76,7 @@ def test_a_terminal_that_knows_only_ascii_is_told_a_mistake_in_ascii(how: str) -
     ],
     ids=" ".join,
 )
-def test_a_pipe_that_nobody_reads_ends_a_command_quietly(words: tuple[str, ...]) -> None:
+def test_a_pipe_that_no_one_reads_ends_a_command_quietly(words: tuple[str, ...]) -> None:
     reader, writer = os.pipe()
     os.close(reader)
     try:
@@ -89,7 +89,7 @@ def test_a_pipe_that_nobody_reads_ends_a_command_quietly(words: tuple[str, ...])
     assert ended.returncode in {0, 1}
 
 
-def test_a_bridge_that_nobody_reads_any_more_stops_in_good_order() -> None:
+def test_a_bridge_that_no_one_reads_any_more_stops_in_good_order() -> None:
     words = ["drive", "rars", "-i", "virtual", "-c", "nobody", "--mavlink", "udpin:127.0.0.1:0"]
     code = (
         "from firmware_bridge.bridge import Bridge\n"
@@ -167,7 +167,7 @@ def test_completion_is_installed_for_bash(tmp_path: Path) -> None:
     assert known.stdout.endswith("firmware-bridge\n")
 
 
-def test_to_build_a_plant_is_said_before_it_takes_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_to_build_a_plant_is_stated_before_it_takes_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[str] = []
 
     def building(model: str) -> None:

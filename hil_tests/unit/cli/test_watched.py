@@ -27,7 +27,9 @@ class Quiet:
         return Reaction((Packet("can", 0x701, b"\0"),), now + SECOND)
 
 
-def test_a_board_says_once_that_bytes_keep_it_in_its_boot_loader(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_board_states_once_that_bytes_keep_it_in_its_boot_loader(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     board = Board(FIRMWARES["ros-arduino-bridge"], four_motors())
     keeping_said(board.mega, "base")
     board.wake(0)
@@ -41,7 +43,7 @@ def test_a_board_says_once_that_bytes_keep_it_in_its_boot_loader(capsys: pytest.
     assert "the sketch starts 9 s after the last of them" in line
 
 
-def test_who_hears_its_own_number_from_elsewhere_says_so_once_a_number(
+def test_who_receives_its_own_number_from_elsewhere_states_so_once_a_number(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     inner = Quiet()
@@ -66,7 +68,7 @@ def test_who_hears_its_own_number_from_elsewhere_says_so_once_a_number(
     assert len(inner.heard) == len(others) + len(twins)
 
 
-def test_a_node_that_is_there_and_says_nothing_is_named_at_the_start(
+def test_a_node_that_is_there_and_sends_nothing_is_named_at_the_start(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     there = Epos2(2, ServoAxis("two", 2000))

@@ -18,7 +18,7 @@ def test_what_was_seen_comes_before_what_shall_find_out() -> None:
 @pytest.mark.parametrize(
     ("zero", "home"), [(["lift=0.2"], ["lift"]), (None, ["lift", "lift"]), (["lift=nan"], None)]
 )
-def test_an_axis_said_twice_or_without_a_number_ends_the_program(
+def test_an_axis_stated_twice_or_without_a_number_ends_the_program(
     zero: list[str] | None, home: list[str] | None
 ) -> None:
     with pytest.raises(typer.Exit):

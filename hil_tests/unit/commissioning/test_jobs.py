@@ -82,7 +82,7 @@ def test_eight_bytes_are_read_by_segments(way: Way) -> None:
     ],
     ids=str,
 )
-def test_a_refusal_tells_the_drive_s_own_code(way: Way, job: ReadJob | WriteJob, code: AbortCode) -> None:
+def test_a_refusal_reports_the_drive_s_own_code(way: Way, job: ReadJob | WriteJob, code: AbortCode) -> None:
     outcome = rig_for(way).tries(way.link(), job)
     assert isinstance(outcome, RefusedError)
     assert outcome.code == code
@@ -96,7 +96,7 @@ def test_a_wrong_size_is_refused_on_can() -> None:
         assert outcome.code in {code, AbortCode.LENGTH}
 
 
-def test_a_node_that_is_not_there_is_silent_on_can_and_told_by_the_gateway() -> None:
+def test_a_node_that_is_not_there_is_silent_on_can_and_reported_by_the_gateway() -> None:
     rig = Rig(Generation.V1)
     silent = rig.tries(CanAccess(9), ReadJob(at.STATUSWORD))
     assert isinstance(silent, SilentError)
@@ -107,7 +107,7 @@ def test_a_node_that_is_not_there_is_silent_on_can_and_told_by_the_gateway() -> 
 
 
 @pytest.mark.parametrize("way", [OWN_LINE, USB], ids=str)
-def test_a_line_at_whose_end_nobody_is_stays_silent(way: Way) -> None:
+def test_a_line_at_whose_end_no_one_is_stays_silent(way: Way) -> None:
     link = way.link()
     client = JobClient(link, (Ask(ReadJob(at.STATUSWORD), noting([])),))
     now, reaction = 0, client.wake(0)
@@ -143,7 +143,7 @@ def test_the_drive_on_the_line_must_be_the_one_that_is_named() -> None:
     assert rig.value(FAR, at.PROFILE_VELOCITY) == 1000
 
 
-def test_what_was_named_as_the_drive_on_the_line_is_asked_there_and_not_on_the_bus() -> None:
+def test_what_was_named_as_the_drive_on_the_line_is_requested_there_and_not_on_the_bus() -> None:
     rig = Rig(Generation.V1)
     link = SerialAccess(Generation.V1, NEAR)
     frames: list[Packet] = []
@@ -154,7 +154,7 @@ def test_what_was_named_as_the_drive_on_the_line_is_asked_there_and_not_on_the_b
 
 
 @every_way
-def test_a_client_that_is_stopped_says_nothing_more(way: Way) -> None:
+def test_a_client_that_is_stopped_sends_nothing_more(way: Way) -> None:
     def one_more() -> Script:
         return (Ask(ReadJob(at.STATUSWORD), lambda _outcome: one_more()),)
 
@@ -186,7 +186,7 @@ def test_one_job_at_a_time() -> None:
             link.begin(ReadJob(at.CONTROLWORD), 0)
 
 
-def test_an_answer_that_breaks_the_protocol_is_told() -> None:
+def test_an_answer_that_breaks_the_protocol_is_reported() -> None:
     link = SerialAccess(Generation.V2)
     link.begin(ReadJob(at.STATUSWORD), 0)
     link.hear(Packet(SERIAL, 0, encode_v2(Frame(0, b"\0\0"))), 1)
@@ -209,7 +209,7 @@ def test_an_answer_that_breaks_the_protocol_is_told() -> None:
         max_size=12,
     ),
 )
-def test_whatever_a_strange_device_says_a_client_ends(
+def test_whatever_a_strange_device_states_a_client_ends(
     generation: Generation, address: Address, said: list[tuple[int, bytes]]
 ) -> None:
     ended: list[Outcome] = []
@@ -231,7 +231,7 @@ def test_whatever_a_strange_device_says_a_client_ends(
     assert isinstance(ended[0], bytes | JobError)
 
 
-def test_storing_has_the_time_that_it_needs_and_is_asked_once() -> None:
+def test_storing_has_the_time_that_it_needs_and_is_requested_once() -> None:
     link = CanAccess(NEAR)
     link.begin(WriteJob(Address(0x1010, 1), b"save"), 0)
     assert link.wake_at == 6 * SECOND
@@ -250,7 +250,7 @@ def test_the_other_drive_s_answers_are_not_ours() -> None:
     assert rig.tries(CanAccess(NEAR), ReadJob(at.STATUSWORD)) == b"\x40\5"
 
 
-def test_storing_is_asked_again_where_the_drive_has_surely_done_nothing() -> None:
+def test_storing_is_requested_again_where_the_drive_has_surely_done_nothing() -> None:
     link = SerialAccess(Generation.V1)
     assert link.begin(WriteJob(Address(0x1010, 1), b"save"), 0) == (Packet(SERIAL, 0, b"\x11"),)
     again = link.hear(Packet(SERIAL, 0, b"F"), 1)

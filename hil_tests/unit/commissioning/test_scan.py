@@ -82,7 +82,7 @@ def on_the_bus(rig: Rig, nodes: range, listen: Nanoseconds = 0) -> tuple[Scan, d
     return scan, scanned(rig, scan, link)
 
 
-def test_a_bus_is_asked_from_1_to_127_and_only_read() -> None:
+def test_a_bus_is_requested_from_1_to_127_and_only_read() -> None:
     rig = Rig()
     rig.world.attach("stranger", Stranger(OBJECTS), {CAN: rig.bus})
     asked: list[Packet] = []
@@ -103,7 +103,7 @@ def test_a_bus_is_asked_from_1_to_127_and_only_read() -> None:
         assert (drive.state, drive.network) == (State.SWITCH_ON_DISABLED, (NmtState.PRE_OPERATIONAL,))
 
 
-def test_a_strangers_node_is_told_from_a_drive_and_not_asked_what_only_a_drive_knows() -> None:
+def test_a_foreign_node_is_distinguished_from_a_drive_and_not_requested_what_only_a_drive_knows() -> None:
     rig = Rig()
     rig.world.attach("stranger", Stranger(OBJECTS), {CAN: rig.bus})
     _, found = on_the_bus(rig, range(STRANGER, STRANGER + 1))
@@ -114,7 +114,7 @@ def test_a_strangers_node_is_told_from_a_drive_and_not_asked_what_only_a_drive_k
     assert not {SOFTWARE, SERIAL_NUMBER, at.STATUSWORD} & set(stranger.outcomes)
 
 
-def test_a_node_that_falls_silent_under_way_is_listed_with_what_it_has_said() -> None:
+def test_a_node_that_falls_silent_under_way_is_listed_with_what_it_has_stated() -> None:
     rig = Rig()
     stranger = Stranger({at.DEVICE_TYPE: OBJECTS[at.DEVICE_TYPE]}, refuses=False)
     rig.world.attach("stranger", stranger, {CAN: rig.bus})
@@ -124,7 +124,7 @@ def test_a_node_that_falls_silent_under_way_is_listed_with_what_it_has_said() ->
     assert STRANGER not in scan.silent
 
 
-def test_a_stopped_drive_is_heard_though_it_does_not_answer() -> None:
+def test_a_stopped_drive_is_received_though_it_does_not_answer() -> None:
     rig = Rig()
     rig.does(CanAccess(FAR), (Ask(WriteJob(at.PRODUCER_HEARTBEAT, b"\x64\0"), need(lambda _raw: ())),))
     rig.does(CanAccess(NEAR), NetworkCommand(NmtCommand.START, NEAR).script())
@@ -148,7 +148,7 @@ def test_a_line_brings_its_own_drive_and_those_behind_it(generation: Generation)
     assert found[FAR].network == (NmtState.PRE_OPERATIONAL,)
 
 
-def test_a_line_on_which_nobody_answers_ends_the_scan() -> None:
+def test_a_line_on_which_no_one_answers_ends_the_scan() -> None:
     rig = Rig(Generation.V2)
     link = SerialAccess(Generation.V1)  # not what the drive speaks
     with pytest.raises(SilentError):

@@ -136,7 +136,7 @@ def test_a_fault_is_reset_and_its_history_kept(way: Way) -> None:
     assert value & 0xFFFF == 0x8210
 
 
-def test_a_drive_in_fault_is_not_enabled_and_says_what_to_do() -> None:
+def test_a_drive_in_fault_is_not_enabled_and_states_what_to_do() -> None:
     rig = faulted(Rig())
     with pytest.raises(CommissioningError, match=r"state 'fault'; .*`state reset-fault`"):
         rig.does(CanAccess(NEAR), PowerCommand(W.ENABLE).script())
@@ -197,7 +197,7 @@ def test_a_node_that_is_not_there_does_not_come_back_from_its_reset() -> None:
     assert rig.world.now < 10 * SECOND
 
 
-def test_a_drive_that_does_not_do_as_it_is_told_is_named() -> None:
+def test_a_drive_that_does_not_do_as_it_is_commanded_is_named() -> None:
     rig = Rig()
     rig.does(CanAccess(NEAR), NetworkCommand(NmtCommand.START, NEAR).script())
     with pytest.raises(CommissioningError, match="node 2 is operational after it"):
@@ -206,7 +206,7 @@ def test_a_drive_that_does_not_do_as_it_is_told_is_named() -> None:
 
 
 @every_way
-def test_the_overview_tells_the_network_states_that_are_possible(way: Way) -> None:
+def test_the_overview_reports_the_network_states_that_are_possible(way: Way) -> None:
     rig = rig_for(way)
     alone = way.name in {"v1", "v2"}
     overview = Overview(alone=alone)

@@ -15,7 +15,7 @@ from hil_tests.unit.commissioning.rig import NEAR, Rig
 PERIOD = 100 * MILLISECOND
 
 
-def test_each_change_is_told_once_and_within_a_period() -> None:
+def test_each_change_is_reported_once_and_within_a_period() -> None:
     rig, reported = Rig(), []
     reading = Reading([at.PROFILE_VELOCITY, Address(0x5555)])
     script = reading.again_and_again(PERIOD, lambda: reported.append(reading.value(at.PROFILE_VELOCITY)))
@@ -30,7 +30,7 @@ def test_each_change_is_told_once_and_within_a_period() -> None:
     assert not client.finished
 
 
-def test_it_asks_no_more_often_than_it_is_told_to() -> None:
+def test_it_requests_no_more_often_than_it_is_reported_to() -> None:
     rig, asked = Rig(), []
     rig.bus.observe(lambda now, sender, _packet: asked.append(now) if sender == "client" else None)
     client = JobClient(CanAccess(NEAR), Reading([at.PROFILE_VELOCITY]).again_and_again(PERIOD, lambda: None))

@@ -160,7 +160,7 @@ def test_values_that_cannot_be(address: Address, text: str, told: str) -> None:
         parse(address, text)
 
 
-def test_another_size_can_be_asked_for() -> None:
+def test_another_size_can_be_requested() -> None:
     assert parse(at.CONTROLWORD, "6", 4).hex() == "06000000"
     assert parse(at.CONTROLWORD, "6", 1).hex() == "06"
     with pytest.raises(CommissioningError, match="1 bytes hold"):

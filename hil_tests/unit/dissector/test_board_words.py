@@ -129,7 +129,7 @@ def words(kind: str, said: Iterator[tuple[str, bytes]]) -> list[str]:
 
 
 @every(("kind", "rows"), GOLDEN.items())
-def test_what_is_said_is_told(kind: str, rows: tuple[Said, ...]) -> None:
+def test_what_is_stated_is_reported(kind: str, rows: tuple[Said, ...]) -> None:
     assert words(kind, ((who, chunk) for who, chunk, _ in rows)) == [text for _, _, text in rows]
 
 
@@ -142,7 +142,7 @@ def in_halves(chunk: bytes) -> list[bytes]:
 
 
 @every(("kind", "cut"), [(kind, cut) for kind in ShieldProtocol for cut in (byte_by_byte, in_halves)])
-def test_however_a_line_is_cut_each_command_is_told_once_with_its_end(
+def test_however_a_line_is_cut_each_command_is_reported_once_with_its_end(
     kind: str, cut: Callable[[bytes], list[bytes]]
 ) -> None:
     rows = GOLDEN[kind]
@@ -173,7 +173,7 @@ def test_neither_do_damaged_commands_stop_it(kind: str, data: st.DataObject) -> 
         assert dissector.read(Carried(0, "line", who, Packet("line", 0, damaged))).isprintable()
 
 
-def test_a_robots_links_are_read_by_what_its_file_says_of_them() -> None:
+def test_a_robots_links_are_read_by_what_its_file_states_of_them() -> None:
     assert kinds_of(find("rome_arm")) == {
         "board": ShieldProtocol.ROS_ARDUINO_BRIDGE,
         "arm": Ar2Firmware.AR2_2_0,
@@ -194,7 +194,7 @@ def test_a_move_is_read_as_it_was_written(steps: list[int], speed: float) -> Non
     assert read.fields["S"] == f"{speed:g}"
 
 
-def test_a_host_that_ends_its_lines_with_a_line_feed_alone_is_told_what_the_sketch_waits_for() -> None:
+def test_a_host_that_ends_its_lines_with_a_line_feed_alone_is_reported_what_the_sketch_waits_for() -> None:
     line = RosLine()
     end = "part of a line: the sketch waits for a carriage return (CR), a line feed ends none"
     assert line.read(ASKED, Packet("board", 0, b"m 20 20\n")) == end

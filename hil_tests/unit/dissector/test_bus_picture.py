@@ -76,14 +76,14 @@ def told(rows: list[tuple[int, int, str, list[str]]]) -> BusPicture:
     return picture
 
 
-def test_each_change_is_told_once() -> None:
+def test_each_change_is_reported_once() -> None:
     picture = BusPicture(1_000_000)
     for at, address, content, changes in STORY:
         found = picture.note(at * MILLISECOND, frame(address, content))
         assert list(found) == changes, f"at {at} ms"
 
 
-def test_what_is_known_of_a_node_is_what_it_said_last() -> None:
+def test_what_is_known_of_a_node_is_what_it_stated_last() -> None:
     picture = told(STORY[:17])
     (node,) = picture.nodes
     assert (node.node, node.network, node.period) == (3, NmtState.OPERATIONAL, 100 * MILLISECOND)
@@ -167,7 +167,7 @@ def test_whatever_comes_leaves_a_picture(frames: list[tuple[int, int, int, bytes
     assert all(title for _, title, _, _, _ in picture.messages())
 
 
-def test_nothing_heard_is_a_picture_too() -> None:
+def test_nothing_received_is_a_picture_too() -> None:
     picture = BusPicture(1_000_000)
     assert picture.pass_time(SECOND) == ()
     assert (picture.nodes, [*picture.messages()], picture.load_percent, picture.error) == ((), [], 0.0, None)
@@ -193,7 +193,7 @@ def test_a_sum_forgets_what_is_as_old_as_its_span(
     assert lately.peak == max(sum(a for t, a in amounts if now - span < t <= now) for now, _ in amounts)
 
 
-def test_a_recording_of_a_strangers_master_is_one_picture_and_always_the_same() -> None:
+def test_a_recording_of_a_third_party_master_is_one_picture_and_always_the_same() -> None:
     lines = lzma.decompress(MASTERS.read_bytes()).decode().splitlines()
     pictures = [BusPicture(1_000_000), BusPicture(1_000_000)]
     for picture in pictures:
@@ -241,7 +241,7 @@ def test_a_heartbeat_that_goes_on_is_not_missing_for_ever(instants: list[float],
     assert node.missing, "and one that ends is"
 
 
-def test_a_node_does_what_the_network_command_says_until_it_says_otherwise() -> None:
+def test_a_node_does_what_the_network_command_states_until_it_states_otherwise() -> None:
     picture = BusPicture(1_000_000)
     for at, (address, text, state) in enumerate(
         (
@@ -265,7 +265,7 @@ def test_instants_count_from_the_first_frame_whatever_the_year() -> None:
     assert picture.mean_percent > 0.0
 
 
-def test_a_node_that_says_that_it_is_maxons_is_read_by_the_default_mapping() -> None:
+def test_a_node_that_states_that_it_is_maxons_is_read_by_the_default_mapping() -> None:
     picture = BusPicture(1_000_000)
     status = Packet(CAN, 0x181, bytes.fromhex("4007"))
     picture.note(0, status)

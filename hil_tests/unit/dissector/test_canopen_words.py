@@ -105,7 +105,7 @@ def test_the_mode_gives_the_bits_their_names() -> None:
     assert "homing attained" in read(Canopen(), homing, (0x183, "3717"))
 
 
-def test_segments_are_of_the_object_that_was_asked_for() -> None:
+def test_segments_are_of_the_object_that_was_requested() -> None:
     asked = ((0x603, "4008100000000000"), (0x583, "410810000D000000"), (0x603, "6000000000000000"))
     reader = Canopen()
     assert read(reader, *asked) == "SDO request, node 3: next segment of 0x1008 Manufacturer Device Name"

@@ -161,7 +161,7 @@ def row(title: str) -> Row:
 
 
 @every(("title", "changes", "verdict", "found", "remedy"), OUTCOMES, ids=str)
-def test_a_row_says_what_was_found_and_how_to_mend_it(
+def test_a_row_states_what_was_found_and_how_to_repair_it(
     title: str, changes: dict[str, Any], verdict: Verdict, found: str, remedy: str
 ) -> None:
     said = row(title).judge(replace(WELL, **changes))

@@ -55,7 +55,7 @@ def test_what_others_may_send(address: int) -> None:
     assert hears(address).link.master(HEARD) is None
 
 
-def test_it_listens_as_long_as_the_drives_would_and_a_serial_line_hears_nobody() -> None:
+def test_it_listens_as_long_as_the_drives_would_and_a_serial_line_receives_no_one() -> None:
     assert can_fleet(ROBOT, LINK).link.listens_for == 200 * MILLISECOND
     (line,) = fleets_of(over_serial(ROBOT))
     assert (line.link.listens_for, line.link.master(0)) == (0, None)
@@ -81,7 +81,7 @@ def test_it_listens_as_long_as_the_drives_would_and_a_serial_line_hears_nobody()
     ],
 )
 @pytest.mark.parametrize("node", [1, 4])
-def test_what_somebody_else_writes_to_a_drive(node: int, frame: str, *, writes: bool) -> None:
+def test_what_someone_else_writes_to_a_drive(node: int, frame: str, *, writes: bool) -> None:
     """Reading is free; a block transfer the drive does not know, nor what is cut short."""
     fleet = hears(0x600 + node, bytes.fromhex(frame))
     told = {driver.axis.epos2.node: driver.feedback.rewritten for driver in fleet.drivers}

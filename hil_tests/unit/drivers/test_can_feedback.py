@@ -154,7 +154,7 @@ def test_the_position_counts_on_across_the_counters_wrap(direction: int, turns: 
     assert math.copysign(1.0, public.velocity) == direction * turns
 
 
-def test_after_a_restart_the_position_begins_anew(feedback: CanFeedback) -> None:
+def test_after_a_restart_the_position_begins_again(feedback: CanFeedback) -> None:
     feedback.synchronised(0)
     feedback.hear(0x282, sample(2**31 - 10), 1)
     feedback.synchronised(CYCLE)
@@ -214,7 +214,7 @@ def test_before_a_drive_has_sent_anything_nothing_is_known() -> None:
     assert public.heard_at == public.sampled_at == NEVER_HEARD
 
 
-def test_bit_15_tells_that_the_zero_holds_until_it_was_gone_once(feedback: CanFeedback) -> None:
+def test_bit_15_reports_that_the_zero_holds_until_it_was_gone_once(feedback: CanFeedback) -> None:
     for word, lost in (("37 87", False), ("37 07", True), ("37 87", True)):
         feedback.hear(0x182, bytes.fromhex(word), 5)
         assert feedback.published().zero_lost is lost
@@ -222,7 +222,7 @@ def test_bit_15_tells_that_the_zero_holds_until_it_was_gone_once(feedback: CanFe
     assert not feedback.published().zero_lost
 
 
-def test_a_boot_up_loses_the_zero_whatever_bit_15_says_then(feedback: CanFeedback) -> None:
+def test_a_boot_up_loses_the_zero_whatever_bit_15_states_then(feedback: CanFeedback) -> None:
     feedback.hear(0x182, bytes.fromhex("37 87"), 5)
     feedback.hear(0x702, b"\0", 6)
     feedback.expected = True

@@ -71,7 +71,7 @@ def test_what_is_clipped_first_is_what_is_rounded_first(
 
 
 @given(RATIOS, DIRECTIONS, st.floats(-1e6, 1e6), st.floats(-1e6, 1e6))
-def test_more_is_further_the_way_that_the_direction_says(
+def test_more_is_further_the_way_that_the_direction_states(
     ratio: float, direction: int, one: float, other: float
 ) -> None:
     scale = Scale.of(axis(ratio, direction))

@@ -102,7 +102,7 @@ def test_an_upload_that_never_ends_is_aborted() -> None:
     assert isinstance(client.take(), SdoProtocolError)
 
 
-def test_a_refusal_tells_object_and_meaning() -> None:
+def test_a_refusal_reports_object_and_meaning() -> None:
     client = SdoClient()
     client.start(Transfer(Address(0x605A)), 0)
     client.hear(raw("80 5a 60 00 00 00 02 06"), 1)
@@ -112,7 +112,7 @@ def test_a_refusal_tells_object_and_meaning() -> None:
     assert str(refused) == "SDO upload 0x605A was refused with 0x06020000 no such object"
 
 
-def test_no_answer_is_asked_for_again_and_then_given_up() -> None:
+def test_no_answer_is_requested_again_and_then_given_up() -> None:
     client = SdoClient()
     request = client.start(STATUS, 0)
     abort = raw("80 41 60 00 00 00 04 05")
@@ -159,7 +159,7 @@ def test_attempts_are_bounded(attempts: int) -> None:
         "",
     ],
 )
-def test_strays_change_nothing(stray: str) -> None:
+def test_deviations_change_nothing(stray: str) -> None:
     client = SdoClient()
     client.start(STATUS, 0)
     assert client.hear(raw(stray), 1) == ()

@@ -62,7 +62,7 @@ def pins(bench: Bench, axis: str) -> int:
     return bench.axes[axis].outputs & 0b1111
 
 
-def test_a_sensor_tells_its_volts_in_its_own_unit(bench: Bench) -> None:
+def test_a_sensor_reports_its_volts_in_its_own_unit(bench: Bench) -> None:
     bench.runs(0.3)
     readings = bench.readings()
     assert set(readings) == {"battery", "reach"}
@@ -70,7 +70,7 @@ def test_a_sensor_tells_its_volts_in_its_own_unit(bench: Bench) -> None:
     assert readings["reach"].value == -0.75
 
 
-def test_a_reading_says_when_it_was_asked_for_and_when_it_came(bench: Bench) -> None:
+def test_a_reading_states_when_it_was_requested_and_when_it_came(bench: Bench) -> None:
     bench.runs(0.52)
     reading = bench.readings()["reach"]
     assert 0 < bench.world.now - reading.heard_at <= 250 * MILLISECOND
@@ -78,7 +78,7 @@ def test_a_reading_says_when_it_was_asked_for_and_when_it_came(bench: Bench) -> 
 
 
 @pytest.mark.long(keeps=["on_can"])
-def test_each_sensor_is_asked_at_its_own_pace(bench: Bench) -> None:
+def test_each_sensor_is_requested_at_its_own_pace(bench: Bench) -> None:
     bench.runs(1.5)
     before = bench.readings()
     bench.axes["left"].analogue_1_mv, bench.axes["left"].analogue_2_mv = 3_000, 500
@@ -106,7 +106,7 @@ def test_a_sensor_that_falls_silent_is_left_out(bench: Bench) -> None:
 
 
 @pytest.mark.parametrize("make", [on_can, on_line])
-def test_before_the_robot_runs_no_sensor_is_asked(make: Callable[[], AnyRobot]) -> None:
+def test_before_the_robot_runs_no_sensor_is_requested(make: Callable[[], AnyRobot]) -> None:
     bench = Bench(make())
     while not bench.host.running:
         assert bench.readings() == {}
@@ -217,7 +217,7 @@ def test_what_a_drive_refuses_is_not_known_and_what_it_does_not_answer_grows_old
     assert sensor.reading == (Reading(3.0, 10, 20) if kept else None)
 
 
-def test_a_question_that_is_still_open_is_not_asked_again() -> None:
+def test_a_question_that_is_still_open_is_not_requested_again() -> None:
     drive = Bare()
     sensor = AnalogueInput(changed(equipped).sensors[0], drive)
     for now in (10, 20):

@@ -72,7 +72,7 @@ def test_a_reversed_axis_turns_the_other_way() -> None:
 
 @every("state", NOT_ENABLED, ids=str)
 @every("demand", [Speed(3.0), to(500), Stop.REST, Stop.QUICK_STOP], ids=str)
-def test_a_drive_that_is_not_enabled_hears_quick_stop_only(state: State | None, demand: Demand) -> None:
+def test_a_drive_that_is_not_enabled_receives_quick_stop_only(state: State | None, demand: Demand) -> None:
     assert wheel(state).demand(demand).payload.hex(" ") == "0b 00 00 00 00 00"
     assert steering(state).demand(demand).payload.hex(" ") == "0b 00 00 00 00 00"
 

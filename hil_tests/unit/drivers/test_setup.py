@@ -37,7 +37,7 @@ def test_what_safety_hangs_on_is_read_back(axis: Axis, address: Address) -> None
 
 
 @AXES
-def test_every_row_says_why_and_from_where(axis: Axis) -> None:
+def test_every_row_states_why_and_from_where(axis: Axis) -> None:
     assert all(row.name and row.why and row.source for row in rows(axis))
 
 

@@ -63,7 +63,7 @@ def test_the_bench_is_enabled() -> None:
 
 
 @pytest.mark.emergency(0x8120)
-def test_an_error_passive_drive_says_so_and_stops_until_communication_is_reset() -> None:
+def test_an_error_passive_drive_states_so_and_stops_until_communication_is_reset() -> None:
     bench = Bench((120, 0x201, "0000"), (130, 0x201, "8000"), (150, 0x000, "8200"))
     bench.wire.disturb(Disturbance(sender="drive", begin=60 * MILLISECOND, count=16))
     bench.until(110)
@@ -82,7 +82,7 @@ def test_an_error_passive_drive_says_so_and_stops_until_communication_is_reset()
 
 
 @pytest.mark.emergency(0x81FD)
-def test_a_drive_that_was_off_the_bus_says_so_when_it_is_back() -> None:
+def test_a_drive_that_was_off_the_bus_states_so_when_it_is_back() -> None:
     bench = Bench()
     begin: Nanoseconds = 60 * MILLISECOND
     bench.wire.disturb(Disturbance(sender="drive", begin=begin, count=32))

@@ -27,7 +27,7 @@ def profile(request: pytest.FixtureRequest) -> DeviceProfile:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_type_says_who_it_is(name: str) -> None:
+def test_a_type_states_who_it_is(name: str) -> None:
     desk = powered(PROFILES[name])
     hardware, continuous = KNOWN[name]
     assert desk.reads(0x1018, 1) == 0xFB
@@ -55,7 +55,7 @@ def test_the_hardware_cuts_off_where_the_type_does(profile: DeviceProfile) -> No
 @pytest.mark.parametrize(
     "name", ["hardware_version", "order_numbers", "continuous_current_ma", "peak_current_ma", "supply_v"]
 )
-def test_each_figure_says_how_far_it_is_known(name: str, profile: DeviceProfile) -> None:
+def test_each_figure_states_how_far_it_is_known(name: str, profile: DeviceProfile) -> None:
     mark = profile.known(name)
     assert mark.source
     if not getattr(profile, name):

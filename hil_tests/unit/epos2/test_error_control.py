@@ -80,7 +80,7 @@ def test_a_heartbeat_in_time_moves_the_watch_on() -> None:
         assert desk.waits(199 * MILLISECOND) == []
 
 
-def test_silence_is_told_once_and_the_next_heartbeat_starts_anew() -> None:
+def test_silence_is_reported_once_and_the_next_heartbeat_starts_again() -> None:
     desk = watching()
     desk.hears("764#05")
     assert desk.waits(5000 * MILLISECOND) == [LOST]

@@ -17,7 +17,7 @@ def told(desk: Desk, code: int) -> list[str]:
 
 
 @every("code", EMERGENCIES, ids=hex)
-def test_every_emergency_is_told_with_its_register(code: int) -> None:
+def test_every_emergency_is_reported_with_its_register(code: int) -> None:
     desk = powered()
     (frame,) = told(desk, code)
     register = EMERGENCIES[code].register

@@ -28,7 +28,7 @@ def in_state(state: NmtState) -> Desk:
     return desk
 
 
-def test_a_drive_that_is_off_hears_nothing() -> None:
+def test_a_drive_that_is_off_receives_nothing() -> None:
     desk = Desk()
     assert desk.hears("601#4000100000000000") == ["701#00"]
 
@@ -73,7 +73,7 @@ def test_commands_for_others_and_odd_frames_change_nothing(frame: str) -> None:
 
 @pytest.mark.parametrize("state", STATES)
 @pytest.mark.parametrize(("command", "resets"), [("8101", 2), ("8201", 1)])
-def test_both_resets_boot_anew(state: NmtState, command: str, resets: int) -> None:
+def test_both_resets_boot_again(state: NmtState, command: str, resets: int) -> None:
     desk = in_state(state)
     assert desk.hears(f"000#{command}") == ["701#00"]
     assert desk.drive.nmt_state is NmtState.PRE_OPERATIONAL
@@ -118,7 +118,7 @@ def test_a_transfer_does_not_survive_the_stopped_state() -> None:
 @pytest.mark.parametrize(
     "frame", ["602#4000100000000000", "80000601#40001000", "201#0600", "100#", "7E5#0401", "701#05", "77F#05"]
 )
-def test_frames_that_nobody_here_takes_are_left_alone(frame: str) -> None:
+def test_frames_that_no_one_here_takes_are_left_alone(frame: str) -> None:
     assert powered().hears(frame) == []
 
 

@@ -62,7 +62,7 @@ def refusal(store: ObjectStore, address: Address, raw: bytes) -> AbortCode:
 
 
 @rows(list(OBJECTS.values()))
-def test_a_row_can_be_read_as_its_access_says(row: ObjectRow) -> None:
+def test_a_row_can_be_read_as_its_access_states(row: ObjectRow) -> None:
     if not row.access.readable:
         with pytest.raises(SdoAbort) as caught:
             fresh().read(row.address)
@@ -111,7 +111,7 @@ def test_a_row_refuses_every_other_size(row: ObjectRow) -> None:
 
 
 @rows(NUMBERS)
-def test_a_row_can_be_mapped_or_is_refused_as_it_says(row: ObjectRow) -> None:
+def test_a_row_can_be_mapped_or_is_refused_as_it_states(row: ObjectRow) -> None:
     entry = MappingEntry(row.address, row.type.bits).encode()
     longer = MappingEntry(row.address, row.type.bits + 8).encode()
     for direction, allowed in ((RECEIVE, row.receivable), (TRANSMIT, row.transmittable)):

@@ -73,7 +73,7 @@ def test_a_value_out_of_range_is_dropped_and_the_others_count(desk: Desk) -> Non
 
 
 @pytest.mark.parametrize("command", ["8001", "0201"])
-def test_outside_operational_a_pdo_is_not_heard(desk: Desk, command: str) -> None:
+def test_outside_operational_a_pdo_is_not_received(desk: Desk, command: str) -> None:
     desk.hears(f"000#{command}")
     assert desk.hears("201#0F00") == []
     assert desk.hears("201#0F") == []
@@ -154,7 +154,7 @@ def test_a_pdo_switched_on_in_operational_begins_as_on_entering_it() -> None:
     assert len(desk.hears("601#2301180181020040")) == 1
 
 
-def test_the_inhibit_time_keeps_changes_apart_and_the_last_value_is_told(desk: Desk) -> None:
+def test_the_inhibit_time_keeps_changes_apart_and_the_last_value_is_reported(desk: Desk) -> None:
     desk.store.set(at.STATUSWORD, 0x0721)
     assert desk.hears("080#") == ["181#2107"]
     desk.store.set(at.STATUSWORD, 0x0723)
@@ -165,7 +165,7 @@ def test_the_inhibit_time_keeps_changes_apart_and_the_last_value_is_told(desk: D
     assert desk.waits(10 * MILLISECOND) == []
 
 
-def test_a_change_that_went_away_is_not_told(desk: Desk) -> None:
+def test_a_change_that_went_away_is_not_reported(desk: Desk) -> None:
     desk.store.set(at.STATUSWORD, 0x0721)
     assert desk.hears("080#") == ["181#2107"]
     desk.store.set(at.STATUSWORD, 0x0723)
@@ -197,14 +197,14 @@ def test_without_moving_values_the_drive_is_not_woken(desk: Desk) -> None:
     assert desk.due > 10**18
 
 
-def test_an_invalid_pdo_says_and_hears_nothing() -> None:
+def test_an_invalid_pdo_states_and_receives_nothing() -> None:
     desk = set_up(powered(), (0x1800, 1, u32(0xC000_0181)), (0x1400, 1, u32(0x8000_0201)))
     assert desk.hears("000#0101") == []
     assert desk.hears("201#0F") == []
     assert desk.motion.written == []
 
 
-def test_an_empty_pdo_says_nothing() -> None:
+def test_an_empty_pdo_sends_nothing() -> None:
     desk = set_up(powered(), (0x1800, 1, u32(0xC000_0181)), (0x1A00, 0, b"\0"), (0x1800, 1, u32(0x4000_0181)))
     assert desk.hears("000#0101") == []
 
@@ -219,5 +219,5 @@ def test_a_remote_request_is_answered_where_it_is_allowed(cob_id: int, answers: 
 
 
 @pytest.mark.emergency(0x8150)
-def test_somebody_else_with_the_drive_s_identifier_is_an_emergency(desk: Desk) -> None:
+def test_someone_else_with_the_drive_s_identifier_is_an_emergency(desk: Desk) -> None:
     assert desk.hears("181#4007") == ["081#5081100000000000"]

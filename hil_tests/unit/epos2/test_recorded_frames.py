@@ -83,7 +83,7 @@ def test_expedited_without_size_is_taken_exoskeleton_driver() -> None:
     assert desk.store.get(at.MODE) == -2
 
 
-def test_loss_of_power_is_told_with_code_and_register_exoskeleton_driver() -> None:
+def test_loss_of_power_is_reported_with_code_and_register_exoskeleton_driver() -> None:
     desk = operational()
     desk.motion.report(0x3220)
     assert desk.hears("080#") == ["081#2032040000000000"]
@@ -124,7 +124,7 @@ def test_requests_of_a_microcontroller_are_granted_samsonchau(template: str) -> 
 @pytest.mark.parametrize(
     ("index", "subindex", "command"), [(0x1001, 0, "4F"), (0x6041, 0, "4B"), (0x1000, 0, "43")]
 )
-def test_the_upload_s_command_byte_tells_the_size_application_notes_p_150(
+def test_the_upload_s_command_byte_reports_the_size_application_notes_p_150(
     index: int, subindex: int, command: str
 ) -> None:
     word = index.to_bytes(2, "little").hex()

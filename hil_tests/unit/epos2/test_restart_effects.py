@@ -94,7 +94,7 @@ def test_layer_setting_rests_outside_stopped(state: str) -> None:
     assert drive.hears("7E5#5E00000000000000") == []
 
 
-def test_the_inquiries_tell_identity_and_number() -> None:
+def test_the_inquiries_report_identity_and_number() -> None:
     assert SERIAL == "80015954"
     drive = configuring(desk(5))
     assert drive.hears("7E5#5A00000000000000") == ["7E4#5AFB000000000000"]
@@ -119,7 +119,7 @@ def test_a_slave_is_selected_by_its_four_numbers_in_their_order() -> None:
 
 
 @pytest.mark.parametrize("wrong", range(4))
-def test_one_wrong_number_selects_nobody(wrong: int) -> None:
+def test_one_wrong_number_selects_no_one(wrong: int) -> None:
     drive = desk()
     drive.hears(STOP)
     frames = list(SELECT)
@@ -187,7 +187,7 @@ def test_what_is_no_layer_setting_request_gets_no_answer(frame: str) -> None:
     assert drive.hears("7E5#5E00000000000000") == ["7E4#5E01000000000000"]
 
 
-def test_a_drive_that_loses_its_supply_says_nothing_and_starts_anew() -> None:
+def test_a_drive_that_loses_its_supply_sends_nothing_and_starts_again() -> None:
     drive = desk()
     drive.hears("000#0100")
     resets = drive.motions[0].resets

@@ -66,7 +66,7 @@ class Bursts(RuleBasedStateMachine):
 
 @pytest.mark.timeout(0)
 @pytest.mark.parametrize("enough", [SOME, pytest.param(ENOUGH, marks=pytest.mark.long)])
-def test_whatever_a_stranger_sends_the_drive_stays_a_drive(enough: int) -> None:
+def test_whatever_a_foreign_node_sends_the_drive_stays_a_drive(enough: int) -> None:
     Bursts.frames, Bursts.powered, Bursts.off, Bursts.aborts = 0, 0, 0, set()
     wanted = int(os.environ.get("STRANGER_FRAMES", "0")) if enough == ENOUGH else 0
     examples = max(EXAMPLES * enough // ENOUGH, EXAMPLES * wanted // ENOUGH)

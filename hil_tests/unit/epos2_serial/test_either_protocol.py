@@ -68,7 +68,7 @@ def test_a_command_that_has_begun_is_not_left_for_the_other_protocol(drive: Seri
     assert DEVICE_TYPE in hears(drive, V2, 3 * SECOND)
 
 
-def test_where_it_was_said_the_other_one_is_refused() -> None:
+def test_where_it_was_stated_the_other_one_is_refused() -> None:
     drive = SerialEpos2(1, ServoAxis("one", 2000), EPOS2_70_10, QuietMotion, generation=Generation.V1)
     drive.wake(0)
     drive.wake(SECOND)

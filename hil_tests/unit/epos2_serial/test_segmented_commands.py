@@ -157,7 +157,7 @@ def test_a_longer_segment_does_not_pass_the_gateway(longest: int, size: int) -> 
     assert answer == SegmentTaken(AbortCode.TOO_LONG, 0)
 
 
-def test_a_drive_that_has_forgotten_the_transfer_says_so_to_the_host() -> None:
+def test_a_drive_that_has_forgotten_the_transfer_states_so_to_the_host() -> None:
     desk = SerialDesk(Generation.V2)
     desk.asks(InitiateSegmentedWrite(DOMAIN, 0, FAR, 16))
     first = control(8, toggle=False)
@@ -170,7 +170,7 @@ def test_a_drive_that_has_forgotten_the_transfer_says_so_to_the_host() -> None:
 
 
 @both
-def test_a_segment_that_tells_more_than_it_has_is_refused(generation: Generation) -> None:
+def test_a_segment_that_reports_more_than_it_has_is_refused(generation: Generation) -> None:
     desk = SerialDesk(generation)
     desk.asks(InitiateSegmentedWrite(DOMAIN, 0, NEAR, 8))
     answer = desk.asks(SegmentWrite(control(8, toggle=False), b"abc"))

@@ -37,7 +37,7 @@ def test_a_damaged_usb_frame_is_answered_with_an_error_and_a_damaged_rs232_frame
 
 
 @both
-def test_a_host_that_waits_too_briefly_is_told_so_and_recovers(generation: Generation) -> None:
+def test_a_host_that_waits_too_briefly_is_informed_and_recovers(generation: Generation) -> None:
     desk = SerialDesk(generation, timeout=100 * MILLISECOND)
     assert desk.tries(ReadObject(0x1000, 0, NOBODY)) is Failure.SILENCE
     desk.waits(SECOND)  # the gateway gives up after 500 ms, and the line 500 ms later

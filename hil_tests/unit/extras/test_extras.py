@@ -24,7 +24,7 @@ def test_what_no_extra_brings_is_missing_as_it_is() -> None:
         importlib.import_module("no_such_thing")
 
 
-def test_a_study_that_cannot_be_made_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_study_that_cannot_be_made_states_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "sympy", None)
     with pytest.raises(LookupError, match=r"firmware-bridge\[plants\]"):
         Study("mine", "", "", "sympy:made").made()

@@ -63,7 +63,7 @@ def test_a_robot_is_tried_in_each_thing_that_it_can_do(name: str) -> None:
     rig.finish()
 
 
-def test_in_a_state_the_robot_does_what_it_says() -> None:
+def test_in_a_state_the_robot_does_what_it_states() -> None:
     rig = VirtualRig(find("rars"))
     rig.arms()
     states = {state.name: state for state in states_of(rig)}
@@ -115,14 +115,14 @@ ASIDE_AT_MS = 1e3 * ASIDE["m"] / (0.3 - 0.05 * 0.3)
         (course(GOES + 0.5 * ASIDE["m"]), Verdict.TOLERATED),
     ],
 )
-def test_what_is_said_of_a_cell(ill: Course, verdict: Verdict) -> None:
+def test_what_is_stated_of_a_cell(ill: Course, verdict: Verdict) -> None:
     found = effect(course(GOES), ill)
     assert found.verdict is verdict
     assert (found.stands_after_ms is not None) == (ill.places["x_m"] is STANDS)
     assert found.goes_m == pytest.approx(float(ill.places["x_m"][-1] - ill.places["x_m"][0]))
 
 
-def test_who_never_stands_is_not_noticed_whoever_said_what() -> None:
+def test_who_never_stands_is_not_noticed_whatever_was_reported() -> None:
     """The same robot stands without the failure: the operator lets go."""
     stands = course(STANDS)
     assert effect(stands, course(RUNS_ON, held_ms=100.0, told_ms=50.0)).verdict is Verdict.MISSED
@@ -136,7 +136,7 @@ def test_a_notice_that_comes_of_the_failures_own_end_is_none(ends_ms: float, ver
     assert effect(course(GOES), ill).verdict is verdict
 
 
-def test_the_first_of_words_and_holds_says_whether_it_was_late() -> None:
+def test_the_first_of_words_and_holds_states_whether_it_was_late() -> None:
     told = course(RUNS_ON, held_ms=ASIDE_AT_MS + LATE_MS + 500.0, told_ms=100.0)
     found = effect(course(GOES), told)
     assert (found.verdict, found.noticed_by) == (Verdict.NOTICED, "a row")
@@ -208,7 +208,7 @@ class Table(HTMLParser):
             self.kinds.append(str(dict(attrs)["class"]))
 
 
-def test_what_nobody_has_thought_about_is_wrong_and_ends_the_program(
+def test_what_no_one_has_thought_about_is_wrong_and_ends_the_program(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     words = ["fmea", "rome", "--fault", "load_lifted", "--state", "left 50%", "--jobs", "1", "--out"]
@@ -243,7 +243,7 @@ def test_a_wrong_word_is_one_line(
 
 @pytest.mark.long(beside="test_an_encoder_that_freezes_while_the_robot_is_stopped_does_not_run_away_unseen")
 @pytest.mark.parametrize("name", MACHINES)
-def test_nobody_overlooks_a_failure_of_this_robot(name: str) -> None:
+def test_no_one_overlooks_a_failure_of_this_robot(name: str) -> None:
     made = partial(find, name)
     cells = [cell for state in state_names(made()) for cell in of_state(made, all_failures(made()), state)]
     assert list(wrongs(cells)) == []

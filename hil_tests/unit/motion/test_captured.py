@@ -148,7 +148,7 @@ def test_markers_swapped_for_long_lose_the_robot_and_seen_again_it_is_found() ->
     assert driven(captured, 330, 1).source is Source.CAPTURED
 
 
-def test_carried_elsewhere_it_is_refused_until_somebody_says_so() -> None:
+def test_carried_elsewhere_it_is_refused_until_someone_states_so() -> None:
     captured = Captured(BOUNDS)
     driven(captured, 0, 20)
 
@@ -199,7 +199,7 @@ def test_a_first_pose_that_the_next_ones_gainsay_is_never_believed(turn: float) 
     assert apart(located.pose, truth(2 * (AGREE - 1) * CYCLE)) < 1e-3
 
 
-def test_asked_again_it_says_the_same_and_an_old_pose_counts_once() -> None:
+def test_requested_again_it_states_the_same_and_an_old_pose_counts_once() -> None:
     captured = Captured(BOUNDS)
     driven(captured, 0, 10)
     now = 10 * CYCLE
@@ -232,7 +232,7 @@ def test_after_a_turn_in_the_dark_the_heading_may_be_off_by_its_share(turn: floa
     assert (located.refused == 0) == believed
 
 
-def test_slip_is_told_as_a_speed_and_is_over_when_the_wheels_hold_again() -> None:
+def test_slip_is_reported_as_a_speed_and_is_over_when_the_wheels_hold_again() -> None:
     captured = Captured(BOUNDS)
     assert driven(captured, 0, 40).slip_mps < 1e-4
     # Odometry that says 10 % more is off by 0.05 m/s; after two seconds all but 2 % of it is in the mean.
@@ -247,7 +247,7 @@ def test_slip_is_told_as_a_speed_and_is_over_when_the_wheels_hold_again() -> Non
     assert slipping.located.slip_mps < 0.002
 
 
-def test_begun_anew_it_is_unseen_at_once_and_has_no_slip() -> None:
+def test_begun_again_it_is_unseen_at_once_and_has_no_slip() -> None:
     captured = Captured(BOUNDS)
     before = driven(captured, 0, 40, slip=0.1)
     captured.begin_anew()

@@ -58,7 +58,7 @@ def allowed(target: tuple[float, float]) -> tuple[float, float]:
 
 
 @given(st.lists(st.tuples(speeds, turns), min_size=1, max_size=8), st.integers(1, 3))
-def test_the_ramp_keeps_every_bound_whatever_it_is_asked(
+def test_the_ramp_keeps_every_bound_whatever_it_is_requested(
     targets: list[tuple[float, float]], late: int
 ) -> None:
     seconds = CYCLE / 1e9

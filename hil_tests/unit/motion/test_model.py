@@ -8,7 +8,7 @@ from firmware_bridge.motion.model import Moving, Unicycle, arc
 from firmware_bridge.motion.pose import Pose
 
 
-def test_a_robot_stands_where_nothing_else_is_said() -> None:
+def test_a_robot_stands_where_nothing_else_is_stated() -> None:
     moving = Moving(Pose())
     assert (moving.speed_mps, moving.yaw_rate_rad_s, moving.steer_rad) == (0.0, 0.0, None)
 
@@ -32,7 +32,7 @@ def test_straight_ahead_and_on_the_spot() -> None:
     assert spot.heading_rad == pytest.approx(0.6)
 
 
-def test_a_unicycle_moves_as_it_is_told() -> None:
+def test_a_unicycle_moves_as_it_is_commanded() -> None:
     moved = Unicycle().step(Moving(Pose(), 9.0, 9.0), 0.5, 0.1, 2.0)
     assert (moved.speed_mps, moved.yaw_rate_rad_s) == (0.5, 0.1)
     assert moved.pose == arc(Pose(), 0.5, 0.1, 2.0)

@@ -68,5 +68,5 @@ def test_odometry_agrees_with_the_steering_geometry(speed: float, steer: float) 
     assert pose.heading_rad == pytest.approx(speed * davis.curvature(ROBOT.geometry.base, steer), abs=1e-12)
 
 
-def test_a_pose_of_which_nothing_is_said_is_the_origin() -> None:
+def test_a_pose_of_which_nothing_is_stated_is_the_origin() -> None:
     assert Pose() == Pose(0.0, 0.0, 0.0)

@@ -25,7 +25,7 @@ speeds = st.floats(-2.0, 2.0)
     ],
     ids=["ahead", "left", "counter-clockwise"],
 )
-def test_each_wheel_turns_as_the_thesis_says(motion: Twist, expected: tuple[float, ...]) -> None:
+def test_each_wheel_turns_as_the_thesis_states(motion: Twist, expected: tuple[float, ...]) -> None:
     """(2.13) at psi = 0: rows (0, 1, L), (-sin 120, cos 120, L), (sin 120, cos 120, L)."""
     assert rims(motion, L) == pytest.approx(expected, abs=1e-15)
 

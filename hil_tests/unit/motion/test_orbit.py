@@ -191,7 +191,7 @@ def test_the_printed_orbit_fits_the_floor_and_its_speeds_the_base() -> None:
 # Relative motion
 
 
-def test_small_distances_move_as_the_linear_law_says_and_the_error_is_of_second_order() -> None:
+def test_small_distances_move_as_the_linear_law_states_and_the_error_is_of_second_order() -> None:
     chief = ORBITS["circle"]
     n = math.tau / period(chief)
     errors = []

@@ -24,7 +24,7 @@ TU_S = math.sqrt(RADIUS_KM**3 / MU)
         (360.0, (-7154.03120202, -3783.17682504, -3536.19412294), (4.741887409, -4.151817765, -2.093935425)),
     ],
 )
-def test_it_says_what_the_report_has_printed(
+def test_it_states_what_the_report_has_printed(
     minutes: float, place_km: tuple[float, ...], speed_km_s: tuple[float, ...]
 ) -> None:
     found = state_of_tle(*FIVE, minutes) if minutes else state_of_tle(*FIVE)
@@ -55,7 +55,7 @@ def test_what_is_no_set_is_refused(first: str, second: str, says: str) -> None:
         state_of_tle(first, second)
 
 
-def test_a_body_that_has_come_down_is_told() -> None:
+def test_a_body_that_has_come_down_is_reported() -> None:
     falls = (
         "1 28872U 05037B   05333.02012661  .25992681  00000-0  24476-3 0  1534",
         "2 28872  96.4736 157.9986 0303955 244.0492 110.6523 16.46015938 10708",

@@ -189,5 +189,5 @@ def test_all_joints_are_slowed_by_one_share() -> None:
     assert slowed(AR2, at, rates, fastest, 0.1) == 0.0
 
 
-def test_what_is_asked_for_are_all_six_unless_rows_are_named() -> None:
+def test_what_is_requested_are_all_six_unless_rows_are_named() -> None:
     assert tuple(range(6)) == ALL

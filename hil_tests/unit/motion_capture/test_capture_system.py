@@ -81,7 +81,7 @@ def test_it_shows_where_the_body_was_at_the_exposure_and_leaves_five_ms_later() 
     assert np.std(ages) == pytest.approx(0.25, abs=0.08)
 
 
-def test_its_noise_is_what_was_asked_for_and_no_error_in_the_mean() -> None:
+def test_its_noise_is_what_was_requested_and_no_error_in_the_mean() -> None:
     world, _, listener = watched(Cameras(noise_m=0.0002, up=Up.Z))
     world.run(4 * SECOND)
     seen = np.array([frame.bodies[1].position for _, frame in listener.heard])
@@ -102,7 +102,7 @@ def test_y_up_is_the_room_turned() -> None:
 
 
 @pytest.mark.parametrize("lost", Lost)
-def test_a_hidden_body_has_no_flag_and_the_pose_that_was_asked_for(lost: Lost) -> None:
+def test_a_hidden_body_has_no_flag_and_the_pose_that_was_requested(lost: Lost) -> None:
     world, system, listener = watched(replace(EXACT, lost=lost))
     system.hide(Hidden(7, SECOND, 2 * SECOND))
     world.run(3 * SECOND)
@@ -215,7 +215,7 @@ def test_commands_are_answered_by_rows(command: str, answer: tuple[MessageId, by
     assert asked(system, MessageId.REQUEST, messages.text_payload(command)) == answer
 
 
-def test_the_clock_is_told_and_a_client_that_falls_silent_is_dropped() -> None:
+def test_the_clock_is_reported_and_a_client_that_falls_silent_is_dropped() -> None:
     system = MotionCapture([Body(1, "a", Standing())], np.random.default_rng(0))
     asked(system, MessageId.CONNECT)
     echo = asked(system, MessageId.ECHOREQUEST, messages.echo_request(99), 2 * SECOND)
@@ -231,7 +231,7 @@ def test_the_clock_is_told_and_a_client_that_falls_silent_is_dropped() -> None:
     assert not system.wake(21 * SECOND).sent
 
 
-def test_garbage_is_answered_and_nobody_is_served_for_it() -> None:
+def test_garbage_is_answered_and_no_one_is_served_for_it() -> None:
     system = MotionCapture([Body(1, "a", Standing())], np.random.default_rng(0))
     for noise in (b"", b"\0", b"\xff\xff\0\0", b"\0\0\xff\xff", packet(MessageId.ECHOREQUEST)):
         sent = system.receive(Packet(COMMAND, CLIENT, noise), 0).sent

@@ -39,7 +39,9 @@ def film_of(walking: Walking) -> Film:
 
 
 @pytest.mark.parametrize("strides", [(50,), (3, 9, 10, 50), tuple(range(51))])
-def test_each_exposure_shows_its_own_instant_however_the_physics_is_asked(strides: tuple[int, ...]) -> None:
+def test_each_exposure_shows_its_own_instant_however_the_physics_is_requested(
+    strides: tuple[int, ...],
+) -> None:
     walking = Walking()
     film = film_of(walking)
     for stride in strides:

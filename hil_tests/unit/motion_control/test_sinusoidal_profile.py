@@ -62,7 +62,7 @@ def test_a_velocity_is_reached_in_half_pi_times_the_ramp(drive: "Drive") -> None
     assert ms == pytest.approx(pi / 2 * (200 + 50), abs=6)
 
 
-def test_the_same_velocity_once_more_does_not_begin_the_ramp_anew(drive: "Drive") -> None:
+def test_the_same_velocity_once_more_does_not_begin_the_ramp_again(drive: "Drive") -> None:
     sinusoidal(drive, 3)
     drive.write(at.TARGET_VELOCITY, 3000)
     ms = 0

@@ -88,7 +88,7 @@ def test_helm_and_pedals_are_the_stick(helm: int, pedal: int, brake: int, stick:
     assert desk.stick() == stick
 
 
-def test_before_the_robot_is_armed_the_true_place_is_said_whatever_the_brake_takes_from_it() -> None:
+def test_before_the_robot_is_armed_the_true_place_is_stated_whatever_the_brake_takes_from_it() -> None:
     """So the bridge sees it, and refuses to arm."""
     desk = Desk()
     desk.do(AT_REST, event(2, 4, -FULL), event(2, 1, FULL))
@@ -141,7 +141,7 @@ def test_what_is_trodden_on_after_the_button_was_pressed_and_before_that_was_see
     assert desk.motion() == (500, 0, 0)
 
 
-def test_a_control_that_has_told_nothing_yet_does_not_count() -> None:
+def test_a_control_that_has_reported_nothing_yet_does_not_count() -> None:
     desk = Desk()
     desk.beats(armed=True)
     desk.do(event(2, 4, -FULL), event(2, 1, FULL), event(2, 6, FULL))
@@ -149,7 +149,7 @@ def test_a_control_that_has_told_nothing_yet_does_not_count() -> None:
 
 
 @pytest.mark.parametrize("controls", DEVICES)
-def test_a_gamepad_that_nobody_touches_moves_nothing_whatever_it_is_taken_for(controls: str) -> None:
+def test_a_gamepad_that_no_one_touches_moves_nothing_whatever_it_is_taken_for(controls: str) -> None:
     """Its triggers rest at one end, as the other device's pedals are trodden down; xpad numbers them so."""
     desk = Desk(DEVICES[controls])
     desk.do(*(event(0x82, axis, -FULL if axis in {2, 5} else 0) for axis in range(8)))
@@ -171,13 +171,13 @@ def test_a_gamepad_that_nobody_touches_moves_nothing_whatever_it_is_taken_for(co
         ("", (), False),
     ],
 )
-def test_a_device_says_that_it_is_a_gamepad_by_its_name_or_its_second_stick(
+def test_a_device_states_that_it_is_a_gamepad_by_its_name_or_its_second_stick(
     name: str, codes: tuple[int, ...], *, says: bool
 ) -> None:
     assert is_gamepad(name, codes) is says
 
 
-def test_reverse_changes_only_while_nobody_drives() -> None:
+def test_reverse_changes_only_while_no_one_drives() -> None:
     desk = Desk()
     desk.armed()
     desk.do(event(2, 4, -FULL), event(1, 7, 1), event(1, 7, 0))

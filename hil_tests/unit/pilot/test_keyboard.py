@@ -91,7 +91,7 @@ def test_a_switch_is_pressed_for_one_word() -> None:
     assert [wish(hand, at).buttons for at in (1, 2)] == [1 << 5, 0]
 
 
-def test_before_the_robot_is_armed_the_true_keys_are_said() -> None:
+def test_before_the_robot_is_armed_the_true_keys_are_stated() -> None:
     """So the bridge sees what is down, and refuses to arm."""
     hand = Keyboard(1.0, Extras(up_button=3))
     told(hand, b"w")

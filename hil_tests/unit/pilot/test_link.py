@@ -33,7 +33,7 @@ def test_the_round_trip_is_both_ways_and_a_pose_is_dated_within_half_of_it(up_ms
     assert measured - 3 * SECOND == pytest.approx((down_ms - up_ms) / 2 * MILLISECOND, abs=MILLISECOND)
 
 
-def test_an_answer_to_no_question_says_nothing() -> None:
+def test_an_answer_to_no_question_sends_nothing() -> None:
     link = Link()
     link.answered(dialect.MAVLink_timesync_message(5, 6), 7)
     assert link.round_trip(7) is None

@@ -32,7 +32,7 @@ def drive(model: Model, up: Nanoseconds, count: int) -> list[tuple[Nanoseconds, 
 
 @pytest.mark.parametrize("model", [Unicycle(), RarsModel(find("rars"))], ids=["ideal", "rars"])
 @pytest.mark.parametrize(("up_s", "down_s"), [(0.0, 0.0), (0.4, 0.4), (0.2, 0.6), (0.8, 0.05)])
-def test_with_the_right_model_it_says_where_the_robot_will_be(
+def test_with_the_right_model_it_states_where_the_robot_will_be(
     model: Model, up_s: float, down_s: float
 ) -> None:
     up, down = from_seconds(up_s), from_seconds(down_s)
@@ -56,7 +56,7 @@ def test_with_the_right_model_it_says_where_the_robot_will_be(
         assert predictor.error_m < 2e-3
 
 
-def test_its_error_is_told_where_the_robot_does_otherwise() -> None:
+def test_its_error_is_reported_where_the_robot_does_otherwise() -> None:
     predictor = Predictor(Unicycle())
     predictor.told(0, 0, 0.5, 0.0)
     predictor.seen(0, Moving(Pose()))
@@ -68,7 +68,7 @@ def test_its_error_is_told_where_the_robot_does_otherwise() -> None:
     assert predictor.error_m == pytest.approx(0.15)
 
 
-def test_before_it_has_seen_anything_it_says_nothing_and_what_is_older_changes_nothing() -> None:
+def test_before_it_has_seen_anything_it_sends_nothing_and_what_is_older_changes_nothing() -> None:
     predictor = Predictor(Unicycle())
     assert predictor.at(0) is None
     predictor.seen(TICK, Moving(Pose(1.0)))

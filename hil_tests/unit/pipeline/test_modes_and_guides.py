@@ -59,7 +59,7 @@ def test_an_unknown_mode_is_answered_with_those_that_there_are() -> None:
     assert verdict.reason == "mode: this robot has no 'wheelless'; it has brushless"
 
 
-def test_an_axis_that_is_left_out_is_told_to_be_without_power() -> None:
+def test_an_axis_that_is_left_out_is_commanded_to_be_without_power() -> None:
     cart = brushless()
     assert cart.newest("brush") is Stop.POWER_OFF
     assert cart.pipeline.seen.facts.without == {"brush"}
@@ -98,7 +98,7 @@ def test_any_word_but_on_lets_that_row_go(power: Power) -> None:
 
 
 @pytest.mark.parametrize(("cycles", "held"), [(4, True), (5, False)])
-def test_one_that_says_nothing_any_more_is_waited_for_as_long_as_its_link_allows(
+def test_one_that_sends_nothing_any_more_is_waited_for_as_long_as_its_link_allows(
     cycles: int, *, held: bool
 ) -> None:
     """250 ms: by then it has heard that its power goes off, or its own watch has stopped it."""
@@ -135,7 +135,7 @@ def test_on_the_way_to_rest_at_the_end_it_gets_no_power() -> None:
     assert set(cart.drivers["brush"].demands[before:]) == {Stop.POWER_OFF}
 
 
-def test_a_guide_makes_the_wishes() -> None:
+def test_a_guide_makes_the_commands() -> None:
     cart = guided()
     assert cart.pipeline.seen.wish.ahead == GUIDED_MPS
     assert cart.asks(Follow("")).accepted
@@ -158,7 +158,7 @@ def test_a_stick_takes_over_and_the_guide_does_not_come_back() -> None:
     assert cart.newest("left") == Speed(0.0)
 
 
-def test_the_operator_must_be_heard_while_a_guide_drives() -> None:
+def test_the_operator_must_be_received_while_a_guide_drives() -> None:
     cart = guided()
     cart.talks = False
     cart.runs(9)
@@ -168,7 +168,7 @@ def test_the_operator_must_be_heard_while_a_guide_drives() -> None:
     assert cart.newest("left") == Speed(0.0)
 
 
-def test_a_guide_that_was_held_back_begins_anew() -> None:
+def test_a_guide_that_was_held_back_begins_again() -> None:
     """It rests half a second before it goes on; without the reset it would go at once."""
     cart = guided()
     cart.talks = False

@@ -8,7 +8,7 @@ from firmware_bridge.units import SECOND
 from hil_tests.unit.pipeline.cart import ARM, PaperCart
 
 
-def test_a_device_that_fell_silent_is_set_up_anew_whatever_it_said_last() -> None:
+def test_a_device_that_fell_silent_is_set_up_again_whatever_it_stated_last() -> None:
     """Its last word was that it has power, and it stands."""
     cart = PaperCart()
     cart.runs(10)

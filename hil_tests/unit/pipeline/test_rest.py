@@ -64,7 +64,7 @@ def test_without_its_brush_it_rests_as_before() -> None:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_an_axis_that_moves_by_itself_is_not_told_where_it_stands(sign: float) -> None:
+def test_an_axis_that_moves_by_itself_is_not_given_its_position(sign: float) -> None:
     """The robot rests, whatever its brush does; the brush does not."""
     cart = PaperCart()
     cart.runs(10)
@@ -112,7 +112,7 @@ def seen(left_rad_s: float, age: int) -> Snapshot[Any, Any]:
         ("", 5.0, SILENT, False),
     ],
 )
-def test_an_axis_that_a_mode_does_without_counts_as_long_as_it_is_heard(
+def test_an_axis_that_a_mode_does_without_counts_as_long_as_it_is_received(
     mode: str, left_rad_s: float, age: int, *, rests: bool
 ) -> None:
     rules = RULES[mode]
@@ -156,6 +156,6 @@ def test_an_axis_that_is_not_believed_counts_as_one_that_stands() -> None:
         assert not rules.stands(less)
 
 
-def test_where_no_axis_that_carries_is_believed_nobody_knows() -> None:
+def test_where_no_axis_that_carries_is_believed_no_one_knows() -> None:
     names = {axis.name for axis in RARS.axes}
     assert RULES[""].believed(seen(0.0, 0), names) is None

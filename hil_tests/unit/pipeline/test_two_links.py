@@ -28,7 +28,7 @@ def sweeping(change: Any = lambda _table: None) -> PaperCart:
     return bench
 
 
-def test_a_link_of_every_second_cycle_is_told_in_every_second() -> None:
+def test_a_link_of_every_second_cycle_is_reported_in_every_second() -> None:
     bench = sweeping(every_second)
     before = bench.told()
     bench.runs(10)
@@ -67,7 +67,7 @@ def test_a_stop_reaches_a_link_at_once_due_or_not(odd: int, request_: EmergencyS
     assert bench.newest("brush") in {Speed(0.0), Stop.POWER_OFF, Stop.QUICK_STOP}
 
 
-def test_a_stop_is_told_once_between_two_cycles_of_the_link() -> None:
+def test_a_stop_is_reported_once_between_two_cycles_of_the_link() -> None:
     bench = sweeping(every_second)
     bench.brush = 0.0
     bench.runs(2)

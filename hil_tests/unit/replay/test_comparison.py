@@ -125,7 +125,7 @@ ROWS = [
 
 
 @pytest.mark.parametrize(("address", "sender"), ROWS)
-def test_the_identifier_tells_the_sender(address: int, sender: str) -> None:
+def test_the_identifier_reports_the_sender(address: int, sender: str) -> None:
     recording = Recording("a", (Entry(0, Packet(CAN, address, b"\0"), ""),))
     assert [one.sender for one in frames_of(recording, RARS, "drives")] == [sender]
 
@@ -136,7 +136,7 @@ def test_a_pdo_with_another_identifier_is_still_that_nodes() -> None:
     assert [one.sender for one in frames_of(recording, RARS, "drives")] == [BRIDGE, "steer"]
 
 
-def test_a_messages_header_tells_the_sender() -> None:
+def test_a_messages_header_reports_the_sender() -> None:
     theirs = Packet(OPERATOR, 0, Codec(255, 190).encode(dialect.MAVLink_statustext_message(6, b"")))
     first_version = Packet(OPERATOR, 0, bytes((0xFE, 0, 0, 1, 1, 0, 0, 0)))
     recording = Recording("a", tuple(Entry(0, one, "") for one in (message(0), theirs, first_version)))
@@ -144,7 +144,7 @@ def test_a_messages_header_tells_the_sender() -> None:
 
 
 @given(st.lists(st.integers(0, 20)), st.lists(st.integers(0, 25)))
-def test_a_player_says_everything_once_in_order_and_on_time(instants: list[int], wakes: list[int]) -> None:
+def test_a_player_states_everything_once_in_order_and_on_time(instants: list[int], wakes: list[int]) -> None:
     script = [(at, Packet(CAN, number, b"")) for number, at in enumerate(sorted(instants))]
     player, said = Player(script), []
     for now in (*sorted(wakes), 30):

@@ -23,7 +23,7 @@ ORDER = Order(
 )
 
 
-def test_a_real_run_is_played_until_it_was_asked_to_end() -> None:
+def test_a_real_run_is_played_until_it_was_requested_to_end() -> None:
     outcome = play(ORDER)
     assert outcome.difference is None
     assert outcome.compared > 1_000

@@ -107,7 +107,7 @@ def test_a_real_drive_is_reported_in_its_own_folder(tmp_path: Path) -> None:
     assert (folder / "animated.html").exists()
 
 
-def test_from_where_this_bridge_does_otherwise_is_said(bench: Path, tmp_path: Path) -> None:
+def test_from_where_this_bridge_does_otherwise_is_stated(bench: Path, tmp_path: Path) -> None:
     folder = shutil.copytree(bench, tmp_path / "run")
     lines = (folder / "can.log").read_text(encoding="ascii").splitlines(keepends=True)
     at = next(number for number, line in enumerate(lines) if " 501#" in line and number > len(lines) // 2)

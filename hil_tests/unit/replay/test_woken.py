@@ -47,7 +47,7 @@ def test_it_is_woken_at_the_next_instant_at_which_it_spoke(
     assert woken.receive(HEARD, 100) == Reaction((HEARD,), after_word)
 
 
-def test_what_has_come_by_an_instant_is_heard_before_anything_that_is_due_then() -> None:
+def test_what_has_come_by_an_instant_is_received_before_anything_that_is_due_then() -> None:
     node = Asking(NEVER)
     woken = Woken(node, (), (7, 7), 50)
     assert woken.wake(7) == Reaction((), 7)

@@ -80,7 +80,7 @@ def endless() -> Any:
         (lambda: memoryview(bytearray(3)), "memoryview"),
     ],
 )
-def test_a_state_that_nobody_sees_is_refused_with_its_place(made: Callable[[], Any], name: str) -> None:
+def test_a_state_that_no_one_sees_is_refused_with_its_place(made: Callable[[], Any], name: str) -> None:
     hidden = made()
     box = Box(inner=Box(table={"key": [Frozen(Box(task=hidden), abs)]}))  # type: ignore[arg-type] # any callable
     rewind = Rewind(box)

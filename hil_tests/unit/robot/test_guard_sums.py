@@ -52,7 +52,7 @@ TRACK: Final = "track_m = 0.35"
         (("bound = 0.603", "bound = 0.59"), ["at 0.59, the robot's limit is 0.6; say bound = 0.606"]),
     ],
 )
-def test_a_sum_of_another_geometry_is_told_with_the_right_line(
+def test_a_sum_of_another_geometry_is_reported_with_the_right_line(
     change: tuple[str, str], told: list[str]
 ) -> None:
     found = problems(CARRIER, change)
@@ -96,7 +96,7 @@ def test_a_drive_s_currents_are_those_of_the_emulated_one(device: Epos2Device) -
         ),
     ],
 )
-def test_currents_beyond_the_drive_s_are_told_with_what_it_takes(
+def test_currents_beyond_the_drive_s_are_reported_with_what_it_takes(
     changes: tuple[tuple[str, str], ...], told: str
 ) -> None:
     assert told in problems(CARRIER, *changes)

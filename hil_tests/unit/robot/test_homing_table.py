@@ -67,7 +67,7 @@ def test_a_table_at_its_bounds_is_good(old: str, new: str) -> None:
         ("offset = 0.21", 'after = ["lift"]', f"{LIFT_AT}.zero.homing.after", "would wait for 'lift'"),
     ],
 )
-def test_a_mistake_is_told_with_its_key(old: str, new: str, key: str, words: str) -> None:
+def test_a_mistake_is_reported_with_its_key(old: str, new: str, key: str, words: str) -> None:
     assert old in LIFT
     with pytest.raises(RobotFileError) as wrong:
         homed(LIFT.replace(old, new))
@@ -76,7 +76,7 @@ def test_a_mistake_is_told_with_its_key(old: str, new: str, key: str, words: str
     assert words in told
 
 
-def test_two_that_wait_for_each_other_are_told() -> None:
+def test_two_that_wait_for_each_other_are_reported() -> None:
     with pytest.raises(RobotFileError) as wrong:
         homed(LIFT.replace("offset = 0.21", 'after = ["steer"]'), STEER)
     assert "'steer' would wait for 'lift', which waits for it" in str(wrong.value)

@@ -81,6 +81,6 @@ def test_the_bench_drives_along_a_path_of_its_own_to_its_end() -> None:
     assert (float(x[0]), float(y[0])) == (0.5, 0.0)
 
 
-def test_a_file_that_is_none_is_told(tmp_path: Path) -> None:
+def test_a_file_that_is_none_is_reported(tmp_path: Path) -> None:
     with pytest.raises(PathFileError, match=r"none\.csv: cannot be read"):
         path_of(tmp_path / "none.csv")

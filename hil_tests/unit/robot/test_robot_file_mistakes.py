@@ -57,14 +57,16 @@ def test_a_profile_at_its_bound_is_good(old: str, new: str, tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("mistake", MISTAKES, ids=lambda mistake: mistake.title)
-def test_a_mistake_is_told_in_one_line_with_file_key_and_what_to_do(mistake: Mistake, tmp_path: Path) -> None:
+def test_a_mistake_is_reported_in_one_line_with_file_key_and_what_to_do(
+    mistake: Mistake, tmp_path: Path
+) -> None:
     (line,) = told_of(written(tmp_path, mistake.made_in(RARS)))
     assert line.startswith(f"{mistake.key}: ")
     assert [word for word in mistake.words if word not in line] == []
 
 
 @pytest.mark.parametrize("titles", THREE_AT_ONCE, ids=" & ".join)
-def test_three_mistakes_are_told_at_once(titles: tuple[str, ...], tmp_path: Path) -> None:
+def test_three_mistakes_are_reported_at_once(titles: tuple[str, ...], tmp_path: Path) -> None:
     text = RARS
     for title in titles:
         text = BY_TITLE[title].made_in(text)
@@ -84,7 +86,7 @@ def test_a_robot_without_a_lift_is_no_rars(tmp_path: Path) -> None:
     assert lines == ["axes: no axis has the role 'lift', which the group 'lift' needs"]
 
 
-def test_every_role_that_has_no_axis_is_told(tmp_path: Path) -> None:
+def test_every_role_that_has_no_axis_is_reported(tmp_path: Path) -> None:
     one = RARS[: RARS.index('[[axes]]\nname = "right"')].replace(EXCLUSIVE, "")
     lines = told_of(written(tmp_path, one[: one.index("[[guard.sums]]")] + one[one.index("[plant]") :]))
     assert [line.split("'")[1] for line in lines] == ["right_wheel", "steering", "lift"]
@@ -115,7 +117,7 @@ def test_a_folder_and_a_file_that_is_not_there_are_refused(tmp_path: Path) -> No
     assert told_of(tmp_path / "nowhere.toml") == ["cannot be read: No such file or directory"]
 
 
-def test_all_wrong_files_are_told_in_one_run(tmp_path: Path) -> None:
+def test_all_wrong_files_are_reported_in_one_run(tmp_path: Path) -> None:
     empty = written(tmp_path, "")
     result = robots(str(empty), str(tmp_path / "nowhere.toml"))
     assert result.exit_code == 2

@@ -70,7 +70,7 @@ def test_a_write_carries_four_bytes(desk: Desk) -> None:
         Answered(encode_answer(reading(3, at.STATUSWORD), ObjectRead(AbortCode.TIMEOUT, bytes(4)))),
     ],
 )
-def test_where_nobody_answered_it_is_tried_once_more(desk: Desk, outcome: Outcome) -> None:
+def test_where_no_one_answered_it_is_tried_once_more(desk: Desk, outcome: Outcome) -> None:
     request = reading(3, at.STATUSWORD)
     desk.starts(READ)
     assert desk.ends(request, outcome, SECOND) == (command(request, "line"),)

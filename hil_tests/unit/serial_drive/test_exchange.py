@@ -89,7 +89,7 @@ def test_what_answers_nothing_is_ignored() -> None:
     assert notes.ends == []
 
 
-def test_a_command_that_nobody_answers_for_ends_at_last() -> None:
+def test_a_command_that_no_one_answers_for_ends_at_last() -> None:
     notes, exchange = Notes(), Exchange("line")
     exchange.put(Job(Rank.TASK, notes, (write(1),)))
     exchange.go_on()

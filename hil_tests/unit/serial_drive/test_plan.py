@@ -74,7 +74,7 @@ def test_rs232_is_refused_with_the_object_and_what_would_help() -> None:
         fleets_of(over(Generation.V1, cycle_ms=int(least[1]) - 1))
 
 
-def test_a_line_that_no_cycle_holds_is_told_so() -> None:
+def test_a_line_that_no_cycle_holds_is_refused() -> None:
     with pytest.raises(PlanError, match="No longer cycle holds it"):
         fitting_plan(over(Generation.V1, baud=9_600, bridge_heartbeat_ms=10, port_latency_us=20_000), LINK)
 

@@ -97,7 +97,7 @@ def test_the_recorded_exchange_on_usb() -> None:
 
 @pytest.mark.long(keeps=["Generation.V2"])
 @pytest.mark.parametrize("generation", Generation)
-def test_a_whole_start_up_says_them(generation: Generation) -> None:
+def test_a_whole_start_up_states_them(generation: Generation) -> None:
     """The reads of drive 2's device type and of the first drive's statusword, in the bridge's stream."""
     robot = over_serial(find("rars"), generation)
     if generation is V1:

@@ -29,7 +29,7 @@ def test_a_serial_link_is_named_with_its_gateway() -> None:
     assert said == (Epos2Driver.SERIAL, 1, Generation.V2, 1_000_000)
 
 
-def test_everything_of_the_line_can_be_said() -> None:
+def test_everything_of_the_line_can_be_stated() -> None:
     link = rars({**ON_LINE, "protocol": "v1", "baud": 57_600, "port_latency_us": 0}).epos2_link(LINK)
     assert (link.protocol, link.line_rate, link.port_latency_us) == (Generation.V1, 57_600, 0)
 
@@ -75,7 +75,7 @@ def test_a_gateway_that_is_not_there_is_refused() -> None:
         over_serial(RARS, gateway=9)
 
 
-def test_a_drive_alone_on_its_link_has_nobody_to_watch() -> None:
+def test_a_drive_alone_on_its_link_has_no_one_to_watch() -> None:
     def one(table: dict[str, Any]) -> None:
         table["links"]["far"] = dict(table["links"][LINK])
         table["axes"][3]["link"] = "far"

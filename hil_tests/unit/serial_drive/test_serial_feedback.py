@@ -112,7 +112,7 @@ def test_the_position_counts_on_across_the_wrap(feedback: SerialFeedback, turns:
     assert feedback.position_qc == start + 10 * step
 
 
-def test_after_a_lost_line_the_position_begins_anew(feedback: SerialFeedback) -> None:
+def test_after_a_lost_line_the_position_begins_again(feedback: SerialFeedback) -> None:
     cycle(feedback, 1, 2**31 - 10, 0)
     cycle(feedback, 2, -(2**31) + 10, 0)
     assert feedback.position_qc == 2**31 + 10

@@ -51,7 +51,7 @@ def sent(node: int, row: ReadRow) -> tuple[Packet, ...]:
     return (command(reads(node, row), "drives"),)
 
 
-def test_what_else_was_to_be_read_of_it_is_not_asked() -> None:
+def test_what_else_was_to_be_read_of_it_is_not_requested() -> None:
     line = Line()
     assert line.exchange.go_on() == sent(STEER, POSITION)
     assert line.answered(STEER, POSITION, AbortCode.TIMEOUT) == sent(LIFT, POSITION)
@@ -70,7 +70,7 @@ def test_its_set_point_still_leaves() -> None:
 
 
 @pytest.mark.parametrize("error", [0, AbortCode.NO_OBJECT])
-def test_one_that_answers_is_asked_on_whatever_it_says(error: int) -> None:
+def test_one_that_answers_is_requested_on_whatever_it_states(error: int) -> None:
     line = Line()
     line.exchange.go_on()
     assert line.answered(STEER, POSITION, error) == sent(LIFT, POSITION)

@@ -99,7 +99,7 @@ def test_the_environment_chooses(monkeypatch: pytest.MonkeyPatch) -> None:
     assert kernel.choose() == kernel.find()
 
 
-def test_a_kernel_that_is_asked_for_must_be_there(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_kernel_that_is_requested_must_be_there(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(kernel, "find", lambda: kernel.Found(None, "its kernel was not built"))
     assert kernel.choose("").reason == "its kernel was not built"
     with pytest.raises(ServoError, match="cannot serve: its kernel was not built"):
@@ -124,7 +124,7 @@ def test_a_plant_without_fmi_functions_is_stepped_by_the_twin(built: dict[str, k
         (3, "reading the outputs failed after 57 steps with 3"),
     ],
 )
-def test_a_plant_that_fails_says_where_and_when(
+def test_a_plant_that_fails_states_where_and_when(
     *,
     built: dict[str, kernel.Found],
     plant_library: ctypes.CDLL,

@@ -101,7 +101,7 @@ def test_the_continuous_current_never_exhausts_the_budget_and_rest_regains_half_
         (10**9, 0xFFFF_FFFF, 0),
     ],
 )
-def test_a_following_error_beyond_0x6065_is_told(away: int, limit: int, told: int) -> None:
+def test_a_following_error_beyond_0x6065_is_reported(away: int, limit: int, told: int) -> None:
     axis = axis_with(POSITION, following_error=limit)
     axis.position_demand = away << axis.fraction
     millisecond(axis, 0)
@@ -168,7 +168,7 @@ def test_without_a_window_the_target_is_reached_with_the_end_of_the_profile() ->
     assert millisecond(axis, 0) is False
 
 
-def test_rest_is_told_after_its_time_and_taken_back_at_once() -> None:
+def test_rest_is_reported_after_its_time_and_taken_back_at_once() -> None:
     axis = ServoAxis("one", 2000)
     configure(axis, Settings(standstill_window=30, standstill_time=50))
     axis.flags = axis.still_ms = 0
@@ -192,7 +192,7 @@ def test_rest_is_told_after_its_time_and_taken_back_at_once() -> None:
         (24_000, -37_501, OVER_CURRENT),
     ],
 )
-def test_what_the_hardware_does_not_stand_is_told_with_power_or_without(
+def test_what_the_hardware_does_not_stand_is_reported_with_power_or_without(
     supply: int, current: int, flag: int
 ) -> None:
     axis = ServoAxis("one", 2000)

@@ -252,7 +252,7 @@ def test_a_voltage_that_only_sags_at_the_drive_brakes_nothing() -> None:
     assert bench.speed > 499.0
 
 
-def test_what_was_told_is_never_learnt_over() -> None:
+def test_what_was_reported_is_never_learnt_over() -> None:
     bench = Bench(PLAIN)
     before = (bench.axis.back_emf, bench.axis.ending, bench.axis.evening)
     for current in (6.5, -6.5, 0.0):
@@ -265,7 +265,7 @@ def test_what_was_told_is_never_learnt_over() -> None:
 
 @pytest.mark.parametrize("speed", [-300.0, -60.0, 60.0, 300.0])
 @pytest.mark.parametrize("current", [-5.0, 0.0, 5.0])
-def test_a_constant_that_nobody_told_is_learnt_from_below(speed: float, current: float) -> None:
+def test_a_constant_that_no_one_reported_is_learnt_from_below(speed: float, current: float) -> None:
     bench = Bench(PLAIN, "nothing")
     bench.turns(speed, current)
     bench.opens()
@@ -278,7 +278,7 @@ def test_a_constant_that_nobody_told_is_learnt_from_below(speed: float, current:
     assert bench.most_current < 0.1
 
 
-def test_a_winding_that_is_not_what_was_told_is_not_fed_by_what_was() -> None:
+def test_a_winding_that_is_not_what_was_reported_is_not_fed_by_what_was() -> None:
     """A winding with a short has a hundredth of its inductance: what would end the told one's current is
     too much.
     """

@@ -75,7 +75,7 @@ def both(plant_library: ctypes.CDLL, native: kernel.Found, monkeypatch: pytest.M
 @pytest.mark.parametrize(
     ("counts_per_turn", "supply", "fmi"), [(48, SUPPLY, 3), (100_000, SUPPLY, 2), (48, None, 3)]
 )
-def test_they_turn_alike_whatever_they_are_told(
+def test_they_turn_alike_whatever_they_are_reported(
     both: Any, counts_per_turn: int, supply: int | None, fmi: int
 ) -> None:
     chance = np.random.default_rng(counts_per_turn)

@@ -163,7 +163,7 @@ def test_the_current_loop_stays_within_64_bits_and_its_voltage_within_the_supply
         st.tuples(st.integers(-(2**30), 2**30), st.integers(-(2**30), 2**30)), min_size=1, max_size=30
     ),
 )
-def test_an_open_winding_stays_within_64_bits_whatever_is_told_and_measured(
+def test_an_open_winding_stays_within_64_bits_whatever_is_reported_and_measured(
     told: tuple[float, float, float], supply: int, life: list[tuple[int, int]]
 ) -> None:
     axis = ServoAxis("one", 2000, supply_mv=supply)

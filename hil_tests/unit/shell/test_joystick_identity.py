@@ -13,7 +13,7 @@ NAME, AXES, AXIS_MAP = 0x80806A13, 0x80016A11, 0x80406A32
 """JSIOCGNAME(128), JSIOCGAXES, JSIOCGAXMAP, as its header's macros come to."""
 
 
-def test_its_name_and_the_codes_of_its_axes_are_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_its_name_and_the_codes_of_its_axes_are_requested(monkeypatch: pytest.MonkeyPatch) -> None:
     says = {NAME: b"Pad\0rubbish", AXES: b"\3", AXIS_MAP: bytes((0, 3, 4, 9))}
 
     def ioctl(_fileno: int, request: int, answer: bytearray) -> int:
@@ -24,7 +24,7 @@ def test_its_name_and_the_codes_of_its_axes_are_asked_for(monkeypatch: pytest.Mo
     assert identity(0) == ("Pad", frozenset({0, 3, 4}))
 
 
-def test_what_is_no_joystick_says_nothing(tmp_path: Path) -> None:
+def test_what_is_no_joystick_sends_nothing(tmp_path: Path) -> None:
     with (tmp_path / "file").open("wb") as file:
         assert identity(file.fileno()) == ("", frozenset())
 

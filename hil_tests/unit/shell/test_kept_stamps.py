@@ -54,7 +54,7 @@ def test_a_new_stream_is_written_at_once_and_the_rest_when_it_is_due(tmp_path: P
 
 
 @given(pace=st.integers(1, 200_000), writes=st.integers(2, 20), crash=st.integers(0, EVERY - 1))
-def test_a_crash_between_two_writes_leaves_nothing_that_was_heard_open(
+def test_a_crash_between_two_writes_leaves_nothing_that_was_received_open(
     tmp_path_factory: pytest.TempPathFactory, pace: int, writes: int, crash: int
 ) -> None:
     """A stream at any steady pace: stamps that follow the time, or that count frames."""
@@ -75,7 +75,7 @@ def test_a_crash_between_two_writes_leaves_nothing_that_was_heard_open(
     assert found.own <= last.own + 2 * SECOND * 2 // UNIT
 
 
-def test_a_file_that_cannot_be_written_says_so(tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_written_states_so(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
     kept = KeptStamps(tmp_path / "file" / "rars.stamps.json")
     kept.keep(NO_STAMPS, 0)

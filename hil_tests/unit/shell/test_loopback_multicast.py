@@ -33,7 +33,7 @@ def frame(number: int, data: bytes = b"\x0f\0") -> can.Message:
     return can.Message(arbitration_id=number, data=data, is_extended_id=number > 0x7FF)
 
 
-def test_all_others_hear_a_frame_and_its_sender_does_not(joined: Callable[[str], can.BusABC]) -> None:
+def test_all_others_receive_a_frame_and_its_sender_does_not(joined: Callable[[str], can.BusABC]) -> None:
     sender, first, second = joined(ONE), joined(ONE), joined(ONE)
     sender.send(frame(0x201))
     sender.send(frame(0x18DA0001, b"12345678"))
@@ -49,7 +49,7 @@ def test_all_others_hear_a_frame_and_its_sender_does_not(joined: Callable[[str],
 
 
 @pytest.mark.parametrize("other", [OTHER, SAME_PORT])
-def test_one_bus_does_not_hear_another(joined: Callable[[str], can.BusABC], other: str) -> None:
+def test_one_bus_does_not_receive_another(joined: Callable[[str], can.BusABC], other: str) -> None:
     sender, listener, elsewhere = joined(ONE), joined(ONE), joined(other)
     sender.send(frame(0x601))
     assert listener.recv(HEARD_S) is not None
@@ -80,7 +80,7 @@ def test_a_frame_from_another_address_is_not_taken(joined: Callable[[str], can.B
     assert listener.recv(QUIET_S) is None
 
 
-def test_the_bridge_opens_it_by_its_name_and_a_stranger_talks_to_it(
+def test_the_bridge_opens_it_by_its_name_and_a_foreign_node_talks_to_it(
     joined: Callable[[str], can.BusABC],
 ) -> None:
     stranger, port, clock = joined(ONE), open_can(KIND, ONE), Clock()
@@ -95,7 +95,7 @@ def test_the_bridge_opens_it_by_its_name_and_a_stranger_talks_to_it(
     port.close()
 
 
-def test_plain_datagrams_that_cannot_be_opened_are_told_with_the_systems_reason_and_what_helps() -> None:
+def test_plain_datagrams_that_cannot_be_opened_are_reported_with_the_systems_reason_and_what_helps() -> None:
     with pytest.raises(PortError) as raised:
         open_can("udp_multicast", "127.0.0.1")
     message = str(raised.value)

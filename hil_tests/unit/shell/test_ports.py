@@ -67,7 +67,7 @@ def test_frames_come_from_and_go_to_any_program_that_uses_python_can() -> None:
         assert (message.arbitration_id, message.is_remote_frame, message.dlc) == (0x80, True, 3)
 
 
-def test_the_configuration_of_python_can_says_what_arguments_leave_open(
+def test_the_configuration_of_python_can_states_what_arguments_leave_open(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     config = tmp_path / "can.conf"
@@ -220,7 +220,7 @@ def test_a_bus_that_takes_nothing_for_a_cycle_is_lost() -> None:
 
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "[::1]"])
-def test_a_datagram_carries_the_place_it_came_from_and_goes_where_its_number_says(host: str) -> None:
+def test_a_datagram_carries_the_place_it_came_from_and_goes_where_its_number_states(host: str) -> None:
     bridge = UdpPort(f"udpin:{host}:0")
     with opened(bridge):
         first, second = UdpPort(f"udpout:{host}:{bridge.port}"), UdpPort(f"udpout:{host}:{bridge.port}")
@@ -236,7 +236,7 @@ def test_a_datagram_carries_the_place_it_came_from_and_goes_where_its_number_say
             assert bridge.unsent == 0
 
 
-def test_a_caller_whom_nobody_answers_goes_on_calling() -> None:
+def test_a_caller_whom_no_one_answers_goes_on_calling() -> None:
     with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as free:
         free.bind(("127.0.0.1", 0))
         number = free.getsockname()[1]
@@ -252,7 +252,7 @@ def test_a_caller_whom_nobody_answers_goes_on_calling() -> None:
             assert (number_of("127.0.0.1", caller.port), b"hello") in heard(answerer, 1)
 
 
-def test_a_port_in_use_says_so() -> None:
+def test_a_port_in_use_states_so() -> None:
     first = UdpPort("udpin:127.0.0.1:0")
     with (
         opened(first),
@@ -272,6 +272,6 @@ def test_a_port_in_use_says_so() -> None:
         ("udpin:no such host:14550", "no such host"),
     ],
 )
-def test_a_link_that_cannot_be_says_why(link: str, message: str) -> None:
+def test_a_link_that_cannot_be_states_why(link: str, message: str) -> None:
     with pytest.raises(PortError, match=message):
         UdpPort(link)

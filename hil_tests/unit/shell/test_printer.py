@@ -29,7 +29,7 @@ def test_lines_come_in_order(pipe: tuple[int, TextIO]) -> None:
     assert os.read(reader, 100) == b"one\ntwo\n?\n"
 
 
-def test_what_nobody_takes_is_dropped_and_counted_and_told_when_somebody_does(
+def test_what_no_one_takes_is_dropped_and_counted_and_reported_when_someone_does(
     pipe: tuple[int, TextIO],
 ) -> None:
     reader, stream = pipe
@@ -70,7 +70,7 @@ def test_its_end_waits_no_longer_than_it_may(pipe: tuple[int, TextIO]) -> None:
             os.read(reader, 1 << 20)
 
 
-def test_a_pipe_that_nobody_reads_any_more_and_a_file_that_is_closed_take_nothing() -> None:
+def test_a_pipe_that_no_one_reads_any_more_and_a_file_that_is_closed_take_nothing() -> None:
     reader, writer = os.pipe()
     os.close(reader)
     printer = Printer()

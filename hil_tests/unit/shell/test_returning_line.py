@@ -68,7 +68,7 @@ def test_it_is_lost_and_comes_back_behind_the_same_file(
     other.close()
 
 
-def test_a_loss_that_is_noticed_while_writing_is_told_as_soon(
+def test_a_loss_that_is_noticed_while_writing_is_reported_as_soon(
     device: Callable[[], PseudoTerminal], tmp_path: Path
 ) -> None:
     other = device()

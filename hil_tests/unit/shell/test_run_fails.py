@@ -50,7 +50,7 @@ def test_what_must_come_to_rest_is_cut_short_by_no_signal() -> None:
     assert port.written[-3:] == STOPS
 
 
-def test_where_it_may_be_left_it_is_and_says_what_becomes_of_it() -> None:
+def test_where_it_may_be_left_it_is_and_states_what_becomes_of_it() -> None:
     node, port = Interrupted(), Flat()
     node.leave = True
     ending = run(node, {"can": port}, Clock())
@@ -198,7 +198,7 @@ def test_whatever_fails_wherever_it_does_the_node_is_stopped(
     assert clock.now() < SECOND
 
 
-def test_what_fails_on_one_packet_hears_the_next_ones() -> None:
+def test_what_fails_on_one_packet_receives_the_next_ones() -> None:
     class Picky(Winding):
         def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
             if packet.payload == b"bad":
@@ -217,7 +217,7 @@ def test_what_fails_on_one_packet_hears_the_next_ones() -> None:
     assert [packet.address for packet in node.heard] == [1, 3]
 
 
-def test_a_file_that_somebody_closed_is_a_port_that_is_lost() -> None:
+def test_a_file_that_someone_closed_is_a_port_that_is_lost() -> None:
     class Closed(Flat):
         def close(self) -> None:
             self._ends[0].detach()
@@ -259,7 +259,7 @@ def test_a_process_that_was_not_let_run_stops_as_long_as_it_may() -> None:
     assert port.written[-3:] == STOPS
 
 
-def test_a_node_that_never_takes_it_is_asked_until_its_time_is_over() -> None:
+def test_a_node_that_never_takes_it_is_requested_until_its_time_is_over() -> None:
     class Deaf(Winding):
         asked = 0
 
@@ -273,7 +273,7 @@ def test_a_node_that_never_takes_it_is_asked_until_its_time_is_over() -> None:
     assert 2 <= node.asked <= 5
 
 
-def test_a_node_that_has_not_taken_it_is_not_done_whatever_it_says_to_a_packet() -> None:
+def test_a_node_that_has_not_taken_it_is_not_done_whatever_it_states_to_a_packet() -> None:
     class Idle(Winding):
         asked = 0
 

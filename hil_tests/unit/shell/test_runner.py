@@ -233,7 +233,7 @@ class Gripping(Winding):
         return Reaction((), now + self.period) if self.holding else super().stop(now)
 
 
-def test_a_node_that_holds_something_is_not_cut_off_and_is_asked_again_by_a_second_signal() -> None:
+def test_a_node_that_holds_something_is_not_cut_off_and_is_requested_again_by_a_second_signal() -> None:
     node, port = Gripping(), Flat()
     ending = run(node, {"can": port}, Exact(), stop_within=20 * MILLISECOND)
     assert ending.in_order
@@ -372,7 +372,7 @@ class Suspended(Clock):
         return []
 
 
-def test_what_came_while_the_machine_was_busy_is_heard_before_what_is_due_by_then() -> None:
+def test_what_came_while_the_machine_was_busy_is_received_before_what_is_due_by_then() -> None:
     class Noting(Ticking):
         def __init__(self) -> None:
             super().__init__()

@@ -100,7 +100,7 @@ def test_clients_come_and_go() -> None:
 
 
 @pytest.mark.parametrize("kind", [PseudoTerminal, SeenOpening])
-def test_a_client_at_another_bit_rate_and_the_device_do_not_hear_each_other_which_is_said_once(
+def test_a_client_at_another_bit_rate_and_the_device_do_not_receive_each_other_which_is_stated_once(
     kind: type[PseudoTerminal],
 ) -> None:
     said: list[str] = []
@@ -137,7 +137,7 @@ def test_a_client_that_takes_the_line_for_itself_and_leaves_can_come_again() -> 
                 assert not _taken(looking.fileno())
 
 
-def test_where_the_system_tells_nobody_who_opens_a_line_there_is_one_all_the_same(
+def test_where_the_system_reports_no_one_who_opens_a_line_there_is_one_all_the_same(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def exhausted(_path: str) -> int:
@@ -157,7 +157,7 @@ def _taken(line: int) -> bool:
     return bool(int.from_bytes(fcntl.ioctl(line, TIOCGEXCL, bytes(4)), "little"))
 
 
-def test_what_nobody_fetches_is_thrown_away_in_the_end() -> None:
+def test_what_no_one_fetches_is_thrown_away_in_the_end() -> None:
     with closing(PseudoTerminal()) as port:
         for now in range(100):
             port.write(0, bytes(1000), now)
@@ -184,7 +184,7 @@ def test_a_link_leads_to_the_terminal_and_is_gone_with_it(tmp_path: Path) -> Non
     assert not link.is_symlink()
 
 
-def test_a_link_of_somebody_else_s_is_left_alone(tmp_path: Path) -> None:
+def test_a_link_of_someone_else_s_is_left_alone(tmp_path: Path) -> None:
     link, taken = tmp_path / "link", tmp_path / "taken"
     port = PseudoTerminal(link)
     link.unlink()
@@ -216,7 +216,7 @@ def test_a_serial_line_whose_other_end_is_gone_is_lost() -> None:
             line.write(0, b"x", 0)
 
 
-def test_a_serial_port_that_cannot_be_opened_is_told_with_what_to_do(tmp_path: Path) -> None:
+def test_a_serial_port_that_cannot_be_opened_is_reported_with_what_to_do(tmp_path: Path) -> None:
     with pytest.raises(PortError, match=r"no-such at 115200 Bd: there is no such device"):
         SerialLine(str(tmp_path / "no-such"), 115_200)
     with pytest.raises(PortError, match=r"/dev/null at 115200 Bd: it is no serial line"):

@@ -22,7 +22,7 @@ def stalled(tmp_path: Path) -> Iterator[tuple[WholeFile, Path]]:
     file.settled()
 
 
-def test_who_keeps_something_is_not_held_up_and_hears_of_it(stalled: tuple[WholeFile, Path]) -> None:
+def test_who_keeps_something_is_not_held_up_and_receives_of_it(stalled: tuple[WholeFile, Path]) -> None:
     file, _ = stalled
     file.replace("second", 2000)
     assert file.problem(1000 + STALLS - 1) is None

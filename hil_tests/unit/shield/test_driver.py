@@ -62,13 +62,13 @@ def said(protocol: str, words: str, *given: Any) -> list[str]:
         ("firmata", "drive", ({1: 128}, {1: 1}), ["f0 76 60 00 26 00 00 00 00 00 00 00 08 00 f7"]),
     ],
 )
-def test_what_is_said_is_what_the_firmware_reads(
+def test_what_is_stated_is_what_the_firmware_reads(
     protocol: str, words: str, given: tuple[Any, ...], expected: list[str]
 ) -> None:
     assert said(protocol, words, *given) == expected
 
 
-def test_mwprotocol_says_the_worked_frames() -> None:
+def test_mwprotocol_states_the_worked_frames() -> None:
     """Shield, motors and encoders as in the worked frames, but for libraries in our order."""
     frames = said("mw", "drive", {3: -255}, FORWARD)
     assert [frame.split()[3:-1] for frame in frames] == [["81", "02", "05", "00", "02", "ff", "02"]]
@@ -102,7 +102,7 @@ def test_counters_are_unwrapped(protocol: str, counts: tuple[int, int], moved: i
     assert one.feedback.velocity == pytest.approx(turned / 0.05)
 
 
-def test_a_motor_that_is_not_counted_is_believed_and_says_so() -> None:
+def test_a_motor_that_is_not_counted_is_believed_and_states_so() -> None:
     """The third one over ArduinoIO: it goes as it was told, and tells neither place nor speed."""
     one = motor("arduinoio", 2)
     assert one.tells == frozenset()
@@ -142,7 +142,7 @@ def test_without_an_encoder_it_feeds_forward_alone() -> None:
     assert told[-1] == round(255 * 7.0 / (8_500 * 6.283185307179586 / 60 / 64) + 4)
 
 
-def test_a_loop_on_the_board_is_told_whole_counts_a_frame_and_no_more_than_the_guard_lets_through() -> None:
+def test_a_loop_on_the_board_is_read_whole_counts_a_frame_and_no_more_than_the_guard_lets_through() -> None:
     axis = ROME.axes[0]
     ticks = Ticks(axis, CYCLE)
     assert ticks.next(5.0, None, CYCLE) == round(5.0 * 3072 / 6.283185307179586 * 0.033)
@@ -185,7 +185,7 @@ def test_another_firmware_that_cannot_be_is_refused(
         over_protocol(find(robot), protocol, encoders)
 
 
-def test_a_stop_ends_with_the_boards_reset_and_tells_of_its_own_stop_where_it_has_one() -> None:
+def test_a_stop_ends_with_the_boards_reset_and_reports_of_its_own_stop_where_it_has_one() -> None:
     names, notes = {}, {}
     for protocol in ("ros-arduino-bridge", "arduinoio"):
         robot = over(protocol)
@@ -253,7 +253,7 @@ def test_a_start_shows_whether_the_reset_of_a_board_works_that_does_not_stop_by_
 
 @pytest.mark.parametrize("task", [Task.DISABLE, Task.LEAVE])
 @pytest.mark.parametrize("protocol", ShieldProtocol)
-def test_a_silent_board_is_told_every_word_that_lets_go_before_one_again(
+def test_a_silent_board_is_reported_every_word_that_lets_go_before_one_again(
     protocol: ShieldProtocol, task: Task
 ) -> None:
     link = shield_fleet(over(protocol), "board").link
@@ -266,7 +266,7 @@ def test_a_silent_board_is_told_every_word_that_lets_go_before_one_again(
     assert len(told) > words + 3, "and again, while it may be heard"
 
 
-def test_motors_that_are_released_stay_so_while_speed_0_is_said_again() -> None:
+def test_motors_that_are_released_stay_so_while_speed_0_is_stated_again() -> None:
     """Speed 0 for all of them drives none, whether the board answers it or not."""
     fleet = shield_fleet(over("ros-arduino-bridge"), "board")
     motors = [one for one in fleet.drivers if isinstance(one, ShieldMotor)]

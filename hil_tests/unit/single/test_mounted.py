@@ -146,7 +146,7 @@ def test_what_is_no_particular_motor_is_right_with_any_type() -> None:
         ("225787", Encoder(1024)),
     ],
 )
-def test_an_encoder_is_said_by_its_pulses_or_by_what_it_is_called(text: str, fitted: Encoder) -> None:
+def test_an_encoder_is_stated_by_its_pulses_or_by_what_it_is_called(text: str, fitted: Encoder) -> None:
     assert encoder(text) == fitted
 
 
@@ -160,7 +160,9 @@ def test_an_encoder_is_said_by_its_pulses_or_by_what_it_is_called(text: str, fit
         ("gpx 32 62:1", 421_875 / 6_859, 7.55e-7),
     ],
 )
-def test_a_gear_is_said_by_its_ratio_or_by_what_it_is_called(text: str, ratio: float, inertia: float) -> None:
+def test_a_gear_is_stated_by_its_ratio_or_by_what_it_is_called(
+    text: str, ratio: float, inertia: float
+) -> None:
     assert (gear(text).ratio, gear(text).inertia_kg_m2) == pytest.approx((ratio, inertia))
 
 

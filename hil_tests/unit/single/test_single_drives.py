@@ -142,7 +142,7 @@ def test_a_parameter_needs_a_plant_and_a_value(tmp_path: Path) -> None:
     assert f"{tmp_path}: it is a folder, not an FMU" in refused("--plant", str(tmp_path), "--set", "a=1")
 
 
-def test_an_axis_is_told_its_motor_by_the_plant_and_learns_only_what_the_plant_does_not_tell() -> None:
+def test_an_axis_is_reported_its_motor_by_the_plant_and_learns_only_what_the_plant_does_not_report() -> None:
     order = Order((1,), PROFILES["70/10"], 1_000_000, plant=ensure("single_axis"), axes=("axis",))
     made, bank = drives(order)
     assert made

@@ -93,7 +93,7 @@ def test_each_way_has_its_own_delay_and_other_links_have_none() -> None:
     assert link.wake(1_200 * MILLISECOND).sent[0].payload == b"by itself"
 
 
-def test_before_an_operator_up_is_what_he_says() -> None:
+def test_before_an_operator_up_is_what_he_states() -> None:
     link = before_operator(Echo(), OPERATOR, conditions("up.delay=0.3"), chance(), chance(1))
     assert link.receive(Packet(OPERATOR, 0, b"seen"), 0) == Reaction((), 300 * MILLISECOND)
 
@@ -105,7 +105,7 @@ def test_without_conditions_nothing_is_changed() -> None:
     assert link.wake(SECOND) == bare.wake(SECOND)
 
 
-def test_the_last_word_goes_the_slow_way_and_what_comes_then_is_heard_by_nobody() -> None:
+def test_the_last_word_goes_the_slow_way_and_what_comes_then_is_received_by_no_one() -> None:
     echo = Echo()
     link = before_robot(echo, OPERATOR, conditions("delay=0.4"), chance(), chance(1))
     link.receive(Packet(OPERATOR, 0, b"too late"), 0)

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 KEY = bytes(range(32))
 
 
-def test_there_is_a_row_for_each_way_to_tell_the_best_first() -> None:
+def test_there_is_a_row_for_each_way_to_report_the_best_first() -> None:
     assert [row.dated for row in ROWS] == [True, True, False, False, False]
 
 
-def test_only_who_drives_is_asked_and_twice_a_second() -> None:
+def test_only_who_drives_is_requested_and_twice_a_second() -> None:
     bench = rars()
     station, other = Station(bench), Station(bench, THERE)
     other.codec = Codec(254, 190)
@@ -53,7 +53,7 @@ def _kinds(payloads: Iterable[bytes]) -> set[str]:
 
 @pytest.mark.parametrize("late_ms", [0, 120, 480, 3_000])
 @pytest.mark.parametrize("ahead", [-5 * SECOND, 0, 7 * SECOND, 10**18])
-def test_a_set_points_time_tells_its_age_by_timesync(ahead: int, late_ms: int) -> None:
+def test_a_set_points_time_reports_its_age_by_timesync(ahead: int, late_ms: int) -> None:
     station = driving(ahead=ahead + 100 * SECOND)
     station.late = late_ms * MILLISECOND
     station.goes()
@@ -105,7 +105,7 @@ def test_a_timesync_that_runs_behind_the_set_points_makes_no_word_younger(
     assert dated is (behind_ms < 500), "what differs by more than a word may be old dates nothing"
 
 
-def test_clocks_that_disagree_are_told_once() -> None:
+def test_clocks_that_disagree_are_reported_once() -> None:
     station = driving(boot_ahead=1_003 * SECOND, seconds=4.0)
     station.late = 3_100 * MILLISECOND
     said = []
@@ -144,14 +144,14 @@ def test_clocks_that_were_set_together_date_messages_again() -> None:
     assert age_of(station) == (pytest.approx(0.0, abs=0.05), True)
 
 
-def test_without_any_answer_words_are_undated_and_nothing_is_told() -> None:
+def test_without_any_answer_words_are_undated_and_nothing_is_reported() -> None:
     station = driving(answers=set())
     message = dialect.MAVLink_manual_control_message(1, 200, 0, 0, 0, 0)
     station.said(message)
     assert age_of(station) == (None, False)
 
 
-def test_a_signature_tells_the_age_of_a_stick_by_the_stamps_of_answers() -> None:
+def test_a_signature_reports_the_age_of_a_stick_by_the_stamps_of_answers() -> None:
     station = driving(key=KEY, answers={"PING"})
     station.late = 350 * MILLISECOND
     station.bench.now += SECOND
@@ -205,7 +205,7 @@ def test_a_timesync_with_the_newer_fields_counts() -> None:
     assert station.bench.operator._session.ages.trips.newest(station.bench.now) is not None  # noqa: SLF001
 
 
-def test_a_new_driver_is_asked_anew() -> None:
+def test_a_new_driver_is_requested_again() -> None:
     station = driving()
     assert age_of(station)[1]
     station.orders(32100, 0.0)
@@ -235,7 +235,7 @@ def test_a_go_with_an_older_time_and_an_older_number_is_overtaken_however_late()
         ((185, 1.0), (400, 1.0), Arm()),
     ],
 )
-def test_what_was_said_before_a_stop_does_not_undo_it(
+def test_what_was_stated_before_a_stop_does_not_undo_it(
     stop: tuple[int, float], go: tuple[int, float], request_: Any
 ) -> None:
     station = driving()
@@ -265,7 +265,7 @@ def test_what_was_said_before_a_stop_does_not_undo_it(
         ((176, 1.0, 4.0), Pause()),
     ],
 )
-def test_a_wish_to_stop_is_obeyed_however_old(order: tuple[int, ...], request_: Any) -> None:
+def test_a_command_to_stop_is_obeyed_however_old(order: tuple[int, ...], request_: Any) -> None:
     station = driving(key=KEY)
     station.bench.asked.clear()
     station.bench.now += 40 * SECOND
@@ -306,7 +306,7 @@ def test_an_old_press_of_a_button_switches_nothing() -> None:
 
 @pytest.mark.parametrize("key", [None, KEY])
 @pytest.mark.parametrize("decided", [None, *UnknownAge])
-def test_unknown_is_refused_where_a_key_is_set_unless_the_file_says_otherwise(
+def test_unknown_is_refused_where_a_key_is_set_unless_the_file_states_otherwise(
     key: bytes | None, decided: UnknownAge | None
 ) -> None:
     bench = rars()
@@ -319,7 +319,7 @@ def test_unknown_is_refused_where_a_key_is_set_unless_the_file_says_otherwise(
     assert bench.operator.age_limit.most == 700 * MILLISECOND
 
 
-def test_who_drives_is_told_once_that_nobody_knows_how_old_his_words_are() -> None:
+def test_who_drives_is_reported_once_that_no_one_knows_how_old_his_words_are() -> None:
     bench = rars()
     station = Station(bench)
     station.orders(400, 1.0)

@@ -164,7 +164,7 @@ def test_a_disarmed_robot_moves_no_actuator(bench: ToyBench) -> None:
     assert "gripper: arm first" in "".join(texts(replies))
 
 
-def test_a_change_of_state_forgets_what_the_station_says_and_no_more(bench: ToyBench) -> None:
+def test_a_change_of_state_forgets_what_the_station_states_and_no_more(bench: ToyBench) -> None:
     bench.order(400, 1)
     bench.report()
     heard_at = bench.now
@@ -180,7 +180,7 @@ def test_a_change_of_state_forgets_what_the_station_says_and_no_more(bench: ToyB
 
 
 @pytest.mark.parametrize(("number", "mode"), [(0, ""), (20, MODES[0]), (21, MODES[1])])
-def test_modes_are_asked_for_by_their_number_and_told(bench: ToyBench, number: int, mode: str) -> None:
+def test_modes_are_requested_by_their_number_and_reported(bench: ToyBench, number: int, mode: str) -> None:
     assert acks(bench.order(176, 1, number)) == [(176, ACCEPTED)]
     assert bench.asked == [EnterMode(mode)]
     assert bench.told(0).custom_mode == number
@@ -206,7 +206,7 @@ def test_a_refused_mode_keeps_its_reason(bench: ToyBench) -> None:
     assert (acks(replies), texts(replies)) == ([(176, 1)], ["disarm first"])
 
 
-def test_its_place_and_speed_are_told_with_mavlinks_signs(bench: ToyBench) -> None:
+def test_its_place_and_speed_are_reported_with_mavlinks_signs(bench: ToyBench) -> None:
     bench.pose = Pose(1.0, 2.0, math.radians(30))
     bench.body = Felt(ahead=0.4, right=0.3, spin=0.2)
     odometry, position = bench.told(331), bench.told(32)
@@ -217,7 +217,7 @@ def test_its_place_and_speed_are_told_with_mavlinks_signs(bench: ToyBench) -> No
     assert position.vy == pytest.approx(-0.4 * math.sin(math.radians(30)) + 0.3 * east)
 
 
-def test_its_wheels_values_and_switches_are_told(bench: ToyBench) -> None:
+def test_its_wheels_values_and_switches_are_reported(bench: ToyBench) -> None:
     bench.axes(
         velocity=[1.0, 2.0, 3.0, 4.0], position=[1.0, -2.0, 4.0, 9.0], current_a=[0.5, None, -1.0, 0.0]
     )
@@ -260,7 +260,7 @@ def test_a_hold_of_its_own_is_as_loud_as_its_row(bench: ToyBench) -> None:
     assert (text.severity, text.text) == (1, "it is out; in")
 
 
-def test_a_fault_in_any_words_is_told_by_the_axis_and_its_device(bench: ToyBench) -> None:
+def test_a_fault_in_any_words_is_reported_by_the_axis_and_its_device(bench: ToyBench) -> None:
     bench.axes(fault=["", "", "stalled", ""])
     assert texts(bench.report()) == ["node 3 (steering): fault stalled"]
 
@@ -323,7 +323,7 @@ def test_a_parameter_that_all_robots_have_is_not_a_kinds_own(bench: ToyBench) ->
     )
 )
 @settings(max_examples=examples(200))
-def test_whatever_is_said_it_has_a_wish_of_numbers_and_every_command_an_answer(
+def test_whatever_is_stated_it_has_a_command_of_numbers_and_every_command_an_answer(
     said: list[tuple[Any, ...]],
 ) -> None:
     bench = toy()

@@ -65,7 +65,7 @@ def test_a_frame_makes_no_station_and_a_heartbeat_does(bench: RarsBench) -> None
 
 @pytest.mark.parametrize("keeps", [BEAT, STICK])
 @pytest.mark.parametrize(("silence", "expected"), [(LAPSES_AFTER - 1, {PLACES[0]}), (LAPSES_AFTER, set())])
-def test_a_station_lapses_unless_it_is_heard(
+def test_a_station_lapses_unless_it_is_received(
     bench: RarsBench, keeps: object, silence: int, expected: set[int]
 ) -> None:
     hears(bench, PLACES[0], BEAT)
@@ -84,7 +84,7 @@ def test_there_are_so_many_stations_and_a_place_is_free_when_one_lapses(bench: R
     assert told(bench) == {PLACES[20]}
 
 
-def test_who_drives_is_told_however_many_others_there_are(bench: RarsBench) -> None:
+def test_who_drives_is_reported_however_many_others_there_are(bench: RarsBench) -> None:
     for source in PLACES[:40]:
         hears(bench, source, BEAT)
     driver = Hand(bench, PLACES[50])
@@ -99,7 +99,7 @@ def test_who_drives_is_told_however_many_others_there_are(bench: RarsBench) -> N
     assert PLACES[50] not in told(bench)
 
 
-def test_each_station_hears_a_sequence_without_gaps(bench: RarsBench) -> None:
+def test_each_station_receives_a_sequence_without_gaps(bench: RarsBench) -> None:
     counts: dict[int, list[int]] = {source: [] for source in PLACES[:3]}
     for source in PLACES[:2]:
         hears(bench, source, BEAT)
@@ -113,7 +113,7 @@ def test_each_station_hears_a_sequence_without_gaps(bench: RarsBench) -> None:
         assert counts[source] == [(first + place) & 0xFF for place in range(len(counts[source]))]
 
 
-def test_an_answer_goes_to_who_asked(bench: RarsBench) -> None:
+def test_an_answer_goes_to_who_requested(bench: RarsBench) -> None:
     for source in PLACES[:2]:
         hears(bench, source, BEAT)
     [answer] = hears(bench, PLACES[1], dialect.MAVLink_ping_message(1, 2, 0, 0))
@@ -155,7 +155,7 @@ def test_no_place_that_is_no_station_gets_more_bytes_than_it_sent(
     assert all(left >= 0 for left in paid.values())
 
 
-def test_the_memory_of_strangers_is_bounded_and_so_is_their_credit(bench: RarsBench) -> None:
+def test_the_memory_of_foreign_nodes_is_bounded_and_so_is_their_credit(bench: RarsBench) -> None:
     for source in range(1, 3 * MOST_STRANGERS):
         hears(bench, source, STICK)
     for _ in range(200):
@@ -166,7 +166,7 @@ def test_the_memory_of_strangers_is_bounded_and_so_is_their_credit(bench: RarsBe
     assert len(answers) <= LARGEST_CREDIT
 
 
-def test_who_asks_for_the_list_all_the_time_does_not_keep_it_from_its_end(bench: RarsBench) -> None:
+def test_who_requests_the_list_all_the_time_does_not_keep_it_from_its_end(bench: RarsBench) -> None:
     driver, other = Hand(bench, PLACES[0]), Hand(bench, PLACES[1])
     driver.result(ARM, 1)
     bench.report()

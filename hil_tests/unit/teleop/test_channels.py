@@ -87,7 +87,7 @@ def test_a_channel_that_is_left_as_it_is_stays(bench: RarsBench) -> None:
 
 
 @pytest.mark.parametrize(("silence", "held"), [(499, True), (500, False)])
-def test_a_channel_of_which_nobody_speaks_is_given_back_as_after_a_silence(
+def test_a_channel_of_which_no_one_speaks_is_given_back_as_after_a_silence(
     bench: RarsBench, silence: int, *, held: bool
 ) -> None:
     bench.say(override(ch3=1800))
@@ -97,7 +97,7 @@ def test_a_channel_of_which_nobody_speaks_is_given_back_as_after_a_silence(
 
 
 @pytest.mark.parametrize("values", [{}, {"ch2": 1900, "ch5": 1900, "ch18": 1900}])
-def test_what_says_nothing_of_driving_is_no_sign_of_life(bench: RarsBench, values: dict[str, int]) -> None:
+def test_what_sends_nothing_of_driving_is_no_sign_of_life(bench: RarsBench, values: dict[str, int]) -> None:
     bench.say(override(ch3=1800))
     heard_at = bench.operator.intent.heard_at
     bench.now += 100 * MILLISECOND
@@ -133,7 +133,7 @@ def test_each_station_holds_its_own_channels(bench: RarsBench) -> None:
 
 
 @given(st.integers(0, 0xFFFF))
-def test_from_the_ninth_channel_on_nought_says_nothing_and_65534_gives_it_back(value: int) -> None:
+def test_from_the_ninth_channel_on_nought_sends_nothing_and_65534_gives_it_back(value: int) -> None:
     row = Channel(9, StickAxis.FORWARD, 1)
     found = channels_of(override(ch9=value), (row,))
     if value in (KEPT, RELEASED):

@@ -96,7 +96,7 @@ def test_an_age_is_off_by_half_the_shortest_round_trip_at_most(
 
 
 @given(OFFSETS, DRIFTS, RESOLUTIONS, st.lists(WORDS, min_size=1, max_size=40))
-def test_a_clock_that_is_only_heard_tells_no_more_than_the_truth(
+def test_a_clock_that_is_only_received_reports_no_more_than_the_truth(
     offset: int, drift: int, resolution: int, words: list[Word]
 ) -> None:
     shows, fit = clock(offset, drift, resolution), HeardClock()
@@ -115,7 +115,7 @@ def regular_words(delay: Callable[[Nanoseconds], Nanoseconds], seconds: int) -> 
     return [Word(at, delay(at)) for at in range(SECOND, seconds * SECOND, 50 * MILLISECOND)]
 
 
-def test_a_clock_that_is_only_heard_tells_how_much_later_a_word_comes_than_the_fastest() -> None:
+def test_a_clock_that_is_only_received_reports_how_much_later_a_word_comes_than_the_fastest() -> None:
     shows, fit = clock(-12345, 50, MILLISECOND), HeardClock()
     told = {}
     for word in regular_words(lambda at: 400 * MILLISECOND if at >= 5 * SECOND else 30 * MILLISECOND, 8):
@@ -142,7 +142,7 @@ def test_what_does_not_run_with_time_is_no_clock(each: int) -> None:
     delays=st.lists(st.integers(0, 4_000), min_size=1, max_size=80),
     trip_ms=st.integers(0, 200),
 )
-def test_a_clock_that_is_only_heard_moves_with_an_answered_one_only_where_it_was_set_by_as_much(
+def test_a_clock_that_is_only_received_moves_with_an_answered_one_only_where_it_was_set_by_as_much(
     answered_back: int, heard_back: int, delays: list[int], trip_ms: int
 ) -> None:
     """Both run for 3 s and are set back by so many seconds; the first message since comes at once."""
@@ -209,7 +209,7 @@ def test_a_late_answer_makes_nothing_worse() -> None:
     assert fit.age(now - 300 * MILLISECOND, now) == pytest.approx(300 * MILLISECOND, abs=12 * MILLISECOND)
 
 
-def test_a_clock_that_nobody_has_read_lately_is_not_known() -> None:
+def test_a_clock_that_no_one_has_read_lately_is_not_known() -> None:
     fit = proven()
     assert fit.age(SECOND, SECOND + EXPIRES_AFTER) is not None
     assert fit.age(SECOND, SECOND + EXPIRES_AFTER + 1) is None

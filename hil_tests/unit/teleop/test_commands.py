@@ -90,7 +90,7 @@ TABLE: list[tuple[int, tuple[float, ...], int, list[Request]]] = [
 
 
 @pytest.mark.parametrize(("command", "params", "result", "asked"), TABLE)
-def test_a_command_is_answered_once_and_asks_this(
+def test_a_command_is_answered_once_and_requests_this(
     bench: RarsBench, command: int, params: tuple[float, ...], result: int, asked: list[Request]
 ) -> None:
     replies = bench.order(command, *params)
@@ -131,7 +131,7 @@ def test_the_bridges_verdict_and_its_reason_reach_the_operator(
     assert "".join(texts(replies)) == ("" if verdict.accepted else verdict.reason)
 
 
-def test_an_ack_names_the_one_who_asked(bench: RarsBench) -> None:
+def test_an_ack_names_the_one_who_requested(bench: RarsBench) -> None:
     [ack] = bench.order(400, 1)
     assert (ack.target_system, ack.target_component) == (255, 190)
     assert (ack.get_srcSystem(), ack.get_srcComponent()) == (1, 1)
@@ -182,7 +182,7 @@ def test_what_is_no_repetition_is_obeyed(bench: RarsBench, later_ns: int, params
     assert len(bench.asked) == 2
 
 
-def test_the_same_command_asked_anew_is_obeyed_anew(bench: RarsBench) -> None:
+def test_the_same_command_requested_again_is_obeyed_again(bench: RarsBench) -> None:
     bench.order(400, 1)
     bench.order(400, 1)
     assert bench.asked == [Arm(), Arm()]
@@ -267,7 +267,7 @@ def test_a_message_that_we_lack_is_unsupported(bench: RarsBench, number: float) 
     assert acks(bench.order(512, number)) == [(512, UNSUPPORTED)]
 
 
-def test_capabilities_are_told_on_request(bench: RarsBench) -> None:
+def test_capabilities_are_reported_on_request(bench: RarsBench) -> None:
     version, ack = bench.order(520, 1)
     # COMMAND_INT, SET_POSITION_TARGET_LOCAL_NED, FLIGHT_TERMINATION, MAVLINK2, C-cast parameters
     assert version.capabilities == 8 + 128 + 2048 + 8192 + 131072
@@ -309,13 +309,13 @@ def test_rates_that_make_no_sense_are_refused(
 
 
 @pytest.mark.parametrize(("number", "interval_us"), [(331, 50_000), (0, 1_000_000), (147, 2_000_000), (2, 0)])
-def test_the_rate_of_a_message_is_told(bench: RarsBench, number: int, interval_us: int) -> None:
+def test_the_rate_of_a_message_is_reported(bench: RarsBench, number: int, interval_us: int) -> None:
     told, ack = bench.order(510, number)
     assert (told.get_type(), told.message_id, told.interval_us) == ("MESSAGE_INTERVAL", number, interval_us)
     assert ack.result == ACCEPTED
 
 
-def test_a_message_that_is_off_is_told_as_off(bench: RarsBench) -> None:
+def test_a_message_that_is_off_is_reported_as_off(bench: RarsBench) -> None:
     bench.order(511, 331, -1)
     assert bench.order(510, 331)[0].interval_us == -1
     bench.order(511, 331, 1e30)
@@ -348,7 +348,7 @@ def test_commands_for_everybody_are_for_us(bench: RarsBench, target: tuple[int, 
     assert acks(bench.order(400, 1, target=target)) == [(400, ACCEPTED)]
 
 
-def test_a_mode_that_set_mode_asks_for_in_vain_comes_with_the_reason(bench: RarsBench) -> None:
+def test_a_mode_that_set_mode_requests_in_vain_comes_with_the_reason(bench: RarsBench) -> None:
     replies = bench.say(dialect.MAVLink_set_mode_message(1, 1, 999))
     assert acks(replies) == [(11, DENIED)]
     assert "".join(texts(replies)) == "".join(texts(bench_of("rars").order(176, 1, 999)))

@@ -67,7 +67,7 @@ def drives(bench: RarsBench) -> Sender | None:
     return bench.operator.driver
 
 
-def test_who_arms_while_nobody_drives_drives(bench: RarsBench, driver: Hand) -> None:
+def test_who_arms_while_no_one_drives_drives(bench: RarsBench, driver: Hand) -> None:
     assert drives(bench) == (driver.source, 255, 190)
     assert "control: 255/190 at 10.0.0.1:14550 drives" in told(bench)
 
@@ -175,7 +175,7 @@ def test_a_deflected_stick_of_who_arms_counts_until_it_is_gone(bench: RarsBench)
         assert bench.operator.intent.neutral
 
 
-def test_control_is_asked_for_and_given_up(bench: RarsBench) -> None:
+def test_control_is_requested_and_given_up(bench: RarsBench) -> None:
     hand = Hand(bench, HERE)
     assert hand.result(CONTROL, 1) == ACCEPTED
     assert drives(bench) == (HERE, 255, 190)
@@ -218,7 +218,7 @@ def test_a_request_is_refused_and_brought_to_who_drives(bench: RarsBench, other:
     assert drives(bench) == (driver.source, 255, 190)
 
 
-def test_control_is_handed_over_to_who_asks(bench: RarsBench, other: Hand, driver: Hand) -> None:
+def test_control_is_handed_over_to_who_requests(bench: RarsBench, other: Hand, driver: Hand) -> None:
     driver.order(CONTROL, 1, 1)
     assert other.result(CONTROL, 1) == ACCEPTED
     assert drives(bench) == (other.source, other.codec.system, other.codec.component)
@@ -251,7 +251,7 @@ def test_the_old_message_does_the_same(bench: RarsBench) -> None:
 
 
 @pytest.mark.parametrize(("silence", "lost"), [(LAPSES_AFTER - 1, False), (LAPSES_AFTER, True)])
-def test_who_says_nothing_loses_control(bench: RarsBench, driver: Hand, silence: int, *, lost: bool) -> None:
+def test_who_sends_nothing_loses_control(bench: RarsBench, driver: Hand, silence: int, *, lost: bool) -> None:
     bench.now += silence
     assert bench.operator.lapse(bench.now) is lost
     assert (drives(bench) is None) is lost
@@ -275,18 +275,18 @@ def test_any_good_frame_keeps_control_and_that_of_another_does_not(bench: RarsBe
 @pytest.mark.parametrize(
     ("interval_us", "result"), [(-1, ACCEPTED), (50_000, ACCEPTED), (0, ACCEPTED), (49_999, DENIED)]
 )
-def test_who_does_not_drive_is_told_no_more_often_than_others(
+def test_who_does_not_drive_is_reported_no_more_often_than_others(
     bench: RarsBench, driver: Hand, interval_us: int, result: int
 ) -> None:
     assert driver.result(INTERVAL, 331, 20_000) == ACCEPTED
     assert Hand(bench, THERE).result(INTERVAL, 331, interval_us) == result
 
 
-def test_at_the_drivers_own_place_nobody_else_sets_intervals(bench: RarsBench, driver: Hand) -> None:
+def test_at_the_drivers_own_place_no_one_else_sets_intervals(bench: RarsBench, driver: Hand) -> None:
     assert Hand(bench, driver.source, 254).result(INTERVAL, 331, -1) == DENIED
 
 
-def test_strangers_do_not_fill_the_memory_nor_push_the_driver_out(bench: RarsBench, driver: Hand) -> None:
+def test_foreign_nodes_do_not_fill_the_memory_nor_push_the_driver_out(bench: RarsBench, driver: Hand) -> None:
     for place in range(3 * MOST_PEERS):
         bench.now += 1
         Hand(bench, place + 1).stick()
@@ -297,7 +297,7 @@ def test_strangers_do_not_fill_the_memory_nor_push_the_driver_out(bench: RarsBen
     assert bench.operator.stations[0] == bench.operator.driver, "remembered from the first"
 
 
-def test_while_nobody_drives_anybody_clears_and_arms(bench: RarsBench) -> None:
+def test_while_no_one_drives_anybody_clears_and_arms(bench: RarsBench) -> None:
     bench.facts = replace(bench.facts, emergency_stopped=True)
     assert Hand(bench, HERE).result(CLEAR, 1) == ACCEPTED
     assert Hand(bench, THERE).result(ARM, 1) == ACCEPTED
@@ -316,7 +316,7 @@ def test_a_drivers_own_stick_that_he_left_deflected_is_gone_in_time(bench: RarsB
         assert bench.operator.intent.neutral is neutral
 
 
-def test_control_that_changes_all_the_time_floods_nobody(bench: RarsBench) -> None:
+def test_control_that_changes_all_the_time_floods_no_one(bench: RarsBench) -> None:
     hand = Hand(bench, HERE)
     for _ in range(500):
         hand.order(CONTROL, 1)

@@ -87,12 +87,12 @@ def test_the_old_fence_and_rally_points_are_none(bench: RarsBench) -> None:
     assert (rally.get_type(), rally.idx, rally.count) == ("RALLY_POINT", 2, 0)
 
 
-def test_the_version_is_told_to_who_asks_by_its_own_message(bench: RarsBench) -> None:
+def test_the_version_is_sent_in_its_own_message_to_who_requests_it(bench: RarsBench) -> None:
     assert types(bench.say(dialect.MAVLink_autopilot_version_request_message(1, 1))) == ["AUTOPILOT_VERSION"]
 
 
 @given(st.sampled_from(sorted(LACKING)), st.binary(max_size=255))
-def test_whatever_is_asked_is_answered_once_and_changes_nothing(number: int, payload: bytes) -> None:
+def test_whatever_is_requested_is_answered_once_and_changes_nothing(number: int, payload: bytes) -> None:
     bench = rars()
     kind = dialect.mavlink_map[number]
     size = kind.unpacker.size
@@ -127,7 +127,7 @@ def test_a_set_point_of_another_kind_is_refused_in_words_now_and_then(bench: Rar
     assert bench.operator.dropped.refused == 200
 
 
-def test_it_stops_nobody_elses_driving(bench: RarsBench) -> None:
+def test_it_stops_no_one_elses_driving(bench: RarsBench) -> None:
     driver, other = Hand(bench, HERE), Hand(bench, THERE)
     driver.stick()
     driver.result(ARM, 1)

@@ -105,12 +105,12 @@ EDGES = {
 
 
 @every("edge", EDGES)
-def test_what_is_told_at_both_edges(edge: str) -> None:
+def test_what_is_reported_at_both_edges(edge: str) -> None:
     links, expected = EDGES[edge]
     assert told(*links) == expected
 
 
-def test_what_is_bad_is_told_once_and_again_after_it_was_good() -> None:
+def test_what_is_bad_is_reported_once_and_again_after_it_was_good() -> None:
     bad, good = link(WHOLE), link(MILLISECOND)
     assert [len(texts) for texts in told(bad, bad, bad, good, good, bad)] == [1, 0, 0, 1, 0, 1]
 
@@ -119,7 +119,7 @@ def test_a_figure_that_is_not_known_any_more_ends_nothing() -> None:
     assert [len(texts) for texts in told(link(WHOLE), link(), link(WHOLE))] == [1, 0, 0]
 
 
-def test_each_figure_is_told_by_itself() -> None:
+def test_each_figure_is_reported_by_itself() -> None:
     both = link(WHOLE, lost=0.5)
     assert told(both, link(WHOLE, lost=0.01), link(MILLISECOND, lost=0.5)) == [
         [

@@ -72,7 +72,7 @@ def test_a_station_declares_the_axes_that_its_robot_reads(robot: str) -> None:
         ("rars", {"z": 700, "buttons": LIFTS}, ""),
     ],
 )
-def test_of_an_axis_that_is_read_its_name_and_value_are_said(
+def test_of_an_axis_that_is_read_its_name_and_value_are_stated(
     robot: str, axes: dict[str, int], reason: str
 ) -> None:
     bench = bench_of(robot)
@@ -88,7 +88,7 @@ def test_a_robot_may_read_z_without_a_button() -> None:
     assert bench.operator.intent.deflected == "z stands at 500: this robot wants 0"
 
 
-def test_an_axis_that_is_deflected_and_not_read_is_said_once_a_station() -> None:
+def test_an_axis_that_is_deflected_and_not_read_is_stated_once_a_station() -> None:
     bench = toy()
     bench.rows = replace(bench.rows, axes=USUAL_AXES)
     bench.restart()

@@ -188,7 +188,7 @@ def test_an_incompatible_frame_is_dropped() -> None:
     assert Codec(9, 9).decode(ARM[:2] + b"\x02" + ARM[3:]) == []
 
 
-def test_a_message_that_nobody_knows_is_skipped_whole() -> None:
+def test_a_message_that_no_one_knows_is_skipped_whole() -> None:
     codec = Codec(9, 9)
     unknown = b"\xfd\x03\x00\x00\x00\xff\xbe\xff\xff\x7f" + b"\xfd\xfe\xfd" + b"\x00\x00"
     assert [one.get_type() for one in codec.decode(unknown + ARM)] == ["COMMAND_LONG"]

@@ -54,7 +54,7 @@ OF_NOBODY = [
 
 
 @pytest.mark.parametrize(("numbers", "way"), [*OF_PX4.items(), *OF_ROVER.items()])
-def test_a_way_is_asked_for_in_both_numberings(bench: RarsBench, numbers: tuple[int, int], way: Way) -> None:
+def test_a_way_is_requested_in_both_numberings(bench: RarsBench, numbers: tuple[int, int], way: Way) -> None:
     assert acks(bench.order(MODE, 1, *numbers)) == [(MODE, ACCEPTED)]
     assert bench.asked == [Pause() if way is Way.HOLD else EnterMode("")]
     if way is not Way.HOLD:  # the bench's bridge pauses nothing
@@ -96,7 +96,7 @@ def test_the_robots_own_modes_are_listed_behind_them() -> None:
     assert {one.number_modes for one in listed} == {5}
 
 
-def test_the_heartbeat_and_current_mode_tell_the_way(bench: RarsBench) -> None:
+def test_the_heartbeat_and_current_mode_report_the_way(bench: RarsBench) -> None:
     assert (bench.told(0).base_mode, told_mode(bench)) == (0x41, MANUAL)
     bench.order(MODE, 1, GUIDED)
     heartbeat = bench.told(0)
@@ -106,7 +106,7 @@ def test_the_heartbeat_and_current_mode_tell_the_way(bench: RarsBench) -> None:
     assert (heartbeat.base_mode, heartbeat.custom_mode, told_mode(bench)) == (0x01, HOLD, HOLD)
 
 
-def test_set_points_that_move_are_told_as_guided_and_a_stick_as_manual(bench: RarsBench) -> None:
+def test_set_points_that_move_are_reported_as_guided_and_a_stick_as_manual(bench: RarsBench) -> None:
     bench.target(0.0)
     assert told_mode(bench) == MANUAL
     bench.target(0.2)
@@ -117,7 +117,7 @@ def test_set_points_that_move_are_told_as_guided_and_a_stick_as_manual(bench: Ra
     assert told_mode(bench) == MANUAL
 
 
-def test_what_is_told_of_arming_and_of_modes_does_not_wait(bench: RarsBench) -> None:
+def test_what_is_reported_of_arming_and_of_modes_does_not_wait(bench: RarsBench) -> None:
     bench.report()
     for _ in range(3):
         assert not {"HEARTBEAT", "CURRENT_MODE", "EXTENDED_SYS_STATE"} & set(types(bench.report()))
@@ -132,7 +132,7 @@ def test_what_is_told_of_arming_and_of_modes_does_not_wait(bench: RarsBench) -> 
     assert "HEARTBEAT" not in types(bench.report())
 
 
-def test_an_idle_stick_beside_set_points_counts_for_nothing_once_guided_was_asked_for(
+def test_an_idle_stick_beside_set_points_counts_for_nothing_once_guided_was_requested(
     bench: RarsBench,
 ) -> None:
     bench.order(MODE, 1, GUIDED)
@@ -195,7 +195,7 @@ def test_guided_leaves_the_robots_own_mode_as_it_is() -> None:
     assert bench.asked[-1] == EnterMode("")
 
 
-def test_each_place_is_told_in_the_numbers_that_it_asks_in(bench: RarsBench) -> None:
+def test_each_place_is_reported_in_the_numbers_that_it_requests_in(bench: RarsBench) -> None:
     rover, other = Hand(bench, HERE), Hand(bench, THERE)
     rover.order(MODE, 1, GUIDED)
     assert told_to(bench, other)["CURRENT_MODE"] == GUIDED
@@ -235,7 +235,7 @@ def test_who_does_not_drive_changes_no_mode_and_not_his_numbers(bench: RarsBench
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(0, 255), st.integers(1, 6))
-def test_whatever_is_asked_for_is_one_of_the_rows_or_the_robots_own(main: int, sub: int, own: int) -> None:
+def test_whatever_is_requested_is_one_of_the_rows_or_the_robots_own(main: int, sub: int, own: int) -> None:
     found = asked(main, sub, own)
     if found is not None:
         assert found.own is None or 0 <= found.own < own

@@ -35,7 +35,7 @@ def sent_in(bench: RarsBench, seconds: int) -> tuple[float, Counter[str]]:
     return size / seconds, kinds
 
 
-def test_a_network_is_told_everything(bench: RarsBench) -> None:
+def test_a_network_is_reported_everything(bench: RarsBench) -> None:
     size, _ = sent_in(bench, 20)
     assert 8_000.0 < size < 9_500.0
 
@@ -57,11 +57,11 @@ def test_a_radio_of_57600_baud_has_the_rows_slow_rates() -> None:
     assert 58 <= kinds["SYS_STATUS"] <= 62
 
 
-def test_a_wide_link_is_told_as_much_as_a_network() -> None:
+def test_a_wide_link_is_reported_as_much_as_a_network() -> None:
     assert sent_in(bench_at(921_600), 10) == sent_in(bench_at(None), 10)
 
 
-def test_the_parameters_tell_the_rates_that_there_are() -> None:
+def test_the_parameters_report_the_rates_that_there_are() -> None:
     bench = bench_at(RADIO)
     [told] = bench.say(dialect.MAVLink_param_request_read_message(1, 1, b"RATE_ODOM", -1))
     assert told.param_value == 2.0
@@ -80,7 +80,7 @@ def test_a_list_of_parameters_leaves_room_for_words(bench: RarsBench) -> None:
     assert (at[-1] - at[0]) / (len(at) - 1) >= 22 * MILLISECOND, "37 bytes in 26 ms: a quarter"
 
 
-def test_what_is_asked_for_is_sent_however_narrow_the_link_is() -> None:
+def test_what_is_requested_is_sent_however_narrow_the_link_is() -> None:
     bench = bench_at(9_600)
     bench.order(511, 331, 100_000)
     _, kinds = sent_in(bench, 10)

@@ -43,14 +43,14 @@ def test_of_one_station_frames_may_be_overtaken_and_doubled(order: list[int], do
 
 
 @pytest.mark.parametrize("restarts", [[20], [20, 60], [5, 10, 15]])
-def test_a_station_that_begins_anew_is_one(restarts: list[int]) -> None:
+def test_a_station_that_begins_again_is_one(restarts: list[int]) -> None:
     begins = [0, *restarts, 120]
     frames = ((at - begin, at) for begin, end in pairwise(begins) for at in range(begin, end))
     assert not any(heard(Numbered(), frames))
 
 
 @given(apart=st.integers(1, 255).filter(lambda it: it not in {127, 128, 129}), joins=st.integers(5, 60))
-def test_two_are_seen_and_told_apart(apart: int, joins: int) -> None:
+def test_two_are_seen_and_distinguished(apart: int, joins: int) -> None:
     numbered = Numbered()
     for at in range(joins):
         assert not numbered.hear(at & 0xFF, at, at * EVERY)

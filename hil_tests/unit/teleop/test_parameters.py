@@ -32,7 +32,7 @@ def test_parameters_are_listed_once_each_and_slowly(bench: RarsBench) -> None:
     assert {one.param_type for one in listed} == {9}
 
 
-def test_a_list_asked_for_again_begins_again(bench: RarsBench) -> None:
+def test_a_list_requested_again_begins_again(bench: RarsBench) -> None:
     bench.say(dialect.MAVLink_param_request_list_message(1, 1))
     bench.report()
     bench.say(dialect.MAVLink_param_request_list_message(1, 1))

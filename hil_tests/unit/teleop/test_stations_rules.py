@@ -161,7 +161,7 @@ def test_its_own_action_of_a_file_stops(bench: RarsBench) -> None:
 
 
 @pytest.mark.parametrize(("number", "name"), [(0, "MANUAL"), (15, "GUIDED"), (4, "HOLD")])
-def test_pymavlink_reads_the_mode_by_its_name_and_asks_for_it_so(
+def test_pymavlink_reads_the_mode_by_its_name_and_requests_it_so(
     bench: RarsBench, number: int, name: str
 ) -> None:
     """DroneKit raises an error at each heartbeat whose mode is not in this map."""

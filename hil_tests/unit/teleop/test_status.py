@@ -73,7 +73,7 @@ def test_the_heartbeat_of_a_robot_in_trouble(bench: RarsBench) -> None:
 HOLD = hold("lift extended", "the lift stands at 100 mm, retracted is below 5 mm", "retract the lift")
 
 
-def test_a_hold_is_told_with_its_reason_when_it_begins_and_when_it_ends(bench: RarsBench) -> None:
+def test_a_hold_is_reported_with_its_reason_when_it_begins_and_when_it_ends(bench: RarsBench) -> None:
     assert texts(bench.report()) == []
     assert texts(bench.report(HOLD)) == [
         (4, "the lift stands at 100 mm, retracted is below 5 mm; retract the lift")
@@ -116,11 +116,11 @@ def test_how_loud_each_row_of_rars_is(bench: RarsBench) -> None:
 
 
 @pytest.mark.parametrize("severity", Severity)
-def test_a_hold_is_as_loud_as_its_row_says(bench: RarsBench, severity: Severity) -> None:
+def test_a_hold_is_as_loud_as_its_row_states(bench: RarsBench, severity: Severity) -> None:
     assert texts(bench.report(hold("any", "why", severity=severity))) == [(severity, "why")]
 
 
-def test_one_hold_that_follows_another_is_told(bench: RarsBench) -> None:
+def test_one_hold_that_follows_another_is_reported(bench: RarsBench) -> None:
     other = hold("not armed", "the robot is not armed", "arm the robot", Severity.NOTICE)
     bench.report(HOLD)
     assert texts(bench.report(other)) == [
@@ -130,7 +130,7 @@ def test_one_hold_that_follows_another_is_told(bench: RarsBench) -> None:
     assert texts(bench.report(other, HOLD))[0][1].startswith("the lift stands")
 
 
-def test_a_drives_fault_is_told_once_and_its_end_as_well(bench: RarsBench) -> None:
+def test_a_drives_fault_is_reported_once_and_its_end_as_well(bench: RarsBench) -> None:
     bench.report()
     bench.axes(fault=["", "0x8611", "", ""])
     assert texts(bench.report()) == [(2, "node 2 (right rear wheel): fault 0x8611")]
@@ -141,7 +141,7 @@ def test_a_drives_fault_is_told_once_and_its_end_as_well(bench: RarsBench) -> No
     assert texts(bench.report()) == [(6, "node 2 (right rear wheel): fault cleared")]
 
 
-def test_two_runs_tell_the_same_bytes(make_bench: Callable[[], RarsBench]) -> None:
+def test_two_runs_report_the_same_bytes(make_bench: Callable[[], RarsBench]) -> None:
     def run() -> list[tuple[Packet, ...]]:
         bench = make_bench()
         sent = []

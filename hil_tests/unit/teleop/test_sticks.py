@@ -47,7 +47,7 @@ def test_what_is_refused_changes_nothing_and_is_no_sign_of_life(bench: RarsBench
     assert bench.operator.dropped.refused == 3
 
 
-def test_refusals_are_not_told_at_the_rate_of_a_joystick(bench: RarsBench) -> None:
+def test_refusals_are_not_reported_at_the_rate_of_a_joystick(bench: RarsBench) -> None:
     told = 0
     for _ in range(100):
         told += bool(bench.target(0.2, frame=1))
@@ -75,7 +75,7 @@ def test_a_datagram_that_arrives_twice_is_one_sign_of_life(bench: RarsBench) -> 
     assert bench.operator.dropped.overtaken == 1
 
 
-def test_a_station_that_starts_anew_is_heard_after_a_quarter_of_a_second(bench: RarsBench) -> None:
+def test_a_station_that_starts_again_is_received_after_a_quarter_of_a_second(bench: RarsBench) -> None:
     for _ in range(100):
         bench.stick()
     bench.station = Codec(255, 190)
@@ -99,7 +99,7 @@ def test_a_go_that_comes_after_the_stop_is_not_obeyed(bench: RarsBench, late: in
 
 
 @pytest.mark.parametrize(("behind", "late", "heard"), [(96, 2999, False), (96, 3000, True), (97, 250, True)])
-def test_what_is_far_behind_or_comes_late_is_a_station_that_starts_anew(
+def test_what_is_far_behind_or_comes_late_is_a_station_that_starts_again(
     bench: RarsBench, behind: int, late: int, *, heard: bool
 ) -> None:
     early = bench.station.encode(dialect.MAVLink_manual_control_message(1, 200, 0, 0, 0, 0))
@@ -135,7 +135,7 @@ def test_a_stop_button_on_a_broken_stick_still_stops(bench: RarsBench) -> None:
     assert bench.asked == [EmergencyStop()]
 
 
-def test_the_stop_button_asks_until_the_robot_is_stopped_and_not_on(bench: RarsBench) -> None:
+def test_the_stop_button_requests_until_the_robot_is_stopped_and_not_on(bench: RarsBench) -> None:
     bench.report()
     bench.stick(buttons=4)
     bench.stick(buttons=4)

@@ -108,7 +108,7 @@ def test_left_of_the_start_is_west_in_the_telemetry(bench: RarsBench) -> None:
 
 
 @pytest.mark.parametrize(("turns", "yaw"), [(1.25, -math.pi / 2), (-2.25, math.pi / 2), (3.0, 0.0)])
-def test_many_turns_are_told_as_a_direction(bench: RarsBench, turns: float, yaw: float) -> None:
+def test_many_turns_are_reported_as_a_direction(bench: RarsBench, turns: float, yaw: float) -> None:
     bench.pose = Pose(0.0, 0.0, turns * 2.0 * math.pi)
     assert bench.told(30).yaw == pytest.approx(yaw, abs=1e-6)
 
@@ -121,14 +121,14 @@ def test_times_are_those_of_the_snapshot(bench: RarsBench) -> None:
     assert bench.told(30).time_boot_ms == 50
 
 
-def test_steering_is_told_in_degrees_left_positive(bench: RarsBench) -> None:
+def test_steering_is_reported_in_degrees_left_positive(bench: RarsBench) -> None:
     bench.body = replace(bench.body, steer_rad=math.radians(12.5))
     assert named(bench, "STEER") == pytest.approx(12.5)
     bench.body = replace(bench.body, steer_rad=None)
     assert named(bench, "STEER") is None
 
 
-def test_the_lift_is_told_in_metres(bench: RarsBench) -> None:
+def test_the_lift_is_reported_in_metres(bench: RarsBench) -> None:
     bench.body = replace(bench.body, lift_m=0.75)
     assert named(bench, "ZPOS") == 0.75
     bench.body = replace(bench.body, lift_m=None)
@@ -156,7 +156,7 @@ def test_wheels_and_currents(bench: RarsBench) -> None:
 @pytest.mark.parametrize(
     ("amperes", "centiamperes"), [(0.019, 1), (-0.02, 2), (400.0, 0x7FFF), (math.nan, -1)]
 )
-def test_the_current_is_told_in_whole_steps_as_far_as_the_field_goes(
+def test_the_current_is_reported_in_whole_steps_as_far_as_the_field_goes(
     bench: RarsBench, amperes: float, centiamperes: int
 ) -> None:
     bench.axes(current_a=[amperes, 0.0, 0.0, 0.0])
@@ -188,7 +188,7 @@ def test_the_battery(
     assert bool(system.onboard_control_sensors_health & 33_554_432) is healthy
 
 
-def test_lamp_and_detector_are_told(bench: RarsBench) -> None:
+def test_lamp_and_detector_are_reported(bench: RarsBench) -> None:
     bench.order(405, 1)
     assert (named(bench, "LAMP"), named(bench, "DETECT")) == (1, 0)
     bench.order(181, 0, 1)
@@ -203,7 +203,7 @@ def test_corrupt_bytes_and_faulted_drives_are_counted(bench: RarsBench) -> None:
     assert (system.errors_comm, system.errors_count1) == (2, 2)
 
 
-def test_odometry_tells_how_often_it_was_reset(bench: RarsBench) -> None:
+def test_odometry_reports_how_often_it_was_reset(bench: RarsBench) -> None:
     bench.order(179, 1)
     bench.order(179, 1)
     assert bench.told(331).reset_counter == 2

@@ -49,7 +49,7 @@ def test_degrees_and_minus_signs_are_written_in_ascii() -> None:
 
 
 @given(st.lists(PLAIN, min_size=1, max_size=4))
-def test_what_is_said_is_heard(texts: list[str]) -> None:
+def test_what_is_stated_is_received(texts: list[str]) -> None:
     speaker, listener = Speaker(), Listener()
     robot, station = Codec(1, 1), Codec(255, 190)
     heard: list[Heard] = []
@@ -67,21 +67,21 @@ def test_a_lost_chunk_shows() -> None:
     assert listener.hear(third) == [Heard(5, "a" * 50 + "..."), Heard(5, "c")]
 
 
-def test_the_same_refusal_is_said_every_two_seconds() -> None:
+def test_the_same_refusal_is_stated_every_two_seconds() -> None:
     speaker = Speaker()
     said = [bool(speaker.say_sometimes("stick", "no", now)) for now in range(0, 5 * SECOND, SECOND // 2)]
     assert said == [True, False, False, False, True, False, False, False, True, False]
     assert speaker.say_sometimes("frame", "no", 4 * SECOND)
 
 
-def test_what_a_stream_deserves_again_and_again_is_said_more_and_more_seldom() -> None:
+def test_what_a_stream_deserves_again_and_again_is_stated_more_and_more_seldom() -> None:
     speaker = Speaker()
     every = range(0, 200 * SECOND, SECOND // 20)
     said = [now / SECOND for now in every if speaker.say_sometimes("mask", "no", now)]
     assert said == [0.0, 2.0, 6.0, 14.0, 30.0, 62.0, 94.0, 126.0, 158.0, 190.0]
 
 
-def test_after_a_pause_it_is_said_at_once_and_a_hand_is_answered_each_time() -> None:
+def test_after_a_pause_it_is_stated_at_once_and_a_hand_is_answered_each_time() -> None:
     speaker = Speaker()
     for now in range(0, 20 * SECOND, SECOND // 20):
         speaker.say_sometimes("mask", "no", now)
@@ -101,7 +101,7 @@ def test_kinds_of_texts_are_not_remembered_without_end() -> None:
 HOLD = Hold("lift extended", "it is out", Row("lift extended", "lower it"), 0)
 
 
-def test_a_hold_that_comes_and_goes_is_told_three_times_in_two_seconds_and_as_it_is_at_the_end() -> None:
+def test_a_hold_that_comes_and_goes_is_reported_three_times_in_two_seconds_and_as_it_is_at_the_end() -> None:
     told = HoldTexts(Speaker())
     texts: list[tuple[float, str]] = []
     for cycle in range(200):
@@ -115,14 +115,14 @@ def test_a_hold_that_comes_and_goes_is_told_three_times_in_two_seconds_and_as_it
     assert texts[-1][0] <= 6.1
 
 
-def test_a_hold_that_lets_go_while_it_is_kept_back_is_not_told_at_all() -> None:
+def test_a_hold_that_lets_go_while_it_is_kept_back_is_not_reported_at_all() -> None:
     told = HoldTexts(Speaker())
     for cycle in range(8):
         told.told((HOLD,) if cycle % 2 == 0 else (), cycle)
     assert told.told((), 10 * SECOND) == []
 
 
-def test_information_is_told_once_and_what_lets_go_of_it_not_at_all() -> None:
+def test_information_is_reported_once_and_what_lets_go_of_it_not_at_all() -> None:
     """Every ordinary move of a stick passes the acceleration limit."""
     told = HoldTexts(Speaker())
     ramps = Hold(

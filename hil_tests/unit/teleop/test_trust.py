@@ -123,7 +123,7 @@ def test_our_stamps_rise_with_every_frame_and_follow_the_time(keyed: RarsBench) 
     [(Signer(None), "is not signed"), (Signer(OTHER), "is signed with another key")],
     ids=["unsigned", "another key"],
 )
-def test_unsigned_and_wrongly_signed_words_are_refused_and_told(
+def test_unsigned_and_wrongly_signed_words_are_refused_and_reported(
     keyed: RarsBench, signer: Signer, doubt: str
 ) -> None:
     assert hears(keyed, signer.says(BEAT) + signer.says(ARM)) == []
@@ -171,7 +171,7 @@ def test_a_new_stream_may_be_a_minute_behind(keyed: RarsBench, behind: int, *, g
     assert believed(keyed, other.says(BEAT)), "each link of a station counts for itself"
 
 
-def test_a_wrong_signature_with_the_largest_stamp_locks_nobody_out(keyed: RarsBench) -> None:
+def test_a_wrong_signature_with_the_largest_stamp_locks_no_one_out(keyed: RarsBench) -> None:
     forged, station = Signer(OTHER), Signer()
     forged.words.signing.timestamp = (1 << 48) - 2
     assert not believed(keyed, forged.says(BEAT))
@@ -187,7 +187,7 @@ def test_a_radio_may_speak_unsigned_and_is_nobodys_sign_of_life(key: bytes | Non
     assert "".join(texts(bench.report())) == ""
 
 
-def test_without_a_key_signed_frames_count_as_unsigned_and_it_is_told_once() -> None:
+def test_without_a_key_signed_frames_count_as_unsigned_and_it_is_reported_once() -> None:
     bench = bench_with(Trust())
     for signer in (Signer(), Signer(OTHER), Signer(None)):
         assert believed(bench, signer.says(ARM))
@@ -310,7 +310,7 @@ def test_a_clock_that_was_set_back_lets_no_old_stream_in_and_uses_no_stamp_twice
     assert all(int.from_bytes(one.payload[-12:-6], "little") > last for one in own)
 
 
-def test_a_station_whose_clock_is_ahead_raises_our_stamps_and_locks_nobody_out(keyed: RarsBench) -> None:
+def test_a_station_whose_clock_is_ahead_raises_our_stamps_and_locks_no_one_out(keyed: RarsBench) -> None:
     """So that it hears us; whether another stream is too old is a matter of our own clock."""
     keyed.now = 100 * SECOND
     ahead = Signer(at=500 * SECOND)

@@ -70,11 +70,11 @@ def test_what_extensions_leave_of_a_message_is_what_mavlink_1_has(number: int) -
     assert length == mavlink_1.mavlink_map[number].unpacker.size
 
 
-def test_nothing_is_said_whose_length_was_not_looked_up(bench: RarsBench) -> None:
+def test_nothing_is_stated_whose_length_was_not_looked_up(bench: RarsBench) -> None:
     assert {row.number for row in bench.operator._session.streams if row.number < 256} <= SENT  # noqa: SLF001
 
 
-def test_a_station_of_mavlink_1_is_told_and_answered_in_it(bench: RarsBench) -> None:
+def test_a_station_of_mavlink_1_is_reported_and_answered_in_it(bench: RarsBench) -> None:
     old = Old(bench)
     old.says(BEAT)
     heard = Counter(one.get_type() for _ in range(100) for one in [*old.says(BEAT), *old.cycle()])
@@ -99,7 +99,7 @@ def test_it_arms_drives_and_stops(bench: RarsBench) -> None:
     assert version.flight_sw_version >> 8 == 0x000100
 
 
-def test_a_station_that_goes_over_to_mavlink_2_is_told_in_it(bench: RarsBench) -> None:
+def test_a_station_that_goes_over_to_mavlink_2_is_reported_in_it(bench: RarsBench) -> None:
     old = Old(bench)
     old.says(BEAT)
     assert old.cycle()
@@ -110,7 +110,7 @@ def test_a_station_that_goes_over_to_mavlink_2_is_told_in_it(bench: RarsBench) -
     assert "ODOMETRY" in [one.get_type() for packet in sent for one in new.codec.decode(packet.payload)]
 
 
-def test_two_stations_of_both_versions_each_hear_their_own_without_gaps(bench: RarsBench) -> None:
+def test_two_stations_of_both_versions_each_receive_their_own_without_gaps(bench: RarsBench) -> None:
     old = Old(bench)
     new = Hand(bench, THERE)
     counts: dict[int, list[int]] = {HERE: [], THERE: []}
@@ -127,12 +127,12 @@ def test_two_stations_of_both_versions_each_hear_their_own_without_gaps(bench: R
     assert len(counts[THERE]) > len(counts[HERE]) > 0
 
 
-def test_a_stranger_of_mavlink_1_is_answered_in_it(bench: RarsBench) -> None:
+def test_a_foreign_node_of_mavlink_1_is_answered_in_it(bench: RarsBench) -> None:
     [pong] = Old(bench).says(mavlink_1.MAVLink_ping_message(11, 7, 0, 0))
     assert (pong.get_type(), pong.seq) == ("PING", 7)
 
 
-def test_who_signs_what_he_says_says_nothing_unsigned() -> None:
+def test_who_signs_what_he_states_sends_nothing_unsigned() -> None:
     bench = rars()
     bench.trust = Trust(key=bytes(range(32)), started_at=NOW)
     bench.restart()
@@ -158,7 +158,7 @@ def counted(bench: RarsBench, hands: tuple[Hand, ...], cycles: int = 40) -> dict
     return heard
 
 
-def test_an_interval_is_that_of_the_station_that_asks(bench: RarsBench) -> None:
+def test_an_interval_is_that_of_the_station_that_requests(bench: RarsBench) -> None:
     first, second = Hand(bench, HERE), Hand(bench, THERE)
     assert first.result(INTERVAL, 331, 500_000) == 0
     assert second.result(INTERVAL, 30, -1) == 0
@@ -171,7 +171,7 @@ def test_an_interval_is_that_of_the_station_that_asks(bench: RarsBench) -> None:
     assert told.interval_us == 50_000
 
 
-def test_a_station_that_lapses_has_asked_for_nothing(bench: RarsBench) -> None:
+def test_a_station_that_lapses_has_requested_nothing(bench: RarsBench) -> None:
     hand = Hand(bench, HERE)
     assert hand.result(INTERVAL, 331, -1) == 0
     bench.now += 6 * SECOND
@@ -187,7 +187,7 @@ def test_who_is_no_station_has_no_intervals(bench: RarsBench) -> None:
     assert (ack.command, ack.result) == (INTERVAL, 2)
 
 
-def test_a_rate_that_is_a_parameter_is_that_of_all_who_have_asked_for_no_other(bench: RarsBench) -> None:
+def test_a_rate_that_is_a_parameter_is_that_of_all_who_have_requested_no_other(bench: RarsBench) -> None:
     first, second = Hand(bench, HERE), Hand(bench, THERE)
     second.result(INTERVAL, 331, 1_000_000)
     first.say(dialect.MAVLink_param_set_message(1, 1, b"RATE_ODOM", 10.0, 9))

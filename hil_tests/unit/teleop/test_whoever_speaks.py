@@ -47,7 +47,7 @@ def test_our_own_words_come_back_unheard(bench: RarsBench) -> None:
     assert bench.operator.dropped.echoed == 1
 
 
-def test_several_messages_in_one_datagram_are_heard_in_order(bench: RarsBench) -> None:
+def test_several_messages_in_one_datagram_are_received_in_order(bench: RarsBench) -> None:
     encode = bench.station.encode
     first = encode(dialect.MAVLink_manual_control_message(1, 100, 0, 0, 0, 0))
     second = encode(dialect.MAVLink_command_long_message(1, 1, 400, 0, 1, 0, 0, 0, 0, 0, 0))
@@ -69,7 +69,7 @@ ADDRESSED = [number for number, kind in dialect.mavlink_map.items() if number < 
     )
 )
 @settings(max_examples=examples(300))
-def test_whatever_strangers_send_is_answered_without_an_exception(
+def test_whatever_foreign_nodes_send_is_answered_without_an_exception(
     frames: list[tuple[int, bytes, bytes]],
 ) -> None:
     operator = rars().operator

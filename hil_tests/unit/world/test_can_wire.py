@@ -40,7 +40,7 @@ def test_a_bit_is_a_whole_number_of_nanoseconds(bit_rate: int) -> None:
         CanWire(bit_rate)
 
 
-def test_everybody_hears_but_the_sender() -> None:
+def test_everybody_receives_but_the_sender() -> None:
     world, _, (one, two, three), _ = bus_of(Player((0, frame(0x123, "01"))), Player(), Player())
     world.run(SECOND)
     assert one.heard == []
@@ -59,7 +59,7 @@ def test_a_frame_that_comes_in_the_interframe_space_waits_for_its_end() -> None:
     assert [now for now, _, _ in seen] == [48_000, 99_000]
 
 
-def test_nodes_that_begin_at_one_instant_arbitrate_whoever_was_first() -> None:
+def test_nodes_that_begin_at_one_instant_arbitrate_whichever_was_first() -> None:
     low, high = Player((7, frame(0x700))), Player((7, frame(0x080)))
     world, _, _, seen = bus_of(low, high)
     world.run(SECOND)
@@ -186,7 +186,7 @@ class Choosy(Player):
         return packet.address == self.wanted
 
 
-def test_a_node_behind_an_acceptance_filter_hears_what_it_listens_to_at_that_time() -> None:
+def test_a_node_behind_an_acceptance_filter_receives_what_it_listens_to_at_that_time() -> None:
     plan = [(at * MILLISECOND, frame(address)) for at in range(4) for address in (0x100, 0x200)]
     choosy, open_minded = Choosy(), Player()
     world, wire, _, seen = bus_of(Player(*plan), choosy, open_minded)

@@ -20,7 +20,7 @@ def test_members_wake_when_they_are_due_and_their_packets_reach_the_bus_and_the_
     assert two.heard == [(10, frame(0x181)), (35, frame(0x182))]
 
 
-def test_after_a_pause_who_answers_is_heard_before_the_one_who_has_waited_for_it() -> None:
+def test_after_a_pause_who_answers_is_received_before_the_one_who_has_waited_for_it() -> None:
     class Waiting(Player):
         def wake(self, now: Nanoseconds) -> Reaction:
             self.woken.append(now)
@@ -66,7 +66,7 @@ def test_the_physics_is_polled_and_wakes_members_at_the_instant_it_reached() -> 
     assert physics.reached == 1_200
 
 
-def test_a_silent_member_neither_hears_nor_sends_but_lives_on() -> None:
+def test_a_silent_member_neither_receives_nor_sends_but_lives_on() -> None:
     one, two = Player((10, frame(0x181)), (20, frame(0x182))), Player()
     cluster = Cluster({"one": one, "two": two})
     cluster.silence("one", 15)

@@ -108,7 +108,7 @@ def test_a_receiver_with_a_bad_plug_disturbs_all_until_it_is_passive() -> None:
     assert wire.confinement("node1").condition is Condition.ACTIVE
 
 
-def test_a_full_queue_says_so_and_drops_the_newest() -> None:
+def test_a_full_queue_states_so_and_drops_the_newest() -> None:
     world, _, (sender, hearer) = bus_of(Player(*((0, frame(0x100 + k)) for k in range(5))), Player(), depth=3)
     world.run(SECOND)
     assert [packet.address for _, packet in frames(hearer)] == [0x100, 0x101, 0x102]

@@ -41,7 +41,7 @@ def test_every_node_is_first_woken_at_the_instant_of_its_arrival() -> None:
     assert world.now == 9
 
 
-def test_what_happens_at_one_instant_happens_in_the_order_in_which_it_was_asked_for() -> None:
+def test_what_happens_at_one_instant_happens_in_the_order_in_which_it_was_requested() -> None:
     world = World()
     book: list[str] = []
     world.attach("a", Alarm("a", book, 7, 9), {})
@@ -51,7 +51,7 @@ def test_what_happens_at_one_instant_happens_in_the_order_in_which_it_was_asked_
     assert book == ["a0", "b0", "c0", "b3", "a7", "c7", "b7", "a9", "b9"]
 
 
-def test_a_new_wish_replaces_the_old_one() -> None:
+def test_a_new_command_replaces_the_old_one() -> None:
     class Sleeper(Player):
         def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
             super().receive(packet, now)
@@ -68,7 +68,7 @@ def test_a_new_wish_replaces_the_old_one() -> None:
     assert sleeper.woken == [0, 55]
 
 
-def test_a_wish_for_the_past_means_now_and_a_run_includes_its_end() -> None:
+def test_a_command_for_the_past_means_now_and_a_run_includes_its_end() -> None:
     world = World()
     book: list[str] = []
     world.attach("a", Alarm("a", book, 10, 4), {})
@@ -125,7 +125,7 @@ def test_the_physics_may_name_a_node_that_is_gone_but_none_that_never_was() -> N
         world.run(1000)
 
 
-def test_a_silent_node_neither_hears_nor_sends_but_lives_on() -> None:
+def test_a_silent_node_neither_receives_nor_sends_but_lives_on() -> None:
     world, link = World(), DatagramWire()
     plan = [(at, Packet("operator", 0, bytes([at]))) for at in (10, 20, 30)]
     one, two = Player(*plan), Player(*plan)

@@ -101,7 +101,7 @@ def test_an_error_without_a_reaction_is_only_reported(drive: "Drive") -> None:
     ids=["none", "fault", "disable voltage", "quick stop"],
 )
 @pytest.mark.emergency(0x8130)
-def test_a_lost_connection_reacts_as_0x6007_says(
+def test_a_lost_connection_reacts_as_0x6007_states(
     drive: "Drive", option: int, milliseconds: int, end: State
 ) -> None:
     moving(drive)

@@ -57,7 +57,7 @@ def test_a_path_that_is_not_fed_stops_with_the_quick_stop_ramp(ready: "Drive") -
 
 
 @pytest.mark.emergency(0xFF0C)
-def test_after_an_error_the_buffer_must_be_enabled_anew(ready: "Drive") -> None:
+def test_after_an_error_the_buffer_must_be_enabled_again(ready: "Drive") -> None:
     ready.command(0x1F)
     ready.run(20)
     assert ready.stands_in(State.FAULT)
