@@ -189,7 +189,7 @@ adversary: $(COMPILED)/.ready ## look for HOURS simulated hours for what breaks 
 
 FRAMES ?= 1000000
 fuzz: $(COMPILED)/.ready ## let a stranger send a drive FRAMES frames of any kind, its winding watched
-	@STRANGER_FRAMES=$(FRAMES) $(COMPILED)/bin/python -P -m pytest -q -p no:xdist -m long hil_tests/unit/epos2/test_stranger_bursts.py
+	@FOREIGN_FRAMES=$(FRAMES) $(COMPILED)/bin/python -P -m pytest -q -p no:xdist -m long hil_tests/unit/epos2/test_foreign_node_bursts.py
 
 LINES ?= 100000
 twins: $(READY) ## say LINES lines to the sketch's binary in simavr and to the emulated board, and compare

@@ -76,14 +76,14 @@ def drive(firmware: str, simulated: Nanoseconds) -> None:
     """Run one board; RuntimeError where its motors stand."""
     board = Board(FIRMWARES[firmware], four_motors(), auto_stop=30_000)
     first, always = HOSTS[firmware]
-    said = list(reversed(first))
-    now = wake_at = says_at = 0
+    stated = list(reversed(first))
+    now = wake_at = states_at = 0
     while now < READY + simulated:
-        at = min(wake_at, READY + says_at)
+        at = min(wake_at, READY + states_at)
         now = max(now, at)
-        if READY + says_at <= now:
-            says_at += CYCLE
-            chunk = said.pop() if said else always
+        if READY + states_at <= now:
+            states_at += CYCLE
+            chunk = stated.pop() if stated else always
             wake_at = board.receive(Packet(SERIAL, 0, chunk), now).wake_at
         else:
             wake_at = board.wake(now).wake_at

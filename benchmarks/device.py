@@ -18,7 +18,7 @@ from itertools import count, cycle, islice
 from pathlib import Path
 from typing import Final
 
-from benchmarks import strangers
+from benchmarks import new_stations
 from benchmarks.drives import BIT_RATE, crowd, only_sync
 from benchmarks.measure import both_clocks, interleaved, processor_seconds, show
 from emulators.epos2.canopen.sdo_server import SdoServer
@@ -35,7 +35,7 @@ from firmware_bridge.wire.epos2.address import Address
 from hil_tests.unit.servo.side_by_side import PLANT, compiled
 
 REQUESTS: Final = 20_000
-OBJECTS: Final = tuple(Address(index) for index in strangers.INDEXES)
+OBJECTS: Final = tuple(Address(index) for index in new_stations.INDEXES)
 ROUND_TRIPS: Final = 2_000
 FRAMES: Final = 40_000
 FILLED: Final[Nanoseconds] = 5 * SECOND
@@ -45,7 +45,7 @@ LEAST_REQUESTS: Final = 100_000
 LEAST_FRAMES: Final = 100_000
 LEAST_TIMES: Final = 50
 MISSING: Final = "not installed"
-NAMES: Final = ("ours", *strangers.SERVERS)
+NAMES: Final = ("ours", *new_stations.SERVERS)
 
 Served = Callable[[bytes], bytes | None]
 """A request's bytes in, the answer's bytes out."""
@@ -75,7 +75,7 @@ KINDS: Final = (
 
 def drive() -> Epos2:
     """Return a whole drive, with every object and hook that it has."""
-    return Epos2(strangers.NODE, ServoAxis("motor", QUADCOUNTS))
+    return Epos2(new_stations.NODE, ServoAxis("motor", QUADCOUNTS))
 
 
 def served_often(served: Served, kind: Kind) -> Callable[[], None]:
@@ -95,7 +95,7 @@ def whole_drive() -> Served:
     node.wake(0)
 
     def served(request: bytes) -> bytes | None:
-        reaction = node.receive(Packet(CAN, canopen.SDO_REQUEST + strangers.NODE, request), next(now))
+        reaction = node.receive(Packet(CAN, canopen.SDO_REQUEST + new_stations.NODE, request), next(now))
         return reaction.sent[0].payload if reaction.sent else None
 
     return served
@@ -114,14 +114,14 @@ def beside(ours: Served, makers: Mapping[str, Callable[[], Served]]) -> dict[str
 
 def pure_server() -> bool:
     """Compare servers and nodes without a bus; whether ours is as fast as it is meant to be."""
-    servers = beside(SdoServer(drive().store).answer, strangers.SERVERS)
+    servers = beside(SdoServer(drive().store).answer, new_stations.SERVERS)
     rates = {f"server: {kind.name}": rates_of(kind, servers) for kind in KINDS}
     slowest = min(row["ours"] for row in rates.values())
-    rates["whole node: read a number"] = rates_of(KINDS[0], beside(whole_drive(), strangers.WHOLE))
+    rates["whole node: read a number"] = rates_of(KINDS[0], beside(whole_drive(), new_stations.WHOLE))
     show(
         "SDO without a bus: bytes of a request in, bytes of the answer out; requests a second",
         ("request", *NAMES),
-        [[title, *(told(row.get(name)) for name in NAMES)] for title, row in rates.items()],
+        [[title, *(reported(row.get(name)) for name in NAMES)] for title, row in rates.items()],
         "four objects in turn, 64 values; ours has the drive's whole table and checks access, size, range;"
         " the whole node also supervises motion and looks for process data that have changed",
     )
@@ -133,12 +133,12 @@ class Client:
 
     def __init__(self) -> None:
         self.answers = 0
-        self._request = Packet(CAN, canopen.SDO_REQUEST + strangers.NODE, KINDS[0].requests[0])
+        self._request = Packet(CAN, canopen.SDO_REQUEST + new_stations.NODE, KINDS[0].requests[0])
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Count an answer, and ask."""
         del now
-        if packet.address != canopen.SDO_RESPONSE + strangers.NODE:
+        if packet.address != canopen.SDO_RESPONSE + new_stations.NODE:
             return Reaction((), SECOND)
         self.answers += 1
         return Reaction((self._request,))
@@ -157,14 +157,14 @@ def round_trips() -> bool:
     before = client.answers
     spent = {"ours": both_clocks(partial(world.run, 4 * SECOND))}
     rates = {"ours": [(client.answers - before) / each for each in spent["ours"]]}
-    for name, make in strangers.NODES.items():
+    for name, make in new_stations.NODES.items():
         if installed(name):
-            run = strangers.round_trips(make, KINDS[0].requests[0], ROUND_TRIPS)
+            run = new_stations.round_trips(make, KINDS[0].requests[0], ROUND_TRIPS)
             rates[name] = [ROUND_TRIPS / each for each in both_clocks(run)]
     rows = []
     for place, clock in enumerate(("of the processor's time", "of the wall's time")):
         row = {name: each[place] for name, each in rates.items()}
-        rows.append([f"a second {clock}", *(told(row.get(name)) for name in NAMES)])
+        rows.append([f"a second {clock}", *(reported(row.get(name)) for name in NAMES)])
         times = {name: f"{row['ours'] / rate:.1f}" for name, rate in row.items()}
         rows.append(["  ours, times theirs", *(times.get(name, MISSING) for name in NAMES)])
     show(
@@ -224,9 +224,9 @@ def frames() -> bool:
         spent = processor_seconds(partial(world.run, FILLED))
         rate = (wire.frames - before) / spent
         best = max(best, rate)
-        rows.append([f"timed bus: {talkers} sending, all hear", told(rate)])
-    rate = FRAMES / processor_seconds(partial(strangers.frames, FRAMES))
-    rows.append(["python-can's virtual bus, untimed: one sends, one hears", told(rate)])
+        rows.append([f"timed bus: {talkers} sending, all hear", reported(rate)])
+    rate = FRAMES / processor_seconds(partial(new_stations.frames, FRAMES))
+    rows.append(["python-can's virtual bus, untimed: one sends, one hears", reported(rate)])
     show("CAN frames a second of the processor's time", ("bus", "frames/s"), rows)
     return best >= LEAST_FRAMES
 
@@ -244,7 +244,7 @@ def full_bus() -> bool:
             spent = processor_seconds(many.runs_a_second)
             carried = many.wire.frames - before
             factors.append(1.0 / spent)
-            rows.append([name, told(carried), f"{factors[-1]:.2f}", told(carried / spent)])
+            rows.append([name, reported(carried), f"{factors[-1]:.2f}", reported(carried / spent)])
     show(
         f"{NODES} drives on one bus: a heartbeat and one transmit PDO each, every {PERIOD // MILLISECOND} ms",
         ("drives", "frames in a second", "real-time factor", "frames/s of processor"),
@@ -258,7 +258,7 @@ def installed(name: str) -> bool:
     return importlib.util.find_spec(name) is not None
 
 
-def told(rate: float | None) -> str:
+def reported(rate: float | None) -> str:
     """Return a rate for people."""
     return MISSING if rate is None else f"{rate:,.0f}"
 

@@ -43,7 +43,7 @@ class Master:
     """A node that sends its set-up once, then something in each cycle; what it hears it counts."""
 
     def __init__(self, setup: Sequence[Packet], cycle: Cycle, every: Nanoseconds) -> None:
-        self.heard = 0
+        self.received = 0
         self._setup = tuple(setup)
         self._cycle = cycle
         self._every = every
@@ -53,7 +53,7 @@ class Master:
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Count a frame."""
         del packet, now
-        self.heard += 1
+        self.received += 1
         return Reaction((), self._due)
 
     def wake(self, now: Nanoseconds) -> Reaction:

@@ -66,10 +66,10 @@ def turning(library: ctypes.CDLL, count: int, servo: kernel.Found) -> Side:
     return side
 
 
-def cost_of_a_tick(library: ctypes.CDLL, count: int, wish: str) -> float:
+def cost_of_a_tick(library: ctypes.CDLL, count: int, command: str) -> float:
     """Return ns per axis and tick, without the motors."""
-    servo = kernel.choose(wish)
-    ticks = TICKS[wish] // count * 4
+    servo = kernel.choose(command)
+    ticks = TICKS[command] // count * 4
     plant = fastest(advances(Side(Motors(library, count=count), (), servo), ticks))
     return 1e9 * (fastest(advances(turning(library, count, servo), ticks)) - plant) / (count * ticks)
 
@@ -78,7 +78,7 @@ def tick(motors: ctypes.CDLL) -> None:
     """Print what a tick of the regulators costs in C and in Python."""
     rows = []
     for count in DRIVES:
-        native, twin = (cost_of_a_tick(motors, count, wish) for wish in (kernel.NATIVE, kernel.TWIN))
+        native, twin = (cost_of_a_tick(motors, count, command) for command in (kernel.NATIVE, kernel.TWIN))
         rows.append([f"{count}", f"{native:.1f}", f"{twin:.0f}", f"{twin / native:.0f}"])
     show(
         "The regulators alone, 10 kHz, motors taken off: ns per axis and tick",

@@ -157,10 +157,10 @@ def interpreted(simulated_s: float) -> float:
     """Return the time of the same runs by the same Python, with the core as it stands in this checkout."""
     checkout = Path(__file__).parents[1]
     words = [sys.executable, "-c", f"from benchmarks.realtime import *; print(undisturbed({simulated_s}))"]
-    told = subprocess.run(  # noqa: S603 - this file, by this interpreter
+    reported = subprocess.run(  # noqa: S603 - this file, by this interpreter
         words, env=os.environ | {"PYTHONPATH": str(checkout)}, capture_output=True, text=True, check=True
     )
-    return float(told.stdout)
+    return float(reported.stdout)
 
 
 def main(simulated_s: float) -> int:

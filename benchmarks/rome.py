@@ -68,18 +68,18 @@ def interpreted(simulated_s: float) -> list[float]:
     """Return the same times by the same Python, with the core as it stands in this checkout."""
     checkout = Path(__file__).parents[1]
     call = f"import json; from benchmarks.rome import *; print(json.dumps(times({simulated_s})))"
-    told = subprocess.run(  # noqa: S603 - this file, by this interpreter
+    reported = subprocess.run(  # noqa: S603 - this file, by this interpreter
         [sys.executable, "-c", call],
         env=os.environ | {"PYTHONPATH": str(checkout)},
         capture_output=True,
         text=True,
         check=True,
     )
-    found: list[float] = json.loads(told.stdout)
+    found: list[float] = json.loads(reported.stdout)
     return found
 
 
-def told(simulated_s: float, taken: list[float], *, compiled: bool) -> bool:
+def reported(simulated_s: float, taken: list[float], *, compiled: bool) -> bool:
     """Print a table; return whether ROME with cameras is as fast as it shall be."""
     rows = [
         (name, f"{it:.2f} s", f"{simulated_s / it:.1f}", f"{it / taken[0]:.2f}")
@@ -96,9 +96,9 @@ def told(simulated_s: float, taken: list[float], *, compiled: bool) -> bool:
 
 def main(simulated_s: float) -> int:
     """Print the factors and where the time goes; fail where ROME is too slow."""
-    kept = told(simulated_s, times(simulated_s), compiled=COMPILED)
+    kept = reported(simulated_s, times(simulated_s), compiled=COMPILED)
     if COMPILED:
-        kept = told(simulated_s, interpreted(simulated_s), compiled=False) and kept
+        kept = reported(simulated_s, interpreted(simulated_s), compiled=False) and kept
     watched = rig(captured=True)
     parts = {BRIDGE: "bridge", OPERATOR_STATION: "operator", "board": "board as a node"}
     parts |= {f"cameras of {name}": "cameras" for name in watched.captures}

@@ -18,7 +18,7 @@ from emulators.epos2.objects.saved_parameters import Storage
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
-from emulators.servo.fmu_axes import HELD, LIFTED, fmu_bank, fmu_plant, tell_motor
+from emulators.servo.fmu_axes import HELD, LIFTED, fmu_bank, fmu_plant, set_motor
 from emulators.servo.pins import SWITCHES, input_lines
 from emulators.shield_bank import ShieldBank, ShieldMotor
 from emulators.stepper_bank import ANGLES, FIELDS, INPUTS, PlantJoints, StepperBank, stepper_plant
@@ -93,7 +93,13 @@ def devices(
     names = [axis.name for axis in robot.axes if axis.link not in robot.ar2_links]
     if robot.ar2_links:
         plant = fmu_plant(
-            path, names, parameters, (SUPPLY, *ANGLES, *outputs), optional, told=INPUTS, mirrored=mirrored
+            path,
+            names,
+            parameters,
+            (SUPPLY, *ANGLES, *outputs),
+            optional,
+            set_by_plant=INPUTS,
+            mirrored=mirrored,
         )
         return _on_both(robot, plant)
     plant = fmu_plant(path, names, parameters, (SUPPLY, *outputs), optional, mirrored=mirrored)
@@ -102,7 +108,7 @@ def devices(
     _have_switches(robot, plant)
     axes = [ServoAxis(axis.name, axis.epos2.quadcounts_per_turn) for axis in robot.axes]
     for servo in axes:
-        tell_motor(plant, servo)
+        set_motor(plant, servo)
     bank = fmu_bank(plant, axes, len(plant_outputs(names)), _supply_input(robot), _turned(robot))
     drives = {
         axis.name: _drive(

@@ -27,7 +27,7 @@ def installed(extra: Extra) -> bool:
     return find_spec(LIBRARIES[extra]) is not None
 
 
-def cure(extra: Extra) -> str:
+def remedy_of(extra: Extra) -> str:
     """Return what is missing without an extra, and the line that installs it."""
     return f"{MISSING[extra]}: pip install 'firmware-bridge[{extra}]'"
 
@@ -41,5 +41,5 @@ def from_extras() -> Iterator[None]:
         library = (error.name or "").partition(".")[0]
         for extra, needed in LIBRARIES.items():
             if needed == library:
-                raise ExtraMissingError(cure(extra)) from None
+                raise ExtraMissingError(remedy_of(extra)) from None
         raise

@@ -15,7 +15,7 @@ from emulators.motors import Motor
 from emulators.servo.axis import ServoAxis
 from emulators.servo.motor import MOTOR, DcMotor
 from emulators.servo.sensors import HALL_LINES, HALL_LOW, INDEX_MISSING
-from emulators.servo.winding import tell
+from emulators.servo.winding import set_winding
 from firmware_bridge.wire.cia402 import Command, command_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -116,8 +116,8 @@ class Mounted:
             mounted = "an EC motor is mounted" if self.motor.kind == "ec" else "a brushed motor is mounted"
             yield f"0x6402 says motor type {kind}, {mounted} (--motor)"
         elif brushless and self.pairs and get(POLE_PAIRS) != self.pairs:
-            said = get(POLE_PAIRS)
-            yield f"0x6410:3 says {said} pole pairs, the mounted motor has {self.pairs} (--pole-pairs)"
+            given_pairs = get(POLE_PAIRS)
+            yield f"0x6410:3 says {given_pairs} pole pairs, the mounted motor has {self.pairs} (--pole-pairs)"
 
 
 class Comparison:
@@ -128,15 +128,15 @@ class Comparison:
         self._mounted = mounted
         self._store = store
         self._say = say
-        self._said: tuple[str, ...] = ()
+        self._reported: tuple[str, ...] = ()
         store.on_write(at.CONTROLWORD, self._look)
 
     def _look(self, word: int) -> None:
         if command_of(word) is Command.ENABLE_OPERATION:
             found = tuple(self._mounted.contradicts(self._store.get))
-            if found and found != self._said:
+            if found and found != self._reported:
                 self._say("; ".join(found))
-            self._said = found
+            self._reported = found
 
 
 class Torque:
@@ -157,5 +157,5 @@ class Torque:
         shaft = self._mounted.shaft
         if kind not in BRUSHLESS:
             shaft = DcMotor(shaft.resistance, shaft.inductance, NO_TORQUE, shaft.inertia, shaft.friction)
-        tell(self._axis, shaft.torque_constant, shaft.resistance, shaft.inductance)
+        set_winding(self._axis, shaft.torque_constant, shaft.resistance, shaft.inductance)
         self._becomes(shaft)

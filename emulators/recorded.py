@@ -57,7 +57,7 @@ def _frames_noted(frames: IO[bytes], channel: str) -> Observer:
 def _bytes_noted(chunks: IO[bytes], link: str) -> Observer:
     def note(now: Nanoseconds, sender: str, packet: Packet) -> None:
         if packet.payload:
-            direction = Direction.SENT if sender == BRIDGE else Direction.HEARD
+            direction = Direction.SENT if sender == BRIDGE else Direction.RECEIVED
             chunks.write(f"{chunk_line(now, link, direction, packet)}\n".encode())
 
     return note

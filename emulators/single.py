@@ -17,9 +17,9 @@ from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.mounted import Comparison, Mounted, Torque
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import Plant, ServoBank
-from emulators.servo.fmu_axes import fmu_bank, fmu_plant, tell_motor
+from emulators.servo.fmu_axes import fmu_bank, fmu_plant, set_motor
 from emulators.servo.motor import SUPPLY_MV, DcMotors
-from emulators.servo.winding import tell
+from emulators.servo.winding import set_winding
 from emulators.storage import Commissioned, ParameterFile
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon.frame import Generation
@@ -75,10 +75,10 @@ def drives(order: Order, say: Callable[[str], None] | None = None) -> tuple[dict
     for axis in axes:
         order.mounted.mount(axis)
         if isinstance(plant, FmuPlant):
-            tell_motor(plant, axis)
+            set_motor(plant, axis)
         else:
             shaft = order.mounted.shaft
-            tell(axis, shaft.torque_constant, shaft.resistance, shaft.inductance)
+            set_winding(axis, shaft.torque_constant, shaft.resistance, shaft.inductance)
     made = {
         name: _drive(order, node, axis) for name, node, axis in zip(names, order.nodes, axes, strict=True)
     }

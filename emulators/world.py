@@ -100,7 +100,7 @@ class World:
             wire.join(self, station, link)
         self._stations[name] = station
         self._gone.pop(name, None)
-        self._wish(station, self.now)
+        self._command(station, self.now)
         return station
 
     def detach(self, name: str) -> None:
@@ -127,7 +127,7 @@ class World:
 
     def rouse(self, name: str) -> None:
         """Wake a node now: something was done to it that it has to act on."""
-        self._wish(self._station(name), self.now)
+        self._command(self._station(name), self.now)
 
     def stop(self, name: str) -> None:
         """Ask a node to end in good order, now, as the real-time runner does on Ctrl-C."""
@@ -247,9 +247,9 @@ class World:
                     raise WorldError(f"node '{station.name}' sends on '{packet.link}', where it has no wire")
                 wire.carry(station, packet)
         if reaction.wake_at != station.wake_at:
-            self._wish(station, reaction.wake_at)
+            self._command(station, reaction.wake_at)
 
-    def _wish(self, station: Station, wake_at: Nanoseconds) -> None:
+    def _command(self, station: Station, wake_at: Nanoseconds) -> None:
         at = max(wake_at, self.now)
         station.wake_at = at
         if at != NEVER:

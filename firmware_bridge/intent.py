@@ -7,7 +7,7 @@ from typing import Final, Generic, TypeAlias, TypeVar
 from firmware_bridge.immutable import Immutable
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
-NEVER_HEARD: Final[Nanoseconds] = -NEVER
+NEVER_RECEIVED: Final[Nanoseconds] = -NEVER
 """The instant of what has not come yet."""
 
 M_co = TypeVar("M_co", covariant=True)
@@ -31,21 +31,21 @@ USUAL_AGE_LIMIT: Final = AgeLimit()
 class Intent(Immutable, Generic[M_co]):
     """The newest wish for motion, and when it came."""
 
-    __slots__ = ("dated", "deflected", "heard_at", "said_at", "wish")
+    __slots__ = ("command", "dated", "deflected", "received_at", "sent_at")
 
     def __init__(
         self,
-        wish: M_co,
-        heard_at: Nanoseconds = NEVER_HEARD,
-        said_at: Nanoseconds | None = None,
+        command: M_co,
+        received_at: Nanoseconds = NEVER_RECEIVED,
+        sent_at: Nanoseconds | None = None,
         *,
         dated: bool = False,
         deflected: str = "",
     ) -> None:
-        self.wish: Final = wish
-        self.heard_at: Final = heard_at
-        """When the newest motion command arrived; `NEVER_HEARD` before the first."""
-        self.said_at: Final = said_at
+        self.command: Final = command
+        self.received_at: Final = received_at
+        """When the newest motion command arrived; `NEVER_RECEIVED` before the first."""
+        self.sent_at: Final = sent_at
         """When it was said, by the robot's clock, or later; None where nothing tells."""
         self.dated: Final = dated
         """Whether it was said then, to within half a round trip; else it may be older."""

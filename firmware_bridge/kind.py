@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 
+from firmware_bridge import renamed
 from firmware_bridge.drivers.driver import Level, SeenPose
 from firmware_bridge.motion.model import Model
 from firmware_bridge.motion.pose import Pose
@@ -32,7 +33,7 @@ S_contra = TypeVar("S_contra", contravariant=True)
 class Guide(Protocol[M, S_contra]):
     """Makes a wish from a path; it passes through the same gate as a stick."""
 
-    def wished(self, seen: Snapshot[M, S_contra], elapsed: Nanoseconds) -> M:
+    def command(self, seen: Snapshot[M, S_contra], elapsed: Nanoseconds) -> M:
         """Return the next wish."""
 
     def reset(self) -> None:
@@ -48,6 +49,9 @@ class Mode(Generic[G, M, S]):
     body: Callable[[Robot[G]], Body[M, S]]
     interlocks: tuple[Interlock[G, M, S], ...]
     limits: tuple[Limit[G, M, S], ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "body", renamed.makes(self.body, "asked", "requested"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,6 +93,11 @@ class Kind(Generic[G, M, S]):
     """What a motion makes of the robot's outputs, by their names; None for a kind without."""
     on_stop: Mapping[str, Level] = field(default_factory=dict)
     """The outputs that a stop of all groups sets, whatever the motion says."""
+
+    def __post_init__(self) -> None:
+        guides = {name: renamed.makes(made, "wished", "command") for name, made in self.guides.items()}
+        object.__setattr__(self, "guides", guides)
+        object.__setattr__(self, "body", renamed.makes(self.body, "asked", "requested"))
 
     def rules(self, robot: Robot[G]) -> dict[str, Rules[G, M, S]]:
         """Return what the gate judges by in each mode; the whole robot's is the empty name's."""

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Final, Protocol
 
 from firmware_bridge.drivers.driver import Position, Speed
-from firmware_bridge.drivers.fleets import tells_of
+from firmware_bridge.drivers.fleets import reports_of
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
 from firmware_bridge.robot.file import robot_of, schema, table_of, text_of
@@ -177,19 +177,19 @@ def _no_kind(name: object, table: Mapping[str, object]) -> Problem:
 
 def plant_problems(table: Mapping[str, object]) -> Iterator[Problem]:
     """Yield where a robot's table names a plant, a parameter set or a parameter that is not installed."""
-    said = table.get("plant")
-    if not isinstance(said, dict) or not isinstance(said.get("fmu"), str):
+    named = table.get("plant")
+    if not isinstance(named, dict) or not isinstance(named.get("fmu"), str):
         return
     plants = {entry.name: entry for entry in entry_points(group=PLANTS)}
-    if said["fmu"] not in plants:
-        yield Problem("plant.fmu", f"no plant '{said['fmu']}' is installed; {near(said['fmu'], plants)}")
+    if named["fmu"] not in plants:
+        yield Problem("plant.fmu", f"no plant '{named['fmu']}' is installed; {near(named['fmu'], plants)}")
         return
-    plant: InstalledPlant = plants[said["fmu"]].load()
-    chosen, known = said.get("parameter_set"), [parameter.name for parameter in plant.parameters]
+    plant: InstalledPlant = plants[named["fmu"]].load()
+    chosen, known = named.get("parameter_set"), [parameter.name for parameter in plant.parameters]
     if isinstance(chosen, str) and chosen not in plant.sets:
         problem = f"the plant has no parameter set '{chosen}'; {near(chosen, plant.sets)}"
         yield Problem("plant.parameter_set", problem)
-    own = said.get("parameters")
+    own = named.get("parameters")
     for name in own if isinstance(own, dict) else ():
         if name not in known:
             problem = f"the plant has no parameter '{name}'; {near(name, known)}"
@@ -207,7 +207,7 @@ def weaker_rows(robot: AnyRobot) -> Iterator[tuple[str, AxisInterlock, AxisInter
     """Yield each axis whose driver tells too little for a common row, that row, and what stands in for it."""
     for axis in robot.axes:
         for row in AXIS_ROWS:
-            fitting = row.fitting(tells_of(robot, axis))
+            fitting = row.fitting(reports_of(robot, axis))
             if fitting is not None and fitting is not row:
                 yield axis.name, row, fitting
 
@@ -218,7 +218,7 @@ def beyond_bounds(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:
     The guard would refuse such a set-point, and put a stop in its place: better said before anything moves.
     """
     try:
-        most = _most_asked(robot, kind)
+        most = _most_requested(robot, kind)
     except (ArithmeticError, ValueError) as error:
         yield Problem("geometry", f"the kinematics cannot be worked out with it: {error}")
         return
@@ -229,12 +229,12 @@ def beyond_bounds(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:
             ("low", -low, "travel", -1.0),
             ("high", high, "travel", 1.0),
         ):
-            asked = most.get((axis.name, what))
-            if asked is not None and not asked <= bound + ROUNDING * abs(bound):
+            requested = most.get((axis.name, what))
+            if requested is not None and not requested <= bound + ROUNDING * abs(bound):
                 unit = axis.unit.value + ("/s" if what == "speed" else "")
                 yield Problem(
                     f"axes[{index}].{field}",
-                    f"the robot's limits let '{axis.name}' be asked for {sign * asked:.5g} {unit}, "
+                    f"the robot's limits let '{axis.name}' be asked for {sign * requested:.5g} {unit}, "
                     f"the bound is {sign * bound:.5g} {unit}; widen it, or narrow the limits",
                 )
 
@@ -309,18 +309,18 @@ def _summed(body: Body[Any, Any], of: Mapping[str, float], motion: object, state
     )
 
 
-def _most_asked(robot: AnyRobot, kind: AnyKind) -> dict[tuple[str, str], float]:
+def _most_requested(robot: AnyRobot, kind: AnyKind) -> dict[tuple[str, str], float]:
     """Return the most that each axis can be asked for: speed, and how far to either side; NaN stays NaN."""
     body = kind.body(robot)
     most: dict[tuple[str, str], float] = {}
     for motion, state in kind.reach(robot):
         for name, demand in body.demands(motion, state).items():
-            asked: Iterable[tuple[str, float]] = ()
+            requested: Iterable[tuple[str, float]] = ()
             if isinstance(demand, Speed):
-                asked = (("speed", abs(demand.value)),)
+                requested = (("speed", abs(demand.value)),)
             elif isinstance(demand, Position):
-                asked = (("low", -demand.value), ("high", demand.value))
-            for what, value in asked:
+                requested = (("low", -demand.value), ("high", demand.value))
+            for what, value in requested:
                 if not value <= most.get((name, what), -math.inf):
                     most[name, what] = value
     return most

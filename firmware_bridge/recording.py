@@ -56,7 +56,7 @@ class CutOffError(RecordingError):
 class Direction(Enum):
     """Which way a packet passed the seam, seen from the node."""
 
-    HEARD = "heard"
+    RECEIVED = "heard"
     SENT = "sent"
 
 
@@ -77,7 +77,7 @@ class Recorded:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Note the packet, pass it on, and note what the node sends."""
-        self._listener(now, Direction.HEARD, packet)
+        self._listener(now, Direction.RECEIVED, packet)
         return self._noted(self.node.receive(packet, now), now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -123,7 +123,7 @@ def chunk_line(
     Instants are whole: what the bridge makes of an answer depends on when it came.
     """
     seconds, rest = divmod(epoch + at, SECOND)
-    mark = "R" if direction is Direction.HEARD else "T"
+    mark = "R" if direction is Direction.RECEIVED else "T"
     words = (link, mark, place_of(packet.address), packet.payload.hex(" ").upper())
     return f"({seconds:010d}.{rest:09d}) {' '.join(filter(None, words))}"
 
@@ -162,7 +162,7 @@ def parse_chunk(line: str, epoch: Nanoseconds = EPOCH) -> tuple[Nanoseconds, Dir
         except ValueError as error:
             raise RecordingError(f"no place '{match['host']}:{match['port']}': {error}") from None
     at = int(match["seconds"]) * SECOND + int(match["fraction"].ljust(9, "0")) - epoch
-    direction = Direction.HEARD if match["way"] == "R" else Direction.SENT
+    direction = Direction.RECEIVED if match["way"] == "R" else Direction.SENT
     return at, direction, Packet(match["link"], address, bytes.fromhex(match["bytes"]))
 
 

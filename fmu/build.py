@@ -24,7 +24,7 @@ from fmu.errors import PlantError
 from fmu.export.about import About
 from fmu.fingerprint import RESOURCE
 from fmu.plants import UNKNOWN, Plant, find, origin
-from fmu.platforms import FLAGS, Platform, find_compiler, here, library, told
+from fmu.platforms import FLAGS, Platform, find_compiler, here, library, version_text
 from fmu.ready import ready
 from fmu.sources import folder_of, token_of
 
@@ -153,9 +153,9 @@ def _cache() -> Path:
 
 
 def _key(plant: Plant, fmi: int, compiler: str, others: Sequence[Platform]) -> str:
-    digest = hashlib.sha256(told(compiler))
+    digest = hashlib.sha256(version_text(compiler))
     for other in others:
-        digest.update(told(shutil.which(other.compiler) or "true") + repr(other).encode())
+        digest.update(version_text(shutil.which(other.compiler) or "true") + repr(other).encode())
     about = repr(origin(plant))
     parts = (
         token_of(plant),
@@ -219,5 +219,5 @@ def _put(target: Path, content: bytes) -> None:
             raise
     except OSError as error:
         reason = error.strerror or error
-        cure = "name another place (XDG_CACHE_HOME moves the cache)"
-        raise PlantError(f"{target}: the FMU cannot be written here: {reason}; {cure}") from error
+        remedy = "name another place (XDG_CACHE_HOME moves the cache)"
+        raise PlantError(f"{target}: the FMU cannot be written here: {reason}; {remedy}") from error

@@ -103,9 +103,9 @@ def prepare(
         names = ("fmi3SetFloat64", "fmi3DoStep", "fmi3GetFloat64")
         write, read = (*write, count_in), (*read, count_out)
         event, over, early = (ctypes.c_bool() for _ in range(3))
-        told = [ctypes.byref(flag) for flag in (event, over, early)]
+        flags = [ctypes.byref(flag) for flag in (event, over, early)]
         no_rollback = ctypes.c_bool(False)  # noqa: FBT003 - C has no keywords
-        forward = (component, time, length, no_rollback, *told, ctypes.byref(ctypes.c_double()))
+        forward = (component, time, length, no_rollback, *flags, ctypes.byref(ctypes.c_double()))
     functions = [_function(library, name) for name in names]
     step_call = functions[1] if major < 3 else partial(_step_3, functions[1], over, early)  # noqa: PLR2004 - as above
     turned_in, turned_out = (

@@ -100,8 +100,8 @@ def loaded(
         forgotten(number)
         plant.freeLibrary()
         shutil.rmtree(folder, ignore_errors=True)
-        said = messages[-1] if messages else error
-        raise PlantError(f"{path}: the FMU cannot be instantiated: {said}") from error
+        stated = messages[-1] if messages else error
+        raise PlantError(f"{path}: the FMU cannot be instantiated: {stated}") from error
     vault = None
     if description.coSimulation.canGetAndSetFMUstate:
         vault = Vault(plant.dll, component_of(plant), int(description.fmiVersion[0]))
@@ -132,7 +132,7 @@ def _listener3(messages: deque[str]) -> Callable[[Any, int, bytes, bytes], None]
 
 def _listen2(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
     """Take a message of FMI 2.0, its arguments filled in, for the instance that it is of."""
-    messages = _HEARD.get(environment or 0)
+    messages = _RECEIVED.get(environment or 0)
     if messages is None:
         # Of an instance that somebody else in this process has made with FMPy.
         fmi2.printLogMessage(environment, name, status, category, message)
@@ -140,7 +140,7 @@ def _listen2(environment: int | None, name: bytes, status: int, category: bytes,
         messages.append(message.decode(errors="replace"))
 
 
-_HEARD: Final[dict[int, deque[str]]] = {}
+_RECEIVED: Final[dict[int, deque[str]]] = {}
 """The messages of each instance of FMI 2.0, by its number."""
 _NUMBERS: Final = count(1)
 _LISTENER: Final = fmi2.fmi2CallbackLoggerTYPE(_listen2)
@@ -154,11 +154,11 @@ def listened(messages: deque[str]) -> tuple[Any, int]:
     callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
     callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
     callbacks.componentEnvironment = number
-    _HEARD[number] = messages
+    _RECEIVED[number] = messages
     addLoggerProxy(ctypes.byref(callbacks))
     return callbacks, number
 
 
 def forgotten(number: int) -> None:
     """Take no more messages of an instance of FMI 2.0; 0 is none."""
-    _HEARD.pop(number, None)
+    _RECEIVED.pop(number, None)

@@ -240,8 +240,8 @@ class FmuPlant:
         self._open()
         at = self.steps_done * self._step_ns / SECOND_NS
         word = STATUS[status] if status < len(STATUS) else f"status {status}"
-        said = self._messages[-1] if self._messages else "the FMU gives no reason"
-        raise PlantError(f"{self.path}: {action} failed at {at:.4f} s ({word}): {said}")
+        stated = self._messages[-1] if self._messages else "the FMU gives no reason"
+        raise PlantError(f"{self.path}: {action} failed at {at:.4f} s ({word}): {stated}")
 
     def _reason(self, problem: str, error: Exception) -> str:
         return f"{self.path}: the FMU {problem}: {self._messages[-1] if self._messages else error}"

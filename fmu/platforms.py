@@ -99,7 +99,7 @@ def find_compiler() -> str:
 
 
 @cache
-def told(compiler: str) -> bytes:
+def version_text(compiler: str) -> bytes:
     """Return what a compiler says of its version: another one may give another binary. It is asked once."""
     # The compiler is the user's own choice.
     return subprocess.run([compiler, "--version"], capture_output=True, check=False).stdout  # noqa: S603

@@ -57,7 +57,7 @@ def every(
                     if _Run.stops_at_once:
                         raise
                     failed.append((name, error))
-            _tell(failed, len(table))
+            _report(failed, len(table))
 
         known = signature(test)
         kept = [one for one in known.parameters.values() if one.name not in fields]
@@ -68,12 +68,12 @@ def every(
     return joined
 
 
-def _tell(failed: Sequence[tuple[str, BaseException]], rows: int) -> None:
+def _report(failed: Sequence[tuple[str, BaseException]], rows: int) -> None:
     """Raise what has failed: one as it is, several with all their names in the first line."""
     if len(failed) == 1:
         raise failed[0][1]
     if failed:
-        told = ", ".join(name for name, _ in failed)
+        reported = ", ".join(name for name, _ in failed)
         raise BaseExceptionGroup(
-            f"{len(failed)} of {rows} rows: {told}", [error for _, error in failed[:SHOWN]]
+            f"{len(failed)} of {rows} rows: {reported}", [error for _, error in failed[:SHOWN]]
         )

@@ -24,7 +24,7 @@ from typing import Final, NoReturn, TypeVar
 
 import pytest
 from hypothesis import Phase, settings
-from mutants import ROOT, TELL, Mutant, module_of, path_of, telling
+from mutants import REPORT, ROOT, Mutant, module_of, path_of, telling
 
 T = TypeVar("T")
 
@@ -173,16 +173,16 @@ class _Reached(_Same):
 class _Telling(importlib.machinery.SourceFileLoader):
     """Loads a module that tells of each statement that it comes to in its functions."""
 
-    def __init__(self, name: str, target: str, tell: Callable[[int], None]) -> None:
+    def __init__(self, name: str, target: str, show: Callable[[int], None]) -> None:
         super().__init__(name, str(path_of(target)))
-        self._tell = tell
+        self._report = show
 
     def get_code(self, fullname: str) -> CodeType:
         del fullname
         return compile(telling(Path(self.path).read_text(encoding="utf-8")), self.path, "exec")
 
     def exec_module(self, module: ModuleType) -> None:
-        vars(module)[TELL] = self._tell
+        vars(module)[REPORT] = self._report
         super().exec_module(module)
 
 
@@ -266,7 +266,7 @@ def _reach(targets: Sequence[str], files: Sequence[Path]) -> Reach:
         0,
         _Finder(
             {
-                module_of(target): partial(_Telling, target=target, tell=reached.now[target].add)
+                module_of(target): partial(_Telling, target=target, show=reached.now[target].add)
                 for target in targets
             }
         ),
@@ -333,8 +333,8 @@ class _Campaign:
     def _ended(self, running: dict[int, tuple[Mutant, int]]) -> Iterator[Mutant]:
         """Wait until one more has ended; yield it where nobody noticed."""
         child, status = os.wait()
-        mutant, told = running.pop(child)
-        with os.fdopen(told, encoding="utf-8") as pipe:
+        mutant, reported = running.pop(child)
+        with os.fdopen(reported, encoding="utf-8") as pipe:
             test = pipe.read()
         if os.waitstatus_to_exitcode(status) == LACKS:
             raise Unsound(f"{test}, which may notice a mutant of {mutant.target}, was not found")

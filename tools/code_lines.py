@@ -22,7 +22,7 @@ C: Final = (".c", ".h")
 
 def python_lines(text: str) -> int:
     """Return how many lines of Python say something; SyntaxError where the text is none."""
-    said = {
+    stated = {
         number
         for number, line in enumerate(text.splitlines(), 1)
         if line.strip() and not line.lstrip().startswith("#")
@@ -32,8 +32,8 @@ def python_lines(text: str) -> int:
         if isinstance(node, ast.Import | ast.ImportFrom) or _is_text(node):
             unsaid = node
         if unsaid is not None:
-            said -= set(range(unsaid.lineno, (unsaid.end_lineno or unsaid.lineno) + 1))
-    return len(said)
+            stated -= set(range(unsaid.lineno, (unsaid.end_lineno or unsaid.lineno) + 1))
+    return len(stated)
 
 
 def _is_text(node: ast.AST) -> bool:
@@ -47,8 +47,10 @@ def _is_text(node: ast.AST) -> bool:
 
 def c_lines(text: str) -> int:
     """Return how many lines of C say something."""
-    said = C_COMMENT.sub(lambda found: "\n" * found[0].count("\n"), text)
-    return sum(bool(line.strip()) and not line.lstrip().startswith("#include") for line in said.splitlines())
+    stated = C_COMMENT.sub(lambda found: "\n" * found[0].count("\n"), text)
+    return sum(
+        bool(line.strip()) and not line.lstrip().startswith("#include") for line in stated.splitlines()
+    )
 
 
 def lines_of(path: Path) -> int:

@@ -124,8 +124,8 @@ def main() -> None:
     if "--renew" in sys.argv[1:]:
         renew(traces, all_driven)
         return
-    for told in filter(None, map(difference, all_driven)):
-        print(told, file=sys.stderr)
+    for reported in filter(None, map(difference, all_driven)):
+        print(reported, file=sys.stderr)
     print("kernel" if kernel.choose().library is not None else "twin", file=sys.stderr)
     print(json.dumps(traces, indent=2))
 

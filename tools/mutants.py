@@ -13,7 +13,7 @@ from breaks import changes, is_tuned, names_in
 ROOT: Final = Path(__file__).resolve().parent.parent
 CODE: Final = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
 
-TELL: Final = "__reached__"
+REPORT: Final = "__reached__"
 """What a module that tells of itself calls, with the line that it comes to."""
 
 Key: TypeAlias = tuple[str, str, str]
@@ -77,14 +77,14 @@ def telling(source: str) -> ast.Module:
         for field in ("body", "orelse", "finalbody"):
             body = getattr(holder, field, None)
             if isinstance(body, list):
-                setattr(holder, field, [one for statement in body for one in _told(statement)])
+                setattr(holder, field, [one for statement in body for one in _reported(statement)])
     return ast.fix_missing_locations(tree)
 
 
-def _told(statement: ast.stmt) -> Iterator[ast.stmt]:
+def _reported(statement: ast.stmt) -> Iterator[ast.stmt]:
     # A docstring stays the first.
     if not (isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)):
-        call = ast.Call(ast.Name(TELL, ast.Load()), [ast.Constant(statement.lineno)], [])
+        call = ast.Call(ast.Name(REPORT, ast.Load()), [ast.Constant(statement.lineno)], [])
         yield ast.copy_location(ast.Expr(call), statement)
     yield statement
 

@@ -61,11 +61,11 @@ class Runs:
         return alive, self._reach, seconds
 
 
-def campaign(chosen: Sequence[str], run: Runs, results: dict[str, Result], *, anew: bool) -> None:
+def campaign(chosen: Sequence[str], run: Runs, results: dict[str, Result], *, again: bool) -> None:
     """Run the modules that are not up to date, and write after each."""
     for target in chosen:
         hashes = hashes_of(target)
-        if not anew and target in results and results[target].ran_on(hashes):
+        if not again and target in results and results[target].ran_on(hashes):
             continue
         mine = list(mutants(target))
         alive, reach, seconds = run(mine)
@@ -191,7 +191,7 @@ def work(options: argparse.Namespace) -> int:
         bad = some(chosen, run, reasons, options.k)
     else:
         if not options.report:
-            campaign(chosen, run, results, anew=options.all)
+            campaign(chosen, run, results, again=options.all)
         found = [(name, *one) for name, result in results.items() for one in result.survived]
         judged = [key for key in found if key[0].startswith(JUDGED)]
         bad = [*complaints(judged, reasons), *superfluous(results, reasons)]

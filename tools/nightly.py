@@ -59,8 +59,8 @@ def run(command: str) -> tuple[bool, str]:
 def _result(words: Sequence[str]) -> str:
     """Return pytest's count of tests, all of them where it ran more than once; else the last line."""
     counts = [line.strip("= ") for line in words if " passed" in line or " failed" in line]
-    said = [line for line in words if line.strip()]
-    return "; ".join(counts) or (said[-1] if said else "")
+    stated = [line for line in words if line.strip()]
+    return "; ".join(counts) or (stated[-1] if stated else "")
 
 
 def work(chosen: Sequence[str], outcomes: dict[str, Outcome]) -> int:

@@ -47,7 +47,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ),
     ("safety/guard/ar2", ("safety/test_guard_ar2", "safety/test_guard_ar2_rules")),
     ("safety/guard/*", (*GUARD, *ACROSS, "safety/test_guard_zero", *LINES)),
-    ("safety/following", (*FOLLOWING, "unit/pipeline/test_disbelieved")),
+    ("safety/following", (*FOLLOWING, "unit/pipeline/test_untrusted")),
     ("safety/snapshot", ("safety/test_snapshot", *FOLLOWING, *GATE)),
     ("safety/charge", ("unit/pipeline/test_charge",)),
     ("safety/operator_rows", (*GATE, "safety/test_one_cause_one_hold", "safety/test_snapshot")),
@@ -78,7 +78,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("teleop/*", ("unit/teleop/*",)),
 )
 """Modules of `firmware_bridge` or an example, and files of `hil_tests`; what stands first counts."""
-SLOW: Final = ("*_property", "*_imports", "*_machine", "*_garbage", "*_emulated_*", "*/test_whoever_speaks")
+SLOW: Final = ("*_property", "*_imports", "*_machine", "*_garbage", "*_emulated_*", "*/test_any_sender")
 """Files that never count: one of them takes as long as all others of its room."""
 NONE: Final = ("carrier/plant/*", "carrier/rehearsal", "carrier/cases")
 """The bench's half of an example."""

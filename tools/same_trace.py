@@ -32,7 +32,7 @@ SERVOS: Final = {"native": "kernel", "twin": "twin"}
 """What the environment variable is told, and who then says that it served."""
 OLDEST: Final = (3, 11)
 NAMES: Final = tuple(f"python3.{minor}" for minor in range(OLDEST[1], OLDEST[1] + 8))
-TELL_VERSION: Final = "import sys; print('%d.%d.%d' % sys.version_info[:3])"
+REPORT_VERSION: Final = "import sys; print('%d.%d.%d' % sys.version_info[:3])"
 
 
 class FailedError(Exception):
@@ -53,7 +53,7 @@ class Interpreter:
         return (major, minor) >= OLDEST
 
 
-def said(command: Sequence[str], environment: Mapping[str, str] = os.environ) -> tuple[str, str]:
+def stated(command: Sequence[str], environment: Mapping[str, str] = os.environ) -> tuple[str, str]:
     """Run a command; return what it said on both outputs. FailedError where it fails."""
     try:
         run = subprocess.run(command, env=dict(environment), capture_output=True, text=True, check=False)
@@ -66,7 +66,7 @@ def said(command: Sequence[str], environment: Mapping[str, str] = os.environ) ->
 
 def interpreter(path: str) -> Interpreter:
     """Ask a Python for its version."""
-    return Interpreter(path, said([path, "-c", TELL_VERSION])[0])
+    return Interpreter(path, stated([path, "-c", REPORT_VERSION])[0])
 
 
 def found() -> list[Interpreter]:
@@ -100,7 +100,7 @@ class Environment:
 
     def __init__(self, one: Interpreter, folder: Path) -> None:
         self._folder = folder
-        said([one.path, "-m", "venv", str(folder / "venv")])
+        stated([one.path, "-m", "venv", str(folder / "venv")])
         self._python = str(folder / "venv" / "bin" / "python")
         self._installed = False
 
@@ -109,7 +109,7 @@ class Environment:
         sources = copied(self._folder / f"sources-{compiler}")
         pip = [self._python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
         again = ["--no-deps", "--force-reinstall"] if self._installed else []
-        said([*pip, *again, f"{sources}[plants]"], os.environ | {"CC": compiler})
+        stated([*pip, *again, f"{sources}[plants]"], os.environ | {"CC": compiler})
         self._installed = True
         kernel = next(self._folder.glob("venv/lib/python*/site-packages/emulators/servo/libservo.so"), None)
         if kernel is None:
@@ -124,7 +124,7 @@ class Environment:
         """
         chosen = {"CC": compiler, "FIRMWARE_BRIDGE_SERVO": servo}
         cache = {"XDG_CACHE_HOME": str(self._folder / f"cache-{compiler}")}
-        hashes, remarks = said([self._python, str(SCRIPT)], os.environ | chosen | cache)
+        hashes, remarks = stated([self._python, str(SCRIPT)], os.environ | chosen | cache)
         *packets, served = remarks.splitlines()
         if served != SERVOS[servo]:
             raise FailedError(f"the {SERVOS[servo]} did not serve")
@@ -168,13 +168,13 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("python", nargs="*", help="interpreters; without any, all that are found")
     parser.add_argument("--cc", action="append", help="a C compiler; may be given more than once")
-    asked = parser.parse_args()
+    requested = parser.parse_args()
     golden = json.loads(GOLDEN.read_text(encoding="utf-8"))
     try:
-        interpreters = [interpreter(path) for path in asked.python] or found()
+        interpreters = [interpreter(path) for path in requested.python] or found()
     except FailedError as failure:
         parser.error(str(failure))
-    compilers = asked.cc or [name for name in COMPILERS if shutil.which(name)]
+    compilers = requested.cc or [name for name in COMPILERS if shutil.which(name)]
     results = [compare(one, compilers, golden) for one in interpreters]
     return 0 if results and all(results) else 1
 

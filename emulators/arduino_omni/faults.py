@@ -189,20 +189,20 @@ class Planned:
 
 def planned(text: str) -> Planned:
     """Read KIND[,node=M1][@FROM[-TO]], times in s; ValueError that says what is wrong."""
-    said, _, times = text.partition("@")
-    instead = _renamed(said)
-    name, *keys = (instead or said).split(",")
+    written, _, times = text.partition("@")
+    instead = _renamed(written)
+    name, *keys = (instead or written).split(",")
     fault = FAULTS.get(name)
     if fault is None:
         raise ValueError(f"{text}: there is no such fault; {near(name, FAULTS, most=len(FAULTS))}")
     motor = _motor(text, fault, keys)
-    begins, ends = _times(text, instead or said, times) if times else (0, NEVER)
-    return Planned(fault, motor, begins, ends, instead and text.replace(said, instead, 1))
+    begins, ends = _times(text, instead or written, times) if times else (0, NEVER)
+    return Planned(fault, motor, begins, ends, instead and text.replace(written, instead, 1))
 
 
-def _renamed(said: str) -> str:
+def _renamed(written: str) -> str:
     """Return how it is said now, where it is said as before; else nothing."""
-    found = _FORMER.fullmatch(said)
+    found = _FORMER.fullmatch(written)
     if found is None:
         return ""
     name, number = FORMER[found[1]], found[2]
@@ -211,16 +211,16 @@ def _renamed(said: str) -> str:
 
 def _motor(text: str, fault: BoardFault, keys: Iterable[str]) -> int:
     """Return which motor is said, from 0; 0 where the fault is the board's."""
-    said = dict(key.partition("=")[::2] for key in keys)
+    written = dict(key.partition("=")[::2] for key in keys)
     known = ["node"] if fault.nodes else []
-    for key in said:
+    for key in written:
         if key not in known:
             has = "node" if known else "none"
             raise ValueError(f"{text}: {fault.name} knows no key '{key}'; there is: {has}")
     if not fault.nodes:
         return 0
     choice = f"{', '.join(fault.nodes[:-1])} or {fault.nodes[-1]}"
-    if not (node := said.get("node", "")):
+    if not (node := written.get("node", "")):
         raise ValueError(f"{text}: {fault.name} needs node: {choice}")
     if node not in fault.nodes and f"M{node}" not in fault.nodes:
         raise ValueError(f"{text}: there is no node '{node}'; {fault.name} needs node: {choice}")

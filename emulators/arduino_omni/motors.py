@@ -302,7 +302,7 @@ class Motors(Shafts):
     def _run_native(self, native: Terminals, until: int) -> None:
         if self._untold:
             self._untold = False
-            native.tell(self._outputs)
+            native.connect(self._outputs)
         self._shown = self._places
         try:
             native.run(self._ticks, until)

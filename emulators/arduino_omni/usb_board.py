@@ -83,7 +83,7 @@ class UsbBoard:
         while self._passes_at <= now:
             at = self._passes_at
             self._burst += 1
-            self.mega.hear(self._to_board.popleft(), at)
+            self.mega.receive(self._to_board.popleft(), at)
         self.mega.advance(now)
         # What is handed over, and when, changes nothing on the board.
         comes_at = self.mega.serial.leaves_at()

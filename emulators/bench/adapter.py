@@ -16,7 +16,7 @@ class Adapter:
         self.node = node
         self.plugged = True
         """To be changed by whoever pulls the plug."""
-        self._told = True
+        self._reported = True
 
     @property
     def holding(self) -> bool:
@@ -27,22 +27,22 @@ class Adapter:
         """Pass a packet on, unless it is of a line that is not there."""
         if packet.link == self._link and not self.plugged:
             return self.wake(now)
-        before = self._tells(now)
+        before = self._reports(now)
         return self._left(before, self.node.receive(packet, now))
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Wake the node."""
-        before = self._tells(now)
+        before = self._reports(now)
         return self._left(before, self.node.wake(now))
 
     def stop(self, now: Nanoseconds) -> Reaction:
         """Ask the node to end."""
         return self._left((), self.node.stop(now)) if isinstance(self.node, Stoppable) else Reaction()
 
-    def _tells(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        if self._told is self.plugged:
+    def _reports(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        if self._reported is self.plugged:
             return ()
-        self._told = self.plugged
+        self._reported = self.plugged
         event = LINE_BACK if self.plugged else LINE_LOST
         return self.node.receive(Packet(self._link, event, b""), now).sent
 

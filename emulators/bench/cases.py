@@ -7,6 +7,7 @@ They have no slots: a frozen generic class with slots cannot be called by a subs
 from dataclasses import KW_ONLY, dataclass
 from typing import Generic, TypeVar
 
+from firmware_bridge import renamed
 from firmware_bridge.motion.captured import Located
 from firmware_bridge.robot import AnyRobot
 
@@ -14,11 +15,12 @@ M = TypeVar("M")
 S = TypeVar("S")
 
 
+@renamed.arguments(wish="command")
 @dataclass(frozen=True, kw_only=True)
 class Situation(Generic[M, S]):
     """What differs from a robot that is well, armed and at rest."""
 
-    wish: M | None = None
+    command: M | None = None
     """What the operator wants; None: to rest."""
     body: S | None = None
     """What is known of the body; None: what axes at their zero tell."""

@@ -7,11 +7,11 @@ from typing import Final
 
 import numpy as np
 
+from emulators.bench.foreign_datagrams import velocity
 from emulators.bench.mission import Mission
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Holds, Input, Presses, Slope, Step, inputs
 from emulators.bench.stick import Ramp, Tremor
-from emulators.bench.strays import velocity
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds

@@ -110,8 +110,8 @@ def cases(
     speed, _ = ramp_of(robot).step((0.0, 0.0), (limits.speed_mps, 0.0), robot.cycle)
     yield Case(
         "acceleration limit",
-        trips=Situation(wish=motion(2.0 * speed, 0.0)),
-        spares=Situation(wish=motion(speed, 0.0)),
+        trips=Situation(command=motion(2.0 * speed, 0.0)),
+        spares=Situation(command=motion(speed, 0.0)),
         reason=f"asked to go from 0.00 m/s and 0.00 rad/s to {2.0 * speed:.2f} m/s and 0.00 rad/s at once",
     )
 
@@ -128,12 +128,12 @@ def _turns(robot: Robot[G], body: S, bound: float, well: S) -> Case[M, S]:
 
 def _limited(row: str, within: M, beyond: M, bound: tuple[float, str]) -> Case[M, S]:
     """Return the case of a limit that is passed at the pace that the robot has already."""
-    asked = beyond.turn_rad_s if row == "turn rate limit" else beyond.speed_mps
+    requested = beyond.turn_rad_s if row == "turn rate limit" else beyond.speed_mps
     value, unit = bound
     allowed = value / JUST if row == "sideways limit" else value
     return Case(
         row,
-        trips=Situation(wish=beyond, demanded=within),
-        spares=Situation(wish=within, demanded=within),
-        reason=f"asked for {asked:.2f} {unit}, allowed is {allowed:.2f} {unit}",
+        trips=Situation(command=beyond, demanded=within),
+        spares=Situation(command=within, demanded=within),
+        reason=f"asked for {requested:.2f} {unit}, allowed is {allowed:.2f} {unit}",
     )

@@ -13,7 +13,7 @@ class Kind(StrEnum):
 
     STEP = "step"
     """The mission's step of this title began."""
-    TOLD = "told"
+    REPORTED = "told"
     """A STATUSTEXT."""
     ANSWERED = "answered"
     """A COMMAND_ACK."""
@@ -38,7 +38,7 @@ class Entry:
 class Place:
     """One ODOMETRY, turned back into the robot's words: left and counter-clockwise positive."""
 
-    heard_at: Nanoseconds
+    received_at: Nanoseconds
     measured_at: Nanoseconds
     x_m: float
     y_m: float
@@ -51,7 +51,7 @@ def place_of(message: Message, now: Nanoseconds) -> Place:
     """Read an ODOMETRY message."""
     w, _, _, z = message.q
     return Place(
-        heard_at=now,
+        received_at=now,
         measured_at=message.time_usec * 1000,
         x_m=message.x,
         y_m=-message.y,

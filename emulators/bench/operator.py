@@ -11,11 +11,11 @@ import numpy as np
 
 from emulators.bench import orders
 from emulators.bench.controls import Controls
+from emulators.bench.foreign_datagrams import datagram
 from emulators.bench.log import Diary, Kind, place_of
 from emulators.bench.mission import Mission
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Step
-from emulators.bench.strays import datagram
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
@@ -56,23 +56,23 @@ class ScriptedOperator:
         self._send_due: Nanoseconds = 0
         self._greetings: list[Message] = []
         self._answers: list[Message] = []
-        self._heard: Final[dict[int, Reader]] = {
+        self._received: Final[dict[int, Reader]] = {
             dialect.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
             dialect.MAVLINK_MSG_ID_COMMAND_ACK: self._acknowledged,
-            dialect.MAVLINK_MSG_ID_STATUSTEXT: self._told,
+            dialect.MAVLINK_MSG_ID_STATUSTEXT: self._on_text,
             dialect.MAVLINK_MSG_ID_ODOMETRY: self._located,
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: self._valued,
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT: self._valued,
             dialect.MAVLINK_MSG_ID_PARAM_VALUE: self._parametrised,
-            dialect.MAVLINK_MSG_ID_TIMESYNC: self._asked_the_time,
+            dialect.MAVLINK_MSG_ID_TIMESYNC: self._on_timesync,
             dialect.MAVLINK_MSG_ID_PING: self._pinged,
         }  # all other messages are left packed
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Read telemetry and answers; a command that must be repeated is repeated in time."""
-        for message in self._codec.decode(packet.payload, self._heard):
+        for message in self._codec.decode(packet.payload, self._received):
             if message.get_srcSystem() == self._system:
-                self._heard[message.get_msgId()](message, now)
+                self._received[message.get_msgId()](message, now)
         answers = tuple(Packet(OPERATOR, 0, self._codec.encode(answer)) for answer in self._answers)
         self._answers.clear()
         return Reaction(() if now < self._silent_until else answers, self._wake_at())
@@ -174,7 +174,7 @@ class ScriptedOperator:
         waiting = [pending for pending in first if pending.number == message.command]
         again = message.result == dialect.MAV_RESULT_TEMPORARILY_REJECTED
         for pending in waiting:
-            if not (again and pending.try_anew(now)):
+            if not (again and pending.try_again(now)):
                 self._pending.remove(pending)
                 for one in self._pending:
                     one.due = (
@@ -189,14 +189,14 @@ class ScriptedOperator:
         result = orders.RESULTS.get(message.result, f"result {message.result}")
         self.diary.note(now, Kind.ANSWERED, f"{title}: {result}")
 
-    def _told(self, message: Message, now: Nanoseconds) -> None:
-        for heard in self._listener.hear(message):
-            self.diary.note(now, Kind.TOLD, heard.text, heard.severity)
+    def _on_text(self, message: Message, now: Nanoseconds) -> None:
+        for received in self._listener.receive(message):
+            self.diary.note(now, Kind.REPORTED, received.text, received.severity)
 
     def _located(self, message: Message, now: Nanoseconds) -> None:
         self.diary.odometry.append(place_of(message, now))
 
-    def _asked_the_time(self, message: Message, now: Nanoseconds) -> None:
+    def _on_timesync(self, message: Message, now: Nanoseconds) -> None:
         if message.tc1 == 0:
             clock = max(now + self.clock_ahead, 1)
             self._answers.append(dialect.MAVLink_timesync_message(clock, message.ts1))

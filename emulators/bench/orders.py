@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
+from emulators.bench.foreign_datagrams import command
 from emulators.bench.step import Sends, Step, inputs
-from emulators.bench.strays import command
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.units import MILLISECOND, Nanoseconds
@@ -49,7 +49,7 @@ class Pending:
         self.due = now + RETRY_AFTER
         return sent
 
-    def try_anew(self, now: Nanoseconds) -> bool:
+    def try_again(self, now: Nanoseconds) -> bool:
         """Ask again later, as a new command; False where that was often enough."""
         self.tries = 0
         self.rejections += 1

@@ -42,11 +42,11 @@ def draw(
 
     `more` are the robot's own.
     """
-    electric_told = any(samples.has(current(axis.name)) for axis in robot.axes)
+    currents_known = any(samples.has(current(axis.name)) for axis in robot.axes)
     pictures: Mapping[str, Callable[[Figure], None]] = {
         "path": lambda figure: path_picture(figure, samples, holds),
         "speeds": lambda figure: panels_picture(figure, robot, panels, samples, holds),
-        **({"currents": lambda figure: currents_picture(figure, robot, samples)} if electric_told else {}),
+        **({"currents": lambda figure: currents_picture(figure, robot, samples)} if currents_known else {}),
         "holds": lambda figure: holds_picture(figure, samples, holds),
         # A robot's own picture is of its plant.
         **{name: partial(_own, picture, robot, samples) for name, picture in more.items() if samples.truth},

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from emulators.bench.strays import command
+from emulators.bench.foreign_datagrams import command
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.teleop.mavlink import Codec, dialect

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from emulators.bench.strays import Stray
+from emulators.bench.foreign_datagrams import Stray
 from firmware_bridge.kinds import kind_of
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.table import Table

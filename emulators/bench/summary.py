@@ -210,8 +210,8 @@ def odometry_errors(samples: Samples) -> Floats:
 
 def as_json(summary: Summary) -> str:
     """Write a summary as JSON, one key a line, ending in a new line."""
-    told = asdict(summary)
-    return json.dumps(told | told.pop("figures"), indent=2, ensure_ascii=False) + "\n"
+    table = asdict(summary)
+    return json.dumps(table | table.pop("figures"), indent=2, ensure_ascii=False) + "\n"
 
 
 def _span(record: HoldRecord | FaultRecord) -> tuple[float, float | None]:

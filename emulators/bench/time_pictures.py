@@ -65,10 +65,10 @@ def panels_picture(
 
 def currents_picture(figure: Figure, robot: AnyRobot, samples: Samples) -> None:
     """Draw each motor's current in a row of its own, where something tells it."""
-    told = [axis for axis in robot.axes if samples.has(current(axis.name))]
-    figure.set_size_inches(10.0, 1.2 + 1.7 * len(told))
-    rows = figure.subplots(len(told), 1, sharex=True, squeeze=False)[:, 0]
-    for index, (axis, axes) in enumerate(zip(told, rows, strict=True)):
+    known = [axis for axis in robot.axes if samples.has(current(axis.name))]
+    figure.set_size_inches(10.0, 1.2 + 1.7 * len(known))
+    rows = figure.subplots(len(known), 1, sharex=True, squeeze=False)[:, 0]
+    for index, (axis, axes) in enumerate(zip(known, rows, strict=True)):
         drawn = samples.column(current(axis.name))
         axes.plot(samples.seconds, drawn, color=AXIS_COLOURS[index % len(AXIS_COLOURS)], linewidth=1.1)
         rms = math.sqrt(float(np.nanmean(drawn**2)))

@@ -25,10 +25,10 @@ def document(title: str, body: str, look: str = "") -> str:
     )
 
 
-def picture(drawn: bytes, kind: str, says: str) -> str:
+def picture(drawn: bytes, kind: str, states: str) -> str:
     """Return a picture within the page; `kind` as in its media type: png, svg+xml."""
     text = base64.b64encode(drawn).decode("ascii")
-    return f'<img alt="{escape(says)}" src="data:image/{kind};base64,{text}">'
+    return f'<img alt="{escape(states)}" src="data:image/{kind};base64,{text}">'
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[str]], numbers: Iterable[int] = ()) -> str:

@@ -13,7 +13,7 @@ BUILDING_S: Final = 10
 """How long a plant takes on a machine of today, most of it for SymPy and the compiler."""
 
 
-def tell_of_beginning(machine: AnyRobot, plant: Path | None) -> None:
+def report_beginning(machine: AnyRobot, plant: Path | None) -> None:
     """Build the robot's plant, where that is not done yet, and say so; say when the kernel is not there.
 
     PlantError where the plant cannot be built; ServoError where a kernel was asked for that is not there.

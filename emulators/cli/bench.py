@@ -94,9 +94,9 @@ def run(given: BenchOptions) -> None:
     from emulators.bench.mission import MissionFileError
     from emulators.bench.rehearsal import rehearsal_of
     from emulators.bench.report import show
-    from emulators.cli.beginning import tell_of_beginning
+    from emulators.cli.beginning import report_beginning
     from emulators.cli.fitted import fitted
-    from emulators.extras import cure, installed
+    from emulators.extras import installed, remedy_of
     from emulators.progress_bar import progress_bar
     from emulators.run import Order, drive
     from emulators.servo.bank import ServoError
@@ -130,9 +130,9 @@ def run(given: BenchOptions) -> None:
         script.on(machine)
         folder = given.out or RESULTS / f"{machine.name}-{name}"
         order = Order(machine, rehearsal, name, script, given.seed, folder, given.plant, _again())
-        tell_of_beginning(machine, given.plant)
+        report_beginning(machine, given.plant)
         if not installed("plots"):
-            say(f"no pictures this time: {cure('plots')}", err=True)
+            say(f"no pictures this time: {remedy_of('plots')}", err=True)
         with progress_bar() as bar:
             task = bar.add_task(f"{machine.name}, {name}", total=order.duration)
             summary = drive(order, lambda now: bar.update(task, completed=now))

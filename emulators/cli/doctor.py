@@ -37,7 +37,7 @@ def doctor(
 
     styles = {Verdict.OK: "green", Verdict.CAREFUL: "yellow", Verdict.MISSING: "yellow"}
     facts = gather()
-    said = [(row, row.judge(facts)) for row in ROWS]
+    findings = [(row, row.judge(facts)) for row in ROWS]
     missing = lacks(facts)
     if as_json:
         rows = [
@@ -48,14 +48,14 @@ def doctor(
                 "remedy": one.remedy,
                 "needed": row.needed,
             }
-            for row, one in said
+            for row, one in findings
         ]
         say(json.dumps({"rows": rows, "missing": list(missing)}, indent=2))
     else:
         table = Table(title="this machine")
         for heading in ("looked at", "found", "", "how to mend it"):
             table.add_column(heading, overflow="fold")
-        for row, one in said:
+        for row, one in findings:
             style = _NEEDED if row.title in missing else styles[one.verdict]
             verdict = Text(one.verdict.value, style)
             table.add_row(Text(row.title), Text(one.found), verdict, Text(one.remedy))

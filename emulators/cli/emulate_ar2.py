@@ -68,7 +68,7 @@ def run(given: Ar2Options) -> None:
     from emulators.arduino_omni.ar2.board import Ar2Board
     from emulators.arduino_omni.ar2.firmwares import FIRMWARES
     from emulators.arduino_omni.mega.mega import SketchError
-    from emulators.cli.watched import keeping_said
+    from emulators.cli.watched import keeping_reported
     from firmware_bridge.cli.links import open_serial
     from firmware_bridge.cli.real_time import carry
     from firmware_bridge.shell.clock import LivedClock
@@ -83,11 +83,13 @@ def run(given: Ar2Options) -> None:
             f"--reset-on-open: on {given.serial} the device itself decides; only --serial pty needs it"
         )
     board = Ar2Board(firmware)
-    keeping_said(board.mega)
+    keeping_reported(board.mega)
     called = {SERIAL: device_side("arm", AR2)}
     with recording(given.record, {SERIAL: SERIAL_LOG}, called=called) as (around, _):
         with one_message(PortError):
-            line = open_serial(given.serial, firmware.baud, given.serial_link, tells_dtr=given.reset_on_open)
+            line = open_serial(
+                given.serial, firmware.baud, given.serial_link, reports_dtr=given.reset_on_open
+            )
         carry(
             around(board),
             {SERIAL: lambda: line},

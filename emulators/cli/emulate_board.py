@@ -139,7 +139,7 @@ def run(given: BoardOptions) -> None:
     from emulators.arduino_omni.faults import FaultyBoard
     from emulators.arduino_omni.mega.mega import SketchError
     from emulators.arduino_omni.motors import SUPPLY_V
-    from emulators.cli.watched import keeping_said
+    from emulators.cli.watched import keeping_reported
     from emulators.servo.seam import ServoError
     from firmware_bridge.cli.links import open_serial
     from firmware_bridge.cli.real_time import carry
@@ -158,12 +158,14 @@ def run(given: BoardOptions) -> None:
         auto_stop=given.auto_stop_ms,
         supply=SUPPLY_V if given.supply is None else given.supply,
     )
-    keeping_said(board.mega)
+    keeping_reported(board.mega)
     stock = "" if encoders in firmware.stock else NOT_STOCK
     called = {SERIAL: device_side("board", given.firmware)}
     with recording(given.record, {SERIAL: SERIAL_LOG}, called=called) as (around, _):
         with one_message(PortError):
-            line = open_serial(given.serial, firmware.baud, given.serial_link, tells_dtr=given.reset_on_open)
+            line = open_serial(
+                given.serial, firmware.baud, given.serial_link, reports_dtr=given.reset_on_open
+            )
         carry(
             around(FaultyBoard(board, plan)),
             {SERIAL: lambda: line},

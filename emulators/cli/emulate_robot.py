@@ -107,9 +107,9 @@ def run(given: RobotOptions) -> None:
 def emulate_board(machine: "AnyRobot", given: RobotOptions) -> None:
     """Put a robot's boards on serial lines, with its plant at the shield's terminals, or on its pulses."""
     from emulators.captured import TRUTH
-    from emulators.cli.beginning import tell_of_beginning
+    from emulators.cli.beginning import report_beginning
     from emulators.cli.cameras import beside_boards, cameras_of
-    from emulators.cli.watched import keeping_said
+    from emulators.cli.watched import keeping_reported
     from emulators.devices import devices
     from emulators.servo.bank import ServoError
     from firmware_bridge.cli.real_time import carry
@@ -123,13 +123,13 @@ def emulate_board(machine: "AnyRobot", given: RobotOptions) -> None:
     with one_message(RobotFileError, PlantError):
         spoken = None if given.protocol is None else given.protocol.value
         machine = over_protocol(machine, spoken, given.encoders)
-        tell_of_beginning(machine, given.plant)
+        report_beginning(machine, given.plant)
         emulated = devices(machine, given.plant, optional=TRUTH if machine.capture_links else ())
         cameras = cameras_of(machine, emulated)
     alone = len(emulated.boards) == 1
     links = {name: SERIAL if alone else name for name in emulated.boards}
     for name, board in emulated.boards.items():
-        keeping_said(board.mega, name)
+        keeping_reported(board.mega, name)
     node = beside_boards(emulated.boards, links, cameras)
     files = {link: SERIAL_LOG if alone else f"{name}-{SERIAL_LOG}" for name, link in links.items()}
     kinds = kinds_of(machine)
@@ -185,9 +185,9 @@ def _spoken(machine: "AnyRobot", name: str) -> str:
 def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
     """Put a robot's drives on a bus, a serial line, or both."""
     from emulators.captured import TRUTH
-    from emulators.cli.beginning import tell_of_beginning
+    from emulators.cli.beginning import report_beginning
     from emulators.cli.cameras import cameras_of
-    from emulators.cli.watched import RollCalled, twins_said
+    from emulators.cli.watched import RollCalled, twins_reported
     from emulators.devices import devices
     from emulators.epos2.objects.saved_parameters import StorageError
     from emulators.epos2.serial.serial_drive import baud_of
@@ -205,7 +205,7 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
     if given.link is None and len(machine.epos2_links) > 1 and given.serial is not None:
         raise refusal("--serial is of a robot with one link; here only --link NAME=INTERFACE:CHANNEL works")
     with one_message(RobotFileError, PlantError, ServoError, StorageError):
-        tell_of_beginning(machine, given.plant)
+        report_beginning(machine, given.plant)
         owner = next(axis.name for axis in machine.axes if axis.epos2.node == near)
         emulated = devices(
             machine,
@@ -230,7 +230,7 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
     with recording(given.record, files, called=called) as (around, _):
         openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
         carry(
-            RollCalled(around(twins_said(cluster, places)), places),
+            RollCalled(around(twins_reported(cluster, places)), places),
             {**openers, **cameras.openers},
             until(given.duration),
             f"{machine.name} is on {', '.join((where, *cameras.where))}: {nodes}",

@@ -92,8 +92,8 @@ def _of_a_drive() -> dict[str, str]:
     from emulators.bench.faults import KINDS
     from emulators.bench.faults.fault import Stations
 
-    nobody = (Stations.MOTORS, Stations.NONE)
-    drives = {name: kind for name, kind in KINDS.items() if kind.fault.among not in nobody}
+    no_one = (Stations.MOTORS, Stations.NONE)
+    drives = {name: kind for name, kind in KINDS.items() if kind.fault.among not in no_one}
     return {name: "a drive" for name, kind in drives.items() if "node" in kind.fault.model_fields}
 
 

@@ -69,7 +69,7 @@ LINES: Final = 20
 def run(given: FmeaOptions) -> None:
     """Do what `fmea` says; what is wrong ends the program with a message."""
     from emulators.bench.faults import KINDS
-    from emulators.cli.beginning import tell_of_beginning
+    from emulators.cli.beginning import report_beginning
     from emulators.fmea.matrix import all_failures, matrix, state_names
     from emulators.fmea.report import as_csv, as_page, wrongs
     from emulators.progress_bar import progress_bar
@@ -88,7 +88,7 @@ def run(given: FmeaOptions) -> None:
         written_by("--out"),
     ):
         machine = made()
-        tell_of_beginning(machine, None)
+        report_beginning(machine, None)
         failures = all_failures(machine, _known("fault", given.faults or [], list(KINDS)))
         states = state_names(machine)
         chosen = _known("state", given.states or [], states) or states
@@ -117,13 +117,13 @@ def _machine(robot: str, serial: Generation | None, protocol: str | None, encode
     return linked(find_robot(robot), serial, protocol, encoders)
 
 
-def _known(what: str, told: Sequence[str], known: Sequence[str]) -> tuple[str, ...]:
+def _known(what: str, typed: Sequence[str], known: Sequence[str]) -> tuple[str, ...]:
     from firmware_bridge.robot.problems import near
 
-    for one in told:
+    for one in typed:
         if one not in known:
             raise refusal(f"no such {what} as '{one}'; {near(one, list(known), most=len(known))}")
-    return tuple(told)
+    return tuple(typed)
 
 
 def _show(cells: "Sequence[Cell]", failures: int) -> None:

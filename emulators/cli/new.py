@@ -94,7 +94,7 @@ def new(
     with one_message(SpecificationError, MotorError):
         types = [one.value for one in Epos2Device]
         _free(name)
-        told = Specification(
+        specified = Specification(
             kind=_known("--kind", "kind", kind, kinds()),
             name=name,
             nodes=_nodes(nodes),
@@ -112,8 +112,8 @@ def new(
             turn_rate_rad_s=_positive("--turn-rate", turn_rate),
         )
         with written_by("--dir"):
-            paths = write(told, target)
-    given, wanted = told.device.continuous_ma / 1000.0, told.motor.continuous_current_a
+            paths = write(specified, target)
+    given, wanted = specified.device.continuous_ma / 1000.0, specified.motor.continuous_current_a
     if wanted > given:
         say(f"the motor's {wanted:g} A are more than an EPOS2 {device} gives: {given:g} A are written")
     say(f"{target}: {len(paths)} files; look at each ASSUME in src/{name}/{name}.toml before the robot moves")

@@ -162,8 +162,8 @@ def build_model(
         plant = find(model) if robot is None else plant_of(robot)
         place(plant, fmi, target, others)
         size = target.stat().st_size
-    said = plant.name if robot is None else f"{plant.name} as {robot.name} has it"
-    say(f"{target}: {said}, FMI {fmi}.0, co-simulation and model exchange, {size // 1024} KiB")
+    shown = plant.name if robot is None else f"{plant.name} as {robot.name} has it"
+    say(f"{target}: {shown}, FMI {fmi}.0, co-simulation and model exchange, {size // 1024} KiB")
     say(f"binaries: {', '.join(one.name for one in (here(), *others))}")
     for one in missing:
         lacks = f"no {one.compiler} here (Debian's {one.package})"
@@ -201,7 +201,7 @@ def check(
         "verdict": _verdict(problems, fits),
         "model": f"{found.model}, {found.variables} variables",
         "FMI": f"{found.version}, {' and '.join(found.interfaces) or 'no interface'}",
-        "description": _said(len(found.description), "valid"),
+        "description": _count_of(len(found.description), "valid"),
         "start": "fails" if found.start else "loads, initialises, takes a step",
         "bits": bits[found.fingerprint],
         **{name: _lacks(reasons) for name, reasons in lacking.items() if reasons and not named},
@@ -237,7 +237,7 @@ def _lacking(robot: "AnyRobot", found: "Findings") -> tuple[str, ...]:
 def _verdict(problems: list[str], fits: list[str]) -> str:
     """Return the whole in one line: what is wrong, or which robots it fits."""
     if problems:
-        return _said(len(problems), "")
+        return _count_of(len(problems), "")
     return f"good; it fits {', '.join(fits)}" if fits else "good; it fits the bench of no installed robot"
 
 
@@ -247,5 +247,5 @@ def _lacks(reasons: tuple[str, ...]) -> str:
     return f"does not fit: {reasons[0]}{more}"
 
 
-def _said(count: int, good: str) -> str:
+def _count_of(count: int, good: str) -> str:
     return good if not count else "1 problem" if count == 1 else f"{count} problems"

@@ -65,7 +65,7 @@ class ReportOptions:
 def run(given: ReportOptions) -> None:
     """Do what `report` says; what is wrong ends the program with a message."""
     from emulators.bench.rehearsal import rehearsal_of
-    from emulators.extras import cure, installed
+    from emulators.extras import installed, remedy_of
     from emulators.progress_bar import progress_bar
     from emulators.replay import Into, Order, RecordingFileError
     from emulators.replay.files import named
@@ -80,7 +80,7 @@ def run(given: ReportOptions) -> None:
     if out == folder and (folder / "summary.json").exists():
         raise refusal(f"{folder}: `bench` has made its page already; say --out DIR for one without its plant")
     if not installed("plots"):
-        say(f"no pictures this time: {cure('plots')}", err=True)
+        say(f"no pictures this time: {remedy_of('plots')}", err=True)
     with one_message(RobotFileError, RecordingFileError, LookupError), written_by("--out"):
         machine, stands, mode = _as_run(given)
         rehearsal = rehearsal_of(machine)
@@ -88,21 +88,21 @@ def run(given: ReportOptions) -> None:
         out.mkdir(parents=True, exist_ok=True)
         with progress_bar() as bar:
             task = bar.add_task(folder.name, total=None)
-            told = measured(
+            numbers = measured(
                 order, rehearsal.columns, lambda now, end: bar.update(task, completed=now, total=end)
             )
         title, again = (
             f"{machine.name}, {folder.resolve().name}",
             shlex.join(("firmware-bridge", *sys.argv[1:])),
         )
-        made = written(out, title, machine, rehearsal, told, again=again, animate=given.animate)
+        made = written(out, title, machine, rehearsal, numbers, again=again, animate=given.animate)
         for text in filter(None, map(cut_off, named(order))):
             say(text)
-    if told.difference:
-        since = to_seconds(told.differs_at or 0)
+    if numbers.difference:
+        since = to_seconds(numbers.differs_at or 0)
         why = "; was it another robot, or driven otherwise?" if since < SOON_S else ""
         say(f"this bridge does otherwise than was recorded from {since:.3f} s on{why}")
-    say(f"{made[0]}: {len(told.samples)} rows, {len(made) - 2} pictures and pages beside it")
+    say(f"{made[0]}: {len(numbers.samples)} rows, {len(made) - 2} pictures and pages beside it")
 
 
 def _as_run(given: ReportOptions) -> "AsRun":

@@ -17,28 +17,28 @@ OWN: Final = {SDO_RESPONSE: "answers", ERROR_CONTROL: "heartbeats", EMERGENCY: "
 """What nobody but the node itself sends."""
 
 
-def keeping_said(mega: Mega, name: str = "the board") -> None:
+def keeping_reported(mega: Mega, name: str = "the board") -> None:
     """Let a board say once that bytes keep it in its boot loader."""
     before = mega.kept
 
-    def told() -> None:
+    def report() -> None:
         mega.kept = before
         say(
             f"{name} is kept in its boot loader, as a real one, by bytes that came within a second of its "
             f"reset: the sketch starts {to_seconds(KEPT):g} s after the last of them; send nothing before it"
         )
 
-    mega.kept = told
+    mega.kept = report
 
 
-def twins_said(node: Node, places: Iterable[tuple[str, int]]) -> Node:
+def twins_reported(node: Node, places: Iterable[tuple[str, int]]) -> Node:
     """Return a node that says once of each link and number that another node there has it, too."""
     own = {(link, kind + number): (number, text) for link, number in places for kind, text in OWN.items()}
     named = set[tuple[str, int]]()
 
-    def heard(_now: Nanoseconds, direction: Direction, packet: Packet) -> None:
+    def received(_now: Nanoseconds, direction: Direction, packet: Packet) -> None:
         place = packet.link, packet.address
-        if direction is not Direction.HEARD or place not in own:
+        if direction is not Direction.RECEIVED or place not in own:
             return
         number, text = own[place]
         if (packet.link, number) not in named:
@@ -48,19 +48,19 @@ def twins_said(node: Node, places: Iterable[tuple[str, int]]) -> Node:
                 f"(0x{packet.address:03X}); end the other drive, or take another number"
             )
 
-    return Recorded(node, heard)
+    return Recorded(node, received)
 
 
 class RollCalled:
     """A node around drives that asks at its start, once for each number, whether another node has it, too.
 
     The question is the program's, no drive's: it reads 0x1000, changes nothing, and is not recorded. Our own
-    frames do not come back to us, so that only another node can answer; `twins_said` inside it tells.
+    frames do not come back to us, so that only another node can answer; `twins_reported` inside it tells.
     """
 
     def __init__(self, node: Node, places: Iterable[tuple[str, int]]) -> None:
         self.node = node
-        self._asked = tuple(
+        self._requested = tuple(
             Packet(link, SDO_REQUEST + number, encode_upload(DEVICE_TYPE)) for link, number in places
         )
 
@@ -71,8 +71,8 @@ class RollCalled:
     def wake(self, now: Nanoseconds) -> Reaction:
         """Wake the drives; the first time, ask."""
         reaction = self.node.wake(now)
-        asked, self._asked = self._asked, ()
-        return Reaction(asked + reaction.sent, reaction.wake_at) if asked else reaction
+        requested, self._requested = self._requested, ()
+        return Reaction(requested + reaction.sent, reaction.wake_at) if requested else reaction
 
     def stop(self, now: Nanoseconds) -> Reaction:
         """Stop the drives, where they can be stopped."""

@@ -127,15 +127,15 @@ def _interfaces() -> tuple[CanInterface, ...]:
     ip = shutil.which("ip")
     if ip is not None:
         with suppress(OSError, subprocess.TimeoutExpired):
-            told = subprocess.run(  # noqa: S603 - it only lists
+            known = subprocess.run(  # noqa: S603 - it only lists
                 [ip, "-j", "-details", "link"],
                 capture_output=True,
                 text=True,
                 check=False,
                 timeout=_LISTING_S,
             )
-            if told.returncode == 0 and told.stdout.strip():
-                return interfaces_of(told.stdout)
+            if known.returncode == 0 and known.stdout.strip():
+                return interfaces_of(known.stdout)
     return tuple(_in_files())
 
 
@@ -205,9 +205,9 @@ def _is_compiled(module: str) -> bool:
 
 def _requirements() -> tuple[tuple[tuple[str, Version], ...], dict[str, tuple[str, ...]]]:
     """Return what this package needs with the least versions, and what each extra brings."""
-    told = metadata.metadata(PACKAGE)
+    known = metadata.metadata(PACKAGE)
     needed: list[tuple[str, Version]] = []
-    extras: dict[str, tuple[str, ...]] = dict.fromkeys(told.get_all("Provides-Extra") or (), ())
+    extras: dict[str, tuple[str, ...]] = dict.fromkeys(known.get_all("Provides-Extra") or (), ())
     for text in metadata.requires(PACKAGE) or ():
         fits = _NEEDED.fullmatch(text)
         if fits is None:

@@ -23,7 +23,7 @@ class Verdict(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class Finding:
     """What was found, and how to mend it; no remedy where there is nothing to mend."""
 
     verdict: Verdict
@@ -36,7 +36,7 @@ class Row:
     """Something to look at. `needed` tells that without it the program, or its bench, does not work."""
 
     title: str
-    judge: Callable[[Facts], Said]
+    judge: Callable[[Facts], Finding]
     needed: bool = False
 
 
@@ -62,19 +62,19 @@ _HEALTHY: Final = frozenset({None, "ERROR-ACTIVE"})
 _BUS_OFF: Final = "BUS-OFF"
 
 
-def _ok(found: str) -> Said:
-    return Said(Verdict.OK, found)
+def _ok(found: str) -> Finding:
+    return Finding(Verdict.OK, found)
 
 
-def _careful(found: str, remedy: str) -> Said:
-    return Said(Verdict.CAREFUL, found, remedy)
+def _careful(found: str, remedy: str) -> Finding:
+    return Finding(Verdict.CAREFUL, found, remedy)
 
 
-def _missing(found: str, remedy: str) -> Said:
-    return Said(Verdict.MISSING, found, remedy)
+def _missing(found: str, remedy: str) -> Finding:
+    return Finding(Verdict.MISSING, found, remedy)
 
 
-def python(facts: Facts) -> Said:
+def python(facts: Facts) -> Finding:
     """Judge the interpreter."""
     found = ".".join(map(str, facts.python))
     if facts.python[:2] < OLDEST:
@@ -84,7 +84,7 @@ def python(facts: Facts) -> Said:
     return _ok(found)
 
 
-def socketcan(facts: Facts) -> Said:
+def socketcan(facts: Facts) -> Finding:
     """Judge the kernel's way to CAN adapters."""
     found = f"{facts.system} {facts.release}"
     if facts.socketcan:
@@ -98,7 +98,7 @@ def socketcan(facts: Facts) -> Said:
     )
 
 
-def vcan(facts: Facts) -> Said:
+def vcan(facts: Facts) -> Finding:
     """Judge the way to a bus without an adapter."""
     names = [one.name for one in facts.interfaces if one.virtual and one.up]
     if names:
@@ -111,12 +111,12 @@ def vcan(facts: Facts) -> Said:
     return _missing("the kernel has no vcan", "take -i loopback_multicast; or run tools/with-vcan")
 
 
-def adapters(facts: Facts) -> Said:
+def adapters(facts: Facts) -> Finding:
     """Judge the CAN interfaces of the kernel that have a wire."""
     real = [one for one in facts.interfaces if not one.virtual]
     if not real:
         return _missing("none", "plug an adapter in; one that is a serial port needs no interface: -i slcan")
-    found = "; ".join(map(_told, real))
+    found = "; ".join(map(_text_of, real))
     for one in real:
         if one.state == _BUS_OFF:
             again = f"`sudo ip link set {one.name} down && sudo ip link set {one.name} up`"
@@ -130,12 +130,12 @@ def adapters(facts: Facts) -> Said:
     return _ok(found)
 
 
-def _told(one: CanInterface) -> str:
+def _text_of(one: CanInterface) -> str:
     rate = "" if one.bit_rate is None else f", {one.bit_rate // 1000} kbit/s"
     return f"{one.name} {'up' if one.up else 'down'}{rate}{'' if one.state is None else f', {one.state}'}"
 
 
-def ports(facts: Facts) -> Said:
+def ports(facts: Facts) -> Finding:
     """Judge the serial ports, and the user's leave to open them."""
     if not facts.ports:
         return _missing("none", "plug the converter or the board in; `ls /dev/tty*` shows what is there")
@@ -150,7 +150,7 @@ def ports(facts: Facts) -> Said:
     return _ok(found)
 
 
-def watchdogs(facts: Facts) -> Said:
+def watchdogs(facts: Facts) -> Finding:
     """Judge what stops the devices of installed robots when the bridge ends."""
     if not facts.unwatched:
         return _ok("the devices of every installed robot stop by themselves when the bridge falls silent")
@@ -161,7 +161,7 @@ def watchdogs(facts: Facts) -> Said:
     return _careful(f"motors run on when the bridge ends: {', '.join(sorted(facts.unwatched))}", SKETCH)
 
 
-def clock(facts: Facts) -> Said:
+def clock(facts: Facts) -> Finding:
     """Judge how fine the clock is, and how late this machine wakes who sleeps."""
     worst = max(facts.late, default=0)
     usual = median(facts.late) if facts.late else 0
@@ -182,7 +182,7 @@ def clock(facts: Facts) -> Said:
     return _ok(f"{found}: cycles of 50 ms are kept")
 
 
-def load(facts: Facts) -> Said:
+def load(facts: Facts) -> Finding:
     """Judge how busy the machine is."""
     if facts.load is None:
         return _careful(f"{facts.processors} processors; this system tells no load", "look at it by yourself")
@@ -194,7 +194,7 @@ def load(facts: Facts) -> Said:
     return _ok(found)
 
 
-def compiler(facts: Facts) -> Said:
+def compiler(facts: Facts) -> Finding:
     """Judge what plants, servo kernel and core are translated with."""
     if facts.compiler is None:
         remedy = "install one, or correct $CC; on Debian or Ubuntu: apt-get install gcc libc6-dev"
@@ -209,7 +209,7 @@ def compiler(facts: Facts) -> Said:
     return _ok(facts.compiler)
 
 
-def kernel(facts: Facts) -> Said:
+def kernel(facts: Facts) -> Finding:
     """Judge the drives' loops in C."""
     if not facts.kernel_problem:
         return _ok("loaded")
@@ -225,7 +225,7 @@ def kernel(facts: Facts) -> Said:
     )
 
 
-def core(facts: Facts) -> Said:
+def core(facts: Facts) -> Finding:
     """Judge whether what every packet passes through is translated to C."""
     plain = sorted(name for name, done in facts.compiled.items() if not done)
     if not plain:
@@ -235,7 +235,7 @@ def core(facts: Facts) -> Said:
     return _missing("in Python, which is slower; the bytes are the same", "`make compiled`, in a checkout")
 
 
-def plants(facts: Facts) -> Said:
+def plants(facts: Facts) -> Finding:
     """Judge whether a first run has to wait for plants."""
     wanting = sorted(name for name, built in facts.plants.items() if not built)
     if None in facts.plants.values():
@@ -250,7 +250,7 @@ def plants(facts: Facts) -> Said:
     return _missing("none is built yet", remedy)
 
 
-def libraries(facts: Facts) -> Said:
+def libraries(facts: Facts) -> Finding:
     """Judge the libraries that every installation needs."""
     found = ", ".join(
         f"{one.name} {'-' if one.installed is None else '.'.join(map(str, one.installed))}"
@@ -266,7 +266,7 @@ def libraries(facts: Facts) -> Said:
     return _ok(found)
 
 
-def extras(facts: Facts) -> Said:
+def extras(facts: Facts) -> Finding:
     """Judge what is only for who asks for it."""
     wanting = {name: lacking for name, lacking in facts.extras.items() if lacking}
     if not wanting:

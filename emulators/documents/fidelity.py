@@ -126,13 +126,13 @@ def _stated() -> Iterator[LedgerLine]:
 def stated(text: str) -> list[str]:
     """Return the assumptions that a module's comments and docstrings state, with what they are about."""
     flat = " ".join(line.strip().removeprefix("#").strip() for line in text.splitlines())
-    said = [_joined(it["before"] or "", it["what"]) for it in _ASSUMPTION.finditer(_SILENT.sub("", flat))]
+    wording = [_joined(it["before"] or "", it["what"]) for it in _ASSUMPTION.finditer(_SILENT.sub("", flat))]
     silent = [
         part
         for it in _SILENT.finditer(flat)
         for part in (it["what"].split(" * ") if it["what"].startswith("* ") else it["what"].split("; "))
     ]
-    return [line for line in (" ".join(each.split()).strip("* .") for each in (*said, *silent)) if line]
+    return [line for line in (" ".join(each.split()).strip("* .") for each in (*wording, *silent)) if line]
 
 
 def _joined(before: str, what: str) -> str:

@@ -145,9 +145,9 @@ class Epos2:
         self._routes = self._services.routes()
         services = SERVICES[self.nmt_state]
         if NodeService.ERROR_CONTROL in services:
-            self._routes[canopen.NMT] = self._hear_command
+            self._routes[canopen.NMT] = self._receive_command
         if NodeService.LAYER_SETTING in services:
-            self._routes[canopen.LSS_REQUEST] = self._hear_lss
+            self._routes[canopen.LSS_REQUEST] = self._receive_lss
 
     def switch_off(self) -> None:
         """Lose the supply, logic included: nothing is told, the motor is without power.
@@ -191,7 +191,7 @@ class Epos2:
         self._services.enter(state)
         self._route()
 
-    def _hear_command(self, payload: bytes, _now: Nanoseconds) -> None:
+    def _receive_command(self, payload: bytes, _now: Nanoseconds) -> None:
         command = command_for(self.node_id, payload)
         if command is None:
             return
@@ -203,7 +203,7 @@ class Epos2:
 
     # Layer setting
 
-    def _hear_lss(self, payload: bytes, _now: Nanoseconds) -> None:
+    def _receive_lss(self, payload: bytes, _now: Nanoseconds) -> None:
         answer = self._lss.answer(payload)
         if answer is not None:
             self._send(canopen.LSS_RESPONSE, answer)

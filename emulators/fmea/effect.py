@@ -45,7 +45,7 @@ class Verdict(StrEnum):
 
     NOTICED = "noticed"
     """An interlock holds."""
-    TOLD = "told"
+    REPORTED = "told"
     """The operator was told, and nothing holds."""
     TOLERATED = "tolerated"
     """Nobody said a word, and the robot does what it would do without the failure."""
@@ -101,10 +101,10 @@ def watched(rig: VirtualRig, lasts_s: float | None = None) -> Course:
         if rig.bench.world.now - began >= from_seconds(STANDS_WITHIN_S):
             break
         rig.runs(RESTS_S)
-    told = (entry for entry in rig.operator.diary if entry.at >= began and entry.kind is Kind.TOLD)
+    reported = (entry for entry in rig.operator.diary if entry.at >= began and entry.kind is Kind.REPORTED)
     holds = tuple(hold for hold in rig.held if hold.began >= began)
     ends = NEVER if lasts_s is None else began + from_seconds(lasts_s)
-    return Course(places, units, holds, tuple(told), began, ends)
+    return Course(places, units, holds, tuple(reported), began, ends)
 
 
 def _places(rig: VirtualRig, units: Mapping[str, str], first: int) -> dict[str, Floats]:
@@ -117,8 +117,8 @@ def effect(well: Course, ill: Course) -> Effect:
     """Compare what was seen with the failure and without it."""
     known = {hold.name for hold in well.holds}
     holds = [hold for hold in ill.holds if hold.name not in known and hold.began < ill.ends]
-    said = {entry.text for entry in well.texts}
-    texts = [entry for entry in ill.texts if entry.text not in said and entry.at < ill.ends]
+    usual = {entry.text for entry in well.texts}
+    texts = [entry for entry in ill.texts if entry.text not in usual and entry.at < ill.ends]
     shares = np.max([_share(ill, well, name) for name in well.places], axis=0)
     other = np.flatnonzero(shares > 1.0)
     moved_ms = _moved_until(ill.places, ill.units) * EACH_MS
@@ -126,7 +126,7 @@ def effect(well: Course, ill: Course) -> Effect:
     if holds:
         by, at, verdict = holds[0].name, holds[0].began, Verdict.NOTICED
     elif texts:
-        by, at, verdict = texts[0].text, texts[0].at, Verdict.TOLD
+        by, at, verdict = texts[0].text, texts[0].at, Verdict.REPORTED
     first = min((at for at in (*(hold.began for hold in holds), *(text.at for text in texts))), default=None)
     after_ms = None if at is None else (at - ill.began) / MILLISECOND
     noticed_ms = None if first is None else (first - ill.began) / MILLISECOND

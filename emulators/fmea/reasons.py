@@ -5,8 +5,8 @@ from typing import Final
 
 from emulators.bench.faults.failures import Failure
 from emulators.fmea.effect import Effect
-from firmware_bridge.drivers.driver import Tells
-from firmware_bridge.drivers.fleets import tells_of
+from firmware_bridge.drivers.driver import Reports
+from firmware_bridge.drivers.fleets import reports_of
 from firmware_bridge.robot import AnyRobot
 
 ALONE: Final = frozenset({"bridge_ends"})
@@ -34,7 +34,7 @@ class Reason:
             alone = not any(link.unwatched for link in robot.links.values())
             return alone and found.stands_after_ms is not None
         axes = [axis for axis in robot.axes if axis.name == failure.place]
-        return not self.unmeasured or any(Tells.VELOCITY not in tells_of(robot, axis) for axis in axes)
+        return not self.unmeasured or any(Reports.VELOCITY not in reports_of(robot, axis) for axis in axes)
 
 
 REASONS: Final = (

@@ -22,9 +22,9 @@ thead th { position: sticky; top: 0; background: #fff }
 .stands { background: #f3f3e2 } .why { background: #fbeccb } .wrong { background: #f6c6bd; font-weight: bold }
 small { color: #666; display: block }
 """
-SAID: Final = (
+LEGEND: Final = (
     (Verdict.NOTICED, "an interlock holds: which, and after how long"),
-    (Verdict.TOLD, "the operator was told, and nothing holds"),
+    (Verdict.REPORTED, "the operator was told, and nothing holds"),
     (Verdict.TOLERATED, "the robot does what it would have done"),
     (Verdict.STANDS, "nobody said a word, and the robot came to rest"),
 )
@@ -60,12 +60,12 @@ def as_page(robot: str, cells: Sequence[Cell]) -> str:
         f"{''.join(_cell(of[state]) for state in states)}</tr>"
         for (title, place), of in rows.items()
     )
-    said = "".join(f'<li><span class="{it.value}">{it.value}</span>: {words}</li>' for it, words in SAID)
+    legend = "".join(f'<li><span class="{it.value}">{it.value}</span>: {words}</li>' for it, words in LEGEND)
     return document(
         f"{robot}: failures",
         f"<h1>What comes of each failure of {html.escape(robot)}</h1><p>Each was put on in each state and "
         f"taken off after two seconds, on the bench. By the plant's truth: when the robot stood for good, "
-        f"how far it went and turned, whatever was asked of it.</p><ul>{said}"
+        f"how far it went and turned, whatever was asked of it.</p><ul>{legend}"
         f'<li><span class="why">late or never, with a reason</span></li>'
         f'<li><span class="wrong">late or never, and nobody knows why</span></li></ul>'
         f"<table><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>",

@@ -28,25 +28,25 @@ def states_of(rig: VirtualRig) -> tuple[State, ...]:
     """Return the states of a robot: without power, at rest, each thing that it can do, and its stops."""
     channels = rig.rehearsal.channels
     whole = [channel for channel in channels if not channel.stick_only]
-    wishes = {f"{channel.name} {SHARE:.0%}": _wish(rig, [channel]) for channel in channels}
+    requests = {f"{channel.name} {SHARE:.0%}": _command(rig, [channel]) for channel in channels}
     if len(whole) > 1:
-        wishes[f"{', '.join(channel.name for channel in whole)} {SHARE:.0%}"] = _wish(rig, whole)
-    first = next(iter(wishes.values()))
+        requests[f"{', '.join(channel.name for channel in whole)} {SHARE:.0%}"] = _command(rig, whole)
+    first = next(iter(requests.values()))
     return (
         State("disarmed", _disarmed),
         State("at rest", lambda rig: rig.runs(STOPPED_S)),
-        *(State(name, _driving(wish)) for name, wish in wishes.items()),
+        *(State(name, _driving(command)) for name, command in requests.items()),
         State("stopping", _stopping(first)),
         State("emergency stop", _stopped(first)),
     )
 
 
-def _wish(rig: VirtualRig, channels: list[Channel]) -> Mapping[str, float]:
+def _command(rig: VirtualRig, channels: list[Channel]) -> Mapping[str, float]:
     """Return what a step says for its share of full stick on these channels."""
-    return {key: value for channel in channels for key, value in _said(rig, channel)}
+    return {key: value for channel in channels for key, value in _steps(rig, channel)}
 
 
-def _said(rig: VirtualRig, channel: Channel) -> Iterator[tuple[str, float]]:
+def _steps(rig: VirtualRig, channel: Channel) -> Iterator[tuple[str, float]]:
     for key, row in inputs(rig.rehearsal.step).items():
         if isinstance(row, Holds) and row.channel == channel.name:
             # The first key is the channel's own, in its unit or in a multiple of it.
@@ -54,9 +54,9 @@ def _said(rig: VirtualRig, channel: Channel) -> Iterator[tuple[str, float]]:
             return
 
 
-def _driving(wish: Mapping[str, float]) -> Callable[[VirtualRig], None]:
+def _driving(command: Mapping[str, float]) -> Callable[[VirtualRig], None]:
     def enter(rig: VirtualRig) -> None:
-        rig.operator.does("drives", **wish)
+        rig.operator.does("drives", **command)
         rig.runs(GOES_S)
 
     return enter
@@ -67,18 +67,18 @@ def _disarmed(rig: VirtualRig) -> None:
     rig.runs(STOPPED_S)
 
 
-def _stopping(wish: Mapping[str, float]) -> Callable[[VirtualRig], None]:
+def _stopping(command: Mapping[str, float]) -> Callable[[VirtualRig], None]:
     def enter(rig: VirtualRig) -> None:
-        _driving(wish)(rig)
+        _driving(command)(rig)
         rig.operator.lets_go()
         rig.runs(STOPPING_S)
 
     return enter
 
 
-def _stopped(wish: Mapping[str, float]) -> Callable[[VirtualRig], None]:
+def _stopped(command: Mapping[str, float]) -> Callable[[VirtualRig], None]:
     def enter(rig: VirtualRig) -> None:
-        _driving(wish)(rig)
+        _driving(command)(rig)
         rig.operator.stops()
         rig.operator.lets_go()
         rig.runs(STOPPED_S)

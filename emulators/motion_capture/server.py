@@ -37,7 +37,7 @@ RECORDS: Final[Mapping[str, bool]] = {"StartRecording": True, "StopRecording": F
 
 
 @dataclass(frozen=True, slots=True)
-class _Asked:
+class _Requested:
     """What a client has asked, and when, by both clocks."""
 
     place: int
@@ -49,7 +49,7 @@ class _Asked:
 @dataclass(slots=True)
 class _Client:
     version: Version
-    heard_at: Nanoseconds
+    received_at: Nanoseconds
 
 
 class Server:
@@ -75,9 +75,9 @@ class Server:
             "CurrentMode": messages.result_payload(0),
         }
         """What is answered to questions."""
-        self._answers: Final[Mapping[MessageId, Callable[[_Asked], tuple[bytes, ...]]]] = {
+        self._answers: Final[Mapping[MessageId, Callable[[_Requested], tuple[bytes, ...]]]] = {
             MessageId.CONNECT: self._connect,
-            MessageId.DISCOVERY: self._told,
+            MessageId.DISCOVERY: self._on_setting,
             MessageId.REQUEST: self._command,
             MessageId.REQUEST_MODELDEF: self._defined,
             MessageId.ECHOREQUEST: self._echo,
@@ -92,57 +92,57 @@ class Server:
 
     def clients(self, now: Nanoseconds) -> Mapping[int, Version]:
         """Return who is sent frames, and in which version."""
-        for place in [it for it, client in self._clients.items() if now - client.heard_at > PATIENCE]:
+        for place in [it for it, client in self._clients.items() if now - client.received_at > PATIENCE]:
             del self._clients[place]
         return {place: client.version for place, client in self._clients.items()}
 
-    def hear(self, place: int, datagram: bytes, now: Nanoseconds, ticks: int) -> tuple[bytes, ...]:
+    def receive(self, place: int, datagram: bytes, now: Nanoseconds, ticks: int) -> tuple[bytes, ...]:
         """Take a packet of the command channel; return what is answered to its sender."""
         try:
             message, payload = messages.split(datagram)
             if place in self._clients:
-                self._clients[place].heard_at = now
+                self._clients[place].received_at = now
             answer = self._answers.get(message)
-            return () if answer is None else answer(_Asked(place, payload, now, ticks))
+            return () if answer is None else answer(_Requested(place, payload, now, ticks))
         except NatNetError:
             self.refused += 1
             return (packet(MessageId.UNRECOGNIZED_REQUEST),)
 
-    def _connect(self, asked: _Asked) -> tuple[bytes, ...]:
-        wants = messages.connected(asked.payload).wants
+    def _connect(self, requested: _Requested) -> tuple[bytes, ...]:
+        wants = messages.connected(requested.payload).wants
         version = self.version
         if wants is not None and any(wants):
             version = self._chosen(Version(*wants[:2]))
-        self._clients[asked.place] = _Client(version, asked.now)
-        return self._told(asked)
+        self._clients[requested.place] = _Client(version, requested.now)
+        return self._on_setting(requested)
 
-    def _told(self, asked: _Asked) -> tuple[bytes, ...]:
+    def _on_setting(self, requested: _Requested) -> tuple[bytes, ...]:
         info = ServerInfo(
             "Motive",
             APPLICATIONS[self.version],
-            (*self._spoken(asked.place), 0, 0),
+            (*self._spoken(requested.place), 0, 0),
             self._ticks_per_s,
             self._data_port,
         )
         return (packet(MessageId.SERVERINFO, messages.server_info_payload(info)),)
 
-    def _defined(self, asked: _Asked) -> tuple[bytes, ...]:
-        defined = models.encoded(self._models, self._spoken(asked.place))
+    def _defined(self, requested: _Requested) -> tuple[bytes, ...]:
+        defined = models.encoded(self._models, self._spoken(requested.place))
         return (packet(MessageId.MODELDEF, defined),)
 
-    def _echo(self, asked: _Asked) -> tuple[bytes, ...]:
-        return (packet(MessageId.ECHORESPONSE, messages.echo_payload(asked.payload, asked.ticks)),)
+    def _echo(self, requested: _Requested) -> tuple[bytes, ...]:
+        return (packet(MessageId.ECHORESPONSE, messages.echo_payload(requested.payload, requested.ticks)),)
 
-    def _leave(self, asked: _Asked) -> tuple[bytes, ...]:
-        self._clients.pop(asked.place, None)
+    def _leave(self, requested: _Requested) -> tuple[bytes, ...]:
+        self._clients.pop(requested.place, None)
         return ()
 
-    def _command(self, asked: _Asked) -> tuple[bytes, ...]:
-        name, *arguments = messages.text_of(asked.payload).split(",")
+    def _command(self, requested: _Requested) -> tuple[bytes, ...]:
+        name, *arguments = messages.text_of(requested.payload).split(",")
         if name == "Bitstream" and arguments:
-            payload = messages.result_payload(self._choose(asked.place, arguments[0]))
+            payload = messages.result_payload(self._choose(requested.place, arguments[0]))
         elif name == "Bitstream":
-            payload = messages.text_payload(f"Bitstream,{self._spoken(asked.place)}.0")
+            payload = messages.text_payload(f"Bitstream,{self._spoken(requested.place)}.0")
         elif name in self._known:
             payload = self._known[name]
         elif name in RECORDS:

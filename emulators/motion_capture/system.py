@@ -100,7 +100,7 @@ class MotionCapture:
         """Answer a client on the command channel."""
         sent: tuple[Packet, ...] = ()
         if packet.link == COMMAND:
-            answers = self.server.hear(packet.address, packet.payload, now, ticks_at(now))
+            answers = self.server.receive(packet.address, packet.payload, now, ticks_at(now))
             sent = tuple([Packet(COMMAND, packet.address, answer) for answer in answers])
         return Reaction(sent, self._leaves_at)
 

@@ -15,14 +15,14 @@ _ROUNDED: Final = 2 * MILLISECOND
 """The bridge's times are whole milliseconds there, and told a little later."""
 
 
-def asked_to_end(events: Path) -> Nanoseconds | None:
+def end_requested_at(events: Path) -> Nanoseconds | None:
     """Return an instant just before it, from the bench's epoch on; None where these events do not say it."""
     found = [it for it in map(_EVENT.match, events.read_text("utf-8", errors="replace").splitlines()) if it]
-    told = [(_instant(it, 1, MICROSECOND), _instant(it, 3, MILLISECOND), it[5]) for it in found]
-    ended = next((since for _, since, text in told if text in ENDING), None)
+    rows = [(_instant(it, 1, MICROSECOND), _instant(it, 3, MILLISECOND), it[5]) for it in found]
+    ended = next((since for _, since, text in rows if text in ENDING), None)
     if ended is None:
         return None
-    return min(at - since for at, since, _ in told) + ended - _ROUNDED - EPOCH
+    return min(at - since for at, since, _ in rows) + ended - _ROUNDED - EPOCH
 
 
 def _instant(event: re.Match[str], group: int, part: Nanoseconds) -> Nanoseconds:

@@ -100,12 +100,12 @@ def measured(order: Order, own: tuple[Column, ...], progress: Progress) -> Measu
     finally:
         stage.finish()
     samples = samples.without_empty({column.name for column, _ in table.reads if column.seen is None})
-    told = [_since(record, stage) for record in holds.records]
+    events = [_since(record, stage) for record in holds.records]
     lasts = stage.end - stage.lead
     if differs is None:
-        return Measured(samples, told, len(stage.recorded), lasts)
+        return Measured(samples, events, len(stage.recorded), lasts)
     words = in_words(differs, stage.recorded, stage.lead, stage.kinds)
-    return Measured(samples, told, len(stage.recorded), lasts, words, differs.at - stage.lead)
+    return Measured(samples, events, len(stage.recorded), lasts, words, differs.at - stage.lead)
 
 
 def _since(record: HoldRecord, stage: Stage) -> HoldRecord:
@@ -150,8 +150,8 @@ def _sensor(name: str) -> Reads:
 
 def _of_axis(robot: AnyRobot, what: str, axis: Axis) -> Reads | None:
     def current(seen: Known) -> float:
-        told = seen.facts.axes[axis.name].current_a
-        return math.nan if told is None else told
+        events = seen.facts.axes[axis.name].current_a
+        return math.nan if events is None else events
 
     if what == "current":
         return current

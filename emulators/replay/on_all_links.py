@@ -11,6 +11,7 @@ from functools import partial
 from typing import Final
 
 from emulators.replay.comparison import EXACT, Comparison, Frames, Messages
+from emulators.replay.inputs import Inputs, inputs_of
 from emulators.replay.machine import Machine, machine_of
 from emulators.replay.order import Order
 from emulators.replay.player import Player
@@ -26,7 +27,6 @@ from emulators.replay.stage import (
     script_of,
     to_compare,
 )
-from emulators.replay.told import Told, told_to
 from emulators.replay.woken import Woken
 from emulators.wires import CanWire, Observer
 from emulators.world import World
@@ -50,12 +50,12 @@ LOOK_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
 
 def on_all_links(order: Order) -> Stage:
     """Put the bridge on its links with what was said there; RecordingFileError."""
-    told = told_to(order)
-    if told.ended is not None:
-        order = replace(order, until=min(told.ended, NEVER if order.until is None else order.until))
-    lead, start = (0, 0) if told.virtual else _switched_on(order, told)
-    sent = {name: not_after(order, told.on(name, lead), lead) for name in told.links}
-    world, machine = World(), machine_of(order, timed=told.virtual)
+    inputs = inputs_of(order)
+    if inputs.ended is not None:
+        order = replace(order, until=min(inputs.ended, NEVER if order.until is None else order.until))
+    lead, start = (0, 0) if inputs.virtual else _switched_on(order, inputs)
+    sent = {name: not_after(order, inputs.on(name, lead), lead) for name in inputs.links}
+    world, machine = World(), machine_of(order, timed=inputs.virtual)
     script = [
         (at, Packet(name, packet.address, packet.payload))
         for name, all_ in sent.items()
@@ -64,7 +64,7 @@ def on_all_links(order: Order) -> Stage:
     # At one instant the operator, whose file is the last, speaks last: he may be answering.
     script.sort(key=lambda one: one[0])
     world.attach(RECORDING, Player(script), machine.wires)
-    bridge = machine.node if told.virtual else _woken(machine, sent, order, start)
+    bridge = machine.node if inputs.virtual else _woken(machine, sent, order, start)
     call_at(world, start, partial(world.attach, BRIDGE, bridge, machine.wires))
     end = end_of(order, *sent.values())
     comparisons = tuple(_compared(order, machine, name, all_, end) for name, all_ in sent.items())
@@ -78,8 +78,8 @@ def _woken(machine: Machine, sent: Mapping[str, list[Sent]], order: Order, start
     untimed = [name for name, lane in machine.lanes.items() if not isinstance(lane.wire, CanWire)]
     all_ = [one for name in untimed for one in sent.get(name, ())]
     spoke = [one.entry.at for one in all_ if one.sender == BRIDGE]
-    heard = [one.entry.at for one in all_ if one.sender != BRIDGE and one.entry.at > start]
-    return Woken(machine.node, spoke, heard, max(LATE, order.tolerance))
+    received = [one.entry.at for one in all_ if one.sender != BRIDGE and one.entry.at > start]
+    return Woken(machine.node, spoke, received, max(LATE, order.tolerance))
 
 
 def _others(sent: list[Sent]) -> list[Sent]:
@@ -107,7 +107,7 @@ def _compared(order: Order, machine: Machine, name: str, sent: list[Sent], end: 
     return frames
 
 
-def _switched_on(order: Order, told: Told) -> tuple[Nanoseconds, Nanoseconds]:
+def _switched_on(order: Order, inputs: Inputs) -> tuple[Nanoseconds, Nanoseconds]:
     """Return what is to be left before the recording, and when the bridge was started, counted from there.
 
     A bridge that hears nothing is asked when it says its first word on a link that is in the recording. To
@@ -115,25 +115,27 @@ def _switched_on(order: Order, told: Told) -> tuple[Nanoseconds, Nanoseconds]:
     """
     world, machine = World(), machine_of(order, timed=False)
     spoken: dict[str, Nanoseconds] = {}
-    asked = [
+    requested = [
         name
         for name, lane in machine.lanes.items()
-        if name in told.links and lane.kind not in BOARDS and first_of(told.on(name), BRIDGE) is not None
+        if name in inputs.links and lane.kind not in BOARDS and first_of(inputs.on(name), BRIDGE) is not None
     ]
-    if not asked:
+    if not requested:
         raise RecordingFileError(
-            f"{told.name}: its first words do not tell when the bridge was started; give the operator.tlog"
+            f"{inputs.name}: its first words do not tell when the bridge was started; give the operator.tlog"
             " that was recorded with it (--operator), or the folder of the run"
         )
-    for name in asked:
+    for name in requested:
         machine.lanes[name].wire.observe(_noting(spoken, name))
     world.attach(BRIDGE, machine.node, machine.wires)
     while not spoken:
         if world.now >= UNHEARD:
-            raise RecordingFileError(f"{told.name}: nobody knows when the bridge of {order.robot.name} began")
+            raise RecordingFileError(
+                f"{inputs.name}: nobody knows when the bridge of {order.robot.name} began"
+            )
         world.run(world.now + LOOK_EVERY)
     name, after = next(iter(spoken.items()))
-    own = first_of(told.on(name), BRIDGE)
+    own = first_of(inputs.on(name), BRIDGE)
     return after, 0 if own is None else own.entry.at
 
 

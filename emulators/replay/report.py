@@ -51,7 +51,7 @@ def written(
         *beginning(title, again, rows),
         *_differs(run),
         *held([as_held(hold) for hold in run.holds]),
-        *_said(folder),
+        *_texts(folder),
         *shown(pictures),
     )
     (folder / PAGE).write_text(document(title, "".join(parts)), encoding="utf-8")
@@ -91,7 +91,7 @@ def _differs(run: Measured) -> Iterator[str]:
         )
 
 
-def _said(folder: Path) -> Iterator[str]:
+def _texts(folder: Path) -> Iterator[str]:
     try:
         lines = (folder / EVENTS).read_text("utf-8", errors="replace").splitlines()
     except OSError:

@@ -104,12 +104,12 @@ def _bench(order: Order) -> Stage:
     messages = not_after(order, messages_of(recording.since(recording.start(0)), robot))
     if first_of(messages, BRIDGE) is None:
         raise RecordingFileError(f"{recording.name}: holds no message of the bridge of {robot.name}")
-    said = [one for one in messages if one.sender != BRIDGE]
+    from_devices = [one for one in messages if one.sender != BRIDGE]
     answers = Messages((one for one in messages if one.sender == BRIDGE), BRIDGE)
-    operator = Player(script_of(said, lambda _: 0))
+    operator = Player(script_of(from_devices, lambda _: 0))
     rig = Rig(robot, rehearsal_of(robot), operator, plant_path=order.plant, stands=order.stands)
     rig.operator_wire.observe(answers.take)
-    return Stage(rig.run, (answers,), messages, len(said), end_of(order, messages), finish=rig.finish)
+    return Stage(rig.run, (answers,), messages, len(from_devices), end_of(order, messages), finish=rig.finish)
 
 
 STAGES: Final[Mapping[Into, Callable[[Order], Stage]]] = MappingProxyType(

@@ -18,30 +18,30 @@ class Woken:
     """Around a node: its wakes come at the next instant at which it has spoken, up to `late` later."""
 
     def __init__(
-        self, node: Node, spoke: Iterable[Nanoseconds], heard: Iterable[Nanoseconds], late: Nanoseconds
+        self, node: Node, spoke: Iterable[Nanoseconds], received: Iterable[Nanoseconds], late: Nanoseconds
     ) -> None:
         self._node: Final = node
         self._spoke: Final = sorted(set(spoke))
-        self._heard: Final = Counter(heard)
+        self._received: Final = Counter(received)
         """How many packets still come at an instant."""
         self._late: Final = late
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Pass a packet on; what is due by then comes in the same turn."""
-        self._heard[now] -= 1
+        self._received[now] -= 1
         reaction = self._node.receive(packet, now)
         return reaction if reaction.wake_at <= now else self._later(reaction, reaction.wake_at)
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Wake the node, unless something comes now that it is to hear first."""
-        if self._heard[now] > 0:
+        if self._received[now] > 0:
             return Reaction((), now)
         reaction = self._node.wake(now)
         # What is due at once comes a turn later, and a turn takes time.
         return self._later(reaction, max(reaction.wake_at, now + 1))
 
-    def _later(self, reaction: Reaction, asked: Nanoseconds) -> Reaction:
-        place = bisect_left(self._spoke, asked)
-        if place == len(self._spoke) or self._spoke[place] - asked > self._late:
+    def _later(self, reaction: Reaction, requested: Nanoseconds) -> Reaction:
+        place = bisect_left(self._spoke, requested)
+        if place == len(self._spoke) or self._spoke[place] - requested > self._late:
             return reaction
         return Reaction(reaction.sent, self._spoke[place])

@@ -15,7 +15,7 @@ from emulators.rewind.classes import treatment_of
 
 _LEAST_GROWTH: Final = 256
 """So many new things, and half as many as there were, make a fresh walk worth while: many are gone again."""
-_NOBODY: Final = repeat(object())
+_NO_ONE: Final = repeat(object())
 """What stands in the places that a shorter copy does not have."""
 
 _Trail: TypeAlias = tuple[object, Any] | None
@@ -151,7 +151,7 @@ class Rewind(NotCaptured):
 
 def _others(parts: Callable[[Any], Iterable[object]], one: Any, other: Any) -> Iterable[object]:
     """Return the parts of one copy in whose places the other has others: of a list that grew, what came."""
-    return compress(parts(one), map(is_not, parts(one), chain(parts(other), _NOBODY)))
+    return compress(parts(one), map(is_not, parts(one), chain(parts(other), _NO_ONE)))
 
 
 def _refusal(thing: object, trail: _Trail) -> str:

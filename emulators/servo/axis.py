@@ -101,7 +101,7 @@ class ServoAxis(Record, ctypes.Structure):
     ) -> None:
         """Take the mounted encoder in qc per turn, and the node to wake (the name where it is empty).
 
-        Of its motor it knows nothing before `emulators.servo.winding.tell`.
+        Of its motor it knows nothing before `emulators.servo.winding.set_winding`.
         """
         super().__init__()
         self.name: Final = name
@@ -113,7 +113,7 @@ class ServoAxis(Record, ctypes.Structure):
         self.analogue_1_mv = 0
         self.analogue_2_mv = 0
         self.master = 0
-        self.back_emf = self.ending = self.evening = 0
+        self.back_emf = self.ending = self.balance_voltage = 0
         self.raised = self.braking = self.waits = self.speed_before = 0
         self.left = LEFT_MA
         self.learning = LEAST_LEARNING
@@ -172,7 +172,7 @@ class ServoAxis(Record, ctypes.Structure):
         self.cruise = self.acceleration = self.deceleration = 1
         self.stopping_distance = 0
         self._unplanned()
-        self.call = self.told = self.recording = 0
+        self.call = self.event = self.recording = 0
         self.pins_watched = self.index_watched = self.current_watched_ma = 0
         self.pins_before = self.pins
         self.index_position = self.index_passes = 0

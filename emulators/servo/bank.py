@@ -106,4 +106,4 @@ class ServoBank:
             return until, ()
         now = self.now
         self._next = now + TICK
-        return now, tuple([axis.node for axis in self.axes if axis.told])
+        return now, tuple([axis.node for axis in self.axes if axis.event])

@@ -53,7 +53,7 @@ def brake(axis: ServoAxis, rpm_per_second: int) -> None:
     axis.profile, axis.shape = RAMP, TRAPEZOID
     axis.target_velocity = 0
     axis.acceleration = axis.deceleration = acceleration_units(axis, rpm_per_second)
-    judge_anew(axis, there=axis.velocity_demand == 0)
+    judge_again(axis, there=axis.velocity_demand == 0)
 
 
 def displace(axis: ServoAxis, distance: int) -> None:
@@ -70,7 +70,7 @@ def _wrapped(position: int) -> int:
     return ((position + HALF) & (WRAP - 1)) - HALF
 
 
-def judge_anew(axis: ServoAxis, *, there: bool) -> None:
+def judge_again(axis: ServoAxis, *, there: bool) -> None:
     """Forget the arrival at the former target; one that is `there` already does not wait for the next ms."""
     axis.window_ms = 0
     if there:

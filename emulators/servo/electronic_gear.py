@@ -26,10 +26,10 @@ def electronic_gear(axis: ServoAxis) -> bool:
     axis.target_position += max(-fastest, min(fastest, whole)) << axis.fraction
     target = max(axis.lowest, min(axis.highest, axis.target_position))
     ahead = target - before
-    wish = ahead + closing_speed(axis, before - axis.position_demand)
-    wish = max(-axis.cruise, min(axis.cruise, wish))
+    command = ahead + closing_speed(axis, before - axis.position_demand)
+    command = max(-axis.cruise, min(axis.cruise, command))
     speed = axis.velocity_demand
-    following = max(speed - axis.deceleration, min(speed + axis.acceleration, wish))
+    following = max(speed - axis.deceleration, min(speed + axis.acceleration, command))
     position = axis.position_demand + following
     axis.acceleration_demand = following - speed
     axis.velocity_demand = following

@@ -8,7 +8,7 @@ from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
 from emulators.servo.pins import input_lines, output_lines, pin_inputs, pin_outputs
 from emulators.servo.sensor_lines import sensor_lines, sensor_outputs
-from emulators.servo.winding import tell
+from emulators.servo.winding import set_winding
 from fmu.interface import units
 from fmu.plant import FmuPlant, PlantError
 
@@ -27,18 +27,18 @@ def fmu_plant(
     more: Sequence[str] = (),
     optional: Sequence[str] = (),
     *,
-    told: Sequence[str] = (),
+    set_by_plant: Sequence[str] = (),
     mirrored: Sequence[str] = (),
 ) -> FmuPlant:
     """Load the plant of these axes; PlantError.
 
-    `told` are inputs that are needed beside theirs, `more` outputs; `optional` are outputs that are read
+    `set_by_plant` are inputs needed beside theirs, `more` outputs; `optional` are outputs that are read
     where it has them. `mirrored` are inputs and outputs of motors that are mounted the other way round.
     """
     own = plant_outputs(axes)
     return FmuPlant(
         path,
-        (*plant_inputs(axes), *told),
+        (*plant_inputs(axes), *set_by_plant),
         (*own, *(name for name in dict.fromkeys(more) if name not in own)),
         parameters,
         units=units(axes),
@@ -78,15 +78,15 @@ def fmu_bank(
     )
 
 
-def tell_motor(plant: FmuPlant, axis: ServoAxis) -> None:
+def set_motor(plant: FmuPlant, axis: ServoAxis) -> None:
     """Tell an axis what the plant says of its motor; what it does not say stays unknown."""
     constant, resistance, inductance = (
-        _told(plant, f"{name}_{axis.name}") for name in ("torque_constant", "resistance", "inductance")
+        _start_of(plant, f"{name}_{axis.name}") for name in ("torque_constant", "resistance", "inductance")
     )
-    tell(axis, constant, resistance, inductance)
+    set_winding(axis, constant, resistance, inductance)
 
 
-def _told(plant: FmuPlant, parameter: str) -> float:
+def _start_of(plant: FmuPlant, parameter: str) -> float:
     try:
         return plant.read(parameter)
     except PlantError:

@@ -33,7 +33,7 @@ class Ended(IntEnum):
     """How a run of the kernel ended; from CURRENT on it broke off in the midst."""
 
     REACHED = 0
-    TOLD = 1
+    EVENT = 1
     CURRENT = 2
     ANGLE = 3
     SPEED = 4
@@ -116,19 +116,19 @@ class Found:
     reason: str = ""
 
 
-def choose(wish: str | None = None) -> Found:
+def choose(command: str | None = None) -> Found:
     """Return the kernel, or why the twin is to serve; without a wish the environment is asked.
 
     `native` insists on the kernel: ServoError where there is none. `twin` does without. Empty takes the best.
     """
-    if wish is None:
-        wish = os.environ.get(VARIABLE, "")
-    if wish not in {"", NATIVE, TWIN}:
-        raise ServoError(f"{VARIABLE}={wish}: say '{NATIVE}', '{TWIN}', or nothing for the best there is")
-    if wish == TWIN:
+    if command is None:
+        command = os.environ.get(VARIABLE, "")
+    if command not in {"", NATIVE, TWIN}:
+        raise ServoError(f"{VARIABLE}={command}: say '{NATIVE}', '{TWIN}', or nothing for the best there is")
+    if command == TWIN:
         return Found(None, "the twin was asked for")
     found = find()
-    if wish == NATIVE and found.library is None:
+    if command == NATIVE and found.library is None:
         raise ServoError(f"the native servo cannot serve: {found.reason}")
     return found
 
@@ -212,7 +212,7 @@ class Kernel:
         ended = self._run(self._address, last)
         if ended == 0:  # mostly: `Ended.REACHED`
             return False
-        if ended != Ended.TOLD:
+        if ended != Ended.EVENT:
             self._break_off(Ended(ended))
         return True
 

@@ -200,12 +200,12 @@ def velocity(axis: ServoAxis) -> None:
     error = within(demand - (axis.step << axis.fraction), WIDEST_SPEED)
     before = axis.velocity_integral
     integral = before + axis.velocity_i * error
-    wish = (axis.velocity_p * error + integral) >> VELOCITY_PLACES
-    wish += (axis.velocity_speed_forward * demand) >> SPEED_FORWARD_PLACES
-    wish += (axis.velocity_acceleration_forward * axis.acceleration_demand) >> ACCELERATION_FORWARD_PLACES
+    command = (axis.velocity_p * error + integral) >> VELOCITY_PLACES
+    command += (axis.velocity_speed_forward * demand) >> SPEED_FORWARD_PLACES
+    command += (axis.velocity_acceleration_forward * axis.acceleration_demand) >> ACCELERATION_FORWARD_PLACES
     limit = axis.current_limit_ma
-    bounded = within(wish, limit)
-    if bounded == wish or (integral > before) != (wish > 0):
+    bounded = within(command, limit)
+    if bounded == command or (integral > before) != (command > 0):
         axis.velocity_integral = within(integral, limit << VELOCITY_PLACES)
     axis.current_demand_ma = bounded
 
@@ -224,13 +224,13 @@ def position(axis: ServoAxis) -> int:
     derivative += ((difference - derivative) * axis.position_filter) >> FILTER_PLACES
     axis.derivative = derivative
     integral = axis.position_integral + axis.position_i * error
-    wish = (axis.position_p * error) >> POSITION_P_PLACES
-    wish += integral >> POSITION_I_PLACES
-    wish += (axis.position_d * derivative) >> POSITION_D_PLACES
-    wish += (axis.position_speed_forward * demand) >> SPEED_FORWARD_PLACES
-    wish += (axis.position_acceleration_forward * axis.acceleration_demand) >> ACCELERATION_FORWARD_PLACES
-    bounded = within(wish, axis.current_limit_ma)
-    if bounded == wish or (integral > axis.position_integral) != (wish > 0):
+    command = (axis.position_p * error) >> POSITION_P_PLACES
+    command += integral >> POSITION_I_PLACES
+    command += (axis.position_d * derivative) >> POSITION_D_PLACES
+    command += (axis.position_speed_forward * demand) >> SPEED_FORWARD_PLACES
+    command += (axis.position_acceleration_forward * axis.acceleration_demand) >> ACCELERATION_FORWARD_PLACES
+    bounded = within(command, axis.current_limit_ma)
+    if bounded == command or (integral > axis.position_integral) != (command > 0):
         axis.position_integral = within(integral, axis.current_limit_ma << POSITION_I_PLACES)
     axis.current_demand_ma = bounded
     return flags
@@ -238,11 +238,11 @@ def position(axis: ServoAxis) -> int:
 
 def current_mode(axis: ServoAxis) -> None:
     """Demand the current that was set, within the limits; none that drives past the largest motor speed."""
-    wish = within(axis.current_setting_ma, axis.current_limit_ma)
+    command = within(axis.current_setting_ma, axis.current_limit_ma)
     speed = axis.velocity_average
-    if (wish > 0 and speed > axis.speed_limit) or (wish < 0 and -speed > axis.speed_limit):
-        wish = 0
-    axis.current_demand_ma = wish
+    if (command > 0 and speed > axis.speed_limit) or (command < 0 and -speed > axis.speed_limit):
+        command = 0
+    axis.current_demand_ma = command
 
 
 def arrival(axis: ServoAxis, flags: int) -> int:

@@ -46,17 +46,17 @@ def move(axis: ServoAxis) -> bool:
     speed = axis.velocity_demand if forward else -axis.velocity_demand
     slowing = axis.deceleration
     if way >= axis.stopping_distance:
-        wish = axis.cruise
+        command = axis.cruise
     elif way <= slowing:
-        wish = min(way, axis.cruise)
+        command = min(way, axis.cruise)
     else:
-        wish = min((isqrt(8 * slowing * way + slowing * slowing) - slowing) >> 1, axis.cruise)
+        command = min((isqrt(8 * slowing * way + slowing * slowing) - slowing) >> 1, axis.cruise)
     if speed < 0:
         following = min(speed + slowing, 0)
-    elif speed < wish:
-        following = min(speed + axis.acceleration, wish)
+    elif speed < command:
+        following = min(speed + axis.acceleration, command)
     else:
-        following = max(speed - slowing, wish)
+        following = max(speed - slowing, command)
     axis.acceleration_demand = following - speed if forward else speed - following
     axis.velocity_demand = following if forward else -following
     axis.position_demand += axis.velocity_demand

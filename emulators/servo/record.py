@@ -136,7 +136,7 @@ class Record:
     # Levels of the digital outputs and the brake, for the plant: see `emulators.servo.pins`.
     outputs: int
     # State. `turning`: an open winding's voltage is kept up in this ms, JUST_OPENED: and has not been yet;
-    # `told`: the last ms raised an event.
+    # `event`: the last ms raised an event.
     now: int
     flags: int
     encoder: int
@@ -156,7 +156,7 @@ class Record:
     # it is, and for how many ms it is left to itself. The shaft's speed a tick before, mrad/s.
     back_emf: int
     ending: int
-    evening: int
+    balance_voltage: int
     learning: int
     raised: int
     braking: int
@@ -172,7 +172,7 @@ class Record:
     thermal: int
     window_ms: int
     still_ms: int
-    told: int
+    event: int
     # The pins one ms ago; where the index was passed last, and how often it was since power-on.
     pins_before: int
     index_position: int

@@ -9,7 +9,7 @@ up over a thousand knots. The axis has the next segment beforehand: it goes on b
 from dataclasses import dataclass
 
 from emulators.servo.axis import SPLINE, ServoAxis
-from emulators.servo.commands import judge_anew, regulate_position
+from emulators.servo.commands import judge_again, regulate_position
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +62,7 @@ def begin(axis: ServoAxis, first: Segment) -> None:
     axis.spline_linear, axis.spline_square, axis.spline_cube = first.linear, first.square, first.cube
     axis.spline_ms = first.ms
     axis.next_ms = 0
-    judge_anew(axis, there=False)
+    judge_again(axis, there=False)
 
 
 def prepare(axis: ServoAxis, following: Segment) -> None:

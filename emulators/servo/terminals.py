@@ -132,7 +132,7 @@ class Terminals:
         self._run: Final = run
         self._address: Final = ctypes.addressof(self._record)
 
-    def tell(self, bridges: Sequence[HalfBridge]) -> None:
+    def connect(self, bridges: Sequence[HalfBridge]) -> None:
         """Take what the half bridges do from here on, motor by motor."""
         self._driven[:] = [it.cw - it.ccw for it in bridges]
         self._conducting[:] = [it.cw + it.ccw + it.brake for it in bridges]

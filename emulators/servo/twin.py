@@ -37,33 +37,33 @@ class Twin:
 
     def run(self, last: int) -> bool:
         """Run ticks up to number `last`, or to the end of the first one with an event; say which."""
-        told = False
-        while self.tick < last and not told:
+        event = False
+        while self.tick < last and not event:
             phase = self.tick % TICKS_PER_MILLISECOND
             if phase == 0:
-                told = self._millisecond()
-            ticks = 1 if told else min(last - self.tick, TICKS_PER_MILLISECOND - phase)
+                event = self._millisecond()
+            ticks = 1 if event else min(last - self.tick, TICKS_PER_MILLISECOND - phase)
             self._current_loops(ticks)
         for axis in self._axes:
             axis.now = self.tick * TICK
-        return told
+        return event
 
     def _millisecond(self) -> bool:
         """Sample the plant and run every axis' millisecond; say whether one of them raised an event."""
         self._sample_supply()
         self._sample_pins()
         count = len(self._axes)
-        told = False
+        event = False
         currents = self._plant.outputs[:count]
         angles = self._plant.outputs[count : 2 * count]
         for k, axis in enumerate(self._axes):
             axis.current_ma = self._reading("current", axis, currents[k])
             raised = millisecond(axis, self._count(k, axis, angles[k]))
-            axis.told = raised
-            told = told or raised
+            axis.event = raised
+            event = event or raised
             if not axis.powered:
                 axis.turning = winding.turns(axis, self._speed(k))
-        return told
+        return event
 
     def _current_loops(self, ticks: int) -> None:
         """Run the ticks up to the next ms: current loops, open windings, plant."""

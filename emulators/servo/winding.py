@@ -84,20 +84,20 @@ class Winding:
         axis.voltage_mv = self.voltage
 
 
-def tell(axis: ServoAxis, constant: float, resistance: float = 0.0, inductance: float = 0.0) -> None:
+def set_winding(axis: ServoAxis, constant: float, resistance: float = 0.0, inductance: float = 0.0) -> None:
     """Tell an axis its motor's constant (V s/rad), and resistance (Ohm) and inductance (H) where known.
 
     Over a tick of constant voltage u the current goes from i to a i + (1 - a) (u - emf) / R with
-    a = exp(-R tick / L): it ends at 0 for u = emf - `ending` i, and at -i for u = emf - `evening` i.
+    a = exp(-R tick / L): it ends at 0 for u = emf - `ending` i, and at -i for u = emf - `balance_voltage` i.
     """
     axis.back_emf = min(max(0, round(constant * (1 << BACK_EMF_PLACES))), WIDEST_BACK_EMF)
     axis.learning = 0 if axis.back_emf else LEAST_LEARNING
-    axis.ending = axis.evening = 0
+    axis.ending = axis.balance_voltage = 0
     if resistance > 0.0 and inductance > 0.0:
         exponent = min(resistance * to_seconds(TICK) / inductance, _LONGEST_EXPONENT)
         ending = inductance / to_seconds(TICK) * (exponent / expm1(exponent) if exponent > 0.0 else 1.0)
         axis.ending = min(round(ending * (1 << RESISTANCE_PLACES)), WIDEST_RESISTANCE)
-        axis.evening = min(
+        axis.balance_voltage = min(
             max(1, round((resistance + 2.0 * ending) * (1 << RESISTANCE_PLACES))), WIDEST_RESISTANCE
         )
 
@@ -164,12 +164,12 @@ def doubt(axis: ServoAxis, current: int, speed: int) -> None:
             axis.learning = max(axis.learning >> 2, LEAST_LEARNING)
             axis.braking, axis.waits = 0, RECOVERING_MS
             axis.left = min(axis.left << 1, MOST_LEFT_MA)
-    elif axis.evening and axis.voltage_mv:
+    elif axis.balance_voltage and axis.voltage_mv:
         past = -current if before > 0 else current
         size = before if before > 0 else -before
         opposed = (axis.voltage_mv > 0) != (before > 0)
         if before and opposed and past > (size >> 2) + DOUBTED_MA:
-            axis.ending = axis.evening = 0
+            axis.ending = axis.balance_voltage = 0
 
 
 def unfed(axis: ServoAxis, current: int, speed: int) -> int:
@@ -196,9 +196,9 @@ def unfed_forwards(axis: ServoAxis, current: int, speed: int, to_come: int) -> i
     back_emf = (axis.back_emf * max(0, min(speed, to_come))) >> BACK_EMF_PLACES
     if current == 0:
         return back_emf
-    if axis.evening == 0:
+    if axis.balance_voltage == 0:
         return back_emf if current < 0 else 0
     ending = back_emf - ((axis.ending * current) >> RESISTANCE_PLACES)
     if current < 0 or ending <= 0:
         return ending
-    return max(0, back_emf - ((axis.evening * current) >> RESISTANCE_PLACES))
+    return max(0, back_emf - ((axis.balance_voltage * current) >> RESISTANCE_PLACES))

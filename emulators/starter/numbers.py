@@ -56,65 +56,65 @@ class Specification:
     turn_rate_rad_s: float = 1.2
 
 
-def worked_out(told: Specification) -> dict[str, str]:
+def worked_out(given: Specification) -> dict[str, str]:
     """Return each template's word with what stands for it; SpecificationError where no robot is like that."""
-    motor = told.motor
-    radius, track, gear = told.wheel_radius_m, told.track_m, told.gear
-    fastest = (told.speed_mps + told.turn_rate_rad_s * track / 2.0) / radius
-    _must_be_possible(told, fastest)
-    turn_acceleration = 2.0 * told.turn_rate_rad_s
-    sideways = 0.8 * told.speed_mps * told.turn_rate_rad_s
-    rim = told.acceleration_mps2 / radius * gear * RPM
-    wheel_mass = 0.03 * told.mass_kg
+    motor = given.motor
+    radius, track, gear = given.wheel_radius_m, given.track_m, given.gear
+    fastest = (given.speed_mps + given.turn_rate_rad_s * track / 2.0) / radius
+    _must_be_possible(given, fastest)
+    turn_acceleration = 2.0 * given.turn_rate_rad_s
+    sideways = 0.8 * given.speed_mps * given.turn_rate_rad_s
+    rim = given.acceleration_mps2 / radius * gear * RPM
+    wheel_mass = 0.03 * given.mass_kg
     wheel_inertia = wheel_mass * radius**2 / 2.0
-    inertia = motor.rotor_inertia_kg_m2 + (told.mass_kg / 2.0 * radius**2 + wheel_inertia) / gear**2
-    gains = velocity_gains(motor, inertia, told.voltage_v)
-    count = 1000.0 * math.tau / (4 * told.encoder_lines)
-    continuous_ma = min(round(1000.0 * motor.continuous_current_a), told.device.continuous_ma)
-    rolling = ROLLS * GRAVITY * told.mass_kg / 2.0 * radius / gear / motor.torque_constant_nm_a
+    inertia = motor.rotor_inertia_kg_m2 + (given.mass_kg / 2.0 * radius**2 + wheel_inertia) / gear**2
+    gains = velocity_gains(motor, inertia, given.voltage_v)
+    count = 1000.0 * math.tau / (4 * given.encoder_lines)
+    continuous_ma = min(round(1000.0 * motor.continuous_current_a), given.device.continuous_ma)
+    rolling = ROLLS * GRAVITY * given.mass_kg / 2.0 * radius / gear / motor.torque_constant_nm_a
     numbers: dict[str, object] = {
-        "name": told.name,
-        "Name": told.name.capitalize(),
-        "left": told.axes[0],
-        "right": told.axes[1],
-        "left_node": told.nodes[0],
-        "right_node": told.nodes[1],
-        "bridge_node": next(node for node in (BRIDGE_NODE, 101, 102) if node not in told.nodes),
+        "name": given.name,
+        "Name": given.name.capitalize(),
+        "left": given.axes[0],
+        "right": given.axes[1],
+        "left_node": given.nodes[0],
+        "right_node": given.nodes[1],
+        "bridge_node": next(node for node in (BRIDGE_NODE, 101, 102) if node not in given.nodes),
         "wheel_radius": _number(radius),
         "track": _number(track),
-        "speed": _number(told.speed_mps),
-        "acceleration": _number(told.acceleration_mps2),
-        "turn_rate": _number(told.turn_rate_rad_s),
+        "speed": _number(given.speed_mps),
+        "acceleration": _number(given.acceleration_mps2),
+        "turn_rate": _number(given.turn_rate_rad_s),
         "turn_acceleration": _number(turn_acceleration),
         "sideways": _number(sideways),
-        "voltage": _number(told.voltage_v),
-        "low_voltage": _number(0.875 * told.voltage_v),
-        "per_volt": _number(1.25 * told.voltage_v / INPUT_V),
+        "voltage": _number(given.voltage_v),
+        "low_voltage": _number(0.875 * given.voltage_v),
+        "per_volt": _number(1.25 * given.voltage_v / INPUT_V),
         "mean": _number(radius / 2.0),
         "difference": _number(radius / track),
-        "speed_bound": _number(1.005 * told.speed_mps),
-        "turn_bound": _number(1.01 * told.turn_rate_rad_s),
+        "speed_bound": _number(1.005 * given.speed_mps),
+        "turn_bound": _number(1.01 * given.turn_rate_rad_s),
         "top_speed": _number(TOP_MARGIN * fastest),
         "gear": _number(gear),
-        "device": told.device.value,
-        "product_code": f"0x{(PROFILES[told.device].hardware_version or 0) << 16:08X}",
+        "device": given.device.value,
+        "product_code": f"0x{(PROFILES[given.device].hardware_version or 0) << 16:08X}",
         "motor": motor.title,
-        "encoder_lines": told.encoder_lines,
+        "encoder_lines": given.encoder_lines,
         "continuous_ma": continuous_ma,
-        "peak_ma": min(2 * continuous_ma, told.device.peak_ma),
+        "peak_ma": min(2 * continuous_ma, given.device.peak_ma),
         "friction": f"{FRICTION_MARGIN * (motor.no_load_current_a + rolling):.2g}",
         "velocity_rpm": math.ceil(TOP_MARGIN * fastest * gear * RPM),
         "max_velocity_rpm": math.ceil(OVERSPEED * fastest * gear * RPM),
         "profile_rpm_s": round(PROFILE_SHARE * rim),
         "quick_stop_rpm_s": round(QUICK_STOP_SHARE * rim),
-        "mass": _number(told.mass_kg),
-        "body_mass": _number(told.mass_kg - 2.0 * wheel_mass),
+        "mass": _number(given.mass_kg),
+        "body_mass": _number(given.mass_kg - 2.0 * wheel_mass),
         "wheel_mass": _number(wheel_mass),
         "wheel_inertia": _number(wheel_inertia),
         "wheel_yaw_inertia": _number(wheel_inertia / 2.0),
-        "yaw_inertia": _number(told.mass_kg * track**2 / 4.0),
-        "empty_mass": _number(told.mass_kg / 2.0),
-        "empty_inertia": _number(told.mass_kg * track**2 / 8.0),
+        "yaw_inertia": _number(given.mass_kg * track**2 / 4.0),
+        "empty_mass": _number(given.mass_kg / 2.0),
+        "empty_inertia": _number(given.mass_kg * track**2 / 8.0),
         "centre_offset": _number(radius),
         "centre_height": _number(track / 2.0),
         "castor_ahead": _number(0.9 * track),
@@ -131,28 +131,29 @@ def worked_out(told: Specification) -> dict[str, str]:
         "count_current": f"{gains.velocity_p / VELOCITY_P_UNIT * count:.2f}",
         **gains.model_dump(),
         # What the missions ask for.
-        "cruise": _number(0.5 * told.speed_mps),
-        "gentle": _number(0.2 * told.acceleration_mps2),
-        "too_fast": _number(1.6 * told.speed_mps),
-        "turn_deg_s": _number(0.5 * math.degrees(told.turn_rate_rad_s)),
-        "too_quick_deg_s": _number(2.0 * math.degrees(told.turn_rate_rad_s)),
-        "full_turn_deg_s": _number(math.degrees(told.turn_rate_rad_s)),
+        "cruise": _number(0.5 * given.speed_mps),
+        "gentle": _number(0.2 * given.acceleration_mps2),
+        "too_fast": _number(1.6 * given.speed_mps),
+        "turn_deg_s": _number(0.5 * math.degrees(given.turn_rate_rad_s)),
+        "too_quick_deg_s": _number(2.0 * math.degrees(given.turn_rate_rad_s)),
+        "full_turn_deg_s": _number(math.degrees(given.turn_rate_rad_s)),
     }
     return {word: str(number) for word, number in numbers.items()}
 
 
-def _must_be_possible(told: Specification, fastest: float) -> None:
+def _must_be_possible(given: Specification, fastest: float) -> None:
     """SpecificationError where wheels, motor and gear make no robot; `fastest` is a wheel's, in rad/s."""
-    radius, track, gear = told.wheel_radius_m, told.track_m, told.gear
+    radius, track, gear = given.wheel_radius_m, given.track_m, given.gear
     if radius >= track:
         raise SpecificationError(
             f"--wheel-radius {radius:g} is not below --track {track:g}: both are in metres"
         )
-    usable = USABLE_SPEED * told.motor.no_load_speed(told.voltage_v) / gear
+    usable = USABLE_SPEED * given.motor.no_load_speed(given.voltage_v) / gear
     if fastest > usable:
         raise SpecificationError(
-            f"{told.speed_mps:g} m/s and {told.turn_rate_rad_s:g} rad/s take {fastest:.3g} rad/s of a wheel, "
-            f"{told.motor.title} behind {gear:g}:1 gives {usable:.3g}: take a smaller --gear, or less --speed"
+            f"{given.speed_mps:g} m/s and {given.turn_rate_rad_s:g} rad/s take {fastest:.3g} rad/s of a "
+            f"wheel, {given.motor.title} behind {gear:g}:1 gives {usable:.3g}: take a smaller --gear, or "
+            "less --speed"
         )
     if fastest < LEAST_OF_THE_MOTOR * usable:
         raise SpecificationError(

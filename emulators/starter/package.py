@@ -14,19 +14,19 @@ NAME: Final = "NAME"
 """Stands for the robot's name in the templates' paths."""
 
 
-def written(told: Specification) -> dict[str, str]:
+def written(given: Specification) -> dict[str, str]:
     """Return the files of a package, by their paths in it; SpecificationError."""
-    words = worked_out(told)
+    words = worked_out(given)
     texts = {}
-    for path, template in _templates(files("emulators.starter") / TEMPLATES / told.kind, ""):
-        name = path.removesuffix(SUFFIX).replace(NAME, told.name)
+    for path, template in _templates(files("emulators.starter") / TEMPLATES / given.kind, ""):
+        name = path.removesuffix(SUFFIX).replace(NAME, given.name)
         texts[name] = Template(template.read_text(encoding="utf-8")).substitute(words)
     return texts
 
 
-def write(told: Specification, folder: Path) -> tuple[Path, ...]:
+def write(given: Specification, folder: Path) -> tuple[Path, ...]:
     """Write a package into a folder that is not there yet; SpecificationError, OSError."""
-    texts = written(told)
+    texts = written(given)
     if folder.exists():
         raise SpecificationError(f"{folder} is there already; take another --dir, or remove it")
     paths = []

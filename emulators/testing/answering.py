@@ -24,7 +24,7 @@ from firmware_bridge.wire.maxon.frame import Answered, Frame, Generation
 from firmware_bridge.wire.maxon.lines import host_end
 from firmware_bridge.wire.sdo import UploadResponse, decode_response, encode_upload
 
-ASKED_AGAIN: Final = 20
+REQUESTED_AGAIN: Final = 20
 """Looks, 1 s: an answer that is late comes before the question is put again."""
 ALREADY_S: Final = 0.3
 """So long after a question, or an answer of another, a drive that is there has answered."""
@@ -65,7 +65,7 @@ class RollCall:
 
     def answering(self, within: float = ALREADY_S) -> list[int]:
         """Ask once, and return who has answered within that many seconds."""
-        asked = set(self._missing)
+        requested = set(self._missing)
         self.complete()
         # A missing drive sends nothing: only here is that waited for, whatever else is on the bus.
         clock, left, until = Clock(), set(self._missing), from_seconds(within)
@@ -74,19 +74,19 @@ class RollCall:
                 break
             if self._missing != left:
                 left, until = set(self._missing), clock.now() + from_seconds(within)
-        return sorted(asked - self._missing)
+        return sorted(requested - self._missing)
 
     def complete(self) -> bool:
         """Look once; return whether all have answered."""
-        if self._looks % ASKED_AGAIN == 0:
+        if self._looks % REQUESTED_AGAIN == 0:
             for node in sorted(self._missing):
                 self._port.write(SDO_REQUEST + node, encode_upload(DEVICE_TYPE), 0)
         self._looks += 1
         while select.select([self._port.fileno()], [], [], 0)[0]:
-            heard = self._port.read(0)
-            if not heard:
+            received = self._port.read(0)
+            if not received:
                 break
-            for address, payload in heard:
+            for address, payload in received:
                 if isinstance(decode_response(payload), UploadResponse):
                     self._missing.discard(address - SDO_RESPONSE)
         return not self._missing
@@ -129,10 +129,10 @@ class LineCall(_Line):
 
     def complete(self) -> bool:
         """Look once; return whether all have answered."""
-        if self._looks % ASKED_AGAIN == 0:
+        if self._looks % REQUESTED_AGAIN == 0:
             self._ask()
         self._looks += 1
-        outcome = self._host.hear(self._line.read(ROOM), 0)
+        outcome = self._host.receive(self._line.read(ROOM), 0)
         self._line.write(self._host.taken())
         if isinstance(outcome, Answered) and outcome.body[:4] == NO_ERROR:
             self._missing.pop(0)
@@ -153,7 +153,7 @@ class BoardCall(_Line):
         """Begin; OSError where there is no such line."""
         super().__init__(port)
         self._question, self._answer = QUESTIONS[spoken]
-        self._heard = b""
+        self._received = b""
         self._looks = -BOOTS
 
     def complete(self) -> bool:
@@ -161,7 +161,7 @@ class BoardCall(_Line):
         more = self._line.read(ROOM)
         if self._looks % BOOTS_AGAIN == 0:
             self._line.write(self._question)
-            self._heard = b""
+            self._received = b""
         self._looks += 1
-        self._heard += more
-        return self._looks > 0 and self._answer in self._heard and not more
+        self._received += more
+        return self._looks > 0 and self._answer in self._received and not more

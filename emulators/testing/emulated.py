@@ -46,7 +46,7 @@ class Drives:
     def _on_a_line(self, nodes: str, more: Sequence[str]) -> str:
         port = self._folder / f"drives-{nodes}.tty"
         program = self._started(nodes, "--serial", "pty", "--serial-link", str(port), *more)
-        program.says(GREETING, READY_WITHIN_S)
+        program.prints(GREETING, READY_WITHIN_S)
         with LineCall(str(port), nodes, Generation.V2 if "v2" in more else Generation.V1) as call:
             program.waits(call.complete, f"all of {nodes} answering", READY_WITHIN_S)
         return str(port)
@@ -61,7 +61,7 @@ class Drives:
                 "a real one? End it (ps -e | grep firmware-bridge), or take other nodes or another bus"
             )
         program = self._started(nodes, *bus.words, *more)
-        program.says(GREETING, READY_WITHIN_S)
+        program.prints(GREETING, READY_WITHIN_S)
         with RollCall(bus, nodes) as call:
             program.waits(call.complete, f"all of {nodes} answering on {bus.channel}", READY_WITHIN_S)
         return bus.channel
@@ -80,7 +80,7 @@ def board(start: Start, folder: Path, what: str, more: Sequence[str], protocol: 
     words, spoken = _command(what, protocol)
     port = folder / f"{Path(what).stem}.tty"
     program = start(("emulate", *words, "--serial", "pty", "--serial-link", str(port), *more))
-    program.says(GREETING, READY_WITHIN_S)
+    program.prints(GREETING, READY_WITHIN_S)
     with BoardCall(str(port), spoken) as call:
         program.waits(call.complete, f"answering in {spoken}", READY_WITHIN_S)
     return str(port)

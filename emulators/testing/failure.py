@@ -6,7 +6,7 @@ from typing import Final
 
 from emulators.bench.columns import motor_speed
 from emulators.bench.records import FaultRecord
-from emulators.extras import cure, installed
+from emulators.extras import installed, remedy_of
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.units import Nanoseconds, to_seconds
 
@@ -21,7 +21,7 @@ STANDS_RAD_S: Final = 1.0
 """At the motor's shaft."""
 
 
-def told(rig: VirtualRig, test: str, folder: Path, again: str, *, pictures: bool) -> str:
+def failure_text(rig: VirtualRig, test: str, folder: Path, again: str, *, pictures: bool) -> str:
     """Keep a rig's recording and pictures in a folder, and say what a person wants to know first.
 
     `again` is the line that runs the test again.
@@ -49,7 +49,7 @@ def _lines(rig: VirtualRig, test: str, folder: Path, again: str, *, pictures: bo
     else:
         yield f"kept in {folder}: {', '.join(path.name for path in kept)}"
         if pictures and not drawn:
-            yield f"no pictures: {cure('plots')}"
+            yield f"no pictures: {remedy_of('plots')}"
     yield f"again: {again}"
 
 

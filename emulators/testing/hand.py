@@ -11,6 +11,7 @@ from emulators.bench.operator import ScriptedOperator
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Holds, Step, inputs
 from emulators.testing.errors import RigError
+from firmware_bridge.renamed import warn
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import problems_of
 from firmware_bridge.units import Nanoseconds, to_seconds
@@ -47,9 +48,15 @@ class Hand:
         return tuple(self._station.diary.entries)
 
     @property
-    def told(self) -> tuple[str, ...]:
+    def texts(self) -> tuple[str, ...]:
         """The diary's texts."""
         return tuple(entry.text for entry in self.diary)
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """The old name of `texts`."""
+        warn("told", "texts", "rig.operator")
+        return self.texts
 
     @property
     def armed(self) -> bool:
@@ -61,9 +68,13 @@ class Hand:
         """What can be said in `does` and `drives`, in a mission's words."""
         return tuple(key for key in self._step.model_fields if key not in {"at_s", "title"})
 
-    def does(self, title: str = "", **said: object) -> None:
+    def does(self, title: str = "", **values: object) -> None:
         """Do one step of a mission now; RigError, with a near name, where the robot has no such key."""
-        table = {"at_s": to_seconds(self._clock()), "title": title or ", ".join(said) or "nothing", **said}
+        table = {
+            "at_s": to_seconds(self._clock()),
+            "title": title or ", ".join(values) or "nothing",
+            **values,
+        }
         try:
             step = self._step.model_validate(table)
         except ValidationError as error:
@@ -71,12 +82,12 @@ class Hand:
             raise RigError(f"{self._robot.name}: its operator cannot do that: {problems}") from error
         self._goes_on(step)
 
-    def drives(self, forward: float | None = None, **said: object) -> None:
+    def drives(self, forward: float | None = None, **values: object) -> None:
         """Drive ahead with so many m/s, and whatever else the robot's missions can say, from now on."""
         if forward is not None and FORWARD not in self._step.model_fields:
             known = ", ".join(self.keys)
             raise RigError(f"{self._robot.name} has no forward; its operator knows {known}")
-        self.does("drives", **({} if forward is None else {FORWARD: forward}), **said)
+        self.does("drives", **({} if forward is None else {FORWARD: forward}), **values)
 
     def lets_go(self) -> None:
         """Let go of everything that he holds."""

@@ -162,12 +162,12 @@ def pytest_runtest_makereport(
     rig = getattr(item, "funcargs", {}).get("rig")
     wrong_story = call.excinfo is not None and isinstance(call.excinfo.value, RigError)
     if call.when == "call" and report.failed and _is_virtual(rig) and not wrong_story:
-        from emulators.testing.failure import told  # noqa: PLC0415 - the bench is there: a test has used it
+        from emulators.testing.failure import failure_text  # noqa: PLC0415 - the bench is there: a test has used it
 
         name = item.nodeid.rpartition("/")[2]
         folder = item.config.getoption("--kept") / re.sub(r"[^\w.-]+", "-", name).strip("-")
         pictures = not item.config.getoption("--no-pictures")
-        text = told(rig, name, folder, _again(item), pictures=pictures)
+        text = failure_text(rig, name, folder, _again(item), pictures=pictures)
         report.sections.append(("firmware-bridge", text))
         _notes(item, report, "kept", str(folder.resolve()))
     if call.when == "call" and report.failed:

@@ -11,12 +11,14 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
+from firmware_bridge.renamed import warn
+
 LOOK_EVERY_S: Final = 0.05
 KILLED_AFTER_S: Final = 5.0
 """So long a program that was asked to end may take over it."""
 SET_DEATH_SIGNAL: Final = 1
 """`prctl`'s PR_SET_PDEATHSIG."""
-TOLD: Final = 4000
+SHOWN: Final = 4000
 """So many of the last characters that it printed stand in an error."""
 
 
@@ -56,9 +58,14 @@ class Process:
         """Its exit status; None while it runs."""
         return self._process.poll()
 
-    def says(self, text: str, within: float = 10.0) -> None:
+    def prints(self, text: str, within: float = 10.0) -> None:
         """Wait until it has printed this."""
         self.waits(lambda: text in self.printed, f"'{text}' printed", within)
+
+    def says(self, text: str, within: float = 10.0) -> None:
+        """Do as `prints`, by its old name."""
+        warn("says", "prints", "Process")
+        self.prints(text, within)
 
     def waits(self, what: Callable[[], object], called: str, within: float) -> None:
         """Wait until something is so, looked at every 50 ms; it may end before only where it is so then."""
@@ -97,4 +104,4 @@ class Process:
 
     def failed(self, what: str) -> AssertionError:
         """Return the error that says what it did not do, and what it printed."""
-        return AssertionError(f"{shlex.join(self.command)}: {what}; it printed:\n{self.printed[-TOLD:]}")
+        return AssertionError(f"{shlex.join(self.command)}: {what}; it printed:\n{self.printed[-SHOWN:]}")

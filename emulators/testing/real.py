@@ -46,7 +46,7 @@ class RealDrives:
         if place is None:
             raise SkipTest(f"needs a line to real drives: --serial-line {LINE}")
         for node in numbers(nodes):
-            self._asked("state", "--node", str(node), *place)
+            self._requested("state", "--node", str(node), *place)
             self._taken.append(("--node", str(node), *place))
         return self._device if on is None else on.channel
 
@@ -73,17 +73,17 @@ class RealDrives:
                 yield failure
 
     def _stop(self, one: tuple[str, ...]) -> None:
-        self._asked("state", "quick-stop", *one)
+        self._requested("state", "quick-stop", *one)
 
     def _let_go(self, one: tuple[str, ...]) -> None:
         for _ in range(LOOKS):
-            program = self._asked("read", VELOCITY, "--json", *one)
+            program = self._requested("read", VELOCITY, "--json", *one)
             if abs(json.loads(program.printed)["objects"][0]["value"]) <= AT_REST_RPM:
-                self._asked("state", "disable", *one)
+                self._requested("state", "disable", *one)
                 return
         raise program.failed(f"it still turns after {LOOKS} looks, and keeps its power")
 
-    def _asked(self, *words: str) -> Process:
+    def _requested(self, *words: str) -> Process:
         program = self._start(("epos2", *words))
         if program.ends(READY_WITHIN_S) != 0:
             raise program.failed(f"ended with {program.status}")

@@ -70,8 +70,8 @@ class VirtualRig:
         arms = step(at_s=ARM_S, title="arms", arm=True)
         stands = self.rehearsal.stands
         zero = {axis.role: stands.get(axis.role, 0.0) for axis in robot.axes if axis.zero_confirmed}
-        told = (step(at_s=0.0, title="says where it stands", zero=zero),) if zero else ()
-        story = Mission(title=f"a test of {robot.name}", duration_s=FOR_GOOD_S, step=(*told, arms))
+        confirmed = (step(at_s=0.0, title="says where it stands", zero=zero),) if zero else ()
+        story = Mission(title=f"a test of {robot.name}", duration_s=FOR_GOOD_S, step=(*confirmed, arms))
         hand = np.random.default_rng([seed, HAND_STREAM])
         station = ScriptedOperator(robot, self.rehearsal, story, hand)
         self.bench: Final = Rig(robot, self.rehearsal, station, seed=seed)
@@ -127,8 +127,8 @@ class VirtualRig:
         while not self.operator.armed:
             if self.bench.world.now >= ARMED_BY_S * SECOND:
                 holds = "; ".join(f"{name}: {reason}" for name, reason in self.holds.items())
-                told = " / ".join(self.operator.told[-3:])
-                raise RigError(f"{self.robot.name} is not armed by {ARMED_BY_S:g} s: {holds or told}")
+                confirmed = " / ".join(self.operator.texts[-3:])
+                raise RigError(f"{self.robot.name} is not armed by {ARMED_BY_S:g} s: {holds or confirmed}")
             self.runs(STEP_S)
         self.began = self.bench.world.now
 
@@ -145,19 +145,19 @@ class VirtualRig:
             if kind not in KINDS:
                 has = list(dict.fromkeys(failure.kind for failure in failures_of(self.robot)))
                 known = has if nearest(kind, has) or not nearest(kind, KINDS) else list(KINDS)
-                said = f"no such fault as '{kind}'; {near(kind, known, most=len(known))}"
-                raise RigError(f"{said} (firmware-bridge faults {self.robot.name} lists them)") from error
+                message = f"no such fault as '{kind}'; {near(kind, known, most=len(known))}"
+                raise RigError(f"{message} (firmware-bridge faults {self.robot.name} lists them)") from error
             among = " or ".join(KINDS[kind].fault.among.of(self.robot)) or "nobody here"
-            said = "; ".join(
+            message = "; ".join(
                 f"{kind} needs node: {among}"
                 if key == "node" and "required" in problem
                 else f"{key}: {problem}"
                 for key, problem in problems_of(error, KINDS[kind].fault)
             )
-            raise RigError(f"{self.robot.name} cannot have the fault '{kind}': {said}") from error
+            raise RigError(f"{self.robot.name} cannot have the fault '{kind}': {message}") from error
         except FaultError as error:
-            said = "; ".join(f"{key.partition('.')[2] or key}: {what}" for key, what in error.problems)
-            raise RigError(f"{self.robot.name} cannot have the fault '{kind}': {said}") from error
+            message = "; ".join(f"{key.partition('.')[2] or key}: {what}" for key, what in error.problems)
+            raise RigError(f"{self.robot.name} cannot have the fault '{kind}': {message}") from error
 
     @contextmanager
     def branch(self) -> Iterator["VirtualRig"]:

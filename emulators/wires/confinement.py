@@ -44,7 +44,7 @@ class Confinement:
         self.transmit -= self.transmit > 0
         return self._judge()
 
-    def heard(self) -> bool:
+    def received(self) -> bool:
         """Count a frame that was heard well; whether the condition has changed."""
         if self.receive >= PASSIVE_FROM:
             self.receive = BACK_FROM_PASSIVE
@@ -57,7 +57,7 @@ class Confinement:
         self.transmit += SENDING_FAILED
         return self._judge()
 
-    def failed_to_hear(self, *, first: bool) -> bool:
+    def failed_to_receive(self, *, first: bool) -> bool:
         """Count a damaged frame of another's; whether the condition has changed."""
         if self.receive < PASSIVE_FROM:
             self.receive += HEARING_FAILED + FIRST_TO_NOTICE * first

@@ -30,7 +30,7 @@ class Ends:
         self.wire = wire
         self.all: list[End] = []
         self.observers: External[Observer] = External()
-        self.deaf: frozenset[Station] = frozenset()
+        self.not_receiving: frozenset[Station] = frozenset()
         """Stations that the packet in hand does not reach."""
         self._world: World | None = None
 
@@ -54,18 +54,18 @@ class Ends:
 
     def hand_over(self, sender: Station, packet: Packet) -> None:
         """Give a packet that has wholly arrived to observers, trace and everybody but its sender."""
-        world, deaf, sent_on = self.world, self.deaf, packet.link
+        world, not_receiving, sent_on = self.world, self.not_receiving, packet.link
         for observer in self.observers:
             observer(world.now, sender.name, packet)
         world.note(self.wire, sender.name, packet)
         for end in self.all:
             station, link = end.station, end.link
-            if station is sender or (deaf and station in deaf):
+            if station is sender or (not_receiving and station in not_receiving):
                 continue
-            heard = packet if link == sent_on else Packet(link, packet.address, packet.payload)
+            received = packet if link == sent_on else Packet(link, packet.address, packet.payload)
             listens = station.listens
-            if listens is None or listens(heard):
-                world.deliver(station, heard)
+            if listens is None or listens(received):
+                world.deliver(station, received)
 
 
 class Observed:

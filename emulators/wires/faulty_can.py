@@ -93,7 +93,7 @@ class FaultyCanWire(CanWire):
         self._swapped = frozenset(self._named(name).name for name in names)
         self._sound = False
 
-    def mend(self) -> None:
+    def repair(self) -> None:
         """Put the cable right: neither cut nor swapped. What waited for an acknowledgement is sent."""
         self._beyond = self._swapped = frozenset()
         self._try_again()
@@ -215,16 +215,18 @@ class FaultyCanWire(CanWire):
         """End a frame that has gone well for all but one at most."""
         sender = controller.station
         full = self._receiver(self._met(Effect.OVERRUN, sender))
-        deaf = {station for station in self._counters if station not in hearers} | {wrong, full}
-        self._ends.deaf = frozenset(station for station in deaf if station is not None)
+        not_receiving = {station for station in self._counters if station not in hearers} | {wrong, full}
+        self._ends.not_receiving = frozenset(station for station in not_receiving if station is not None)
         super()._finish(controller)
-        self._ends.deaf = frozenset()
+        self._ends.not_receiving = frozenset()
         self._full.discard(sender)
-        self._tell(sender, changed=self._counters[sender].sent())
+        self._on_counters(sender, changed=self._counters[sender].sent())
         for station in hearers:
             counters = self._counters[station]
             missed = station is wrong
-            self._tell(station, changed=counters.failed_to_hear(first=True) if missed else counters.heard())
+            self._on_counters(
+                station, changed=counters.failed_to_receive(first=True) if missed else counters.received()
+            )
         for station in hearers:
             if station is not full:
                 self._overrun.discard(station)
@@ -236,9 +238,11 @@ class FaultyCanWire(CanWire):
         """End a frame with an error flag: everybody counts, and it waits to be sent again."""
         self.damaged += 1
         self._idle_after_flag(controller)
-        self._tell(controller.station, changed=self._counters[controller.station].failed_to_send())
+        self._on_counters(controller.station, changed=self._counters[controller.station].failed_to_send())
         for station in hearers:
-            self._tell(station, changed=self._counters[station].failed_to_hear(first=station is first))
+            self._on_counters(
+                station, changed=self._counters[station].failed_to_receive(first=station is first)
+            )
         self._go_on()
 
     def _repeat(self, controller: Controller) -> None:
@@ -247,7 +251,7 @@ class FaultyCanWire(CanWire):
         self._idle_after_flag(controller)
         counters = self._counters[sender]
         if counters.condition is Condition.ACTIVE:
-            self._tell(sender, changed=counters.failed_to_send())
+            self._on_counters(sender, changed=counters.failed_to_send())
         else:
             self._parked[sender] = deque(packet for packet, _, _ in controller.queue)
             controller.queue.clear()
@@ -272,7 +276,7 @@ class FaultyCanWire(CanWire):
 
     # Controllers
 
-    def _tell(self, station: Station, *, changed: bool) -> None:
+    def _on_counters(self, station: Station, *, changed: bool) -> None:
         if not changed:
             return
         counters = self._counters[station]

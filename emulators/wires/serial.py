@@ -20,18 +20,18 @@ DATA_BITS: Final = 8
 STOP: Final = DATA_BITS + 1
 
 
-def heard_as(byte: int, sent_at: int, heard_at: int) -> int | None:
+def received_as(byte: int, sent_at: int, received_at: int) -> int | None:
     """Return the byte that a receiver at another rate reads; None where the stop bit is missing.
 
     Rates in bits a second. The receiver looks at the middle of each of its own bits, from the falling edge of
     the start bit on; what it hears of a slow sender's byte as a second one is left out.
     """
-    if sent_at == heard_at:
+    if sent_at == received_at:
         return byte
     read = 0
     for place in range(1, STOP + 1):
         # The bit that is on the line place + 1/2 of the receiver's bit times after the edge.
-        on_line = (2 * place + 1) * sent_at // (2 * heard_at)
+        on_line = (2 * place + 1) * sent_at // (2 * received_at)
         level = 1 if on_line >= STOP else 0 if on_line == 0 else byte >> (on_line - 1) & 1
         read |= level << place
     return read >> 1 & 0xFF if read >> STOP else None
@@ -139,9 +139,9 @@ class SerialWire(Observed):
         if self._ends.world.now < uart.station.silent_from:
             for other in self._uarts.values():
                 if other is not uart:
-                    heard = heard_as(byte, uart.rate, self._rate(other))
-                    if heard is not None:
-                        self._store(uart, other, heard)
+                    received = received_as(byte, uart.rate, self._rate(other))
+                    if received is not None:
+                        self._store(uart, other, received)
         if uart.queue:
             self._plan(uart)
         else:

@@ -27,7 +27,7 @@ class Board:
     def __init__(self, port: str) -> None:
         self._line = serial.Serial(port, BAUD, timeout=0.5)
 
-    def asks(self, command: str) -> str:
+    def request(self, command: str) -> str:
         """Send a command; return the line that comes."""
         self._line.write(f"{command}\r".encode())
         return self._line.readline().decode("ascii", "replace").strip()
@@ -36,7 +36,7 @@ class Board:
         """Wait until the board answers with its baud rate."""
         time.sleep(BOOTS_S)
         until = time.monotonic() + PATIENCE_S
-        while self.asks("b") != str(BAUD):
+        while self.request("b") != str(BAUD):
             self._line.reset_input_buffer()
             if time.monotonic() > until:
                 sys.exit(f"no board that speaks ros_arduino_bridge on {self._line.port}")
@@ -47,17 +47,17 @@ def main(port: str, ticks: int = 15, seconds: float = 2.0) -> None:
     """Turn all wheels for so long, and stop them, whatever ends the program."""
     board = Board(port)
     board.comes()
-    board.asks("r")
+    board.request("r")
     stands = " ".join(["0"] * WHEELS)
     try:
         for _ in range(round(seconds / EVERY_S)):
-            said = board.asks("m " + " ".join([str(ticks)] * WHEELS))
-            if said != "OK":
-                sys.exit(f"the board does not take three speeds; it says {said!r}")
-            print(board.asks("e"))
+            stated = board.request("m " + " ".join([str(ticks)] * WHEELS))
+            if stated != "OK":
+                sys.exit(f"the board does not take three speeds; it says {stated!r}")
+            print(board.request("e"))
             time.sleep(EVERY_S)
     finally:
-        board.asks(f"m {stands}")
+        board.request(f"m {stands}")
 
 
 if __name__ == "__main__":

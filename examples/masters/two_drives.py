@@ -29,13 +29,13 @@ class Drives:
         # Datagrams would otherwise leave this machine.
         more: dict[str, int] = {"hop_limit": 0} if interface == "udp_multicast" else {}
         self.bus = can.Bus(interface=interface, channel=channel, **more)
-        self.heard: dict[int, float] = {}
+        self.received: dict[int, float] = {}
 
-    def hears(self, until: float) -> can.Message | None:
+    def receives(self, until: float) -> can.Message | None:
         """Take one frame in, and return it; None where none comes in time."""
         message = self.bus.recv(max(0.0, until - time.monotonic()))
         if message is not None and 0x700 < message.arbitration_id < 0x780:
-            self.heard[message.arbitration_id - 0x700] = time.monotonic()
+            self.received[message.arbitration_id - 0x700] = time.monotonic()
         return message
 
     def writes(self, node: int, index: int, value: int, size: int) -> None:
@@ -44,7 +44,7 @@ class Drives:
         self.sends(0x600 + node, request)
         until = time.monotonic() + ANSWERS_S
         while time.monotonic() < until:
-            message = self.hears(until)
+            message = self.receives(until)
             if message is None or message.arbitration_id != 0x580 + node:
                 continue
             if message.data[1:4] == request[1:4]:
@@ -60,10 +60,10 @@ class Drives:
     def turns(self, seconds: float) -> list[int]:
         """Let them turn for so long; return who has fallen silent."""
         until = time.monotonic() + seconds
-        self.heard = dict.fromkeys(NODES, time.monotonic())
+        self.received = dict.fromkeys(NODES, time.monotonic())
         while time.monotonic() < until:
-            self.hears(time.monotonic() + 0.1)
-            silent = [node for node in NODES if time.monotonic() - self.heard[node] > SILENT_S]
+            self.receives(time.monotonic() + 0.1)
+            silent = [node for node in NODES if time.monotonic() - self.received[node] > SILENT_S]
             if silent:
                 return silent
         return []

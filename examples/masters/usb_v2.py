@@ -53,14 +53,14 @@ class Drive:
 
     def reads(self, index: int) -> bytes:
         """Return an object of subindex 0 as four bytes."""
-        return self.asks(READ, bytes([index & 0xFF, index >> 8, 0, self.node]))[:4]
+        return self.request(READ, bytes([index & 0xFF, index >> 8, 0, self.node]))[:4]
 
     def writes(self, index: int, value: int) -> None:
         """Write an object of subindex 0."""
         head = bytes([index & 0xFF, index >> 8, 0, self.node])
-        self.asks(WRITE, head + (value & 0xFFFFFFFF).to_bytes(4, "little"))
+        self.request(WRITE, head + (value & 0xFFFFFFFF).to_bytes(4, "little"))
 
-    def asks(self, opcode: int, data: bytes) -> bytes:
+    def request(self, opcode: int, data: bytes) -> bytes:
         """Send a command, and return what follows the error code of its answer."""
         body = bytes([opcode, len(data) // 2]) + data
         body += check_sum(body + bytes(2)).to_bytes(2, "little")

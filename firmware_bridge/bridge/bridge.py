@@ -12,10 +12,10 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import Any, Final
 
+from firmware_bridge.bridge.confirmed_at_start import ConfirmedAtStart
 from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.pipeline import Pipeline
-from firmware_bridge.bridge.said_at_start import SaidAtStart
 from firmware_bridge.bridge.stops import AxisStop
 from firmware_bridge.drivers.driver import BRING_UP, Stop, Task
 from firmware_bridge.drivers.fleets import fleets_of
@@ -33,7 +33,7 @@ from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 REST_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest way to rest at an orderly end; then the power goes off, unless a stop still escalates."""
-ASKED_AGAIN_WITHIN: Final[Nanoseconds] = 5 * SECOND
+SECOND_REQUEST_WITHIN: Final[Nanoseconds] = 5 * SECOND
 """Asked twice within this time to end, a robot that is held on a slope is let go."""
 LEFT_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest that taking the power off in order may last; then it is taken off step by step."""
@@ -103,7 +103,7 @@ class Bridge:
         )
         for request in stands:
             self._pipeline.check(request)
-        self._said = SaidAtStart(stands)
+        self._confirmed = ConfirmedAtStart(stands)
         self._tasks = deque(BRING_UP)
         self._task: Task | None = None
         self._cycle_at: Nanoseconds | None = None
@@ -117,7 +117,7 @@ class Bridge:
         self._began_at: Nanoseconds = 0
         self._listens_until: Nanoseconds = 0
         """Until then nothing is sent to the devices: another bridge may be driving them."""
-        self._asked_at: Nanoseconds = NEVER
+        self._requested_at: Nanoseconds = NEVER
         """When a robot that is held with power was last asked to end, or was first held."""
         self._leave_until: Nanoseconds = NEVER
         self._left: set[str] | None = None
@@ -181,9 +181,9 @@ class Bridge:
         if self.phase is Phase.FINISHED:
             return self._reaction(now)
         if packet.link != OPERATOR:
-            self._outbox += self._fleets.hear(packet, now) or ()
+            self._outbox += self._fleets.receive(packet, now) or ()
         else:
-            self._hear_operator(packet, now)
+            self._receive_operator(packet, now)
         return self._reaction(now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -203,9 +203,9 @@ class Bridge:
         While it is `holding` it does not end; asked again, twice within 5 s, it lets go.
         """
         if self.holding:
-            if now < self._asked_at + ASKED_AGAIN_WITHIN:
+            if now < self._requested_at + SECOND_REQUEST_WITHIN:
                 self._permission.order_off(now)
-            self._asked_at = now
+            self._requested_at = now
         elif self.phase is Phase.RUNNING:
             self._permission.armed = False
             self._outbox += self._permission.stops.order()
@@ -246,9 +246,9 @@ class Bridge:
             self._release_at = now + self._cycle // 2
             self._outbox += self._fleets.measure(now)
             if self._permission.homing.under_way:
-                self._said.wait()
+                self._confirmed.wait()
             else:
-                self._said.tell(lambda request: self._pipeline.decide(request, now), now)
+                self._confirmed.confirm(lambda request: self._pipeline.decide(request, now), now)
         elif self.phase is Phase.STOPPING:
             self._come_to_rest(now)
         else:
@@ -322,14 +322,14 @@ class Bridge:
         demanded, rests = self._pipeline.come_to_rest(now)
         self._outbox += demanded
         if not self.holding:
-            self._asked_at = NEVER
-        elif self._asked_at == NEVER:
-            self._asked_at = now
+            self._requested_at = NEVER
+        elif self._requested_at == NEVER:
+            self._requested_at = now
         self._outbox += self._pipeline.reported((self._waiting(now), *self._permission.holds), now)
         permission = self._permission
         done = rests and permission.let_go and not permission.stops.under_way
         late = now >= self._rest_until and not permission.letting_go.under_way
-        gone = self.holding and permission.stops.nobody_left
+        gone = self.holding and permission.stops.no_axis_left
         if done or gone or (late and not permission.stops.escalating):
             self._leave(now)
 
@@ -361,9 +361,9 @@ class Bridge:
         if self.phase is Phase.LEAVING and not stops.under_way:
             self.phase = Phase.FINISHED
 
-    def _hear_operator(self, packet: Packet, now: Nanoseconds) -> None:
+    def _receive_operator(self, packet: Packet, now: Nanoseconds) -> None:
         stopped = self._permission.emergency_stopped
-        self._outbox += self._operator.hear(
+        self._outbox += self._operator.receive(
             packet.payload, now, lambda request: self._decide(request, now), packet.address
         )
         if self.phase is Phase.RUNNING and self._permission.emergency_stopped and not stopped:
@@ -392,8 +392,8 @@ class Bridge:
         if self.failure is not None:
             return Hold(FAILED.name, self.failure, FAILED, self._began_at)
         if self.phase is not Phase.STARTING:
-            asked = self._asked_at <= now < self._asked_at + ASKED_AGAIN_WITHIN
-            return Hold(ENDS.name, HELD if asked else ENDING, ENDS, self._began_at)
+            again = self._requested_at <= now < self._requested_at + SECOND_REQUEST_WITHIN
+            return Hold(ENDS.name, HELD if again else ENDING, ENDS, self._began_at)
         waiting = [driver.axis.title for driver in self._fleets.drivers if driver.busy]
         step = "" if self._task is None else f" ({self._task.value}: {', '.join(waiting)})"
         hints = "".join(f"; {hint}" for hint in self._fleets.hints(now))

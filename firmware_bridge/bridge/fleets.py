@@ -19,7 +19,7 @@ class Fleets:
         """Those that are sampled in this cycle."""
         self._stopped: set[str] = set()
         """The axes that the newest demands stop."""
-        self.told: dict[str, Demand] = {}
+        self.set_points: dict[str, Demand] = {}
         """What was sent to each axis last; only what is due on its link, or a stop, is sent."""
         self._beats: list[Nanoseconds] = [0] * len(fleets)
         """When each link's devices hear next that the bridge lives."""
@@ -80,17 +80,17 @@ class Fleets:
 
     def masters(self, now: Nanoseconds) -> dict[str, str]:
         """Return what was heard of other masters, by the link's name."""
-        heard = {fleet.name: fleet.link.master(now) for fleet in self.all}
-        return {name: what for name, what in heard.items() if what is not None}
+        received = {fleet.name: fleet.link.master(now) for fleet in self.all}
+        return {name: what for name, what in received.items() if what is not None}
 
     def readings(self, now: Nanoseconds) -> dict[str, Reading]:
         """Return what the sensors have told, by their names; what is too old is left out."""
         return {name: reading for fleet in self.all for name, reading in fleet.readings(now).items()}
 
-    def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...] | None:
+    def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...] | None:
         """Take a packet; None where it came over no link of these."""
         fleet = self._by_link.get(packet.link)
-        return None if fleet is None else fleet.link.hear(packet, now)
+        return None if fleet is None else fleet.link.receive(packet, now)
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Act on the time, beats left out."""
@@ -150,12 +150,14 @@ class Fleets:
         """
         sent: tuple[Packet, ...] = ()
         for fleet in self.all:
-            told = {driver.axis.name: demands.get(driver.axis.name, Stop.REST) for driver in fleet.drivers}
-            stops = {name for name, demand in told.items() if asks_to_stop(demand)}
+            set_points = {
+                driver.axis.name: demands.get(driver.axis.name, Stop.REST) for driver in fleet.drivers
+            }
+            stops = {name for name, demand in set_points.items() if requests_stop(demand)}
             if fleet in self._due or not stops <= self._stopped:
-                sent += fleet.command(told)
-                self.told.update(told)
-            self._stopped.difference_update(told)
+                sent += fleet.command(set_points)
+                self.set_points.update(set_points)
+            self._stopped.difference_update(set_points)
             self._stopped |= stops
             if levels:
                 sent += fleet.switch(levels, now)
@@ -164,7 +166,7 @@ class Fleets:
     def command_all(self, demand: Stop, off: Collection[str] = ()) -> tuple[Packet, ...]:
         """Send all axes the same demand; those named in `off` shall have no power, whatever it is."""
         demands = {driver.axis.name: demand for driver in self.drivers} | dict.fromkeys(off, Stop.POWER_OFF)
-        self.told.update(demands)
+        self.set_points.update(demands)
         return joined([fleet.command(demands) for fleet in self.all])
 
     def release(self) -> tuple[Packet, ...]:
@@ -172,7 +174,7 @@ class Fleets:
         return joined([fleet.release() for fleet in self.all])
 
 
-def asks_to_stop(demand: Demand) -> bool:
+def requests_stop(demand: Demand) -> bool:
     """Return whether a demand is a stop, or speed 0."""
     return isinstance(demand, Stop) or (isinstance(demand, Speed) and demand.value == 0.0)
 

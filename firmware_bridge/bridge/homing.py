@@ -9,7 +9,7 @@ from typing import Final
 
 from firmware_bridge.drivers.driver import Demand, Driver, Homed
 from firmware_bridge.intent import (
-    NEVER_HEARD,
+    NEVER_RECEIVED,
     ChangeDriver,
     Disarm,
     EmergencyStop,
@@ -19,7 +19,7 @@ from firmware_bridge.intent import (
 )
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
-from firmware_bridge.safety.following import STRAYS
+from firmware_bridge.safety.following import DEVIATES
 from firmware_bridge.safety.row import Row, Severity
 from firmware_bridge.safety.snapshot import Facts, Hold
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds, to_seconds
@@ -54,7 +54,7 @@ class Homing:
         self._since: Nanoseconds = 0
         self._place = self._low = self._high = 0.0
         """How far it has gone, now and at most, in its unit: its own count jumps at the end."""
-        self._sampled_at: Nanoseconds = NEVER_HEARD
+        self._sampled_at: Nanoseconds = NEVER_RECEIVED
         self.holds: tuple[Hold, ...] = ()
         """What is to be told: that one is under way, or why the last one failed."""
 
@@ -78,8 +78,8 @@ class Homing:
         """Home an axis; return what is sent for it."""
         self._driver, self._reason, self._since = driver, "", now
         self._place = self._low = self._high = 0.0
-        self._sampled_at = NEVER_HEARD
-        self._tell(UNDER_WAY, f"{driver.axis.called} moves to find its zero", now)
+        self._sampled_at = NEVER_RECEIVED
+        self._report(UNDER_WAY, f"{driver.axis.called} moves to find its zero", now)
         return driver.home(now)
 
     def ordered(self, request: Request) -> None:
@@ -106,7 +106,7 @@ class Homing:
     def interrupt(self, reason: str, now: Nanoseconds) -> None:
         """End the one that is under way, if any: its axis is told to rest from now on."""
         if self._driver is not None:
-            self._tell(FAILED, f"{self._driver.axis.called} was not homed: {reason}", now)
+            self._report(FAILED, f"{self._driver.axis.called} was not homed: {reason}", now)
             self._driver = None
 
     def _ended(self, driver: Driver, now: Nanoseconds) -> None:
@@ -123,11 +123,11 @@ class Homing:
         homing, travel = axis.zero.homing, axis.travel
         if homing is None or travel is None:
             return
-        if NEVER_HEARD not in (self._sampled_at, feedback.sampled_at):
+        if NEVER_RECEIVED not in (self._sampled_at, feedback.sampled_at):
             self._place += feedback.velocity * to_seconds(feedback.sampled_at - self._sampled_at)
             self._low, self._high = min(self._low, self._place), max(self._high, self._place)
         self._sampled_at = feedback.sampled_at
-        furthest = homing.furthest(travel, axis.motor_turn) + 2.0 * STRAYS * axis.top_speed
+        furthest = homing.furthest(travel, axis.motor_turn) + 2.0 * DEVIATES * axis.top_speed
         if self._high - self._low > furthest:
             self._reason = f"it went further than {furthest:.4g} {axis.unit}, from end to end and beyond"
         elif facts.now > self._since + from_seconds(homing.within_s) + PREPARED_WITHIN:
@@ -137,6 +137,6 @@ class Homing:
         """Tell no failure any more of an axis whose zero is known."""
         self.holds = tuple(hold for hold in self.holds if facts.axes[hold.axis].zero_lost)
 
-    def _tell(self, row: Row, reason: str, now: Nanoseconds) -> None:
+    def _report(self, row: Row, reason: str, now: Nanoseconds) -> None:
         name = "" if self._driver is None else self._driver.axis.name
         self.holds = (Hold(f"{row.name}: {name}", reason, row, now, name),)

@@ -14,8 +14,8 @@ from math import inf, isfinite, nan
 from typing import Final, NamedTuple
 
 from firmware_bridge.bridge.fleets import Fleets
-from firmware_bridge.drivers.driver import Driver, Power, Stop, Task, Tells
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.drivers.driver import Driver, Power, Reports, Stop, Task
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Unpowered
 from firmware_bridge.safety.row import Row, Severity
@@ -74,7 +74,7 @@ class _Axis:
     pulls: float = 0.0
     """Sum of the currents that were looked at, A."""
     looks: int = 0
-    looked_at: Nanoseconds = NEVER_HEARD
+    looked_at: Nanoseconds = NEVER_RECEIVED
     """When the newest current that was looked at had arrived."""
     was_at: float = 0.0
     """Its position when it was let go."""
@@ -87,7 +87,7 @@ class _Axis:
 
     def silent(self, now: Nanoseconds) -> bool:
         """Whether its device has not been heard for too long."""
-        return now - self.driver.feedback.heard_at >= self.silent_after
+        return now - self.driver.feedback.received_at >= self.silent_after
 
     @property
     def moves(self) -> bool:
@@ -100,10 +100,10 @@ class _Axis:
         way = abs(self.driver.feedback.position - self.was_at)
         return self.moves or way > SLIPS_S * self.driver.axis.rests_below
 
-    def look(self, now: Nanoseconds, since: Nanoseconds = NEVER_HEARD) -> None:
+    def look(self, now: Nanoseconds, since: Nanoseconds = NEVER_RECEIVED) -> None:
         """Take the newest current, once, unless it arrived before `since`; NaN where it is not known."""
-        feedback, told = self.driver.feedback, Tells.CURRENT in self.driver.tells
-        known = told and feedback.power is not Power.UNKNOWN and not self.silent(now)
+        feedback, reports_current = self.driver.feedback, Reports.CURRENT in self.driver.reports
+        known = reports_current and feedback.power is not Power.UNKNOWN and not self.silent(now)
         current = feedback.current_a if known else None
         if current is None:
             self.pulls, self.looks = float("nan"), self.looks + 1
@@ -160,7 +160,7 @@ class LettingGo:
         """Whether the base has rested and it is not known yet whether it stands by itself, or it does not."""
         return self.stage not in (Stage.KEPT, Stage.LET_GO)
 
-    def asked(self, *, rests: bool, now: Nanoseconds, without: Collection[str] = ()) -> Stop | None:
+    def stop_for(self, *, rests: bool, now: Nanoseconds, without: Collection[str] = ()) -> Stop | None:
         """Go on where the power shall go; return what all axes shall do, None while the base does not rest.
 
         `without` are the axes that the robot's mode does without.
@@ -177,7 +177,7 @@ class LettingGo:
             self._watch(now)
         return self._demand()
 
-    def not_asked(self, now: Nanoseconds) -> None:
+    def not_requested(self, now: Nanoseconds) -> None:
         """Learn that the power shall stay as it is; what was let go is still watched, until it has power."""
         if self.stage is Stage.WATCHED and not any(axis.driver.busy for axis in self._free):
             self._watch(now)
@@ -233,7 +233,7 @@ class LettingGo:
     def _look_again(self, since: Nanoseconds) -> None:
         self._looks_from = since
         for axis in self._free:
-            axis.pulls, axis.looks, axis.looked_at = 0.0, 0, NEVER_HEARD
+            axis.pulls, axis.looks, axis.looked_at = 0.0, 0, NEVER_RECEIVED
 
     def _look(self, now: Nanoseconds, without: Collection[str]) -> None:
         powered = [axis for axis in self._free if axis.powered and axis.driver.axis.name not in without]
@@ -241,11 +241,11 @@ class LettingGo:
             for axis in powered:
                 axis.look(now, self._looks_from)
         # One that is silent is stopped by its own watch: what is left holds the robot, and can tell.
-        heard = [axis for axis in powered if not axis.silent(now)] or powered
+        received = [axis for axis in powered if not axis.silent(now)] or powered
         last = now >= self._since + LOOKED_WITHIN
-        if now < self._looks_from + AVERAGED or (not last and any(axis.looks == 0 for axis in heard)):
+        if now < self._looks_from + AVERAGED or (not last and any(axis.looks == 0 for axis in received)):
             return
-        held = _held(heard)
+        held = _held(received)
         if held is None:
             for axis in self._free:
                 axis.let_go, axis.was_at = axis in powered, axis.driver.feedback.position

@@ -44,18 +44,18 @@ class Locating:
         """How far that is known; None where only odometry tells it."""
         return None if self._captured is None else self._captured.located
 
-    def begin_anew(self) -> str:
+    def begin_again(self) -> str:
         """Forget where it was, as somebody asks who has looked; return what comes of it, in words."""
         if self._captured is None:
             self.odometry = Pose()
             return "the present place is the origin"
-        self._captured.begin_anew()
+        self._captured.begin_again()
         return "the robot is where the cameras see it next"
 
     def interrupted(self) -> None:
         """Note that what was rolled is not known: only the sensor can tell where it is then."""
         if self._captured is not None:
-            self._captured.begin_anew()
+            self._captured.begin_again()
 
     def rolled(self, odometry: Pose, at: Nanoseconds, readings: Mapping[str, Reading]) -> None:
         """Take what odometry says at an instant, and what the sensor has seen last."""

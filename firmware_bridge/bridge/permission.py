@@ -12,7 +12,7 @@ from firmware_bridge.bridge.letting_go import HELD, LettingGo
 from firmware_bridge.bridge.stops import Stops
 from firmware_bridge.drivers.driver import BRING_UP, Driver, Power, Stop, Task
 from firmware_bridge.intent import (
-    NEVER_HEARD,
+    NEVER_RECEIVED,
     Arm,
     ClearEmergencyStop,
     Disarm,
@@ -70,12 +70,12 @@ class Permission(Generic[G, M, S]):
         """The mode after a failed actuator; empty while the robot is whole."""
         self.powered_off = False
         """A forced disarm takes the power off at rest; it stays off until arming puts it on again."""
-        self._brakes_until: Nanoseconds = NEVER_HEARD
+        self._brakes_until: Nanoseconds = NEVER_RECEIVED
         """So long the robot may take to come to rest for that; over as soon as it has."""
         self.paused = False
-        self.parted = True
+        self.neutral_required = True
         """The operator was away, or another one drives, and has not let his controls go since."""
-        self.disbelieved: set[str] = set()
+        self.untrusted: set[str] = set()
         """The axes whose power a hold has taken; they get it back in the same way."""
 
     @property
@@ -96,13 +96,13 @@ class Permission(Generic[G, M, S]):
     @property
     def let_go(self) -> bool:
         """Whether the power goes for good: it was ordered off at rest, or the robot has stood without it."""
-        return self.letting_go.let_go or (self.powered_off and self._brakes_until == NEVER_HEARD)
+        return self.letting_go.let_go or (self.powered_off and self._brakes_until == NEVER_RECEIVED)
 
     def ordered_off(self, now: Nanoseconds, *, rests: bool) -> Stop:
         """Return what a forced disarm demands of all axes now: brake first, and no power from rest on."""
         if rests or now >= self._brakes_until:
-            self._brakes_until = NEVER_HEARD
-        return Stop.POWER_OFF if self._brakes_until == NEVER_HEARD else Stop.QUICK_STOP
+            self._brakes_until = NEVER_RECEIVED
+        return Stop.POWER_OFF if self._brakes_until == NEVER_RECEIVED else Stop.QUICK_STOP
 
     def order_off(self, now: Nanoseconds) -> None:
         """Take the leave to move, and the power as soon as the robot rests."""
@@ -123,7 +123,7 @@ class Permission(Generic[G, M, S]):
         One that is `clearing` does not: who has let go since its cause ended has done what it asks for.
         """
         if any(hold.row.parts and hold.name not in clearing for hold in holds):
-            self.parted = True
+            self.neutral_required = True
 
     def watch(self, holds: tuple[Hold, ...]) -> None:
         """Do what the holds' rows say: disarm, latch the emergency stop, take an axis's power."""
@@ -133,7 +133,7 @@ class Permission(Generic[G, M, S]):
             if hold.row.disarms or hold.row.latches:
                 self.armed = False
             if hold.row.takes_power:
-                self.disbelieved.add(hold.axis)
+                self.untrusted.add(hold.axis)
 
     def set_zero(
         self, driver: Driver, position: float | None, seen: Snapshot[M, S], holds: tuple[Hold, ...]
@@ -145,7 +145,7 @@ class Permission(Generic[G, M, S]):
         kept = self._keeps_zeros(seen)
         if kept is not None:
             return Verdict(accepted=False, reason=f"zero: {kept}", temporary=True)
-        if driver.axis.name in self.disbelieved:
+        if driver.axis.name in self.untrusted:
             reason = f"zero: the power of {driver.axis.called} was taken; arm once, that puts it on"
             return Verdict(accepted=False, reason=reason, temporary=True)
         now, feedback = seen.facts.now, driver.feedback
@@ -218,7 +218,7 @@ class Permission(Generic[G, M, S]):
         # Its own demand may be above zero still: what was measured counts.
         stop = self.ordered_off(now, rests=self.rules.stands(seen))
         taken = {name for name, one in self.stops.of_axes.items() if one.ends_power}
-        self._outbox += self._fleets.command_all(stop, self.disbelieved | self.rules.without | taken)
+        self._outbox += self._fleets.command_all(stop, self.untrusted | self.rules.without | taken)
         does = "the drives are without power" if stop is Stop.POWER_OFF else "it brakes, then the power goes"
         return Verdict(accepted=True, reason=f"disarmed by force: {does}")
 
@@ -237,7 +237,7 @@ class Permission(Generic[G, M, S]):
                 return Verdict(accepted=False, reason=f"arm: {hold.reason}; {hold.remedy}", temporary=True)
         self.armed = True
         self.paused = False
-        self.disbelieved.clear()
+        self.untrusted.clear()
         return Verdict(accepted=True, reason="armed")
 
     def _premature(self, seen: Snapshot[M, S]) -> Verdict | None:
@@ -251,15 +251,15 @@ class Permission(Generic[G, M, S]):
             return Verdict(accepted=False, reason=f"arm: {lost}; plug it in again", temporary=True)
         if not self.rules.at_rest(seen):
             return Verdict(accepted=False, reason="arm: the robot still moves", temporary=True)
-        return self._asked(seen)
+        return self._requested(seen)
 
-    def _asked(self, seen: Snapshot[M, S]) -> Verdict | None:
+    def _requested(self, seen: Snapshot[M, S]) -> Verdict | None:
         """Refuse where something would move as soon as the robot is armed."""
         if not seen.facts.neutral:
             return Verdict(accepted=False, reason=f"arm: {seen.facts.deflected or 'the stick is not let go'}")
-        asked = self.rules.body.asked(seen.wish, seen.body)
-        if asked:
-            moved = " and ".join(sorted(asked))
+        requested = self.rules.body.requested(seen.command, seen.body)
+        if requested:
+            moved = " and ".join(sorted(requested))
             reason = f"arm: the {moved} would move at once; let the stick go, or disarm"
             return Verdict(accepted=False, reason=reason)
         return None
@@ -271,7 +271,7 @@ class Permission(Generic[G, M, S]):
     def _awaken(self, asleep: list[Driver], now: Nanoseconds) -> Verdict:
         """Begin to enable drives again; the operator arms again when they are."""
         self.powered_off = False
-        self.disbelieved.clear()
+        self.untrusted.clear()
         named = []
         for driver in asleep:
             before = f" (last try: {driver.failure.problem})" if driver.failure is not None else ""
@@ -332,4 +332,4 @@ class Permission(Generic[G, M, S]):
         return fit and feedback.power is Power.ON and not feedback.fault
 
     def _silent(self, driver: Driver, now: Nanoseconds) -> bool:
-        return now - driver.feedback.heard_at >= self._silent_after[driver.axis.name]
+        return now - driver.feedback.received_at >= self._silent_after[driver.axis.name]

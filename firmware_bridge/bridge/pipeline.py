@@ -14,7 +14,7 @@ from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.zeros import Zeros
 from firmware_bridge.drivers.driver import Demand, Feedback, Level, Stop
 from firmware_bridge.intent import (
-    NEVER_HEARD,
+    NEVER_RECEIVED,
     Arm,
     ChangeDriver,
     ConfirmZero,
@@ -66,14 +66,14 @@ class Pipeline(Generic[G, M, S]):
             for axis in robot.axes
             if axis.role in roles
         }
-        tells = {driver.axis.name: driver.tells for driver in fleets.drivers}
-        self._gate: Gate[G, M, S] = Gate(robot, rules, tells)
+        reports = {driver.axis.name: driver.reports for driver in fleets.drivers}
+        self._gate: Gate[G, M, S] = Gate(robot, rules, reports)
         self._charge: Final = Charge(robot)
         self._zeros: Final = Zeros(robot, kind.station.gauges, fleets)
         self._followers: Final = Followers(robot)
         self._guide: Guide[M, S] | None = None
         """Whoever makes the wishes in the operator's place; None while he makes them himself."""
-        self._wish: M | None = None
+        self._command: M | None = None
         """The guide's newest wish."""
         self._demanded: M = kind.rest
         self._locating: Final = Locating(robot, on_floor if kind.unrolled is None else kind.unrolled(robot))
@@ -97,7 +97,7 @@ class Pipeline(Generic[G, M, S]):
         ruling = self._gate.rule(known)
         self._watch_homing(ruling.holds + self._permission.stops.holds, known.facts)
         if self._operator.take_let_go() or known.facts.neutral:
-            self._permission.parted = False
+            self._permission.neutral_required = False
         self._permission.part(ruling.holds, self._gate.clearing)
         self._permission.watch(ruling.holds)
         if any(hold.row.parts for hold in ruling.holds):
@@ -105,7 +105,7 @@ class Pipeline(Generic[G, M, S]):
         self.gate_deadline = self._gate.next_deadline(known.facts)
         self._demanded = rules.body.ramped(self._demanded, ruling.allowed, known.body, elapsed)
         sent = self._stopped(
-            self._asked_to_stop(ruling.stopped), self._demands(known), self._levels(ruling), now
+            self._stop_requested(ruling.stopped), self._demands(known), self._levels(ruling), now
         )
         self._advance(known.facts)
         self._keep(known, ruling.holds + self._permission.holds)
@@ -156,12 +156,12 @@ class Pipeline(Generic[G, M, S]):
     def decide(self, request: Request, now: Nanoseconds) -> Verdict:
         """Answer one request of the operator."""
         if isinstance(request, ResetOdometry):
-            return Verdict(accepted=True, reason=self._locating.begin_anew())
+            return Verdict(accepted=True, reason=self._locating.begin_again())
         if isinstance(request, Follow):
             return self._follow(request.guide)
         if isinstance(request, ChangeDriver):
-            self._guide = self._wish = None
-            self._permission.parted = True
+            self._guide = self._command = None
+            self._permission.neutral_required = True
             self._operator.take_let_go()  # it was somebody else who did
             self._permission.homing.ordered(request)
             return Verdict(accepted=True, reason="")
@@ -186,7 +186,7 @@ class Pipeline(Generic[G, M, S]):
             now=now,
             armed=permission.armed,
             emergency_stopped=permission.emergency_stopped,
-            heard_at=operator.intent.heard_at,
+            received_at=operator.intent.received_at,
             neutral=operator.intent.neutral,
             deflected=operator.intent.deflected,
             axes=axes,
@@ -194,13 +194,13 @@ class Pipeline(Generic[G, M, S]):
             links_lost=fleets.links_lost,
             masters=fleets.masters(now),
             paused=permission.paused,
-            parted=permission.parted,
+            neutral_required=permission.neutral_required,
             mode=permission.mode,
             without=permission.rules.without,
             battery_low_since=self._charge.low_since(sensors),
             stood=self._zeros.saw(axes),
             following=self._followers.saw(axes),
-            said_at=operator.intent.said_at,
+            sent_at=operator.intent.sent_at,
             dated=operator.intent.dated,
             age_limit=operator.age_limit,
             stood_still=self._stood_still
@@ -209,7 +209,7 @@ class Pipeline(Generic[G, M, S]):
         )
         return Snapshot(
             facts=facts,
-            wish=operator.intent.wish if self._wish is None else self._wish,
+            command=operator.intent.command if self._command is None else self._command,
             demanded=self._demanded,
             body=permission.rules.body.sensed(axes, sensors),
             pose=self._locating.pose,
@@ -234,15 +234,15 @@ class Pipeline(Generic[G, M, S]):
         """
         if self._guide is None:
             return known
-        moved = self._permission.rules.body.asked(self._operator.intent.wish, known.body)
+        moved = self._permission.rules.body.requested(self._operator.intent.command, known.body)
         if moved or not known.facts.armed:
-            self._guide = self._wish = None
+            self._guide = self._command = None
         else:
-            self._wish = self._guide.wished(known, elapsed)
-        wish = self._operator.intent.wish if self._wish is None else self._wish
+            self._command = self._guide.command(known, elapsed)
+        command = self._operator.intent.command if self._command is None else self._command
         return Snapshot(
             facts=known.facts,
-            wish=wish,
+            command=command,
             demanded=known.demanded,
             body=known.body,
             pose=known.pose,
@@ -257,7 +257,7 @@ class Pipeline(Generic[G, M, S]):
         if name and not self._permission.armed:
             return Verdict(accepted=False, reason="guide: arm the robot first")
         self._guide = None if made is None else made(self._robot)
-        self._wish = None
+        self._command = None
         return Verdict(accepted=True, reason=f"guide: {name or 'the operator'}")
 
     def _against(self, axis: str, holds: tuple[Hold, ...]) -> tuple[Hold, ...]:
@@ -271,16 +271,16 @@ class Pipeline(Generic[G, M, S]):
             holds = self._against(axis, holds)
         homing.watch(holds, facts)
 
-    def _asked_to_stop(self, stopped: frozenset[Group]) -> set[str]:
+    def _stop_requested(self, stopped: frozenset[Group]) -> set[str]:
         """Return the axes that are to stop; what the mode does without is not asked."""
         permission = self._permission
-        asked = (permission.powered_off or group in stopped for group in self._group_of.values())
+        requested = (permission.powered_off or group in stopped for group in self._group_of.values())
         moves = permission.homing.demands.keys()
-        return set(compress(self._group_of, asked)) - permission.rules.without - moves
+        return set(compress(self._group_of, requested)) - permission.rules.without - moves
 
     def _stopped(
         self,
-        asked: Collection[str],
+        requested: Collection[str],
         demands: Mapping[str, Demand],
         levels: Mapping[str, Level],
         now: Nanoseconds,
@@ -288,7 +288,7 @@ class Pipeline(Generic[G, M, S]):
         """Send the demands, with what has to be done about axes that do not stop as they are asked to."""
         stops = self._permission.stops
         escalated, changed = stops.watch(
-            asked,
+            requested,
             demands,
             now,
             self._permission.rules.without,
@@ -296,7 +296,7 @@ class Pipeline(Generic[G, M, S]):
         )
         self._permission.watch(stops.holds)
         sent = escalated + self._fleets.command(changed, levels, now)
-        self._followers.told(self._fleets.told, now)
+        self._followers.on_set_points(self._fleets.set_points, now)
         return sent
 
     def _demands(self, known: Snapshot[M, S]) -> Mapping[str, Demand]:
@@ -305,7 +305,7 @@ class Pipeline(Generic[G, M, S]):
         if permission.emergency_stopped or permission.powered_off:
             rests = self._rests(known) and self._demand_rests(known)
             return self._without_power(known, rests=rests) or self._demands_of_body(known)
-        permission.letting_go.not_asked(known.facts.now)
+        permission.letting_go.not_requested(known.facts.now)
         return self._demands_of_body(known)
 
     def _without_power(self, known: Snapshot[M, S], *, rests: bool) -> Mapping[str, Demand]:
@@ -316,7 +316,7 @@ class Pipeline(Generic[G, M, S]):
             # Not for an axis that shall have no power already: to brake would give it back.
             return self._used(self._all(permission.ordered_off(now, rests=permission.rules.stands(known))))
         without = permission.rules.without
-        stop = permission.letting_go.asked(rests=rests, now=now, without=without)
+        stop = permission.letting_go.stop_for(rests=rests, now=now, without=without)
         return {} if stop is None else self._used(self._all(stop))
 
     def _demands_of_body(self, known: Snapshot[M, S]) -> Mapping[str, Demand]:
@@ -326,7 +326,7 @@ class Pipeline(Generic[G, M, S]):
     def _used(self, demands: Mapping[str, Demand]) -> Mapping[str, Demand]:
         """Return the demands; an axis that the mode does without, or that is not believed, has no power."""
         permission = self._permission
-        unused, homed = permission.rules.without | permission.disbelieved, permission.homing.demands
+        unused, homed = permission.rules.without | permission.untrusted, permission.homing.demands
         return {**demands, **homed, **dict.fromkeys(unused, Stop.POWER_OFF)} if unused or homed else demands
 
     def _rests(self, known: Snapshot[M, S]) -> bool:
@@ -334,14 +334,14 @@ class Pipeline(Generic[G, M, S]):
         permission = self._permission
         if permission.rules.at_rest(known):
             return True
-        if not permission.disbelieved:
+        if not permission.untrusted:
             return False
-        believed = permission.rules.believed(known, permission.disbelieved)
+        believed = permission.rules.believed(known, permission.untrusted)
         return believed is not None and permission.rules.at_rest(believed)
 
     def _demand_rests(self, known: Snapshot[M, S]) -> bool:
         rules = self._permission.rules
-        return not rules.body.asked(self._demanded, known.body) & rules.travelling
+        return not rules.body.requested(self._demanded, known.body) & rules.travelling
 
     def _levels(self, ruling: Ruling[M]) -> Mapping[str, Level]:
         """Return what the outputs shall be: as the motion says, or as a stop of everything sets them."""
@@ -358,7 +358,7 @@ class Pipeline(Generic[G, M, S]):
         """Carry the pose on where all axes that it hangs on were sampled at one new instant."""
         body, axes, locating = self._permission.rules.body, facts.axes, self._locating
         at = {axes[name].sampled_at for name in body.rolling}
-        if NEVER_HEARD in at:
+        if NEVER_RECEIVED in at:
             self._counted = None
             locating.interrupted()
         elif len(at) == 1:
@@ -372,7 +372,7 @@ class Pipeline(Generic[G, M, S]):
         """Keep what this cycle knew, with what it has demanded; a guide that was held back begins anew."""
         self.seen = Snapshot(
             facts=known.facts,
-            wish=known.wish,
+            command=known.command,
             demanded=self._demanded,
             body=known.body,
             pose=self._locating.pose,

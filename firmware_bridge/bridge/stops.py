@@ -12,11 +12,11 @@ from collections.abc import Collection, Mapping
 from enum import Enum
 from typing import Final
 
-from firmware_bridge.bridge.fleets import Fleets, asks_to_stop, joined
+from firmware_bridge.bridge.fleets import Fleets, joined, requests_stop
 from firmware_bridge.drivers.driver import Demand, Driver, Position, Power, Stop
 from firmware_bridge.drivers.fleets import STOP_STEPS
 from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN, StopStep, gentle_within, way
-from firmware_bridge.intent import NEVER_HEARD, Disarm, EmergencyStop, Pause, Request
+from firmware_bridge.intent import NEVER_RECEIVED, Disarm, EmergencyStop, Pause, Request
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.row import Row, Severity
@@ -39,7 +39,7 @@ RUNS_ON: Final = "nothing is left to try; it may go on moving"
 class Progress(Enum):
     """How far a stop has come."""
 
-    NOT_ASKED = "not asked for"
+    NOT_REQUESTED = "not asked for"
     UNDER_WAY = "under way"
     CONFIRMED = "confirmed"
     GIVEN_UP = "given up"
@@ -75,7 +75,7 @@ class AxisStop:
             )
             for step in steps
         }
-        self.progress = Progress.NOT_ASKED
+        self.progress = Progress.NOT_REQUESTED
         self.left_out = False
         """The robot's mode does without the axis: what becomes of it holds nothing back."""
         self._rested = False
@@ -134,9 +134,9 @@ class AxisStop:
             self._enter(self.place, now)
             self.until = max(until, min(self.until, self.since + TAKEN_WITHIN))
             return
-        if not same and before in (Progress.CONFIRMED, Progress.NOT_ASKED):
+        if not same and before in (Progress.CONFIRMED, Progress.NOT_REQUESTED):
             self.since = now
-        self._rested = feedback.sampled_at != NEVER_HEARD and abs(feedback.velocity) <= self._rests_below
+        self._rested = feedback.sampled_at != NEVER_RECEIVED and abs(feedback.velocity) <= self._rests_below
         self.progress, self.off = Progress.UNDER_WAY, off
         rested = self._rested and not off
         self.steps = tuple(step for step in self._ways[off] if not (rested and step.takes_all))
@@ -178,7 +178,7 @@ class AxisStop:
         if self.driver.unpowered:
             return True
         feedback = self.driver.feedback
-        fresh = feedback.heard_at > self.begun_at and self._heard(now)
+        fresh = feedback.received_at > self.begun_at and self._received(now)
         return fresh and not self.step.ends_power and abs(feedback.velocity) <= self._rests_below
 
     def changes_to(self, *, off: bool) -> bool:
@@ -196,7 +196,7 @@ class AxisStop:
         driver = self.driver
         if self.escalates or not driver.busy or driver.stopping:
             return False
-        moves = self._heard(now) and abs(driver.feedback.velocity) > driver.axis.rests_below
+        moves = self._received(now) and abs(driver.feedback.velocity) > driver.axis.rests_below
         return holding or not moves
 
     def late(self, now: Nanoseconds) -> bool:
@@ -208,14 +208,14 @@ class AxisStop:
             return not driver.busy
         if step.ends_power:
             return False
-        if now >= self._gentle_until or driver.feedback.heard_at >= self._due:
+        if now >= self._gentle_until or driver.feedback.received_at >= self._due:
             return True
         # A device that says itself that it does not listen is given no more than the step's own time; none,
         # where the step needs a device that does.
         patience = self._silent_after
         if driver.feedback.power is Power.UNKNOWN:
-            patience = 0 if step.heard else step.judged_after(0.0)
-        return now >= max(self.begun_at, driver.feedback.heard_at) + patience
+            patience = 0 if step.received else step.judged_after(0.0)
+        return now >= max(self.begun_at, driver.feedback.received_at) + patience
 
     def hold(self) -> Hold | None:
         """Return what the operator is told; None while no step has failed."""
@@ -240,13 +240,13 @@ class AxisStop:
         self._slowing_from = self._speed(now)
         self._due = now + self.step.judged_after(self._slowing_from)
 
-    def _heard(self, now: Nanoseconds) -> bool:
-        return now - self.driver.feedback.heard_at < self._silent_after
+    def _received(self, now: Nanoseconds) -> bool:
+        return now - self.driver.feedback.received_at < self._silent_after
 
     def _speed(self, now: Nanoseconds) -> float:
         """Return the speed from which it has to stop, at most its highest; that where none is known."""
         top = self.driver.axis.top_speed
-        return min(abs(self.driver.feedback.velocity), top) if self._heard(now) else top
+        return min(abs(self.driver.feedback.velocity), top) if self._received(now) else top
 
 
 class Stops:
@@ -284,7 +284,7 @@ class Stops:
         return tuple(stop.driver for stop in self._axes.values() if stop.progress is Progress.GIVEN_UP)
 
     @property
-    def nobody_left(self) -> bool:
+    def no_axis_left(self) -> bool:
         """Whether each step was tried with every device, in vain: nobody is left to hold anything."""
         return len(self.given_up) == len(self._axes)
 
@@ -302,18 +302,18 @@ class Stops:
     def _again(self) -> None:
         for stop in self._axes.values():
             if stop.progress is Progress.GIVEN_UP:
-                stop.progress = Progress.NOT_ASKED
+                stop.progress = Progress.NOT_REQUESTED
 
     def watch(
         self,
-        asked: Collection[str],
+        requested: Collection[str],
         demands: Mapping[str, Demand],
         now: Nanoseconds,
         without: frozenset[str] = frozenset(),
         *,
         holding: bool = False,
     ) -> tuple[tuple[Packet, ...], dict[str, Demand]]:
-        """Look at every axis once in a cycle; `asked` are those that are to stop, `without` the left out.
+        """Look at every axis once in a cycle; `requested` are those that are to stop, `without` the left out.
 
         `holding`: axes are being enabled in order to hold the robot where it is. Return what a step sends at
         once, and the demands with those in place that a step makes.
@@ -324,16 +324,16 @@ class Stops:
         for name, stop in self._axes.items():
             demand = demands.get(name, Stop.REST)
             stop.left_out = name in without
-            unasked = name not in asked and not stop.escalates
-            if unasked or stop.link in self._lost or stop.waits(now, holding=holding):
+            uncommanded = name not in requested and not stop.escalates
+            if uncommanded or stop.link in self._lost or stop.waits(now, holding=holding):
                 # Nothing reaches a lost link; when it is back the stop begins with the first step.
-                stop.progress = Progress.NOT_ASKED
+                stop.progress = Progress.NOT_REQUESTED
             else:
                 sent += self._look(stop, demand, now)
             steps_on = stop.escalates or stop.progress is Progress.GIVEN_UP or stop.keeps_off(now)
             if steps_on and demand is not Stop.POWER_OFF:
                 changed[name] = stop.step.demand
-            elif stop.first.at_once and name in asked and not isinstance(demand, Stop):
+            elif stop.first.at_once and name in requested and not isinstance(demand, Stop):
                 changed[name] = stop.first.demand
         holds = [stop.hold() for stop in self._axes.values() if not stop.left_out]
         self.holds = tuple([hold for hold in holds if hold is not None])
@@ -350,11 +350,11 @@ class Stops:
                 stop.confirm(now)
             return ()
         sent: tuple[Packet, ...] = ()
-        if stop.progress is Progress.NOT_ASKED or stop.changes_to(off=off):
+        if stop.progress is Progress.NOT_REQUESTED or stop.changes_to(off=off):
             stop.begin(now, off=off)
             if stop.step.whole_board and not stop.confirmed(now):
                 sent = self._task(stop, now)
-        ramped = stop.place == 0 and not asks_to_stop(demand) and not isinstance(demand, Position)
+        ramped = stop.place == 0 and not requests_stop(demand) and not isinstance(demand, Position)
         if not ramped and stop.confirmed(now):
             stop.confirm(now)
             return sent

@@ -9,7 +9,7 @@ from typing import Final, Generic, TypeVar
 
 from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.drivers.driver import Driver, Feedback
-from firmware_bridge.intent import NEVER_HEARD, ConfirmZero
+from firmware_bridge.intent import NEVER_RECEIVED, ConfirmZero
 from firmware_bridge.robot import Axis, Robot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.teleop.station import Gauge
@@ -52,7 +52,7 @@ class Zeros(Generic[G]):
         lost = []
         for name in self._gauges:
             feedback = axes[name]
-            if feedback.sampled_at != NEVER_HEARD and not feedback.zero_lost:
+            if feedback.sampled_at != NEVER_RECEIVED and not feedback.zero_lost:
                 self._positions[name] = feedback.position
             else:
                 lost.append(name)

@@ -22,7 +22,7 @@ MARKUP: Final = "markdown"
 STATUSES: Final = """Exit status 0 after an orderly end; 1 where it failed or could not start; 2 for
 what is wrong in the words, an option or a file."""
 """How a command ends whose own help does not say it."""
-_SAYS_STATUSES: Final = re.compile(r"\bstatus\s+[012]\b")
+_NAMES_STATUSES: Final = re.compile(r"\bstatus\s+[012]\b")
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,11 +82,11 @@ def command(
 
     def made(function: Callable[..., Any]) -> TyperCommand:
         alone = typer.Typer(add_completion=False, rich_markup_mode=MARKUP, pretty_exceptions_enable=False)
-        said = cleandoc(function.__doc__ or "")
-        if _SAYS_STATUSES.search(said) is None:
-            said = f"{said}\n\n{STATUSES}"
+        text = cleandoc(function.__doc__ or "")
+        if _NAMES_STATUSES.search(text) is None:
+            text = f"{text}\n\n{STATUSES}"
         called = function if work is None else _worked(function, work)
-        alone.command(epilog=examples, cls=kind, help=said)(called)
+        alone.command(epilog=examples, cls=kind, help=text)(called)
         found = typer.main.get_command(alone)
         assert isinstance(found, TyperCommand)  # noqa: S101 - one function alone makes no group
         return found
@@ -112,10 +112,10 @@ def completing(place: str) -> Callable[[], list[str]]:
     return words
 
 
-def _worked(asked: Callable[..., Any], work: Callable[[Any], None]) -> Callable[..., None]:
-    @wraps(asked, updated=())
+def _worked(signature: Callable[..., Any], work: Callable[[Any], None]) -> Callable[..., None]:
+    @wraps(signature, updated=())
     def called(**given: Any) -> None:
-        work(asked(**given))
+        work(signature(**given))
 
     return called
 

@@ -178,7 +178,7 @@ def run(given: DriveOptions) -> None:
     """Do what `drive` says; what is wrong ends the program with a message."""
     from firmware_bridge.bridge import Bridge
     from firmware_bridge.cli.narrated import Narrated, StartUpFailedError, not_confirmed
-    from firmware_bridge.cli.places import Place, parted, places_of
+    from firmware_bridge.cli.places import Place, places_of, split_links
     from firmware_bridge.cli.real_time import carry
     from firmware_bridge.cli.remembered import Remembered
     from firmware_bridge.cli.robot_argument import find_robot
@@ -196,7 +196,7 @@ def run(given: DriveOptions) -> None:
     from firmware_bridge.shell.run_file import AsRun, run_file
 
     machine = find_robot(given.robot)
-    named, slow = parted(machine, given.link)
+    named, slow = split_links(machine, given.link)
     places = places_of(machine, named, Place(given.interface, given.channel, given.serial))
     trust = trust_of(given.mavlink, given.key, given.allow, openly=given.openly)
     state = given.state or usual_path(machine.name)
@@ -205,7 +205,7 @@ def run(given: DriveOptions) -> None:
     with one_message(PlanError, ShieldPlanError, RobotFileError, PathFileError, ValueError):
         machine = (
             watched(_with_lines(machine, places, given), accepted=given.accept_no_watchdog)
-            .told_by(given.bandwidth)
+            .discriminated_by(given.bandwidth)
             .agreed_on(given.max_delay)
         )
         machine, _ = along_path(machine, given.path, given.path_speed)
@@ -223,10 +223,10 @@ def run(given: DriveOptions) -> None:
     files |= dict.fromkeys(machine.capture_links, CAPTURE_LOG) | {OPERATOR: OPERATOR_LOG}
     try:
         known = known_places(places_before) | run_file(AsRun(machine, stands, given.mode or ""))
-        with recording(given.record, files, texts_of(), known=known) as (around, tell):
+        with recording(given.record, files, texts_of(), known=known) as (around, show):
             carried = _far(around(node), slow)
             carry(
-                Narrated(bridge, carried, machine, tell, kept=kept, stamps=stamps, hints=hints),
+                Narrated(bridge, carried, machine, show, kept=kept, stamps=stamps, hints=hints),
                 {**openers, OPERATOR: lambda: UdpPort(given.mavlink)},
                 until(given.duration),
                 f"{machine.name}: bridge on {where}, operator on {given.mavlink}",
@@ -260,7 +260,7 @@ def _links(
             node = MaxonLine(node, table.protocol, name)
             openers[name] = _serial_opener(machine, place, table.line_rate)
             lines.append(name)
-            hints[name] = _nothing_heard(table.protocol, table.line_rate)
+            hints[name] = _nothing_received(table.protocol, table.line_rate)
         elif isinstance(table, Epos2Link):
             rate = given.bit_rate or table.bit_rate
             openers[name] = _can_opener(place, given.bit_rate, table.bit_rate)
@@ -292,8 +292,8 @@ def texts_of() -> Texts:
 
     def read(datagram: bytes) -> Iterator[str]:
         for message in codec.decode(datagram, wanted):
-            for heard in listener.hear(message):
-                yield heard.text
+            for received in listener.receive(message):
+                yield received.text
 
     return read
 
@@ -353,7 +353,7 @@ def _serial_opener(machine: "AnyRobot", place: "Place", rate: int) -> "Callable[
     return lambda: ReturningLine(device, rate)
 
 
-def _nothing_heard(spoken: Generation, rate: int) -> str:
+def _nothing_received(spoken: Generation, rate: int) -> str:
     other = _OTHER[spoken]
     return (
         f"nothing was heard on the line, which was spoken to in {spoken.value} at {rate} Bd: is the drive "

@@ -14,20 +14,20 @@ AGAIN_WITHIN: Final[Nanoseconds] = 5 * SECOND
 class Leaving:
     """One robot, link by link: what stops its devices without the bridge."""
 
-    def __init__(self, machine: AnyRobot, tell: Callable[[str, Nanoseconds], None]) -> None:
-        self._tell = tell
+    def __init__(self, machine: AnyRobot, say: Callable[[str, Nanoseconds], None]) -> None:
+        self._say = say
         names = [name for name in machine.links if machine.axes_on(name)]
         self._stops: Final = {name: alone(machine, name) for name in names}
-        self._told_at: Nanoseconds = NEVER
+        self._reported_at: Nanoseconds = NEVER
 
     @property
     def unattended(self) -> str:
         """What becomes of the devices of each link, in one line."""
         return "; ".join(
-            f"link '{name}': {says}"
-            if says
+            f"link '{name}': {states}"
+            if states
             else f"link '{name}': nothing stops it: its motors may turn on, switch their supply off"
-            for name, says in self._stops.items()
+            for name, states in self._stops.items()
         )
 
     def may_leave(self, now: Nanoseconds) -> bool:
@@ -36,10 +36,10 @@ class Leaving:
         Only where some device would go on without the bridge, and was said so; else the stop goes on.
         """
         if all(self._stops.values()):
-            self._tell("the stop goes on, and ends the program: each of its steps lasts a bounded time", now)
+            self._say("the stop goes on, and ends the program: each of its steps lasts a bounded time", now)
             return False
-        if self._told_at != NEVER and now - self._told_at <= AGAIN_WITHIN:
+        if self._reported_at != NEVER and now - self._reported_at <= AGAIN_WITHIN:
             return True
-        self._told_at, within = now, f"{to_seconds(AGAIN_WITHIN):g} s"
-        self._tell(f"the stop goes on. {self.unattended}. Once more within {within} leaves it so", now)
+        self._reported_at, within = now, f"{to_seconds(AGAIN_WITHIN):g} s"
+        self._say(f"the stop goes on. {self.unattended}. Once more within {within} leaves it so", now)
         return False

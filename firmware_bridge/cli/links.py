@@ -16,7 +16,7 @@ Openers: TypeAlias = dict[str, Callable[[], Port]]
 
 
 def open_serial(
-    device: str, baud: int, link: Path | None = None, *, tells_dtr: bool = False, any_rate: bool = False
+    device: str, baud: int, link: Path | None = None, *, reports_dtr: bool = False, any_rate: bool = False
 ) -> Port:
     """Open a serial device, or make a pseudo-terminal with a link to it; PortError.
 
@@ -24,11 +24,11 @@ def open_serial(
     """
     if device == WORD:
         rate = None if any_rate else baud
-        if tells_dtr:
+        if reports_dtr:
             return SeenOpening(link, rate, say)
         # Seen opening, a client that takes the line for itself can open it again; on other systems it cannot.
         with suppress(PortError):
-            return SeenOpening(link, rate, say, tells_dtr=False)
+            return SeenOpening(link, rate, say, reports_dtr=False)
         return PseudoTerminal(link, rate, say)
     if link is not None:
         raise PortError(f"--serial-link {link}: only a pseudo-terminal wants a link; say --serial {WORD}")

@@ -124,26 +124,26 @@ _OPENERS: Final[Mapping[str, Callable[..., IO[str]]]] = {".gz": gzip.open, ".xz"
 _Frame: TypeAlias = tuple[Nanoseconds, str, Packet]
 """Instant, bus, frame."""
 
-_Tell: TypeAlias = Callable[[tuple[str, ...]], None]
+_Show: TypeAlias = Callable[[tuple[str, ...]], None]
 
 
 class Listening:
     """A node that hears everything and says nothing."""
 
-    def __init__(self, picture: "BusPicture", tell: _Tell, draw: Callable[[], None]) -> None:
+    def __init__(self, picture: "BusPicture", show: _Show, draw: Callable[[], None]) -> None:
         self._picture = picture
-        self._tell = tell
+        self._show = show
         self._draw = draw
         self._draw_at: Nanoseconds = 0
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take a frame."""
-        self._tell(self._picture.note(now, packet))
+        self._show(self._picture.note(now, packet))
         return Reaction((), self._draw_at)
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Draw the picture, and again a little later."""
-        self._tell(self._picture.pass_time(now))
+        self._show(self._picture.pass_time(now))
         self._draw()
         self._draw_at = now + DRAW_EVERY
         return Reaction((), self._draw_at)
@@ -164,17 +164,17 @@ def run(given: MonitorOptions) -> None:
             "show it (QGroundControl, mavlogdump.py)"
         )
     if can_files.is_foreign(given.log):
-        _tell_frames(given, _foreign(given.log))
+        _show_frames(given, _foreign(given.log))
         return
     lines = _numbered(given.log)
     first = list(islice(lines, 1))
     if first and is_chunk(first[0][1]):
-        _tell_lines(given, given.log, chain(first, lines))
+        _show_lines(given, given.log, chain(first, lines))
         return
-    _tell_frames(given, _candump(given.log, chain(first, lines)))
+    _show_frames(given, _candump(given.log, chain(first, lines)))
 
 
-def _tell_frames(given: MonitorOptions, frames: Iterator[_Frame]) -> None:
+def _show_frames(given: MonitorOptions, frames: Iterator[_Frame]) -> None:
     """Draw what a bus has carried."""
     from firmware_bridge.cli.monitor_table import drawn
     from firmware_bridge.cli.tables import terminal
@@ -185,19 +185,19 @@ def _tell_frames(given: MonitorOptions, frames: Iterator[_Frame]) -> None:
     terminal().print(drawn(picture))
 
 
-def _tell_lines(given: MonitorOptions, log: Path, lines: Iterator[tuple[int, str]]) -> None:
+def _show_lines(given: MonitorOptions, log: Path, lines: Iterator[tuple[int, str]]) -> None:
     """Say in words what lines have carried."""
     numbered = iter(lines)
     first = list(islice(numbered, 1))
-    if given.robot is None and not _says_its_side(first):
+    if given.robot is None and not _names_its_side(first):
         raise refusal(f"{log}: holds the bytes of lines; say whose with --robot, as its protocols read them")
     # With it come pydantic and every installed robot.
-    from firmware_bridge.cli.monitor_lines import LinesOrder, tell_lines
+    from firmware_bridge.cli.monitor_lines import LinesOrder, show_lines
 
-    tell_lines(LinesOrder(log, given.robot, given.protocol, given.channel), chain(first, numbered))
+    show_lines(LinesOrder(log, given.robot, given.protocol, given.channel), chain(first, numbered))
 
 
-def _says_its_side(first: list[tuple[int, str]]) -> bool:
+def _names_its_side(first: list[tuple[int, str]]) -> bool:
     """Return whether a device has recorded it, and says what it speaks."""
     from firmware_bridge.recording import RecordingError, parse_chunk, side_of
 
@@ -362,15 +362,17 @@ def _of_one_bus(
     path: str, channel: str | None, frames: Iterator[_Frame]
 ) -> "Iterator[tuple[Nanoseconds, Packet]]":
     """Yield the frames of one bus of a recording; others in it end the program, where none was chosen."""
-    heard: set[str] = set()
+    received: set[str] = set()
     for at, bus, packet in frames:
-        heard.add(bus)
-        if channel is None and len(heard) > 1:
-            raise refusal(f"{path}: holds frames of {' and '.join(sorted(heard))}; choose one with -c")
+        received.add(bus)
+        if channel is None and len(received) > 1:
+            raise refusal(f"{path}: holds frames of {' and '.join(sorted(received))}; choose one with -c")
         if channel in {None, bus}:
             yield at, packet
-    if channel is not None and channel not in heard:
-        raise refusal(f"{path}: holds no frame of '{channel}', but of {', '.join(sorted(heard)) or 'nobody'}")
+    if channel is not None and channel not in received:
+        raise refusal(
+            f"{path}: holds no frame of '{channel}', but of {', '.join(sorted(received)) or 'no_one'}"
+        )
 
 
 monitor: Final = command(EXAMPLES, work=run)(MonitorOptions)

@@ -28,7 +28,7 @@ class LinesOrder:
     """Only this one; None: all."""
 
 
-def tell_lines(order: LinesOrder, lines: Iterable[tuple[int, str]]) -> None:
+def show_lines(order: LinesOrder, lines: Iterable[tuple[int, str]]) -> None:
     """Say what numbered lines of a recording carry; what is wrong ends the program with a message."""
     kinds = _kinds(order)
     known = None if order.robot is None else set(kinds)

@@ -56,8 +56,8 @@ def _messages(picture: BusPicture) -> Table:
     table = Table(title="messages")
     for heading in ("id", "what", "frames", "1/s", "the last one"):
         table.add_column(heading, overflow="fold")
-    for address, title, said, count, rate in picture.messages():
-        table.add_row(_id(address), Text(title), f"{count:6}", f"{rate:4.0f}", Text(said))
+    for address, title, text, count, rate in picture.messages():
+        table.add_row(_id(address), Text(title), f"{count:6}", f"{rate:4.0f}", Text(text))
     return table
 
 

@@ -14,7 +14,7 @@ from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.shell.last_places import LastPlaces
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 
-Tell: TypeAlias = Callable[[str], None]
+Say: TypeAlias = Callable[[str], None]
 
 
 class StartUpFailedError(Exception):
@@ -32,7 +32,7 @@ class Narrated:
         bridge: Bridge,
         node: Node,
         machine: AnyRobot,
-        tell: Tell,
+        say: Say,
         *,
         kept: LastPlaces,
         stamps: Remembered,
@@ -44,16 +44,16 @@ class Narrated:
         """What may be wrong with a link on which nothing was heard yet, by its name."""
         self._stamps: Final = stamps
         self._kept: Final = kept
-        self._kept_told = False
+        self._keeping_failed = False
         self._node = node
-        self._tell = tell
+        self._print = say
         self._phase: Phase | None = None
         self._armed = False
         self._late = 0
-        self._late_told_at: Nanoseconds = 0
+        self._late_reported_at: Nanoseconds = 0
         self._holds: tuple[Hold, ...] = ()
         self._failure: Exception | None = None
-        self._mute = False
+        self._silent = False
         self._leaving: Final = Leaving(machine, self._say)
 
     @property
@@ -75,17 +75,17 @@ class Narrated:
         if packet.payload:
             self._hints.pop(packet.link, None)
         self._raise_failure()
-        return self._told(self._node.receive(packet, now), now)
+        return self._after(self._node.receive(packet, now), now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Wake the bridge, and tell what has changed."""
         self._raise_failure()
-        return self._told(self._node.wake(now), now)
+        return self._after(self._node.wake(now), now)
 
     def stop(self, now: Nanoseconds) -> Reaction:
         """Stop the bridge, and tell what has changed."""
         reaction = self._node.stop(now) if isinstance(self._node, Stoppable) else Reaction()
-        return self._told(reaction, now)
+        return self._after(reaction, now)
 
     def _raise_failure(self) -> None:
         """End the run one call after a failure, so that what the bridge sent because of it has left."""
@@ -96,26 +96,26 @@ class Narrated:
         if bridge.failure is not None and bridge.phase is Phase.FAILED:
             hints = list(self._hints.values())
             # Where nothing at all was heard, that is all there is to say.
-            said = hints if self._alone else [bridge.failure, *hints]
-            raise StartUpFailedError(f"start-up failed: {'; '.join(said)}")
+            texts = hints if self._alone else [bridge.failure, *hints]
+            raise StartUpFailedError(f"start-up failed: {'; '.join(texts)}")
 
     @property
     def _alone(self) -> bool:
         """Whether nothing was heard on any link."""
         return bool(self._links) and self._hints.keys() == self._links
 
-    def _told(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
+    def _after(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
         """Tell what has changed; a failure of that is raised one call later, so that what is sent leaves."""
-        if self._mute:
+        if self._silent:
             return reaction
         try:
-            self._tell_changes(now)
+            self._show_changes(now)
         except Exception as failure:  # noqa: BLE001 - it is raised, and nothing is told any more
-            self._mute, self._failure = True, failure
+            self._silent, self._failure = True, failure
             return Reaction(reaction.sent, min(reaction.wake_at, now))
         return reaction
 
-    def _tell_changes(self, now: Nanoseconds) -> None:
+    def _show_changes(self, now: Nanoseconds) -> None:
         bridge = self._bridge
         if bridge.phase is not self._phase:
             self._phase = bridge.phase
@@ -128,35 +128,35 @@ class Narrated:
         problem = self._stamps.keep(bridge.operator.stamps, now, ended=bridge.finished)
         if problem is not None:
             self._say(problem, now)
-        self._tell_operators(now)
+        self._show_operators(now)
         late = bridge.fleets.late
-        if late != self._late and now - self._late_told_at >= SECOND:
+        if late != self._late and now - self._late_reported_at >= SECOND:
             self._say(f"late: {late - self._late} cycles were longer than the robot file says", now)
-            self._late, self._late_told_at = late, now
+            self._late, self._late_reported_at = late, now
         # What failed is told at the end, and what is said to nobody need not be told step by step.
         ends = bridge.phase not in (Phase.STARTING, Phase.RUNNING)
         if bridge.holds != self._holds and bridge.phase is not Phase.FAILED and not (ends and self._alone):
-            self._tell_holds({hold.name: hold for hold in bridge.holds}, now)
+            self._show_holds({hold.name: hold for hold in bridge.holds}, now)
             self._holds = bridge.holds
 
-    def _tell_operators(self, now: Nanoseconds) -> None:
+    def _show_operators(self, now: Nanoseconds) -> None:
         """Tell whether it is armed, and who speaks and is not believed."""
         bridge = self._bridge
         if bridge.seen.facts.armed != self._armed:
             self._armed = bridge.seen.facts.armed
             self._say("armed" if self._armed else "disarmed", now)
-        for text in bridge.operator.take_strangers():
+        for text in bridge.operator.take_new_stations():
             self._say(text, now)
 
     def _keep(self, now: Nanoseconds) -> None:
         """Keep where the axes stand; a file that cannot be written ends no run."""
         self._kept.keep(self._bridge.places, now)
         problem = self._kept.file.problem(now)
-        if problem is not None and not self._kept_told:
-            self._kept_told = True
+        if problem is not None and not self._keeping_failed:
+            self._keeping_failed = True
             self._say(f"where the axes stand is not kept: {problem}", now)
 
-    def _tell_holds(self, standing: Mapping[str, Hold], now: Nanoseconds) -> None:
+    def _show_holds(self, standing: Mapping[str, Hold], now: Nanoseconds) -> None:
         known = {hold.name: hold.reason for hold in self._holds}
         for name in known:
             if name not in standing:
@@ -166,7 +166,7 @@ class Narrated:
                 self._say(f"holds: {name}: {hold.reason} ({hold.remedy})", now)
 
     def _say(self, text: str, now: Nanoseconds) -> None:
-        self._tell(f"{to_seconds(now):9.3f} s  {text}")
+        self._print(f"{to_seconds(now):9.3f} s  {text}")
 
 
 def not_confirmed(bridge: Bridge) -> str:

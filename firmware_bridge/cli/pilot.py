@@ -146,7 +146,7 @@ def run(given: PilotOptions) -> None:
         driver,
         (operator.system_id, operator.component_id),
         trust=remembered.trust,
-        asks=PROFILES[given.telemetry],
+        requests=PROFILES[given.telemetry],
     )
     cockpit = Cockpit(station, say, arms=given.arm, rolling=kind.body(robot).rolling)
     keys = f"; {HELP}" if given.keyboard else ""

@@ -25,7 +25,7 @@ class Place:
         return self.device or self.channel or "the configured bus"
 
 
-def parted(robot: AnyRobot, texts: Sequence[str] | None) -> tuple[list[str], Conditions | None]:
+def split_links(robot: AnyRobot, texts: Sequence[str] | None) -> tuple[list[str], Conditions | None]:
     """Part the words for places from those that say how slow the operator's link is; None: as it is.
 
     What is wrong with the latter ends the program.

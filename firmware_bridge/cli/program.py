@@ -110,7 +110,7 @@ def _options(
         typer.Option(
             "--version",
             is_eager=True,
-            callback=lambda asked: _print_version(asked=asked),
+            callback=lambda requested: _print_version(requested=requested),
             help="Print the version and exit.",
         ),
     ] = False,
@@ -123,8 +123,8 @@ def _warn(message: Warning | str, *_place: object, **_more: object) -> None:
     say(f"firmware-bridge: warning: {message}", err=True)
 
 
-def _print_version(*, asked: bool) -> None:
-    if asked:
+def _print_version(*, requested: bool) -> None:
+    if requested:
         from importlib import metadata
 
         say(f"firmware-bridge {metadata.version('firmware-bridge')}")

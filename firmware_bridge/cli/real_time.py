@@ -47,7 +47,7 @@ def carry(
                 _complain([], unfinished())
             raise
         else:
-            for line in _told(ending, clock):
+            for line in _texts(ending, clock):
                 say(line)
             problems += [] if ending.in_order else [ending.verdict]
             unread = ending.reason == UNREAD
@@ -73,12 +73,12 @@ def _complain(problems: list[str], unfinished: str) -> None:
     """Say what is wrong, and end the program where something is."""
     left = [refusal(unfinished, UNCONFIRMED)] if unfinished else []
     # The cause is told last.
-    said = left + [refusal(problem, FAILED) for problem in problems]
-    if said:
-        raise said[0]
+    texts = left + [refusal(problem, FAILED) for problem in problems]
+    if texts:
+        raise texts[0]
 
 
-def _told(ending: Ending, clock: Clock | None) -> Iterator[str]:
+def _texts(ending: Ending, clock: Clock | None) -> Iterator[str]:
     yield f"ended: {ending.reason}; never later than {ending.latest_wake / MILLISECOND:.1f} ms"
     if isinstance(clock, LivedClock) and clock.stalls:
         total = to_seconds(clock.stalled)

@@ -23,7 +23,7 @@ RecordOption = Annotated[
         show_default=False,
     ),
 ]
-Tell: TypeAlias = Callable[[str], None]
+Say: TypeAlias = Callable[[str], None]
 Around: TypeAlias = Callable[[Node], Node]
 
 
@@ -34,7 +34,7 @@ def recording(
     texts: Texts = no_texts,
     called: Mapping[str, str] = MappingProxyType({}),
     known: Mapping[str, str] = MappingProxyType({}),
-) -> Iterator[tuple[Around, Tell]]:
+) -> Iterator[tuple[Around, Say]]:
     """Give what goes around the node that is carried, and what tells the user; without a folder, nothing is.
 
     `called` has names that links have in a log of lines; `known`, by the names of files, what the program
@@ -47,4 +47,4 @@ def recording(
         box = BlackBox(folder, files, say, texts, called, known=known)
     with box:
         say(f"recording in {box.folder}")
-        yield (lambda node: Recorded(node, box.note)), box.tell
+        yield (lambda node: Recorded(node, box.note)), box.report

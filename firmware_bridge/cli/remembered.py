@@ -21,7 +21,7 @@ class Remembered:
         self._kept: KeptStamps | None = None if trust.key is None else KeptStamps(path)
         self.trust: Final = trust if self._kept is None else replace(trust, kept=_read(self._kept))
         """With what the run before has heard."""
-        self._told = False
+        self._reported = False
 
     def keep(self, stamps: Callable[[Nanoseconds], Stamps], now: Nanoseconds, *, ended: bool) -> str | None:
         """Keep up to where was heard; return what hinders it, once.
@@ -39,9 +39,9 @@ class Remembered:
         return None if self._kept is None else self._once(self._kept.file.settled())
 
     def _once(self, problem: str | None) -> str | None:
-        if problem is None or self._told:
+        if problem is None or self._reported:
             return None
-        self._told = True
+        self._reported = True
         return f"time stamps are not kept: {problem}"
 
 
@@ -53,9 +53,9 @@ class Remembering:
         node: Node,
         remembered: Remembered,
         stamps: Callable[[Nanoseconds], Stamps],
-        tell: Callable[[str], None],
+        say: Callable[[str], None],
     ) -> None:
-        self._tell: Final = tell
+        self._say: Final = say
         self._node: Final = node
         self._remembered: Final = remembered
         self._stamps: Final = stamps
@@ -76,7 +76,7 @@ class Remembering:
     def _after(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
         problem = self._remembered.keep(self._stamps, now, ended=reaction.wake_at == NEVER)
         if problem is not None:
-            self._tell(problem)
+            self._say(problem)
         return reaction
 
 

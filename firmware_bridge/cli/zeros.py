@@ -12,7 +12,7 @@ def zeros_of(texts: Sequence[str] | None, homed: Sequence[str] | None = None) ->
 
     First those that were looked at, then those that are `homed`, in their order.
     """
-    said: dict[str, float] = {}
+    positions: dict[str, float] = {}
     for text in texts or ():
         axis, sign, value = text.partition("=")
         try:
@@ -21,11 +21,11 @@ def zeros_of(texts: Sequence[str] | None, homed: Sequence[str] | None = None) ->
             number = math.nan
         if not sign or not axis or math.isnan(number):
             raise refusal(f"--zero {text}: say AXIS=VALUE")
-        if axis in said:
+        if axis in positions:
             raise refusal(f"--zero {text}: {axis} is said twice")
-        said[axis] = number
+        positions[axis] = number
     for axis in homed or ():
-        if axis in said:
+        if axis in positions:
             raise refusal(f"--home {axis}: {axis} is said twice")
-        said[axis] = math.nan
-    return tuple(ConfirmZero(axis, number) for axis, number in said.items())
+        positions[axis] = math.nan
+    return tuple(ConfirmZero(axis, number) for axis, number in positions.items())

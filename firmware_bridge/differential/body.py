@@ -84,7 +84,7 @@ class DifferentialBody(Generic[G, M, S]):
         speed, turn = twist(base, axes[self._left].velocity, axes[self._right].velocity)
         return self._state(self._robot, speed, turn, sensors)
 
-    def asked(self, motion: M, _state: S) -> frozenset[Group]:
+    def requested(self, motion: M, _state: S) -> frozenset[Group]:
         """Return the wheels where the motion asks the robot to drive or to turn."""
         return frozenset({self._group}) if motion.speed_mps or motion.turn_rad_s else NOTHING
 

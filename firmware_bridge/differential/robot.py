@@ -101,21 +101,21 @@ class DifferentialRobot(Generic[G, M, S]):
         allowed, reason = bounded(view.allowed.speed_mps, share * view.geometry.limits.speed_mps, "m/s")
         return replace(view.allowed, speed_mps=allowed), reason
 
-    def stick(self, stick: Stick, wish: M, robot: Robot[G]) -> M:
+    def stick(self, stick: Stick, command: M, robot: Robot[G]) -> M:
         """Return the wish for a stick: full stick is a limit; with `r` unused `y` turns."""
         limits = robot.geometry.limits
         side = stick.left if stick.turn is None else stick.turn
         return replace(
-            wish,
+            command,
             speed_mps=(stick.forward or 0.0) * limits.speed_mps,
             turn_rad_s=(side or 0.0) * limits.turn_rate_rad_s,
         )
 
-    def target(self, velocity: Velocity, wish: M, _robot: Robot[G]) -> M | Unusable:
+    def target(self, velocity: Velocity, command: M, _robot: Robot[G]) -> M | Unusable:
         """Return the wish for a velocity along the robot and a turn rate."""
         if velocity.left_mps != 0.0:
             return Unusable("sideways", "this robot moves forward and backward only")
-        return replace(wish, speed_mps=velocity.forward_mps, turn_rad_s=velocity.yaw_rate_rad_s or 0.0)
+        return replace(command, speed_mps=velocity.forward_mps, turn_rad_s=velocity.yaw_rate_rad_s or 0.0)
 
     def twist(self, state: S) -> Twist:
         """Return how the axle's middle moves."""
@@ -159,18 +159,20 @@ class DifferentialRobot(Generic[G, M, S]):
 
     def _acceleration(self, view: View[G, M, S]) -> tuple[M, str | None]:
         """Clip nothing, the ramp does; say where it will take more than one cycle."""
-        demanded, asked = view.seen.demanded, view.allowed
+        demanded, requested = view.seen.demanded, view.allowed
         speed, turn = ramp_of(view.robot).step(
-            (demanded.speed_mps, demanded.turn_rad_s), (asked.speed_mps, asked.turn_rad_s), view.robot.cycle
+            (demanded.speed_mps, demanded.turn_rad_s),
+            (requested.speed_mps, requested.turn_rad_s),
+            view.robot.cycle,
         )
         if (
-            abs(asked.speed_mps - speed) <= SPEED_TOLERANCE
-            and abs(asked.turn_rad_s - turn) <= SPEED_TOLERANCE
+            abs(requested.speed_mps - speed) <= SPEED_TOLERANCE
+            and abs(requested.turn_rad_s - turn) <= SPEED_TOLERANCE
         ):
-            return asked, None
-        return asked, (
+            return requested, None
+        return requested, (
             f"asked to go from {demanded.speed_mps:.2f} m/s and {demanded.turn_rad_s:.2f} rad/s "
-            f"to {asked.speed_mps:.2f} m/s and {asked.turn_rad_s:.2f} rad/s at once"
+            f"to {requested.speed_mps:.2f} m/s and {requested.turn_rad_s:.2f} rad/s at once"
         )
 
 

@@ -26,15 +26,15 @@ class BoardLine(ABC):
 
     def read(self, sender: str, packet: Packet) -> str:
         """Return what the bytes complete; those of a command that goes on say so."""
-        said = self.asked(packet.payload) if sender == BRIDGE else self.told(packet.payload)
-        return "; ".join(said) or "part of a line"
+        texts = self.to_board(packet.payload) if sender == BRIDGE else self.from_board(packet.payload)
+        return "; ".join(texts) or "part of a line"
 
     @abstractmethod
-    def asked(self, chunk: bytes) -> Iterator[str]:
+    def to_board(self, chunk: bytes) -> Iterator[str]:
         """Yield the commands that these bytes of the bridge complete."""
 
     @abstractmethod
-    def told(self, chunk: bytes) -> Iterator[str]:
+    def from_board(self, chunk: bytes) -> Iterator[str]:
         """Yield the answers that these bytes of the board complete."""
 
 
@@ -44,23 +44,23 @@ class RosLine(BoardLine):
     def __init__(self) -> None:
         self._commands = ros.LineReader(ros.END)
         self._answers = ros.LineReader()
-        self._asked = ""
+        self._request = ""
 
-    def asked(self, chunk: bytes) -> Iterator[str]:
+    def to_board(self, chunk: bytes) -> Iterator[str]:
         """Yield a command's name, and its numbers as they are."""
-        for line in self._commands.hear(chunk):
+        for line in self._commands.receive(chunk):
             # The sketch takes the last character before the first space: a line feed does no harm.
             letter, _, words = line.lstrip(LINE_FEED).decode("ascii", "replace").partition(" ")
             row = ros.COMMANDS.get(letter)
-            self._asked = "" if row is None else f" to {row.name}"
+            self._request = "" if row is None else f" to {row.name}"
             yield _called(UNREAD if row is None else row.name, words if row else repr(line.decode("latin-1")))
         if self._commands.waiting.lstrip(LINE_FEED).endswith(LINE_FEED):
             yield NO_RETURN
 
-    def told(self, chunk: bytes) -> Iterator[str]:
+    def from_board(self, chunk: bytes) -> Iterator[str]:
         """Yield answers as they are."""
-        for line in self._answers.hear(chunk):
-            yield f"answer{self._asked}: {line.decode('ascii', 'replace')}"
+        for line in self._answers.receive(chunk):
+            yield f"answer{self._request}: {line.decode('ascii', 'replace')}"
 
 
 class ArduinoIoLine(BoardLine):
@@ -69,66 +69,66 @@ class ArduinoIoLine(BoardLine):
     def __init__(self) -> None:
         self._commands = arduinoio.CommandReader()
         self._answers = ros.LineReader()
-        self._asked = ""
+        self._request = ""
 
-    def asked(self, chunk: bytes) -> Iterator[str]:
+    def to_board(self, chunk: bytes) -> Iterator[str]:
         """Yield a command's name, and what followed; a direction as its letter."""
         for byte in chunk:
-            asked = self._commands.take(byte)
-            if asked is None:
+            to_board = self._commands.take(byte)
+            if to_board is None:
                 continue
-            if asked.row.answers:
-                self._asked = f" to {asked.row.name}"
-            letters = asked.row.letter == "B"
+            if to_board.row.answers:
+                self._request = f" to {to_board.row.name}"
+            letters = to_board.row.letter == "B"
             values = [
                 f"{kind.name} {chr(value) if letters and kind is arduinoio.RAW else value}"
-                for kind, value in zip(asked.row.follows, asked.values, strict=True)
+                for kind, value in zip(to_board.row.follows, to_board.values, strict=True)
             ]
-            yield _called(f"{asked.row.letter}, {asked.row.name}", ", ".join(values))
+            yield _called(f"{to_board.row.letter}, {to_board.row.name}", ", ".join(values))
 
-    def told(self, chunk: bytes) -> Iterator[str]:
+    def from_board(self, chunk: bytes) -> Iterator[str]:
         """Yield numbers."""
-        for line in self._answers.hear(chunk):
+        for line in self._answers.receive(chunk):
             number = arduinoio.decode(line)
-            yield f"answer{self._asked}: {repr(line.decode('latin-1')) if number is None else number}"
+            yield f"answer{self._request}: {repr(line.decode('latin-1')) if number is None else number}"
 
 
 class MwLine(BoardLine):
     """MWProtocol: frames, an answer by its command, libraries by the numbers that the board has told."""
 
     def __init__(self) -> None:
-        self._commands = mw.AskedReader()
+        self._commands = mw.RequestReader()
         self._answers = mw.AnswerReader()
         self._libraries: tuple[str, ...] = mw.LIBRARIES
-        self._told = b""
+        self._received = b""
         """The newest bytes of the board: its banner may come in parts."""
         self._request: Any = None
 
-    def asked(self, chunk: bytes) -> Iterator[str]:
+    def to_board(self, chunk: bytes) -> Iterator[str]:
         """Yield a command's number in the host's sequence, its name and fields."""
         for byte in chunk:
-            asked = self._commands.take(byte)
-            if asked is None:
+            to_board = self._commands.take(byte)
+            if to_board is None:
                 continue
-            row = mw.row_asked(asked, self._libraries)
+            row = mw.row_of_frame(to_board, self._libraries)
             shape = None if row is None else row.request
-            self._request = None if shape is None else shape.decode(asked.data)
-            name = f"command 0x{asked.code:02X}" if row is None else row.name
-            raw = asked.data.hex(" ").upper()
+            self._request = None if shape is None else shape.decode(to_board.data)
+            name = f"command 0x{to_board.code:02X}" if row is None else row.name
+            raw = to_board.data.hex(" ").upper()
             yield _called(
-                f"#{asked.sequence} {name}", raw if self._request is None else _fields(self._request)
+                f"#{to_board.sequence} {name}", raw if self._request is None else _fields(self._request)
             )
         if self._commands.waits:
             yield "part of a frame"
 
-    def told(self, chunk: bytes) -> Iterator[str]:
+    def from_board(self, chunk: bytes) -> Iterator[str]:
         """Yield answers and what is said for people."""
-        self._told = (self._told + chunk)[-len(mw.BANNER) - len(chunk) + 1 :]
-        if mw.BANNER in self._told:
-            self._told = b""
+        self._received = (self._received + chunk)[-len(mw.BANNER) - len(chunk) + 1 :]
+        if mw.BANNER in self._received:
+            self._received = b""
             yield "the board has begun"
         damaged = self._answers.damaged
-        for found in self._answers.hear(chunk):
+        for found in self._answers.receive(chunk):
             yield self._traced(found) if isinstance(found, mw.Traced) else self._answered(found)
         if self._answers.damaged > damaged:
             yield "a frame whose check sum is wrong"
@@ -152,15 +152,15 @@ class FirmataLine(BoardLine):
         self._commands = firmata.Parser()
         self._answers = firmata.Parser(from_board=True)
 
-    def asked(self, chunk: bytes) -> Iterator[str]:
+    def to_board(self, chunk: bytes) -> Iterator[str]:
         """Yield the host's messages."""
-        for message in self._commands.hear(chunk):
+        for message in self._commands.receive(chunk):
             encoder = message.exclusive and message.code == firmata.ENCODER and message.data
-            yield _encoder_asked(message.data) if encoder else _message(message)
+            yield _encoder_requested(message.data) if encoder else _message(message)
 
-    def told(self, chunk: bytes) -> Iterator[str]:
+    def from_board(self, chunk: bytes) -> Iterator[str]:
         """Yield the board's messages."""
-        return map(_message, self._answers.hear(chunk))
+        return map(_message, self._answers.receive(chunk))
 
 
 class Ar2Line(BoardLine):
@@ -169,20 +169,22 @@ class Ar2Line(BoardLine):
     def __init__(self) -> None:
         self._commands = ros.LineReader(ar2.END, LONGEST)
 
-    def asked(self, chunk: bytes) -> Iterator[str]:
+    def to_board(self, chunk: bytes) -> Iterator[str]:
         """Yield what a line asks for: steps of joints, ahead above 0, and what else is in it."""
-        for line in self._commands.hear(chunk):
-            asked = ar2.decode(line)
-            if asked is None:
+        for line in self._commands.receive(chunk):
+            to_board = ar2.decode(line)
+            if to_board is None:
                 yield f"{UNREAD}: {line.decode('latin-1')!r}"
                 continue
-            values = [f"{_axis(letter)} {_steps(steps)}" for letter, steps in asked.steps.items() if steps]
-            if asked.steps and not values:
+            values = [f"{_axis(letter)} {_steps(steps)}" for letter, steps in to_board.steps.items() if steps]
+            if to_board.steps and not values:
                 values.append("no steps")
-            values += [f"{letter} {number}" for letter, number in asked.fields.items()]
-            yield _called(f"{asked.word}, {ar2.COMMANDS[asked.word]}", ", ".join(values) or asked.text)
+            values += [f"{letter} {number}" for letter, number in to_board.fields.items()]
+            yield _called(
+                f"{to_board.word}, {ar2.COMMANDS[to_board.word]}", ", ".join(values) or to_board.text
+            )
 
-    def told(self, chunk: bytes) -> Iterator[str]:
+    def from_board(self, chunk: bytes) -> Iterator[str]:
         """Yield the text as it came."""
         yield f"says {chunk.decode('latin-1')!r}"
 
@@ -228,9 +230,9 @@ def _message(message: firmata.Message) -> str:
     return _called(name, _exclusive(message) or message.data.hex(" ").upper())
 
 
-def _encoder_asked(data: bytes) -> str:
-    asks = firmata.ENCODER_ASKS.get(data[0], f"command 0x{data[0]:02X}")
-    return _called(f"encoder, {asks}", " ".join(map(str, data[1:])))
+def _encoder_requested(data: bytes) -> str:
+    requests = firmata.ENCODER_REQUESTS.get(data[0], f"command 0x{data[0]:02X}")
+    return _called(f"encoder, {requests}", " ".join(map(str, data[1:])))
 
 
 def _exclusive(message: firmata.Message) -> str:

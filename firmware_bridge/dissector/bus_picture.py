@@ -51,7 +51,7 @@ class NodeSeen:
     """What the robot file calls it."""
     network: NmtState | None = None
     """As it has said last, or was commanded since, or goes on to by itself."""
-    said: NmtState | None = None
+    reported: NmtState | None = None
     """As it has said last."""
     beat_at: Nanoseconds | None = None
     periods: deque[Nanoseconds] = field(default_factory=lambda: deque(maxlen=BEATS))
@@ -210,7 +210,7 @@ class BusPicture:
         """Take a heartbeat, a boot-up message or an answer to node guarding."""
         state = canopen.decode_heartbeat(payload)
         restarted = state is NmtState.BOOT_UP
-        if state is not seen.said and state is not None:
+        if state is not seen.reported and state is not None:
             yield f"node {seen.node}: {'restarted' if restarted else state.title}"
         elif seen.missing:
             yield f"node {seen.node}: its heartbeat is back"
@@ -225,22 +225,22 @@ class BusPicture:
             if seen.late != 1:
                 seen.periods.append(now - seen.beat_at)
         seen.beat_at, seen.missing = None if restarted else now, False
-        seen.said = seen.said if state is None else state
+        seen.reported = seen.reported if state is None else state
         # It goes on to pre-operational by itself (CiA 301).
         follows = NmtState.PRE_OPERATIONAL if restarted else state
         seen.network = seen.network if follows is None else follows
 
     def _emergency(self, seen: NodeSeen, packet: Packet, message: MessageSeen) -> Iterator[str]:
-        told = canopen.decode_emergency(packet.payload)
+        decoded = canopen.decode_emergency(packet.payload)
         if message.read is None:
             return
-        title, said = message.read
-        seen.emergency = said
-        if told is not None and told.code:
+        title, reported = message.read
+        seen.emergency = reported
+        if decoded is not None and decoded.code:
             seen.emergencies += 1
-            yield self._wrong(f"{title}: {said}")
+            yield self._wrong(f"{title}: {reported}")
         else:
-            yield f"{title}: {said}"
+            yield f"{title}: {reported}"
 
     def _aborted(self, packet: Packet, message: MessageSeen) -> Iterator[str]:
         decode = sdo.decode_request if packet.address >= canopen.SDO_REQUEST else sdo.decode_response
@@ -274,8 +274,8 @@ class BusPicture:
         return text
 
     def _read(self, packet: Packet) -> tuple[str, str]:
-        title, _, said = self._reader.read("", packet).partition(": ")
-        return title, said
+        title, _, reported = self._reader.read("", packet).partition(": ")
+        return title, reported
 
     def _percent(self, bits: int, span: Nanoseconds) -> float:
         return min(100.0, 100.0 * bits * SECOND / self.bit_rate / span) if span else 0.0

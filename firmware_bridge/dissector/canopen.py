@@ -42,7 +42,7 @@ class Canopen:
         self._nodes = Nodes(sheet or {})
         self._defaults = defaults or sheet is not None
         self._maxon: set[int] = set()
-        self._asked: dict[int, Address] = {}
+        self._requested: dict[int, Address] = {}
         """The object of each node's SDO transfer."""
 
     def read(self, _sender: str, packet: Packet) -> str:
@@ -105,10 +105,10 @@ class Canopen:
 
     def nmt(self, _node: int, payload: bytes) -> str:
         """Read a network management command; a node that is reset forgets what it has not saved."""
-        told = canopen.decode_nmt(payload)
-        if told is None:
+        decoded = canopen.decode_nmt(payload)
+        if decoded is None:
             return "NMT: no command"
-        command, node = told
+        command, node = decoded
         if command in {canopen.NmtCommand.RESET_NODE, canopen.NmtCommand.RESET_COMMUNICATION}:
             for one in [node] if node else self._nodes.known:
                 self._nodes.forget(one)
@@ -120,12 +120,12 @@ class Canopen:
 
     def emergency(self, node: int, payload: bytes) -> str:
         """Read the emergency of a node."""
-        told = canopen.decode_emergency(payload)
-        if told is None:
+        decoded = canopen.decode_emergency(payload)
+        if decoded is None:
             return f"EMCY node {node}: too short"
-        cause = ", ".join(words(Address(0x1003, 1), told.code))
-        register = ", ".join(words(at.ERROR_REGISTER, told.register))
-        return f"EMCY node {node}: {cause}; error register 0x{told.register:02X} ({register})"
+        cause = ", ".join(words(Address(0x1003, 1), decoded.code))
+        register = ", ".join(words(at.ERROR_REGISTER, decoded.register))
+        return f"EMCY node {node}: {cause}; error register 0x{decoded.register:02X} ({register})"
 
     def time_stamp(self, _node: int, _payload: bytes) -> str:
         """Read a time stamp."""
@@ -137,10 +137,10 @@ class Canopen:
         head = f"SDO request, node {node}:"
         match request:
             case sdo.UploadRequest(address):
-                self._asked[node] = address
+                self._requested[node] = address
                 return f"{head} read {called(address)}"
             case sdo.DownloadRequest(address, raw, size):
-                self._asked[node] = address
+                self._requested[node] = address
                 if raw is None:
                     length = "" if size is None else f" of {size} bytes"
                     return f"{head} write {called(address)}, segments{length} to come"
@@ -181,8 +181,8 @@ class Canopen:
     def lss(self, _node: int, payload: bytes) -> str:
         """Read a layer setting service's frame."""
         command = _LSS.get(payload[0]) if payload else None
-        said = "no command" if command is None else f"{_plain(command.name)} {payload[1:].hex(' ').upper()}"
-        return f"LSS: {said}"
+        text = "no command" if command is None else f"{_plain(command.name)} {payload[1:].hex(' ').upper()}"
+        return f"LSS: {text}"
 
     # What is written, and by whom it is read again
 
@@ -197,8 +197,8 @@ class Canopen:
                 return "no SDO transfer"
 
     def _object(self, node: int) -> str:
-        asked = self._asked.get(node)
-        return "an unknown object" if asked is None else called(asked)
+        requested = self._requested.get(node)
+        return "an unknown object" if requested is None else called(requested)
 
     # PDOs
 

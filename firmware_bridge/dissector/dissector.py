@@ -118,5 +118,5 @@ class Dissector:
         if reader is None:
             reader = self._readers[link] = protocols.reader()
         seconds, rest = divmod(carried.at, SECOND)
-        said = _one_line(reader.read(carried.sender, packet))
-        return f"{seconds}.{rest:09d} s  {link}  {carried.sender}  {protocols.written(packet)}  {said}"
+        line = _one_line(reader.read(carried.sender, packet))
+        return f"{seconds}.{rest:09d} s  {link}  {carried.sender}  {protocols.written(packet)}  {line}"

@@ -5,7 +5,7 @@ from typing import Final
 from firmware_bridge.packet import Packet
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect, text_of
 
-_NOBODY: Final = 0
+_NO_ONE: Final = 0
 """The reader sends nothing, so its own number does not matter."""
 
 
@@ -13,15 +13,15 @@ class Mavlink:
     """Reads the datagrams of one link."""
 
     def __init__(self) -> None:
-        self._codec = Codec(_NOBODY, _NOBODY)
+        self._codec = Codec(_NO_ONE, _NO_ONE)
 
     def read(self, _sender: str, packet: Packet) -> str:
         """Return what the messages of a datagram say."""
         messages = self._codec.decode(packet.payload)
-        return "; ".join(map(_said, messages)) or "no message that MAVLink's dialects know"
+        return "; ".join(map(_text_of, messages)) or "no message that MAVLink's dialects know"
 
 
-def _said(message: Message) -> str:
+def _text_of(message: Message) -> str:
     head = message.get_header()
     name = message.get_type()
     origin = f"{name} #{head.seq} of {head.srcSystem}/{head.srcComponent}"

@@ -22,12 +22,12 @@ _OBJECT: Final = ("index", "subindex")
 def _fields(message: Request | Answer) -> str:
     """Return a message's fields; an object is called by its name."""
     values = {name: getattr(message, name) for name in type(message).__dataclass_fields__}
-    said = []
+    texts = []
     if set(_OBJECT) <= set(values):
-        said.append(called(Address(*(values.pop(name) for name in _OBJECT))))
+        texts.append(called(Address(*(values.pop(name) for name in _OBJECT))))
     for name, value in values.items():
-        said.append(f"{name} {value.hex(' ').upper() if isinstance(value, bytes) else value}")
-    return ", ".join(said)
+        texts.append(f"{name} {value.hex(' ').upper() if isinstance(value, bytes) else value}")
+    return ", ".join(texts)
 
 
 class _Exchange:
@@ -36,7 +36,7 @@ class _Exchange:
     def __init__(self) -> None:
         self._request: Request | None = None
 
-    def asked(self, frame: Frame) -> str:
+    def requested(self, frame: Frame) -> str:
         """Return what a command asks."""
         row = COMMANDS.get(frame.opcode)
         self._request = decode_request(frame)
@@ -62,7 +62,7 @@ class MaxonCommands:
         """Return what a command or its outcome says; whoever speaks first is the one who asks."""
         self._asker = self._asker or sender
         if sender == self._asker:
-            return self._exchange.asked(
+            return self._exchange.requested(
                 Frame(packet.address & 0xFF, packet.payload[: len(packet.payload) & ~1])
             )
         _, outcome = outcome_of(packet)
@@ -107,14 +107,16 @@ class MaxonLine:
     def read(self, sender: str, packet: Packet) -> str:
         """Return what the bytes complete; those of a frame that goes on say so."""
         stream = self._streams.setdefault(sender, _Stream())
-        said = []
+        texts = []
         for byte in packet.payload:
             if self._v2 is None:
                 self._v2 = byte == DLE
             done = stream.take_v2(byte) if self._v2 else stream.take_v1(byte)
             if done is not None:
-                said.append(done if isinstance(done, str) else self._told(done))
-        return "; ".join(said) or "part of a frame"
+                texts.append(done if isinstance(done, str) else self._text_of(done))
+        return "; ".join(texts) or "part of a frame"
 
-    def _told(self, frame: Frame) -> str:
-        return self._exchange.answered(frame.body) if frame.opcode == ANSWER else self._exchange.asked(frame)
+    def _text_of(self, frame: Frame) -> str:
+        return (
+            self._exchange.answered(frame.body) if frame.opcode == ANSWER else self._exchange.requested(frame)
+        )

@@ -19,11 +19,11 @@ class NatNet:
         """Return what a datagram says."""
         try:
             message, payload = messages.split(packet.payload)
-            return ": ".join((message.name.lower().replace("_", " "), *self._said(message, payload)))
+            return ": ".join((message.name.lower().replace("_", " "), *self._texts(message, payload)))
         except NatNetError as error:
             return f"no packet of NatNet's: {error}"
 
-    def _said(self, message: MessageId, payload: bytes) -> Iterator[str]:
+    def _texts(self, message: MessageId, payload: bytes) -> Iterator[str]:
         if message is MessageId.SERVERINFO:
             server = messages.server_info(payload)
             self._version = server.version

@@ -87,11 +87,11 @@ class Nodes:
             raw = raw[: row.type.size]  # a client that does not tell the size sends four bytes
         value = decode(address, raw)
         mode = mode_of(self._written.get(node, {}).get(at.MODE, 0))
-        said = words(address, value, mode)
+        text = words(address, value, mode)
         in_bits = isinstance(value, int) and address in _IN_BITS
         number = f"0x{value:0{2 * len(raw)}X}" if in_bits else f"{value}"
         unit = unit_of(address)
-        return number + (f" {unit}" if unit else "") + (f" ({', '.join(said)})" if said else "")
+        return number + (f" {unit}" if unit else "") + (f" ({', '.join(text)})" if text else "")
 
     def candidates(self, number: int) -> Iterator[tuple[int, str, int]]:
         """Yield node, title and index of the mapping of each PDO that has this identifier now."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final, Protocol, TypeAlias
 
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, Output, Sensor
 from firmware_bridge.units import Nanoseconds
@@ -114,7 +114,7 @@ class Power(Enum):
     FAULT = "fault"
 
 
-class Tells(Enum):
+class Reports(Enum):
     """What a driver's devices can tell; a common interlock that needs more is replaced by a weaker one."""
 
     POWER = "power"
@@ -133,9 +133,9 @@ class Feedback:
 
     axis: str
     power: Power = Power.UNKNOWN
-    heard_at: Nanoseconds = NEVER_HEARD
+    received_at: Nanoseconds = NEVER_RECEIVED
     """When the newest sample of state and position arrived; a heartbeat alone proves no position."""
-    sampled_at: Nanoseconds = NEVER_HEARD
+    sampled_at: Nanoseconds = NEVER_RECEIVED
     """The begin of the cycle, on CAN the SYNC, at which that sample was taken."""
     position: float = 0.0
     """In the axis's unit, counted on across the wrap of the device's own counter."""
@@ -143,11 +143,11 @@ class Feedback:
     """In the axis's unit a second, the mean between the last two samples."""
     current_a: float | None = None
     """None where the device does not measure it."""
-    current_at: Nanoseconds = NEVER_HEARD
+    current_at: Nanoseconds = NEVER_RECEIVED
     """When the newest current arrived; it may come less often than samples do."""
     fault: str = ""
     """The device's code of its newest fault; empty where there is none, or it was reset."""
-    says: str = ""
+    text: str = ""
     """The device's own word for its state; empty while it is unknown."""
     zero_lost: bool = False
     """It said so, or was heard to restart, and its zero was not set since. A driver whose device does not
@@ -178,7 +178,7 @@ class Reading:
     """Of a pose, its error in m as its sensor tells it."""
     sampled_at: Nanoseconds
     """The instant that it shows."""
-    heard_at: Nanoseconds
+    received_at: Nanoseconds
     pose: SeenPose | None = None
     """Of a sensor that sees where the robot is."""
 
@@ -191,7 +191,7 @@ class Driver(Protocol):
         """The axis that it moves."""
 
     @property
-    def tells(self) -> frozenset[Tells]:
+    def reports(self) -> frozenset[Reports]:
         """What it can tell."""
 
     @property

@@ -60,7 +60,7 @@ class Link(Protocol):
     def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Let the drives know that the bridge lives."""
 
-    def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
+    def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take a packet; what belongs to no drive is ignored."""
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
@@ -120,7 +120,7 @@ class Fleet:
         return {
             name: reading
             for name, (reading, silent_ms) in known.items()
-            if reading is not None and now - reading.heard_at <= silent_ms * MILLISECOND
+            if reading is not None and now - reading.received_at <= silent_ms * MILLISECOND
         }
 
     def begin(

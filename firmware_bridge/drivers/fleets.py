@@ -6,7 +6,7 @@ from typing import Final
 from firmware_bridge.drivers.ar2 import fleet as ar2
 from firmware_bridge.drivers.ar2 import stops as ar2_stops
 from firmware_bridge.drivers.capture.fleet import capture_fleet
-from firmware_bridge.drivers.driver import Tells
+from firmware_bridge.drivers.driver import Reports
 from firmware_bridge.drivers.epos2 import feedback as epos2
 from firmware_bridge.drivers.epos2 import stops as epos2_stops
 from firmware_bridge.drivers.epos2.can.fleet import can_fleet
@@ -31,10 +31,10 @@ DRIVERS: Final[Mapping[str, Callable[[AnyRobot, str], Fleet]]] = {
 }
 """How a link's devices are made, by the driver that the robot file names."""
 
-TELLS: Final[Mapping[str, Callable[[Axis, AnyLink], frozenset[Tells]]]] = {
-    **dict.fromkeys(Epos2Driver, lambda _axis, _link: epos2.TELLS),
-    ShieldDriver.MOTOR_SHIELD: shield.tells,
-    Ar2Driver.AR2: ar2.tells,
+REPORTS: Final[Mapping[str, Callable[[Axis, AnyLink], frozenset[Reports]]]] = {
+    **dict.fromkeys(Epos2Driver, lambda _axis, _link: epos2.REPORTS),
+    ShieldDriver.MOTOR_SHIELD: shield.reports,
+    Ar2Driver.AR2: ar2.reports,
 }
 """What the device of an axis can tell, by the driver of its link, before there is one."""
 
@@ -62,14 +62,14 @@ ALONE: Final[Mapping[str, Callable[[AnyRobot, str], str]]] = {
 
 def alone(robot: AnyRobot, link: str) -> str:
     """Return what stops the devices of a link without the bridge; empty where nothing does, or can move."""
-    says = ALONE.get(robot.links[link].driver)
-    return "" if says is None else says(robot, link)
+    only = ALONE.get(robot.links[link].driver)
+    return "" if only is None else only(robot, link)
 
 
-def tells_of(robot: AnyRobot, axis: Axis) -> frozenset[Tells]:
+def reports_of(robot: AnyRobot, axis: Axis) -> frozenset[Reports]:
     """Return what an axis's device can tell."""
     link = robot.links[axis.link]
-    return TELLS[link.driver](axis, link)
+    return REPORTS[link.driver](axis, link)
 
 
 def fleets_of(robot: AnyRobot) -> tuple[Fleet, ...]:

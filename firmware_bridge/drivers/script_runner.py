@@ -76,7 +76,7 @@ class ScriptRunner:
         self._client = client
         self._rest: Script | None = None
         """What is still to do after the step under way; None without a script."""
-        self._asked: Ask | None = None
+        self._requested: Ask | None = None
         self._until: Until | None = None
         self._until_at: Nanoseconds = NEVER
         self.failure: StartupError | None = None
@@ -106,7 +106,7 @@ class ScriptRunner:
     def stop(self, failure: StartupError | None = None) -> None:
         """Forget script and transfer; `failure` says why where there is a reason."""
         self.failure = failure
-        self._rest = self._asked = None
+        self._rest = self._requested = None
         self._client.cancel()
         self._until, self._until_at = None, NEVER
 
@@ -124,12 +124,12 @@ class ScriptRunner:
 
     def go_on(self, now: Nanoseconds) -> Sent:
         """Carry the script on where what it waits for has come."""
-        rest, asked, until = self._rest, self._asked, self._until
+        rest, requested, until = self._rest, self._requested, self._until
         if rest is None:
             return ()
-        if asked is not None:
+        if requested is not None:
             outcome = self._client.take()
-            return () if outcome is None else self._advance((Do(lambda: asked.then(outcome)), *rest), now)
+            return () if outcome is None else self._advance((Do(lambda: requested.then(outcome)), *rest), now)
         if until is not None and not until.met():
             if now < self._until_at:
                 return ()
@@ -141,7 +141,7 @@ class ScriptRunner:
     def _advance(self, script: Script, now: Nanoseconds) -> Sent:
         """Do steps until one has to wait, or none is left; return what they send."""
         sent: Sent = ()
-        self._asked, self._until, self._until_at = None, None, NEVER
+        self._requested, self._until, self._until_at = None, None, NEVER
         while script:
             step, *rest = script
             script = self._rest = tuple(rest)
@@ -149,7 +149,7 @@ class ScriptRunner:
                 case Packet():
                     sent += (step,)
                 case Ask(transfer):
-                    self._asked = step
+                    self._requested = step
                     return sent + self._client.start(transfer, now)
                 case Until(met, within):
                     if not met():

@@ -108,7 +108,7 @@ class SdoClient:
         outcome, self._outcome = self._outcome, None
         return outcome
 
-    def hear(self, payload: bytes, now: Nanoseconds) -> tuple[bytes, ...]:
+    def receive(self, payload: bytes, now: Nanoseconds) -> tuple[bytes, ...]:
         """Take one frame of the node's server and return what to send.
 
         Answers to other objects are late ones of a transfer that was given up; they are ignored.
@@ -216,9 +216,9 @@ class NodeClient:
         """Begin a transfer."""
         return self._requests(self._client.start(transfer, now))
 
-    def hear(self, payload: bytes, now: Nanoseconds) -> tuple[Packet, ...]:
+    def receive(self, payload: bytes, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take a frame of the node's SDO server."""
-        return self._requests(self._client.hear(payload, now))
+        return self._requests(self._client.receive(payload, now))
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Give up a late answer."""

@@ -44,7 +44,7 @@ class StopStep:
     """Meanwhile the link's devices are not shown that the bridge lives."""
     takes_all: bool = False
     """It takes the power of all on the link: not done for an axis that rested when it was last heard."""
-    heard: bool = False
+    received: bool = False
     """It needs a device that listens: where its power is not known the next step is begun at once."""
     ends_power: bool = False
     ordered_off: bool = False

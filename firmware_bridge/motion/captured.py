@@ -119,7 +119,7 @@ class Captured:
         self._turn_rad = 0.0
         self.located = Located(Pose(), Source.UNSEEN, 0.0, 0.0, 0.0, 0)
 
-    def begin_anew(self) -> None:
+    def begin_again(self) -> None:
         """Forget where it was: captured poses are believed, wherever they are, once some agree.
 
         For somebody who has looked: a robot that was carried elsewhere is refused for ever without it.

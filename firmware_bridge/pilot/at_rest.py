@@ -12,21 +12,21 @@ class SeenAtRest:
 
     def __init__(self) -> None:
         self._armed = False
-        self._asked = False
+        self._arm_requested = False
         """Arming was asked for here, and has not been seen yet."""
         self._rested: set[str] = set()
 
-    def asked(self) -> None:
+    def arm_requested(self) -> None:
         """Learn that arming is asked for; what rests from now on rests after it. An armed robot goes on."""
         if not self._armed:
-            self._asked = True
+            self._arm_requested = True
             self._rested.clear()
 
     def look(self, resting: Mapping[str, bool], *, armed: bool) -> None:
         """Learn which controls rest, by their names."""
-        if armed and not self._armed and not self._asked:
+        if armed and not self._armed and not self._arm_requested:
             self._rested.clear()
-        self._asked = self._asked and not armed
+        self._arm_requested = self._arm_requested and not armed
         self._armed = armed
         self._rested |= {name for name, rests in resting.items() if rests}
 

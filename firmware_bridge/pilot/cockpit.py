@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Final, TypeAlias
 
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.pilot.driver import Asked, AtHand
+from firmware_bridge.pilot.driver import AtHand, ButtonRequest
 from firmware_bridge.pilot.follower import Follower
 from firmware_bridge.pilot.station import Station
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, to_seconds
@@ -19,30 +19,30 @@ HAND: Final = "hand"
 ARM: Final = ("arm", 400, (1.0,))
 SAFETY_SWITCH: Final = ("emergency stop", 5300, (0.0,))
 """MAV_CMD_DO_SET_SAFETY_SWITCH_STATE; 0 is safe."""
-ORDERS: Final = MappingProxyType({Asked.ARM: ARM, Asked.STOP: SAFETY_SWITCH})
+ORDERS: Final = MappingProxyType({ButtonRequest.ARM: ARM, ButtonRequest.STOP: SAFETY_SWITCH})
 DISARM: Final = ("disarm", 400, (0.0,))
 
-Tell: TypeAlias = Callable[[str], None]
+Report: TypeAlias = Callable[[str], None]
 
 
 class Cockpit:
     """A `Node` around the station; who drives is a hand, or a follower that may be armed by itself."""
 
     def __init__(
-        self, station: Station, tell: Tell, *, arms: bool = False, rolling: tuple[str, ...] = ()
+        self, station: Station, report: Report, *, arms: bool = False, rolling: tuple[str, ...] = ()
     ) -> None:
         """Show what the station sees, the rolling axes by these names.
 
         `arms`: arm the robot once it is heard.
         """
         self._station: Final = station
-        self._tell: Final = tell
+        self._report: Final = report
         self._arms = arms
         """The robot is to be armed as soon as it is heard."""
         self._wake_at: Nanoseconds = 0
         self._shows_at: Nanoseconds = 0
         self._rolling: Final = rolling
-        self._told = 0
+        self._lines_shown = 0
         """How many of the robot's words have been told."""
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
@@ -51,7 +51,7 @@ class Cockpit:
             self._handled(packet.payload, now)
             return Reaction((), self._due)
         reaction = self._station.receive(packet, now)
-        if self._arms and self._station.shown.heard:
+        if self._arms and self._station.shown.received:
             self._arms = False
             self._station.order(*ARM, now)
         return self._in_time(reaction, now)
@@ -60,7 +60,7 @@ class Cockpit:
         """Say what is due, and show what is known once a second."""
         if now >= self._shows_at:
             self._shows_at = now + SECOND
-            self._tell(self.display(now))
+            self._report(self.display(now))
         return self._in_time(self._station.wake(now), now)
 
     def stop(self, now: Nanoseconds) -> Reaction:
@@ -101,16 +101,16 @@ class Cockpit:
         return min(self._wake_at, self._shows_at)
 
     def _in_time(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
-        told = self._station.shown.told
-        for line in told[self._told :]:
-            self._tell(f"{to_seconds(now):9.3f} s  {line.text}")
-        self._told = len(told)
+        lines = self._station.shown.lines
+        for line in lines[self._lines_shown :]:
+            self._report(f"{to_seconds(now):9.3f} s  {line.text}")
+        self._lines_shown = len(lines)
         self._wake_at = reaction.wake_at
         return Reaction(reaction.sent, self._due)
 
     def _handled(self, chunk: bytes, now: Nanoseconds) -> None:
         hand = self._station.driver
         if isinstance(hand, AtHand):
-            for asked in hand.handle(chunk, now):
-                self._station.order(*ORDERS[asked], now)
+            for requested in hand.handle(chunk, now):
+                self._station.order(*ORDERS[requested], now)
             self._wake_at = now

@@ -16,7 +16,7 @@ class Sight(NamedTuple):
     moving: Moving
     measured_at: Nanoseconds | None
     """By the station's clock; None while the robot's is not known."""
-    heard_at: Nanoseconds
+    received_at: Nanoseconds
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,7 @@ class Stick:
     buttons: int = 0
 
 
-Wish: TypeAlias = Target | Stick
+DriveCommand: TypeAlias = Target | Stick
 REST: Final = Target()
 
 
@@ -47,11 +47,11 @@ class Driver(Protocol):
     def sees(self, sight: Sight) -> None:
         """Take a pose that has come."""
 
-    def wish(self, link: Link, now: Nanoseconds, *, armed: bool) -> Wish:
+    def command(self, link: Link, now: Nanoseconds, *, armed: bool) -> DriveCommand:
         """Say what the robot shall do; asked once in each period, and sent at once."""
 
 
-class Asked(Enum):
+class ButtonRequest(Enum):
     """What a hand's button asks for."""
 
     ARM = "arm"
@@ -66,7 +66,7 @@ class Extras:
     up_button: int | None = None
     """The one without which up counts for nothing."""
 
-    def said(self, up: float, switched: Collection[int]) -> tuple[float, int]:
+    def encoded(self, up: float, switched: Collection[int]) -> tuple[float, int]:
         """Return the stick's `up` and `buttons`, for the switches that are pressed, counted from 0."""
         buttons = sum(1 << button for number, button in enumerate(self.switches) if number in switched)
         if up and self.up_button is not None:
@@ -81,5 +81,5 @@ NO_EXTRAS: Final = Extras()
 class AtHand(Driver, Protocol):
     """A driver with a device that tells bytes."""
 
-    def handle(self, chunk: bytes, now: Nanoseconds) -> Iterator[Asked]:
+    def handle(self, chunk: bytes, now: Nanoseconds) -> Iterator[ButtonRequest]:
         """Take the device's bytes, cut anywhere; yield what is asked for at once."""

@@ -62,11 +62,11 @@ class Follower:
         """Take a pose that has come."""
         self._sight = sight
         if abs(sight.moving.speed_mps) > STANDS_MPS:
-            self._moved_at, self.held_back = sight.heard_at, 0
+            self._moved_at, self.held_back = sight.received_at, 0
         if self.predictor is not None and sight.measured_at is not None:
             self.predictor.seen(sight.measured_at, sight.moving)
 
-    def wish(self, link: Link, now: Nanoseconds, *, armed: bool) -> Target:
+    def command(self, link: Link, now: Nanoseconds, *, armed: bool) -> Target:
         """Return what leads along the path."""
         trip = link.round_trip(now) or 0
         if armed and not self._armed:
@@ -77,13 +77,13 @@ class Follower:
         self._coming.append((now + self._reaction, worked_out))
         while self._coming and self._coming[0][0] <= now:
             self._does = self._coming.popleft()[1]
-        wish = self._let_go(self._does, trip, now)
+        command = self._let_go(self._does, trip, now)
         if self.predictor is not None:
-            self.predictor.told(now, trip // 2, wish.speed_mps, wish.yaw_rate_rad_s)
-        return wish
+            self.predictor.on_command(now, trip // 2, command.speed_mps, command.yaw_rate_rad_s)
+        return command
 
     def _worked_out(self, trip: Nanoseconds, now: Nanoseconds) -> Target:
-        if self._sight is None or now - self._sight.heard_at > BLIND_AFTER:
+        if self._sight is None or now - self._sight.received_at > BLIND_AFTER:
             return REST
         seen = self._seen(self._sight, trip, now)
         if seen is None:
@@ -101,11 +101,11 @@ class Follower:
             return sight.moving
         return self.predictor.at(now + trip // 2)
 
-    def _let_go(self, wish: Target, trip: Nanoseconds, now: Nanoseconds) -> Target:
+    def _let_go(self, command: Target, trip: Nanoseconds, now: Nanoseconds) -> Target:
         """Let the stick go where the robot is held back: it wants to see that before it goes on."""
-        if wish == REST or now < self._lets_go_until:
+        if command == REST or now < self._lets_go_until:
             self._moved_at = max(self._moved_at, now)
         elif now - self._moved_at > STANDS_FOR + trip:
             self._lets_go_until = now + LETS_GO_FOR + trip
             self.held_back += 1
-        return REST if now < self._lets_go_until else wish
+        return REST if now < self._lets_go_until else command

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from firmware_bridge.pilot.at_rest import SeenAtRest
-from firmware_bridge.pilot.driver import NO_EXTRAS, Asked, Extras, Sight, Stick
+from firmware_bridge.pilot.driver import NO_EXTRAS, ButtonRequest, Extras, Sight, Stick
 from firmware_bridge.pilot.joystick import PLAY, Controls
 from firmware_bridge.pilot.link import Link
 from firmware_bridge.units import Nanoseconds
@@ -26,19 +26,19 @@ class Hand:
     def sees(self, sight: Sight) -> None:
         """See it: what to do about it is the human's business."""
 
-    def handle(self, chunk: bytes, _now: Nanoseconds) -> Iterator[Asked]:
+    def handle(self, chunk: bytes, _now: Nanoseconds) -> Iterator[ButtonRequest]:
         """Take the device's bytes; yield what its buttons ask for."""
         device = self.controls.device
-        for button in self.controls.heard(chunk):
+        for button in self.controls.received(chunk):
             if button == device.reverse and self.controls.accelerator < PLAY:
                 self.reverse = not self.reverse
             elif button == device.arm:
-                self._seen.asked()
-                yield Asked.ARM
+                self._seen.arm_requested()
+                yield ButtonRequest.ARM
             elif button == device.stop:
-                yield Asked.STOP
+                yield ButtonRequest.STOP
 
-    def wish(self, _link: Link, _now: Nanoseconds, *, armed: bool) -> Stick:
+    def command(self, _link: Link, _now: Nanoseconds, *, armed: bool) -> Stick:
         """Return where helm and pedals stand; once the robot is armed, of those that have rested since."""
         controls, counts = self.controls, self._seen.counts
         self._seen.look(controls.resting, armed=armed)
@@ -46,6 +46,6 @@ class Hand:
         trodden = controls.accelerator - (controls.brake if armed else 0.0)
         forward = trodden if trodden >= PLAY and counts("accelerator") else 0.0
         held = [number for number, one in enumerate(controls.device.switches) if controls.held(one)]
-        up, buttons = self._extras.said(controls.up if counts("up") else 0.0, held)
+        up, buttons = self._extras.encoded(controls.up if counts("up") else 0.0, held)
         helm = controls.helm if counts("helm") else 0.0
         return Stick(-forward if self.reverse else forward, helm, up, buttons)

@@ -90,7 +90,7 @@ class Controls:
         self._down: Final[set[int]] = set()
         self._rest = b""
 
-    def heard(self, chunk: bytes) -> Iterator[int]:
+    def received(self, chunk: bytes) -> Iterator[int]:
         """Take bytes, cut anywhere; yield the buttons that go down, each before what comes after it."""
         whole = self._rest + chunk
         end = len(whole) - len(whole) % EVENT.size
@@ -132,9 +132,9 @@ class Controls:
     def resting(self) -> Mapping[str, bool]:
         """Which controls rest, by their names here; one that has told nothing yet does not."""
         device = self.device
-        told = {"up": device.rise, "helm": device.helm, "accelerator": device.accelerator}
+        axes = {"up": device.rise, "helm": device.helm, "accelerator": device.accelerator}
         return {
-            name: at.number in self._axes and abs(getattr(self, name)) < PLAY for name, at in told.items()
+            name: at.number in self._axes and abs(getattr(self, name)) < PLAY for name, at in axes.items()
         }
 
     def _off(self, at: At) -> int:

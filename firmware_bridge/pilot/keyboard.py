@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Final
 
 from firmware_bridge.pilot.at_rest import SeenAtRest
-from firmware_bridge.pilot.driver import NO_EXTRAS, Asked, Extras, Sight, Stick
+from firmware_bridge.pilot.driver import NO_EXTRAS, ButtonRequest, Extras, Sight, Stick
 from firmware_bridge.pilot.link import Link
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
@@ -24,7 +24,9 @@ HELP: Final = (
 )
 _ARROWS: Final = MappingProxyType({b"A": b"w", b"B": b"s", b"C": b"d", b"D": b"a"})
 _ESCAPE: Final = b"\x1b"
-_ASKS: Final = MappingProxyType({b"p": Asked.ARM, b"\r": Asked.STOP, b"\n": Asked.STOP})
+_REQUESTS: Final = MappingProxyType(
+    {b"p": ButtonRequest.ARM, b"\r": ButtonRequest.STOP, b"\n": ButtonRequest.STOP}
+)
 _FORWARD: Final = MappingProxyType({b"w": 1.0, b"s": -1.0})
 _UP: Final = MappingProxyType({b"r": 1.0, b"f": -1.0})
 _HELM: Final = MappingProxyType({b"a": STEP, b"d": -STEP})
@@ -52,14 +54,14 @@ class Keyboard:
     def sees(self, sight: Sight) -> None:
         """See it: what to do about it is the human's business."""
 
-    def handle(self, chunk: bytes, now: Nanoseconds) -> Iterator[Asked]:
+    def handle(self, chunk: bytes, now: Nanoseconds) -> Iterator[ButtonRequest]:
         """Take a terminal's bytes, cut anywhere; yield what the keys ask for."""
         for key in self._keys(chunk):
-            if key in _ASKS:
+            if key in _REQUESTS:
                 self._let_go()
-                if _ASKS[key] is Asked.ARM:
-                    self._seen.asked()
-                yield _ASKS[key]
+                if _REQUESTS[key] is ButtonRequest.ARM:
+                    self._seen.arm_requested()
+                yield _REQUESTS[key]
             elif key == b" ":
                 self._let_go()
             elif key in _DIGITS:
@@ -67,14 +69,14 @@ class Keyboard:
             else:
                 self._driven(key, now)
 
-    def wish(self, _link: Link, now: Nanoseconds, *, armed: bool) -> Stick:
+    def command(self, _link: Link, now: Nanoseconds, *, armed: bool) -> Stick:
         """Return what the keys say; once the robot is armed, where they have been let go since."""
         if now >= self._until:
             self._let_go()
         driven = bool(self._forward or self._up)
         self._seen.look({"keys": not driven, "helm": not self._helm}, armed=armed)
         forward, raised = (self._forward, self._up) if self._seen.counts("keys") else (0.0, 0.0)
-        up, buttons = self._extras.said(raised, self._switches)
+        up, buttons = self._extras.encoded(raised, self._switches)
         self._switches.clear()
         helm = self._helm if self._seen.counts("helm") else 0.0
         return Stick(self._share * forward, helm, up, buttons)

@@ -33,21 +33,21 @@ class Link:
         """The share of the robot's frames that did not come in the last five seconds; None before."""
         return self._losses.share
 
-    def heard(self, sequence: int, now: Nanoseconds) -> None:
+    def received(self, sequence: int, now: Nanoseconds) -> None:
         """Take note of a frame of the robot's."""
-        self._losses.heard(sequence, now)
+        self._losses.received(sequence, now)
 
     def question(self, now: Nanoseconds) -> Message:
         """Return what is to be asked now."""
-        asked_at = max(now, 1)
-        self._trips.ask((_TIMESYNC, asked_at), now=asked_at)
-        return dialect.MAVLink_timesync_message(0, asked_at)
+        requested_at = max(now, 1)
+        self._trips.ask((_TIMESYNC, requested_at), now=requested_at)
+        return dialect.MAVLink_timesync_message(0, requested_at)
 
     def answered(self, message: Message, now: Nanoseconds) -> None:
         """Take an answer; one to no open question says nothing."""
-        asked_at = self._trips.answered((_TIMESYNC, message.ts1), now)
-        if asked_at is not None:
-            self.clock.answered(asked_at, message.tc1, now, 1)
+        requested_at = self._trips.answered((_TIMESYNC, message.ts1), now)
+        if requested_at is not None:
+            self.clock.answered(requested_at, message.tc1, now, 1)
 
     def round_trip(self, now: Nanoseconds) -> Nanoseconds | None:
         """Return how long it takes there and back; after a silence what it was; None before any answer."""

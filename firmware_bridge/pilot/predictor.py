@@ -19,7 +19,7 @@ KEPT_FOR: Final[Nanoseconds] = 10 * SECOND
 """Longer than any link that is agreed on."""
 
 
-class Told(NamedTuple):
+class SentCommand(NamedTuple):
     """A command, and when it reaches the robot."""
 
     acts_at: Nanoseconds
@@ -32,18 +32,20 @@ class Predictor:
 
     def __init__(self, model: Model) -> None:
         self._model: Final = model
-        self._told: Final[deque[Told]] = deque()
+        self._commands: Final[deque[SentCommand]] = deque()
         self._predicted: Final[deque[tuple[Nanoseconds, Pose]]] = deque()
         """What was said of instants that are still to be heard of."""
         self._newest: tuple[Nanoseconds, Moving] | None = None
         self.error_m: float | None = None
         """How far the newest pose was from what had been said of its instant; None before there is one."""
 
-    def told(self, sent_at: Nanoseconds, up: Nanoseconds, speed_mps: float, yaw_rate_rad_s: float) -> None:
+    def on_command(
+        self, sent_at: Nanoseconds, up: Nanoseconds, speed_mps: float, yaw_rate_rad_s: float
+    ) -> None:
         """Take note of a command that is sent now and takes so long on its way."""
-        self._told.append(Told(sent_at + up, speed_mps, yaw_rate_rad_s))
-        while self._told[0].acts_at < sent_at - KEPT_FOR:
-            self._told.popleft()
+        self._commands.append(SentCommand(sent_at + up, speed_mps, yaw_rate_rad_s))
+        while self._commands[0].acts_at < sent_at - KEPT_FOR:
+            self._commands.popleft()
 
     def seen(self, measured_at: Nanoseconds, moving: Moving) -> None:
         """Take a pose that has come, and when it was so; one that is older than the newest says nothing."""
@@ -57,8 +59,8 @@ class Predictor:
             return
         if self._predicted or before[0] == measured_at:
             after = self._predicted[0] if self._predicted else before
-            said = _between(before, after, measured_at)
-            self.error_m = math.hypot(said.x_m - moving.pose.x_m, said.y_m - moving.pose.y_m)
+            reported = _between(before, after, measured_at)
+            self.error_m = math.hypot(reported.x_m - moving.pose.x_m, reported.y_m - moving.pose.y_m)
         self._predicted.appendleft(before)
 
     def at(self, instant: Nanoseconds) -> Moving | None:
@@ -67,7 +69,7 @@ class Predictor:
             return None
         now, moving = self._newest
         speed, turn = moving.speed_mps, moving.yaw_rate_rad_s
-        coming = deque(self._told)
+        coming = deque(self._commands)
         while now < instant:
             while coming and coming[0].acts_at <= now:
                 _, speed, turn = coming.popleft()

@@ -11,7 +11,7 @@ from firmware_bridge.motion.model import Moving
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.pilot.driver import Driver, Sight, Stick, Target, Wish
+from firmware_bridge.pilot.driver import DriveCommand, Driver, Sight, Stick, Target
 from firmware_bridge.pilot.link import Link
 from firmware_bridge.pilot.profiles import ORDER, USUAL, Profile
 from firmware_bridge.teleop.mavlink import Message, dialect, text_of
@@ -62,7 +62,7 @@ class Shown:
     """What the station's display shows."""
 
     armed: bool = False
-    heard: bool = False
+    received: bool = False
     """The robot's heartbeat has come."""
     sight: Sight | None = None
     values: dict[str, float] = field(default_factory=dict)
@@ -70,7 +70,7 @@ class Shown:
     speeds: tuple[float, ...] = ()
     """Of the axes that roll, in the robot's order and units; zeros after the last one."""
     battery_v: float | None = None
-    told: list[Line] = field(default_factory=list)
+    lines: list[Line] = field(default_factory=list)
     warning: str = ""
     """The newest warning, or worse, that the robot has told."""
 
@@ -84,9 +84,9 @@ class Station:
         target: tuple[int, int],
         *,
         trust: Trust = EVERYBODY,
-        asks: Profile = USUAL,
+        requests: Profile = USUAL,
     ) -> None:
-        """Speak to the system and component `target`; `asks`: how often the robot is asked for what.
+        """Speak to the system and component `target`; `requests`: how often the robot is asked for what.
 
         With a key in `trust` frames are signed, and only those are believed that are.
         """
@@ -94,7 +94,7 @@ class Station:
         self.link: Final = Link()
         self.shown: Final = Shown()
         self._target: Final = target
-        self._asks: Final = asks
+        self._requests: Final = requests
         self._codec: Final = trust.writer(SYSTEM, COMPONENT, _LINK)
         self._signatures: Final = Signatures(trust)
         self._doubted = False
@@ -107,11 +107,11 @@ class Station:
         self._place = 0
         """Where the robot was heard from last."""
         self._beat_due: Nanoseconds = 0
-        self._wish_due: Nanoseconds = 0
-        self._heard: Final = {
+        self._command_due: Nanoseconds = 0
+        self._received: Final = {
             dialect.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
             dialect.MAVLINK_MSG_ID_COMMAND_ACK: self._acknowledged,
-            dialect.MAVLINK_MSG_ID_STATUSTEXT: self._told,
+            dialect.MAVLINK_MSG_ID_STATUSTEXT: self._on_text,
             dialect.MAVLINK_MSG_ID_ODOMETRY: self._located,
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: self._valued,
             dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY: self._rolling,
@@ -130,8 +130,8 @@ class Station:
             if message.get_srcSystem() != self._target[0] or not self._believed(message, packet.address, now):
                 continue
             self._place = packet.address
-            self.link.heard(message.get_seq(), now)
-            read = self._heard.get(message.get_msgId())
+            self.link.received(message.get_seq(), now)
+            read = self._received.get(message.get_msgId())
             if read is not None:
                 read(message, now)
         answers = tuple(self._packet(one, now) for one in self._answers)
@@ -150,10 +150,10 @@ class Station:
         if now >= self.link.next_question:
             messages.append(self.link.question(now))
         messages += self._ordered(now)
-        if now >= self._wish_due:
-            self._wish_due += PERIOD
-            wish = self.driver.wish(self.link, now, armed=self.shown.armed)
-            messages.append(self._said(wish, now))
+        if now >= self._command_due:
+            self._command_due += PERIOD
+            command = self.driver.command(self.link, now, armed=self.shown.armed)
+            messages.append(self._encoded(command, now))
         return Reaction(tuple(self._packet(one, now) for one in messages), self._wake_at())
 
     def stamps(self, now: Nanoseconds) -> Stamps:
@@ -167,12 +167,12 @@ class Station:
         """Tell whether a frame is the robot's; the first that is not is told."""
         doubt = self._signatures.doubt(message, source, now)
         if doubt is not None and not self._doubted:
-            self.shown.told.append(Line(now, f"what comes in the robot's name is not believed: it {doubt}"))
+            self.shown.lines.append(Line(now, f"what comes in the robot's name is not believed: it {doubt}"))
         self._doubted = doubt is not None
         return doubt is None
 
     def _wake_at(self) -> Nanoseconds:
-        due = min(self._beat_due, self._wish_due, self.link.next_question)
+        due = min(self._beat_due, self._command_due, self.link.next_question)
         return min([due, *(order.due for order in self._under_way)])
 
     @property
@@ -185,7 +185,7 @@ class Station:
         for order in [one for one in self._under_way if one.due <= now]:
             if order.tries == MOST_TRIES:
                 self._orders.remove(order)
-                self.shown.told.append(Line(now, f"{order.title}: no answer"))
+                self.shown.lines.append(Line(now, f"{order.title}: no answer"))
                 continue
             params = (*order.params, *(0.0,) * (_PARAMS - len(order.params)))
             messages.append(
@@ -195,20 +195,25 @@ class Station:
             order.due = now + RETRY_AFTER + (self.link.round_trip(now) or 0)
         return messages
 
-    def _said(self, wish: Wish, now: Nanoseconds) -> Message:
+    def _encoded(self, command: DriveCommand, now: Nanoseconds) -> Message:
         """Return a wish in MAVLink's directions: right and clockwise."""
-        if isinstance(wish, Stick):
+        if isinstance(command, Stick):
             return dialect.MAVLink_manual_control_message(
-                self._target[0], _axis(wish.forward), _UNUSED, _axis(wish.up), _axis(-wish.left), wish.buttons
+                self._target[0],
+                _axis(command.forward),
+                _UNUSED,
+                _axis(command.up),
+                _axis(-command.left),
+                command.buttons,
             )
-        return _velocity(self._target, wish, max(now // MILLISECOND, 1) & _BOOT_MASK)
+        return _velocity(self._target, command, max(now // MILLISECOND, 1) & _BOOT_MASK)
 
     def _heartbeat(self, message: Message, now: Nanoseconds) -> None:
         if self._beat_at is None or now - self._beat_at > SILENT:
-            for number, period in self._asks.items():
+            for number, period in self._requests.items():
                 self.order(f"message {number}", ORDER, (float(number), period / MICROSECOND), now)
         self._beat_at = now
-        self.shown.heard = True
+        self.shown.received = True
         self.shown.armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
 
     def _acknowledged(self, message: Message, now: Nanoseconds) -> None:
@@ -220,14 +225,14 @@ class Station:
                     return
                 self._orders.remove(order)
                 if message.result != dialect.MAV_RESULT_ACCEPTED:
-                    self.shown.told.append(Line(now, f"{order.title}: refused ({message.result})"))
+                    self.shown.lines.append(Line(now, f"{order.title}: refused ({message.result})"))
                 return
 
-    def _told(self, message: Message, now: Nanoseconds) -> None:
-        for heard in self._listener.hear(message):
-            self.shown.told.append(Line(now, heard.text))
-            if heard.severity <= dialect.MAV_SEVERITY_WARNING:
-                self.shown.warning = heard.text
+    def _on_text(self, message: Message, now: Nanoseconds) -> None:
+        for received in self._listener.receive(message):
+            self.shown.lines.append(Line(now, received.text))
+            if received.severity <= dialect.MAV_SEVERITY_WARNING:
+                self.shown.warning = received.text
 
     def _located(self, message: Message, now: Nanoseconds) -> None:
         w, _, _, z = message.q
@@ -262,7 +267,7 @@ def _axis(share: float) -> int:
     return max(-FULL, min(round(FULL * share), FULL))
 
 
-def _velocity(target: tuple[int, int], wish: Target, boot_ms: int) -> Message:
+def _velocity(target: tuple[int, int], command: Target, boot_ms: int) -> Message:
     nothing = (0.0,) * 3
     return dialect.MAVLink_set_position_target_local_ned_message(
         boot_ms,
@@ -270,8 +275,8 @@ def _velocity(target: tuple[int, int], wish: Target, boot_ms: int) -> Message:
         dialect.MAV_FRAME_BODY_NED,
         _VELOCITY_AND_TURN,
         *nothing,
-        *(wish.speed_mps, 0.0, 0.0),
+        *(command.speed_mps, 0.0, 0.0),
         *nothing,
         0.0,
-        -wish.yaw_rate_rad_s,
+        -command.yaw_rate_rad_s,
     )

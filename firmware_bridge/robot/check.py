@@ -74,19 +74,19 @@ def _linked(key: str, rows: list[Raw], links: Collection[str]) -> Iterator[Probl
 
 
 def _roles(axes: list[Raw], roles: Mapping[str, str]) -> Iterator[Problem]:
-    told = [axis.get("role", axis.get("name")) for axis in axes]
-    missing = [role for role in roles if role not in told]
-    for index, role in enumerate(told):
+    given = [axis.get("role", axis.get("name")) for axis in axes]
+    missing = [role for role in roles if role not in given]
+    for index, role in enumerate(given):
         if not isinstance(role, str):
             missing.clear()
         elif role not in roles:
             key = "role" if "role" in axes[index] else "name"
             yield Problem(f"axes[{index}].{key}", f"'{role}' is no role of this kind; {near(role, roles)}")
             missing = [one for one in missing if one not in nearest(role, roles)]
-        elif role in told[:index]:
+        elif role in given[:index]:
             key = f"axes[{index}].{'role' if 'role' in axes[index] else 'name'}"
             free = f"; '{missing.pop(0)}' is free" if missing else ""
-            yield Problem(key, f"the role '{role}' is taken by axes[{told.index(role)}], too{free}")
+            yield Problem(key, f"the role '{role}' is taken by axes[{given.index(role)}], too{free}")
     for role in missing:
         yield Problem("axes", f"no axis has the role '{role}', which the group '{roles[role]}' needs")
 

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
+from firmware_bridge.renamed import with_new_keys
 from firmware_bridge.robot.check import cross_checked
 from firmware_bridge.robot.model import Robot
 from firmware_bridge.robot.problems import Problem, RobotFileError, problems_of
@@ -55,6 +56,7 @@ def robot_of(
 
     `more` are mistakes that somebody else has found in it; they are told with the others.
     """
+    table = with_new_keys(table, file, geometry.model_fields)
     roles = {role: group for group, members in groups.items() for role in sorted(members)}
     model = Robot[geometry]  # type: ignore[valid-type] # mypy takes no class from a variable, pydantic does
     problems = [*cross_checked(table, roles), *more]

@@ -19,7 +19,7 @@ from firmware_bridge.robot.settings.capture import (
 )
 from firmware_bridge.robot.settings.epos2 import Epos2AnalogueInput, Epos2Axis, Epos2DigitalOutput, Epos2Link
 from firmware_bridge.robot.settings.shield import ShieldAxis, ShieldDevice, ShieldDriver, ShieldLink
-from firmware_bridge.robot.table import Finite, Name, Positive, Table, has_key, tag, told_by
+from firmware_bridge.robot.table import Finite, Name, Positive, Table, discriminated_by, has_key, tag
 from firmware_bridge.robot.zero import Homing, Zero, ZeroFrom
 from firmware_bridge.units import MILLISECOND, RPM_PER_RAD_S, Nanoseconds
 
@@ -30,7 +30,7 @@ AnyLink: TypeAlias = Annotated[
     | Annotated[ShieldLink, tag(ShieldLink)]
     | Annotated[Ar2Link, tag(Ar2Link)]
     | Annotated[CaptureLink, tag(CaptureLink)],
-    told_by(
+    discriminated_by(
         "driver",
         {ShieldLink: list(ShieldDriver), Ar2Link: list(Ar2Driver), CaptureLink: list(CaptureDriver)},
         Epos2Link,
@@ -40,7 +40,7 @@ AnyAxis: TypeAlias = Annotated[
     Annotated[Epos2Axis, tag(Epos2Axis)]
     | Annotated[ShieldAxis, tag(ShieldAxis)]
     | Annotated[Ar2Axis, tag(Ar2Axis)],
-    told_by("device", {ShieldAxis: list(ShieldDevice), Ar2Axis: list(Ar2Device)}, Epos2Axis),
+    discriminated_by("device", {ShieldAxis: list(ShieldDevice), Ar2Axis: list(Ar2Device)}, Epos2Axis),
 ]
 AnySensor: TypeAlias = Annotated[
     Annotated[Epos2AnalogueInput, tag(Epos2AnalogueInput)] | Annotated[CaptureBody, tag(CaptureBody)],
@@ -362,7 +362,7 @@ class Robot(Table, Generic[G_co]):
             raise TypeError(f"no AR2 is on the link '{name}'")
         return link
 
-    def told_by(self, bandwidth_bit_s: int | None) -> Self:
+    def discriminated_by(self, bandwidth_bit_s: int | None) -> Self:
         """Return the same robot on an operator's link that carries so much; None: what its file says."""
         if bandwidth_bit_s is None:
             return self

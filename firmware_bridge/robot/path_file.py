@@ -64,9 +64,9 @@ def with_path(robot: AnyRobot, points: Iterable[Point], file: str) -> AnyRobot:
     paths = getattr(geometry, "paths", None)
     if not isinstance(paths, BaseModel) or "points" not in type(paths).model_fields:
         raise PathFileError(file, Problem("", f"{robot.name} has no guide that takes a path by points"))
-    told = {**paths.model_dump(), "points": tuple(points)}
+    table = {**paths.model_dump(), "points": tuple(points)}
     try:
-        changed = type(geometry).model_validate({**geometry.model_dump(), "paths": told})
+        changed = type(geometry).model_validate({**geometry.model_dump(), "paths": table})
     except ValidationError as error:
         problems = (one["msg"].removeprefix("Value error, ") for one in error.errors())
         raise PathFileError(file, *(Problem("", problem) for problem in problems)) from error

@@ -69,7 +69,7 @@ def problems_of(error: ValidationError, model: type[BaseModel]) -> Iterator[Prob
     found = [(path(one["loc"]), one) for one in error.errors()]
     for key, one in found:
         if one["type"] != "too_short" or not any(other.startswith(f"{key}[") for other, _ in found):
-            yield Problem(key, _said(one, model))
+            yield Problem(key, _text_of(one, model))
 
 
 def path(location: tuple[int | str, ...]) -> str:
@@ -83,7 +83,7 @@ def _is_tag(part: int | str) -> bool:
     return isinstance(part, str) and part.startswith("<")
 
 
-def _said(error: ErrorDetails, model: type[BaseModel]) -> str:
+def _text_of(error: ErrorDetails, model: type[BaseModel]) -> str:
     location, given = error["loc"], error["input"]
     if error["type"] == "extra_forbidden":
         return f"no such key; {near(location[-1], _keys_at(model, location[:-1]))}"
@@ -98,8 +98,8 @@ def _said(error: ErrorDetails, model: type[BaseModel]) -> str:
         few, context = error["type"] == "too_short", error.get("ctx", {})
         bound = f"at least {context.get('min_length')}" if few else f"at most {context.get('max_length')}"
         return f"must have {bound} of them, but it has {context.get('actual_length')}"
-    said = error["msg"].removeprefix("Value error, ")
-    return said if given is None or isinstance(given, dict | list) else f"{said}, but it is {given!r}"
+    text = error["msg"].removeprefix("Value error, ")
+    return text if given is None or isinstance(given, dict | list) else f"{text}, but it is {given!r}"
 
 
 def _keys_at(model: type[BaseModel], location: tuple[int | str, ...]) -> list[str]:

@@ -25,12 +25,14 @@ def tag(table: type[Table]) -> Tag:
     return Tag(f"<{table.__name__}>")
 
 
-def told_by(key: str, tables: Mapping[type[Table], Collection[str]], other: type[Table]) -> Discriminator:
+def discriminated_by(
+    key: str, tables: Mapping[type[Table], Collection[str]], other: type[Table]
+) -> Discriminator:
     """Return what chooses a table of a union: the one that has the value under a key among its own."""
 
     def chosen(raw: Any) -> str:
-        said = str(raw.get(key) if isinstance(raw, dict) else getattr(raw, key, None))
-        return tag(next((table for table, values in tables.items() if said in values), other)).tag
+        given = str(raw.get(key) if isinstance(raw, dict) else getattr(raw, key, None))
+        return tag(next((table for table, values in tables.items() if given in values), other)).tag
 
     return Discriminator(chosen)
 

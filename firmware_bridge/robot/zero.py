@@ -124,7 +124,7 @@ class Zero(Table):
     homing: Homing | None = None
 
     @model_validator(mode="after")
-    def _says_how_it_homes(self) -> Self:
+    def _has_a_homing_method(self) -> Self:
         if (self.how is ZeroFrom.HOME) is not (self.homing is not None):
             raise ValueError("how = 'home' and the table homing, method and speeds, need each other")
         return self

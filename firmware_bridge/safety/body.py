@@ -22,7 +22,7 @@ class Body(Protocol[M, S]):
     def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> S:
         """Return what they tell of the body; what is not known is None in it."""
 
-    def asked(self, motion: M, state: S) -> frozenset[Group]:
+    def requested(self, motion: M, state: S) -> frozenset[Group]:
         """Return the groups that this motion asks to move."""
 
     def moving(self, state: S) -> frozenset[Group]:

@@ -7,8 +7,8 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Final, TypeVar
 
-from firmware_bridge.drivers.driver import Feedback, Homed, Position, Power, Speed, Tells
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.drivers.driver import Feedback, Homed, Position, Power, Reports, Speed
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
 from firmware_bridge.robot.table import LinkTable, Table
 from firmware_bridge.safety.following import within
@@ -38,9 +38,9 @@ def whole_robot_rows(
 ) -> tuple[Interlock[G, M, S], ...]:
     """Return the rows that judge no axis; `numbers` is what in a motion must be finite, by its title."""
 
-    def wish_unusable(view: View[G, M, S]) -> str | None:
+    def command_unusable(view: View[G, M, S]) -> str | None:
         for title, read in numbers.items():
-            value = read(view.seen.wish)
+            value = read(view.seen.command)
             if value is not None and not math.isfinite(value):
                 return f"the {title} asked for is {value}"
         return None
@@ -73,7 +73,7 @@ def whole_robot_rows(
         ),
         Interlock("not armed", _not_armed, "arm the robot", severity=Severity.NOTICE, blocks_arming=False),
         *operator_rows(),
-        Interlock("wish unusable", wish_unusable, "send finite numbers"),
+        Interlock("wish unusable", command_unusable, "send finite numbers"),
     )
 
 
@@ -100,12 +100,12 @@ def _link_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
 def _master_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
     """Return the row that holds while somebody else sends on a link what only its master sends."""
 
-    def heard(view: View[G, M, S]) -> str | None:
+    def received(view: View[G, M, S]) -> str | None:
         return view.facts.masters.get(name)
 
     return Interlock(
         f"another master: {name}",
-        heard,
+        received,
         "end the other program, or take it off the bus, then arm",
         stops=None if link.stops is None else frozenset(link.stops),
         clear_after=LINK_CLEARS_AFTER,
@@ -142,9 +142,9 @@ def _not_armed(view: View[G, M, S]) -> str | None:
 
 
 def _axis_silent(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
-    if feedback.heard_at == NEVER_HEARD:
+    if feedback.received_at == NEVER_RECEIVED:
         return f"{axis.called} has never been heard"
-    silence = facts.now - feedback.heard_at
+    silence = facts.now - feedback.received_at
     if silence < limit:
         return None
     return f"{axis.called} silent for {to_seconds(silence):.2f} s, limit {to_seconds(limit):.2f} s"
@@ -164,14 +164,14 @@ def _axis_rewritten(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanos
 
 def _axis_not_enabled(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanoseconds) -> str | None:
     # One that was never heard is silent, one in a fault state is faulted: one cause, one hold.
-    if feedback.heard_at == NEVER_HEARD or feedback.power in (Power.FAULT, Power.ON):
+    if feedback.received_at == NEVER_RECEIVED or feedback.power in (Power.FAULT, Power.ON):
         return None
-    return f"{axis.called} is not enabled: {feedback.says or 'state unknown'}"
+    return f"{axis.called} is not enabled: {feedback.text or 'state unknown'}"
 
 
 def _axis_zero_lost(axis: Axis, feedback: Feedback, facts: Facts, _limit: Nanoseconds) -> str | None:
     # One that was never heard is silent: one cause, one hold.
-    if feedback.heard_at == NEVER_HEARD or not (axis.zero_confirmed and feedback.zero_lost):
+    if feedback.received_at == NEVER_RECEIVED or not (axis.zero_confirmed and feedback.zero_lost):
         return None
     return f"{axis.called}: its zero is lost, nobody knows where it stands{_stood(axis, facts)}"
 
@@ -183,7 +183,7 @@ def _stood(axis: Axis, facts: Facts) -> str:
 
 
 def _axis_restarted(axis: Axis, feedback: Feedback, facts: Facts, _limit: Nanoseconds) -> str | None:
-    if feedback.heard_at == NEVER_HEARD or not (axis.zero_confirmed and feedback.zero_lost):
+    if feedback.received_at == NEVER_RECEIVED or not (axis.zero_confirmed and feedback.zero_lost):
         return None
     begun = f"{axis.called} has restarted, or was not asked about since the bridge began"
     return f"{begun}: nobody knows where it stands{_stood(axis, facts)}"
@@ -191,17 +191,17 @@ def _axis_restarted(axis: Axis, feedback: Feedback, facts: Facts, _limit: Nanose
 
 def _axis_does_not_follow(axis: Axis, _feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     known = facts.following.get(axis.name)
-    if known is None or known.obeyed_at == known.sampled_at or known.unasked:
+    if known is None or known.obeyed_at == known.sampled_at or known.uncommanded:
         return None
-    return _strays(axis, known, limit)
+    return _deviation(axis, known, limit)
 
 
-def _axis_moves_unasked(axis: Axis, _feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
+def _uncommanded_motion(axis: Axis, _feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     known = facts.following.get(axis.name)
-    return None if known is None or not known.unasked else _strays(axis, known, limit)
+    return None if known is None or not known.uncommanded else _deviation(axis, known, limit)
 
 
-def _strays(axis: Axis, known: Following, limit: Nanoseconds) -> str | None:
+def _deviation(axis: Axis, known: Following, limit: Nanoseconds) -> str | None:
     strayed = known.sampled_at - known.obeyed_at
     if strayed < within(axis, limit):
         return None
@@ -217,12 +217,12 @@ def _position_repeats(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanos
     if known is None or known.place_at == known.sampled_at:
         return None
     bound = within(axis, limit)
-    owes = known.sampled_at - known.settled_at
+    backlog = known.sampled_at - known.settled_at
     stands, pulls = known.sampled_at - known.place_at, abs(feedback.current_a or 0.0)
     if known.halted and stands >= HALTS:
         return f"{_did(axis, known)}: it turned, and {to_seconds(stands):.2f} s later has not moved by a bit"
     # One that does not follow is told to stop at once: here it must not wait until it owes for as long, too.
-    if owes >= bound or (stands >= bound // 2 and _axis_does_not_follow(axis, feedback, facts, limit)):
+    if backlog >= bound or (stands >= bound // 2 and _axis_does_not_follow(axis, feedback, facts, limit)):
         return f"{_did(axis, known)}: its position has not changed by a bit for {to_seconds(stands):.2f} s"
     if stands >= STRAINS * bound and not pulls <= axis.holds_with:
         standing = to_seconds(stands)
@@ -245,15 +245,15 @@ def _did(axis: Axis, known: Following) -> str:
 
 
 def _axis_late(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
-    if feedback.heard_at == NEVER_HEARD or facts.now - feedback.heard_at < limit // 2:
+    if feedback.received_at == NEVER_RECEIVED or facts.now - feedback.received_at < limit // 2:
         return None
-    silence = to_seconds(facts.now - feedback.heard_at)
+    silence = to_seconds(facts.now - feedback.received_at)
     return f"{axis.called} does not tell its power and was last heard {silence:.2f} s ago"
 
 
 def _axis_left_out(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     # One that is silent hears that its power goes off, or is stopped by its own watch over the bridge.
-    on = feedback.power is Power.ON and facts.now - feedback.heard_at < limit
+    on = feedback.power is Power.ON and facts.now - feedback.received_at < limit
     return f"{axis.called} has power, and this mode does without it" if on else None
 
 
@@ -265,9 +265,9 @@ fresh, not older than half the silence that is allowed."""
 
 
 def _axis_unmeasured(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
-    if feedback.heard_at == NEVER_HEARD or facts.now - feedback.heard_at < limit // 2:
+    if feedback.received_at == NEVER_RECEIVED or facts.now - feedback.received_at < limit // 2:
         return None
-    silence = to_seconds(facts.now - feedback.heard_at)
+    silence = to_seconds(facts.now - feedback.received_at)
     return f"{axis.called} does not tell how it moves and was last heard {silence:.2f} s ago"
 
 
@@ -285,7 +285,7 @@ AXIS_RESTARTED: Final = AxisInterlock(
 """Stands in for "axis zero lost" where the device has no word for its zero: it is lost when the bridge
 begins, and when the device is heard to restart. One that restarts in silence is believed."""
 
-MEASURED: Final = frozenset({Tells.POSITION, Tells.VELOCITY})
+MEASURED: Final = frozenset({Reports.POSITION, Reports.VELOCITY})
 
 AXIS_ROWS: Final = (
     AxisInterlock(
@@ -312,14 +312,14 @@ AXIS_ROWS: Final = (
         "axis not enabled",
         _axis_not_enabled,
         "wait for it, or disarm and arm",
-        needs=frozenset({Tells.POWER}),
+        needs=frozenset({Reports.POWER}),
         instead=AXIS_ANSWERS,
     ),
     AxisInterlock(
         "axis zero lost",
         _axis_zero_lost,
         CONFIRM_ZERO,
-        needs=frozenset({Tells.ZERO}),
+        needs=frozenset({Reports.ZERO}),
         instead=AXIS_RESTARTED,
         severity=Severity.CRITICAL,
     ),
@@ -334,7 +334,7 @@ AXIS_ROWS: Final = (
     ),
     AxisInterlock(
         "axis moves unasked",
-        _axis_moves_unasked,
+        _uncommanded_motion,
         "cut its power, look who commands it, then arm",
         needs=MEASURED,
         instead=AXIS_UNMEASURED,

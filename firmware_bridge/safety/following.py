@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from typing import Final
 
 from firmware_bridge.drivers.driver import Demand, Feedback, Homed, Position, Power, Stop
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
-STRAYS: Final = 1.0 / 40.0
+DEVIATES: Final = 1.0 / 40.0
 """Share of its top speed that an axis may stray; of positions the way of so many seconds at top speed."""
 GIVES: Final = 1.0 / 50.0
 """Share of a speed by which a regulator may give way, beside that: who turns on a slope is pulled ahead and
@@ -54,13 +54,13 @@ class Bounds:
 
 def within(axis: Axis, silence: Nanoseconds) -> Nanoseconds:
     """Return how long an axis may stray: what the robot file says, or the silence that its link allows."""
-    said = axis.belief.within_ms
-    return silence if said is None else said * MILLISECOND
+    limits = axis.belief.within_ms
+    return silence if limits is None else limits * MILLISECOND
 
 
 def bounds_of(robot: AnyRobot, axis: Axis) -> Bounds:
     """Return what the robot file says, and where it does not, what follows from axis, drive and link."""
-    said, stray, homing = axis.belief, STRAYS * axis.top_speed, axis.zero.homing
+    limits, stray, homing = axis.belief, DEVIATES * axis.top_speed, axis.zero.homing
     slowest = axis.settings.slowest_ramp(axis.ratio)
     if homing is not None:
         # Interrupted it is halted with the acceleration of its homing.
@@ -68,12 +68,12 @@ def bounds_of(robot: AnyRobot, axis: Axis) -> Bounds:
     link = robot.links[axis.link]
     lag = REGULATED + 2 * link.every * robot.cycle
     return Bounds(
-        speed=said.speed or stray,
-        position=said.position or stray,
-        ramp=said.ramp or LAZY * slowest,
-        cruise=said.cruise or LAZY * axis.settings.cruise(axis.ratio),
+        speed=limits.speed or stray,
+        position=limits.position or stray,
+        ramp=limits.ramp or LAZY * slowest,
+        cruise=limits.cruise or LAZY * axis.settings.cruise(axis.ratio),
         creep=axis.rests_below * to_seconds(within(axis, link.silent_ms * MILLISECOND)),
-        lag_s=to_seconds(lag if said.lag_ms is None else said.lag_ms * MILLISECOND),
+        lag_s=to_seconds(lag if limits.lag_ms is None else limits.lag_ms * MILLISECOND),
         homing=0.0 if homing is None else homing.fastest,
     )
 
@@ -91,7 +91,7 @@ class Follower:
         self._coasts_at: Final = axis.top_speed
         """How fast it may be on its way to a position when it is told to stop."""
         self._demand: Demand = Stop.REST
-        self._changed_at: Nanoseconds = NEVER_HEARD
+        self._changed_at: Nanoseconds = NEVER_RECEIVED
         self._aim: Demand | None = None
         """What bounds it now: the demand, or its device's own stop; None while it has no torque."""
         self._positions = False
@@ -99,7 +99,7 @@ class Follower:
         self._goal = self._low = self._high = 0.0
         self.following = Following()
 
-    def told(self, demand: Demand, now: Nanoseconds) -> None:
+    def on_set_point(self, demand: Demand, now: Nanoseconds) -> None:
         """Learn what the axis is told from now on."""
         if demand is not self._demand and demand != self._demand:
             self._demand, self._changed_at = demand, now
@@ -111,7 +111,7 @@ class Follower:
         before, at = self.following, feedback.sampled_at
         if at == before.sampled_at:
             return before
-        if feedback.power in WITHOUT_TORQUE or before.sampled_at == NEVER_HEARD or at < before.sampled_at:
+        if feedback.power in WITHOUT_TORQUE or before.sampled_at == NEVER_RECEIVED or at < before.sampled_at:
             self._aim = None
             self.following = self._unjudged(feedback)
             return self.following
@@ -184,7 +184,7 @@ class Follower:
             if stands and self._aim is not Stop.POWER_OFF:
                 # What it owes when it is told to stop it goes on owing, until its power is taken: who was
                 # well has moved meanwhile.
-                owed = before.owes + max(low, -high, 0.0) * seconds
+                owed = before.backlog + max(low, -high, 0.0) * seconds
         obeys = low - slack <= does <= high + slack
         return Following(
             self._demand,
@@ -229,10 +229,10 @@ class Followers:
     def __init__(self, robot: AnyRobot) -> None:
         self._all: Final = {axis.name: Follower(axis, bounds_of(robot, axis)) for axis in robot.axes}
 
-    def told(self, demands: Mapping[str, Demand], now: Nanoseconds) -> None:
+    def on_set_points(self, demands: Mapping[str, Demand], now: Nanoseconds) -> None:
         """Learn what was sent to these axes."""
         for name, demand in demands.items():
-            self._all[name].told(demand, now)
+            self._all[name].on_set_point(demand, now)
 
     def saw(self, axes: Mapping[str, Feedback]) -> dict[str, Following]:
         """Return each axis's, up to its newest sample."""

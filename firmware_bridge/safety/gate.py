@@ -8,7 +8,7 @@ its clear time; the first clear look starts that time, and a trip in between sta
 from collections.abc import Mapping
 from typing import Final, Generic, TypeVar
 
-from firmware_bridge.drivers.driver import Feedback, Tells
+from firmware_bridge.drivers.driver import Feedback, Reports
 from firmware_bridge.immutable import Immutable
 from firmware_bridge.robot import Axis, Problem, Robot, RobotFileError
 from firmware_bridge.robot.table import Table
@@ -68,11 +68,11 @@ class AxisRows(Immutable):
         """In a mode that does without the axis."""
 
 
-def axis_rows(robot: Robot[G], tells: Mapping[str, frozenset[Tells]]) -> tuple[AxisRows, ...]:
+def axis_rows(robot: Robot[G], reports: Mapping[str, frozenset[Reports]]) -> tuple[AxisRows, ...]:
     """Return every axis's rows by what its driver tells; RobotFileError where that is not enough for one."""
     found = []
     for axis in robot.axes:
-        rows = [(row, row.fitting(tells[axis.name])) for row in AXIS_ROWS]
+        rows = [(row, row.fitting(reports[axis.name])) for row in AXIS_ROWS]
         missing = [row.name for row, fitting in rows if fitting is None]
         if missing:
             problem = f"what is on this link tells too little for: {', '.join(missing)}"
@@ -92,12 +92,12 @@ class Gate(Generic[G, M, S]):
     __slots__ = ("_axes", "_before", "_common", "_memory", "_robot", "_rules", "_silent_after")
 
     def __init__(
-        self, robot: Robot[G], rules: Mapping[str, Rules[G, M, S]], tells: Mapping[str, frozenset[Tells]]
+        self, robot: Robot[G], rules: Mapping[str, Rules[G, M, S]], reports: Mapping[str, frozenset[Reports]]
     ) -> None:
         """Take the robot's own rules for each of its modes, and what the driver of each axis can tell."""
         self._robot = robot
         self._rules = rules
-        self._axes = axis_rows(robot, tells)
+        self._axes = axis_rows(robot, reports)
         self._common: tuple[Interlock[G, M, S], ...] = whole_robot_rows(rules[""].numbers, robot.links)
         self._silent_after = robot.operator.silent_ms * MILLISECOND
         self._memory = _Memory()
@@ -106,20 +106,20 @@ class Gate(Generic[G, M, S]):
     def rule(self, seen: Snapshot[M, S]) -> Ruling[M]:
         """Judge the wish in this snapshot; `seen.facts.now` never runs backwards."""
         rules = self._rules[seen.facts.mode]
-        view = View(self._robot, seen, seen.wish, NO_GROUP, self._before)
+        view = View(self._robot, seen, seen.command, NO_GROUP, self._before)
         holds = self._held(self._common, view) + self._held(rules.interlocks, view)
         holds += self._held_axes(seen.facts)
         stopped = _stopped(holds, rules.groups)
         clipped = self._clipped(rules.limits, view, holds, reported=not stopped)
         allowed = rules.body.rested(clipped, stopped) if stopped else clipped
         if rules.after_limits:
-            asked = rules.body.asked(clipped, seen.body)
-            late = self._held(rules.after_limits, View(self._robot, seen, allowed, asked, self._before))
+            requested = rules.body.requested(clipped, seen.body)
+            late = self._held(rules.after_limits, View(self._robot, seen, allowed, requested, self._before))
             holds += late
             stopped_late = _stopped(late, rules.groups)
             allowed = rules.body.rested(allowed, stopped_late) if stopped_late else allowed
             stopped |= stopped_late
-        ruling = Ruling(tuple(holds), stopped, allowed, rules.body.asked(allowed, seen.body))
+        ruling = Ruling(tuple(holds), stopped, allowed, rules.body.requested(allowed, seen.body))
         self._before = ruling
         return ruling
 
@@ -134,13 +134,13 @@ class Gate(Generic[G, M, S]):
         It lies after `facts.now`: a silence that has tripped already asks for nothing.
         """
         first = NEVER
-        operator = facts.heard_at + facts.lives_for(self._silent_after)
+        operator = facts.received_at + facts.lives_for(self._silent_after)
         if operator > facts.now:
             first = operator
         for one in self._axes:
             feedback = facts.axes.get(one.axis.name)
-            if feedback is not None and feedback.heard_at + one.silent_after > facts.now:
-                first = min(first, feedback.heard_at + one.silent_after)
+            if feedback is not None and feedback.received_at + one.silent_after > facts.now:
+                first = min(first, feedback.received_at + one.silent_after)
         return first
 
     def _held(self, rows: tuple[Interlock[G, M, S], ...], view: View[G, M, S]) -> list[Hold]:

@@ -9,7 +9,8 @@ known never counts as safe: comparisons are written so that a NaN trips.
 from collections.abc import Callable
 from typing import Final, Generic, TypeAlias, TypeVar
 
-from firmware_bridge.drivers.driver import Feedback, Tells
+from firmware_bridge.drivers.driver import Feedback, Reports
+from firmware_bridge.renamed import warn
 from firmware_bridge.robot import Axis, Robot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.row import Row, Severity
@@ -24,14 +25,14 @@ S = TypeVar("S")
 class View(Generic[G, M, S]):
     """What a row may look at: the robot, the snapshot, and what the gate itself has let through."""
 
-    __slots__ = ("allowed", "asked", "before", "holding", "robot", "seen")
+    __slots__ = ("allowed", "before", "holding", "requested", "robot", "seen")
 
     def __init__(
         self,
         robot: Robot[G],
         seen: Snapshot[M, S],
         allowed: M,
-        asked: frozenset[Group],
+        requested: frozenset[Group],
         before: Ruling[M] | None,
         *,
         holding: bool = False,
@@ -40,7 +41,7 @@ class View(Generic[G, M, S]):
         self.seen: Final = seen
         self.allowed: Final = allowed
         """What this ruling allows so far; the wish where nothing has been judged yet."""
-        self.asked: Final = asked
+        self.requested: Final = requested
         """The groups that the clipped wish asks to move, stopped or not; only for rows after the limits."""
         self.before: Final = before
         """The gate's ruling before this one; None at the first."""
@@ -62,9 +63,15 @@ class View(Generic[G, M, S]):
         """The robot's geometry and limits."""
         return self.robot.geometry
 
+    @property
+    def asked(self) -> frozenset[Group]:
+        """The old name of `requested`."""
+        warn("asked", "requested", "View")
+        return self.requested
+
     def held(self) -> "View[G, M, S]":
         """Return the same for a row that holds already."""
-        return View(self.robot, self.seen, self.allowed, self.asked, self.before, holding=True)
+        return View(self.robot, self.seen, self.allowed, self.requested, self.before, holding=True)
 
 
 class Interlock(Row, Generic[G, M, S]):
@@ -143,7 +150,7 @@ class AxisInterlock(Row):
         judge: AxisJudge,
         remedy: str,
         *,
-        needs: frozenset[Tells] = frozenset(),
+        needs: frozenset[Reports] = frozenset(),
         instead: "AxisInterlock | None" = None,
         stops: frozenset[str] | None = None,
         clear_after: Nanoseconds = 0,
@@ -178,9 +185,9 @@ class AxisInterlock(Row):
             takes_power=self.takes_power,
         )
 
-    def fitting(self, tells: frozenset[Tells]) -> "AxisInterlock | None":
+    def fitting(self, reports: frozenset[Reports]) -> "AxisInterlock | None":
         """Return this row, or the first weaker one for which this is enough; None where there is none."""
         row: AxisInterlock | None = self
-        while row is not None and not row.needs <= tells:
+        while row is not None and not row.needs <= reports:
             row = row.instead
         return row

@@ -5,7 +5,7 @@ They belong to every robot; `firmware_bridge.safety.common` puts them into their
 
 from typing import Final, TypeVar
 
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.interlock import Interlock, View
 from firmware_bridge.safety.row import Severity
@@ -66,9 +66,9 @@ def operator_rows() -> tuple[Interlock[G, M, S], ...]:
 
 def _operator_silent(view: View[G, M, S]) -> str | None:
     limit = view.facts.lives_for(view.robot.operator.silent_ms * MILLISECOND)
-    if view.facts.heard_at == NEVER_HEARD:
+    if view.facts.received_at == NEVER_RECEIVED:
         return "no motion command has come yet"
-    silence = view.facts.now - view.facts.heard_at
+    silence = view.facts.now - view.facts.received_at
     if silence < limit:
         return None
     return f"no motion command for {to_seconds(silence):.2f} s, limit {to_seconds(limit):.2f} s"
@@ -91,18 +91,18 @@ def _word_undated(view: View[G, M, S]) -> str | None:
 
 def _is_silent(view: View[G, M, S]) -> bool:
     """Return whether the silence holds the robot: one cause, one hold."""
-    return view.facts.now - view.facts.heard_at >= view.robot.operator.silent_ms * MILLISECOND
+    return view.facts.now - view.facts.received_at >= view.robot.operator.silent_ms * MILLISECOND
 
 
 def _operator_gone(view: View[G, M, S]) -> str | None:
     limit = view.robot.operator.gone_ms * MILLISECOND
-    if view.facts.heard_at == NEVER_HEARD or view.facts.now - view.facts.heard_at < limit:
+    if view.facts.received_at == NEVER_RECEIVED or view.facts.now - view.facts.received_at < limit:
         return None
     return f"no motion command for {to_seconds(limit):g} s: nobody drives"
 
 
 def _deflected(view: View[G, M, S]) -> str | None:
-    if view.facts.neutral or not view.facts.parted:
+    if view.facts.neutral or not view.facts.neutral_required:
         return None
     return f"not let go since the silence: {view.facts.deflected or 'the stick'}"
 

@@ -68,13 +68,13 @@ class Rules(Generic[G, M, S]):
 
         Each axis is asked: wheels that turn against each other leave the robot where it is, and do not rest.
         """
-        return not self.body.asked(seen.demanded, seen.body) & self.travelling and self.stands(seen)
+        return not self.body.requested(seen.demanded, seen.body) & self.travelling and self.stands(seen)
 
     def stands(self, seen: Snapshot[M, S]) -> bool:
         """Return whether the robot stands where it is, whatever it is told."""
         axes = seen.facts.axes
         return not self.body.moving(seen.body) & self.travelling and all(
-            abs(axes[name].velocity) < bound or self._is_mute(name, seen.facts)
+            abs(axes[name].velocity) < bound or self._is_silent(name, seen.facts)
             for name, bound in self._rests_below
         )
 
@@ -82,23 +82,23 @@ class Rules(Generic[G, M, S]):
         """Return the snapshot as this mode's body would have sensed it."""
         return self._of(seen, seen.facts)
 
-    def believed(self, seen: Snapshot[M, S], disbelieved: Collection[str]) -> Snapshot[M, S] | None:
+    def believed(self, seen: Snapshot[M, S], untrusted: Collection[str]) -> Snapshot[M, S] | None:
         """Return the snapshot as if these axes stood, which nobody believes; None where no other carries."""
-        if all(name in disbelieved for name, _ in self._rests_below):
+        if all(name in untrusted for name, _ in self._rests_below):
             return None
-        stand = {name: replace(seen.facts.axes[name], velocity=0.0) for name in disbelieved}
+        stand = {name: replace(seen.facts.axes[name], velocity=0.0) for name in untrusted}
         return self._of(seen, replace(seen.facts, axes={**seen.facts.axes, **stand}))
 
     def _of(self, seen: Snapshot[M, S], facts: Facts) -> Snapshot[M, S]:
         return Snapshot(
             facts=facts,
-            wish=seen.wish,
+            command=seen.command,
             demanded=seen.demanded,
             body=self.body.sensed(facts.axes, facts.sensors),
             pose=seen.pose,
             located=seen.located,
         )
 
-    def _is_mute(self, name: str, facts: Facts) -> bool:
+    def _is_silent(self, name: str, facts: Facts) -> bool:
         """Return whether an axis that the mode does without tells nothing any more: its last word is old."""
-        return name in self.without and facts.now - facts.axes[name].heard_at >= self._silent_after[name]
+        return name in self.without and facts.now - facts.axes[name].received_at >= self._silent_after[name]

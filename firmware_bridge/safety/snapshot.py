@@ -10,9 +10,10 @@ from typing import Final, Generic, TypeAlias, TypeVar
 
 from firmware_bridge.drivers.driver import Demand, Feedback, Reading, Stop
 from firmware_bridge.immutable import Immutable
-from firmware_bridge.intent import NEVER_HEARD, USUAL_AGE_LIMIT, AgeLimit
+from firmware_bridge.intent import NEVER_RECEIVED, USUAL_AGE_LIMIT, AgeLimit
 from firmware_bridge.motion.captured import Located
 from firmware_bridge.motion.pose import Pose
+from firmware_bridge.renamed import warn
 from firmware_bridge.safety.row import Row
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.value import valueclass
@@ -30,23 +31,23 @@ class Following:
 
     demand: Demand = Stop.REST
     """What was sent to it last."""
-    changed_at: Nanoseconds = NEVER_HEARD
+    changed_at: Nanoseconds = NEVER_RECEIVED
     """When that differed from what was sent before."""
-    sampled_at: Nanoseconds = NEVER_HEARD
-    obeyed_at: Nanoseconds = NEVER_HEARD
+    sampled_at: Nanoseconds = NEVER_RECEIVED
+    obeyed_at: Nanoseconds = NEVER_RECEIVED
     """The newest sample at which it was where its demands let it be, or had no torque."""
-    settled_at: Nanoseconds = NEVER_HEARD
+    settled_at: Nanoseconds = NEVER_RECEIVED
     """The newest one at which it had another position than before, or need not have had."""
-    place_at: Nanoseconds = NEVER_HEARD
+    place_at: Nanoseconds = NEVER_RECEIVED
     """The newest one whose position was not, to the last bit, that of the one before."""
     position: float = 0.0
     velocity: float = 0.0
     low: float = 0.0
     high: float = 0.0
     """Between these its demands let it be: its position where that is demanded, else its speed."""
-    unasked: bool = False
+    uncommanded: bool = False
     """Where it strays: it moves further, faster or another way than it was told; else it stays behind."""
-    owes: float = 0.0
+    backlog: float = 0.0
     """How far it should have gone at least since its position began to repeat."""
     idle: int = 2
     """So many samples ago it turned as it was told."""
@@ -62,8 +63,8 @@ class Facts:
     armed: bool
     emergency_stopped: bool
     """The latch of the emergency stop, set until it is cleared."""
-    heard_at: Nanoseconds
-    """When the newest motion command arrived; `firmware_bridge.intent.NEVER_HEARD` before the first."""
+    received_at: Nanoseconds
+    """When the newest motion command arrived; `firmware_bridge.intent.NEVER_RECEIVED` before the first."""
     neutral: bool
     """The operator's controls are let go."""
     axes: Mapping[str, Feedback]
@@ -78,7 +79,7 @@ class Facts:
     """The operator has asked the robot to wait."""
     deflected: str = ""
     """What of the operator's controls is not let go, in words."""
-    parted: bool = False
+    neutral_required: bool = False
     """The operator was away, and has not let his controls go since."""
     mode: str = ""
     """The robot's mode after a failed actuator; empty while it is whole."""
@@ -90,7 +91,7 @@ class Facts:
     """Where axes without a zero were when it was known last, in words, by their names: no certainty."""
     following: Mapping[str, Following] = field(default_factory=dict)
     """By the axes' names; one without is not judged by what it was told."""
-    said_at: Nanoseconds | None = None
+    sent_at: Nanoseconds | None = None
     """When the newest motion command was said, or later; None where nothing tells."""
     dated: bool = False
     """Whether it was said then, to within half a round trip; else it may be older."""
@@ -101,7 +102,7 @@ class Facts:
     @property
     def age(self) -> Nanoseconds | None:
         """How old the newest motion command was when it arrived; at least so old where it is not `dated`."""
-        return None if self.said_at is None else self.heard_at - self.said_at
+        return None if self.sent_at is None else self.received_at - self.sent_at
 
     def lives_for(self, silent_after: Nanoseconds) -> Nanoseconds:
         """Return how long the newest motion command counts from its arrival on.
@@ -116,13 +117,13 @@ class Facts:
 class Snapshot(Immutable, Generic[M, S_co]):
     """The whole robot at `facts.now`. What an interlock decided is not in it: that is the gate's ruling."""
 
-    __slots__ = ("body", "demanded", "facts", "located", "pose", "wish")
+    __slots__ = ("body", "command", "demanded", "facts", "located", "pose")
 
     def __init__(
-        self, *, facts: Facts, wish: M, demanded: M, body: S_co, pose: Pose, located: Located | None = None
+        self, *, facts: Facts, command: M, demanded: M, body: S_co, pose: Pose, located: Located | None = None
     ) -> None:
         self.facts: Final = facts
-        self.wish: Final = wish
+        self.command: Final = command
         """What the operator, or a guide, wants."""
         self.demanded: Final = demanded
         """What the bridge's newest set-points ask for, behind the ramp."""
@@ -132,6 +133,12 @@ class Snapshot(Immutable, Generic[M, S_co]):
         """Where it is, at the samples before these."""
         self.located: Final = located
         """How far that is known where a sensor sees the robot; None where only odometry tells it."""
+
+    @property
+    def wish(self) -> M:
+        """The old name of `command`."""
+        warn("wish", "command", "Snapshot")
+        return self.command
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,15 +164,15 @@ class Hold:
 class Ruling(Immutable, Generic[M]):
     """What may be done now, and why not more."""
 
-    __slots__ = ("allowed", "asked", "holds", "stopped")
+    __slots__ = ("allowed", "holds", "requested", "stopped")
 
     def __init__(
-        self, holds: tuple[Hold, ...], stopped: frozenset[Group], allowed: M, asked: frozenset[Group]
+        self, holds: tuple[Hold, ...], stopped: frozenset[Group], allowed: M, requested: frozenset[Group]
     ) -> None:
         self.holds: Final = holds
         self.stopped: Final = stopped
         """The groups that a hold stops."""
         self.allowed: Final = allowed
         """Where to go, at the pace of the body's ramp; a stopped group rests in it."""
-        self.asked: Final = asked
+        self.requested: Final = requested
         """The groups that `allowed` asks to move."""

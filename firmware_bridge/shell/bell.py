@@ -46,7 +46,7 @@ def ringing() -> Iterator[Bell]:
             yield Bell(reader)
             return
         wakeup = signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
-        before = {number: signal.signal(number, _heard) for number in _numbers(ENDING) if _counts(number)}
+        before = {number: signal.signal(number, _received) for number in _numbers(ENDING) if _counts(number)}
         before |= {number: signal.signal(number, signal.SIG_IGN) for number in _numbers(_UNHEEDED)}
         try:
             yield Bell(reader)
@@ -64,5 +64,5 @@ def _counts(number: signal.Signals) -> bool:
     return number.name != "SIGHUP" or signal.getsignal(number) is not signal.SIG_IGN
 
 
-def _heard(_number: int, _frame: FrameType | None) -> None:
+def _received(_number: int, _frame: FrameType | None) -> None:
     """Do nothing: the number was written to the bell before this is called."""

@@ -61,7 +61,7 @@ class BlackBoxError(Exception):
 
 
 class BlackBox:
-    """One run's recording. `note` and `tell` never wait and never fail."""
+    """One run's recording. `note` and `report` never wait and never fail."""
 
     def __init__(
         self,
@@ -100,7 +100,7 @@ class BlackBox:
         self._epoch: Nanoseconds | None = None
         self._waiting: deque[tuple[Nanoseconds, Direction, Packet] | tuple[Nanoseconds, str]] = deque()
         self._failure: str | None = None
-        self._told: str | None = None
+        self._reported: str | None = None
         self._ending = Event()
         self._thread = Thread(target=self._write, name=f"recording in {parent}", daemon=True)
         self._thread.start()
@@ -116,7 +116,7 @@ class BlackBox:
         self._thread.join(END_WITHIN_S)
         if self._thread.is_alive():
             self._failure = f"the disk takes nothing within {END_WITHIN_S:g} s"
-        self._tell_failure()
+        self._report_failure()
 
     def note(self, now: Nanoseconds, direction: Direction, packet: Packet) -> None:
         """Take down a packet."""
@@ -128,17 +128,17 @@ class BlackBox:
                 self._waiting.append((now, direction, packet))
             else:
                 self._failure = "the disk is too slow"
-        self._tell_failure()
+        self._report_failure()
 
-    def tell(self, text: str) -> None:
+    def report(self, text: str) -> None:
         """Say it at the terminal, and take it down."""
         self._say(text)
         if self._failure is None:
             self._waiting.append((time.time_ns(), text))
 
-    def _tell_failure(self) -> None:
-        if self._failure is not None and self._told is None:
-            self._told = self._failure
+    def _report_failure(self) -> None:
+        if self._failure is not None and self._reported is None:
+            self._reported = self._failure
             self._waiting.clear()
             self._say(f"recording in {self.folder} has ended: {self._failure}; the run goes on")
 
@@ -173,8 +173,8 @@ class BlackBox:
         if name == OPERATOR_LOG:
             records = (name, tlog_records(now, packet.payload, epoch))
             sent = packet.payload if direction is Direction.SENT else b""
-            heard = self._new_places(now, packet, epoch) if direction is Direction.HEARD else ()
-            return [records, *heard, *(_event(epoch + now, text) for text in self._new_texts(sent))]
+            received = self._new_places(now, packet, epoch) if direction is Direction.RECEIVED else ()
+            return [records, *received, *(_event(epoch + now, text) for text in self._new_texts(sent))]
         if name == CAN_LOG:
             return [(name, f"{candump_line(now, packet, packet.link, epoch)}\n".encode())]
         if name is not None and name.endswith((SERIAL_LOG, CAPTURE_LOG)) and packet.payload:
@@ -189,7 +189,7 @@ class BlackBox:
             if self._spoke_from.get(station) != packet.address:
                 self._spoke_from[station] = packet.address
                 line = chunk_line(
-                    now, OPERATOR, Direction.HEARD, Packet(OPERATOR, packet.address, bytes(station)), epoch
+                    now, OPERATOR, Direction.RECEIVED, Packet(OPERATOR, packet.address, bytes(station)), epoch
                 )
                 yield STATIONS_LOG, f"{line}\n".encode()
 

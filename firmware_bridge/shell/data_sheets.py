@@ -70,8 +70,8 @@ def _sections(file: Path) -> configparser.ConfigParser:
     try:
         sections.read_string(file.read_text(encoding="latin-1"))
     except (OSError, configparser.Error) as error:
-        said = str(error).replace("\n", " ")
-        raise SheetError(f"{file}: cannot be read as a data sheet: {said}") from error
+        problem = str(error).replace("\n", " ")
+        raise SheetError(f"{file}: cannot be read as a data sheet: {problem}") from error
     return sections
 
 

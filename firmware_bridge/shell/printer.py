@@ -24,7 +24,7 @@ class Printer:
         """Lines that found no place to wait in; this end's count, which only grows."""
         self._failed = 0
         """Lines that nothing took; the thread's count."""
-        self._told = 0
+        self._lost_reported = 0
         self._thread: Thread | None = None
 
     @property
@@ -81,11 +81,11 @@ class Printer:
         """Print what waits; the thread's whole life."""
         while (item := self._waiting.get()) is not None:
             fileno, line = item
-            missing = self._lost + self._failed - self._told
+            missing = self._lost + self._failed - self._lost_reported
             if missing:
                 line = f"({missing} lines before this one could not be printed)\n".encode() + line
             if _written(fileno, line):
-                self._told += missing
+                self._lost_reported += missing
             else:
                 self._failed += 1
 

@@ -32,20 +32,20 @@ def run_file(run: AsRun) -> dict[str, str]:
     robot = run.robot.model_dump(mode="json", exclude_none=True)
     agreed_ms = robot["operator"].pop("agreed_ms", None)
     stands = {it.axis: None if math.isnan(it.value) else it.value for it in run.stands}
-    told = {"robot": robot, "agreed_ms": agreed_ms, "stands": stands, "mode": run.mode}
-    return {RUN_FILE: json.dumps(told, indent=1) + "\n"}
+    content = {"robot": robot, "agreed_ms": agreed_ms, "stands": stands, "mode": run.mode}
+    return {RUN_FILE: json.dumps(content, indent=1) + "\n"}
 
 
 def read_run(folder: Path) -> AsRun | None:
     """Read a recording's file; None where it has none. RobotFileError, naming the file and what is wrong."""
     path = folder / RUN_FILE
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(path.read_text(encoding="utf-8"))
         table, agreed_ms, stands, mode = (
-            told["robot"],
-            told["agreed_ms"],
-            dict(told["stands"]),
-            str(told["mode"]),
+            content["robot"],
+            content["agreed_ms"],
+            dict(content["stands"]),
+            str(content["mode"]),
         )
         kind = kind_named(table["kind"])
     except FileNotFoundError:

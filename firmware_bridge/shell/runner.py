@@ -77,7 +77,7 @@ def _carry(carrier: "_Carrier", clock: Clock, bell: Bell, until: Nanoseconds) ->
         try:
             # First of all: on a busy machine the node's next wake is due by now, too.
             for number in bell.rung() if bell.fileno in ready else b"":
-                carrier.asked_by(signal.Signals(number).name, now)
+                carrier.requested_by(signal.Signals(number).name, now)
             carrier.turn(ready, now)
             if now >= until:
                 until = NEVER
@@ -140,7 +140,7 @@ class _Carrier:
 
     def turn(self, ready: Sequence[int], now: Nanoseconds) -> None:
         """Carry what has arrived to the node, wake it where that is due, and carry what it sends."""
-        self._hear(ready, now)
+        self._receive(ready, now)
         if now >= self._wake_at and not (self._ended or self._done):
             self.latest_wake = max(self.latest_wake, now - self._wake_at)
             # Whatever fails below is tried again then; what does not fail says itself when.
@@ -161,7 +161,7 @@ class _Carrier:
             self.reason = reason
             self._stop(now)
 
-    def asked_by(self, signal_: str, now: Nanoseconds) -> None:
+    def requested_by(self, signal_: str, now: Nanoseconds) -> None:
         """Begin to stop; asked twice, end at once, unless the node holds something or is not cut short."""
         if self._stopping and not self._holding:
             self._ended = self._unhurried is None or self._unhurried.may_leave(now)
@@ -200,7 +200,7 @@ class _Carrier:
         for port in self._ports.values():
             port.close()
 
-    def _hear(self, ready: Sequence[int], now: Nanoseconds) -> None:
+    def _receive(self, ready: Sequence[int], now: Nanoseconds) -> None:
         for fileno in ready:
             link = self._links.get(fileno)
             if link is None or self._done:

@@ -24,7 +24,7 @@ class WholeFile:
         self.path: Final = path
         self._changed = Condition()
         self._newest: str | None = None
-        self._asked: str | None = None
+        self._requested: str | None = None
         self._works = False
         """Whether a thread is at it."""
         self._since: Nanoseconds = 0
@@ -33,9 +33,9 @@ class WholeFile:
     def replace(self, text: str, now: Nanoseconds) -> None:
         """Have the file replaced."""
         with self._changed:
-            if text == self._asked and self._failure is None:
+            if text == self._requested and self._failure is None:
                 return
-            self._newest = self._asked = text
+            self._newest = self._requested = text
             if self._works:
                 return
             self._works, self._since = True, now

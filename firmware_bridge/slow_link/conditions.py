@@ -49,7 +49,7 @@ class Row:
     """One key: which field of a way it sets, and to what."""
 
     field: str
-    tells: str
+    meaning: str
     most: float
     into: Callable[[float], Any] = float
     halved: bool = False
@@ -75,16 +75,16 @@ def conditions(text: str) -> Conditions:
     ConditionsError says what is wrong, and the near name.
     """
     ways = {way: Way() for way in WAYS}
-    said: set[str] = set()
+    seen: set[str] = set()
     for alone, part in sorted(_parts(text)):  # what is said of one way counts, whatever is said of both
         key, sign, number = part.partition("=")
         way, _, name = key.rpartition(".") if alone else ("", "", key)
         row = ROWS.get(name)
         if not sign or row is None or (alone and way not in ways):
             raise ConditionsError(f"link: '{part}': {_expected(way, name, alone=alone, sign=bool(sign))}")
-        if key in said:
+        if key in seen:
             raise ConditionsError(f"link: '{part}': {key} is said twice")
-        said.add(key)
+        seen.add(key)
         value = _number(part, number, row) / (2.0 if row.halved and not alone else 1.0)
         for one in (way,) if alone else WAYS:
             ways[one] = replace(ways[one], **{row.field: row.into(value)})
@@ -97,7 +97,7 @@ def conditions(text: str) -> Conditions:
 
 def help_of_rows() -> str:
     """Return the keys in one line, for people."""
-    return "; ".join(f"{key} ({row.tells})" for key, row in ROWS.items())
+    return "; ".join(f"{key} ({row.meaning})" for key, row in ROWS.items())
 
 
 def _parts(text: str) -> Iterator[tuple[bool, str]]:

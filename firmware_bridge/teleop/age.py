@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, NamedTuple, TypeAlias
 
-from firmware_bridge.teleop.clock_fit import AnsweredClock, HeardClock
+from firmware_bridge.teleop.clock_fit import AnsweredClock, ReceivedClock
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.round_trips import Losses, RoundTrips
 from firmware_bridge.teleop.trust import UNIT, stamp_of
@@ -58,8 +58,8 @@ class Ages:
         """The one that TIMESYNC tells."""
         self.stamped: Final = AnsweredClock()
         """The one that stamps its frames, if it is one."""
-        self.heard_boot: Final = HeardClock()
-        self.heard_stamps: Final = HeardClock()
+        self.received_boot: Final = ReceivedClock()
+        self.received_stamps: Final = ReceivedClock()
         self.tied = False
         """Whether the set-points' times have been found to be of TIMESYNC's clock."""
         self._boot: Nanoseconds | None = None
@@ -73,10 +73,10 @@ class Ages:
         if now < self.trips.due:
             return []
         self._pings = self._pings % _LARGEST_PING + 1
-        asked_at = max(_whole(now), _GRAIN)
-        self.trips.ask((_TIMESYNC, asked_at), (_PING, self._pings), now=_whole(now))
+        requested_at = max(_whole(now), _GRAIN)
+        self.trips.ask((_TIMESYNC, requested_at), (_PING, self._pings), now=_whole(now))
         return [
-            dialect.MAVLink_timesync_message(0, asked_at),
+            dialect.MAVLink_timesync_message(0, requested_at),
             dialect.MAVLink_ping_message(now // 1000, self._pings, *_ANYONE),
         ]
 
@@ -85,14 +85,14 @@ class Ages:
         syncs = message.get_msgId() == _TIMESYNC
         carried = message.ts1 if syncs else message.seq
         now = _whole(now)
-        asked_at = self.trips.answered((message.get_msgId(), carried), now)
-        if asked_at is None:
+        requested_at = self.trips.answered((message.get_msgId(), carried), now)
+        if requested_at is None:
             return
         if syncs:
-            self.synced.answered(asked_at, message.tc1, now, 1)
+            self.synced.answered(requested_at, message.tc1, now, 1)
         stamp = self._stamp(message)
         if stamp is not None:
-            self.stamped.answered(asked_at, stamp, now, UNIT)
+            self.stamped.answered(requested_at, stamp, now, UNIT)
 
     def age(self, message: Message, now: Nanoseconds, limit: Nanoseconds) -> Age | None:
         """Return how old a word is that comes now; None where no row tells anything.
@@ -100,8 +100,8 @@ class Ages:
         Rows that differ by more than `limit` do not date it.
         """
         self._follow_what_was_set(message, _whole(now), limit)
-        told = [(row.tells(self, message, _whole(now)), row.dated) for row in ROWS]
-        ages = [(age, dated) for age, dated in told if age is not None]
+        found = [(row.age_of(self, message, _whole(now)), row.dated) for row in ROWS]
+        ages = [(age, dated) for age, dated in found if age is not None]
         if not ages:
             return None
         oldest = max(age for age, _ in ages)
@@ -114,9 +114,9 @@ class Ages:
         """Move the fastest word of a clock that was set back, by as much as its answers have shown."""
         time, stamp = self._unwrapped(message), self._stamp(message)
         if time is not None:
-            self.heard_boot.set_with(self.synced, time, now, limit)
+            self.received_boot.set_with(self.synced, time, now, limit)
         if stamp is not None:
-            self.heard_stamps.set_with(self.stamped, stamp, now, limit)
+            self.received_stamps.set_with(self.stamped, stamp, now, limit)
 
     def by_set_point(self, message: Message, now: Nanoseconds) -> Nanoseconds | None:
         """Map a set-point's time by TIMESYNC, once it has been found to be of the same clock."""
@@ -140,12 +140,12 @@ class Ages:
     def above_fastest_set_point(self, message: Message, now: Nanoseconds) -> Nanoseconds | None:
         """Take a set-point's time as that of a clock that nobody answers for."""
         time = self._unwrapped(message)
-        return None if time is None else self._least(self.heard_boot.excess(time, now), now)
+        return None if time is None else self._least(self.received_boot.excess(time, now), now)
 
     def above_fastest_signature(self, message: Message, now: Nanoseconds) -> Nanoseconds | None:
         """Take a signature's stamp as that of a clock that nobody answers for."""
         stamp = self._stamp(message)
-        return None if stamp is None else self._least(self.heard_stamps.excess(stamp, now), now)
+        return None if stamp is None else self._least(self.received_stamps.excess(stamp, now), now)
 
     def half_round_trip(self, _message: Message, now: Nanoseconds) -> Nanoseconds | None:
         """Take what any word has needed lately: MANUAL_CONTROL carries no time."""
@@ -175,7 +175,7 @@ def _whole(now: Nanoseconds) -> Nanoseconds:
     return now // _GRAIN * _GRAIN
 
 
-Tells: TypeAlias = Callable[[Ages, Message, Nanoseconds], Nanoseconds | None]
+AgeOf: TypeAlias = Callable[[Ages, Message, Nanoseconds], Nanoseconds | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,7 +183,7 @@ class Row:
     """One way to tell how old a word is."""
 
     name: str
-    tells: Tells
+    age_of: AgeOf
     dated: bool
     """Whether it tells the age to within half a round trip; else only how old the word is at least."""
 

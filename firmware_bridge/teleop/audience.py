@@ -19,7 +19,7 @@ LAPSES_AFTER: Final[Nanoseconds] = 5 * SECOND
 """A station that is not heard for so long is told no more; heartbeats come each second."""
 MOST_STATIONS: Final = 8
 """Beside who drives: a place more that sends heartbeats waits until one of them lapses."""
-MOST_STRANGERS: Final = 64
+MOST_PLACES: Final = 64
 LARGEST_CREDIT: Final = 1024
 """Bytes that a place may have sent before it is answered."""
 _TEXT: Final = dialect.MAVLINK_MSG_ID_STATUSTEXT
@@ -51,7 +51,7 @@ class Audience:
         self._credits: Final[dict[int, int]] = {}
         """Bytes that came from each of the others, less those that went there."""
 
-    def heard(self, source: int, size: int, now: Nanoseconds, *, beats: bool, old: bool = False) -> None:
+    def received(self, source: int, size: int, now: Nanoseconds, *, beats: bool, old: bool = False) -> None:
         """Take note of a datagram with a good frame for this robot; `beats`: one was a heartbeat.
 
         `old`: it was of MAVLink 1, in which it is answered.
@@ -68,7 +68,7 @@ class Audience:
             self._credits.pop(source, None)
             return
         credit = self._credits.pop(source, 0) + size
-        while len(self._credits) >= MOST_STRANGERS:
+        while len(self._credits) >= MOST_STATIONS:
             gone = next(iter(self._credits))
             del self._credits[gone]
             self._old.discard(gone)
@@ -81,8 +81,8 @@ class Audience:
         if not messages:
             return ()
         stamp = self._stamp(now)
-        if self.tells(source, driver, now):
-            return self._said(source, messages, stamp)
+        if self.is_recipient(source, driver, now):
+            return self._encoded(source, messages, stamp)
         sent: list[Packet] = []
         self._aside.mavlink_1 = source in self._old
         # What a machine waits for goes before a text for people.
@@ -94,20 +94,20 @@ class Audience:
                 sent.append(Packet(OPERATOR, source, datagram))
         return tuple(sent)
 
-    def tell(self, source: int, messages: Iterable[Message], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Return what goes to one of `told`."""
-        return self._said(source, messages, self._stamp(now))
+    def send(self, source: int, messages: Iterable[Message], now: Nanoseconds) -> tuple[Packet, ...]:
+        """Return what goes to one of `recipients`."""
+        return self._encoded(source, messages, self._stamp(now))
 
-    def told(self, driver: int | None, now: Nanoseconds) -> list[int]:
+    def recipients(self, driver: int | None, now: Nanoseconds) -> list[int]:
         """Return the places that telemetry goes to: all stations, and that of who drives."""
         self._lapse(now)
-        told = [ONE_END, *self._stations]
-        told = told if driver is None or driver in told else [*told, driver]
-        for source in self._voices.keys() - set(told):
+        recipients = [ONE_END, *self._stations]
+        recipients = recipients if driver is None or driver in recipients else [*recipients, driver]
+        for source in self._voices.keys() - set(recipients):
             del self._voices[source]
-        return told
+        return recipients
 
-    def tells(self, source: int, driver: int | None, now: Nanoseconds) -> bool:
+    def is_recipient(self, source: int, driver: int | None, now: Nanoseconds) -> bool:
         """Return whether telemetry goes to a place."""
         self._lapse(now)
         return source in self._stations or source in (ONE_END, driver)
@@ -145,7 +145,7 @@ class Audience:
         own = [voice.schedule for voice in self._voices.values() if voice.schedule is not None]
         return min((schedule.next_due for schedule in own), default=NEVER)
 
-    def _said(self, source: int, messages: Iterable[Message], stamp: int) -> tuple[Packet, ...]:
+    def _encoded(self, source: int, messages: Iterable[Message], stamp: int) -> tuple[Packet, ...]:
         voice = self.voice(source)
         voice.mavlink_1 = source in self._old
         frames = [voice.frame(message, stamp) for message in messages]

@@ -40,16 +40,16 @@ class AnsweredClock:
         self._proven = False
 
     def answered(
-        self, asked_at: Nanoseconds, reading: Nanoseconds, came_at: Nanoseconds, resolution: Nanoseconds
+        self, requested_at: Nanoseconds, reading: Nanoseconds, came_at: Nanoseconds, resolution: Nanoseconds
     ) -> None:
         """Take an answer: between these instants the clock showed `reading`, rounded down."""
-        low, high = asked_at - reading - resolution, came_at - reading
+        low, high = requested_at - reading - resolution, came_at - reading
         known = self._bounds(came_at)
         if known is None or low > known[1] + TOLERANCE or high < known[0] - TOLERANCE:
             self._proven, self._since = False, came_at
         else:
             low, high = max(low, known[0]), min(high, known[1])
-            self._proven = self._proven or asked_at - self._since >= PROVEN_AFTER
+            self._proven = self._proven or requested_at - self._since >= PROVEN_AFTER
         self._low, self._high = min(low, high), max(low, high)
         self._at = self._read_at = came_at
 
@@ -98,7 +98,7 @@ class AnsweredClock:
         return self._low - wider, self._high + wider
 
 
-class HeardClock:
+class ReceivedClock:
     """A clock that nobody answers for: of a word is known how much later it comes than the fastest one.
 
     Where it was set back, its words seem old. An answered clock of the same station that was set as well

@@ -131,15 +131,15 @@ def _send_home(_: Order, exchange: Exchange) -> Answer:
 
 def _change_interval(order: Order, exchange: Exchange) -> Answer:
     """Change how often this station is told; who does not drive is told no more often than others."""
-    number, wish = whole(order.params[0]), order.params[1]
+    number, wanted = whole(order.params[0]), order.params[1]
     default = None if number is None else exchange.session.schedule.default(number)
     if number is None or default is None:
         return Answer(Result.UNSUPPORTED)
-    if not math.isfinite(wish) or wish < -1.0:
+    if not math.isfinite(wanted) or wanted < -1.0:
         return denied("message interval: parameter 2 is in microseconds, 0 for the default, -1 for off")
-    if number == dialect.MAVLINK_MSG_ID_HEARTBEAT and wish != 0.0:
+    if number == dialect.MAVLINK_MSG_ID_HEARTBEAT and wanted != 0.0:
         return denied("message interval: the heartbeat keeps its rate")
-    period = None if wish == 0.0 else NEVER if wish < 0.0 else max(round(wish) * 1000, FASTEST)
+    period = None if wanted == 0.0 else NEVER if wanted < 0.0 else max(round(wanted) * 1000, FASTEST)
     refused = exchange.change_interval(number, period, default)
     return ACCEPTED if refused is None else denied(refused)
 
@@ -182,24 +182,24 @@ def _set_mode(order: Order, exchange: Exchange) -> Answer:
 
 def _enter_mode(order: Order, exchange: Exchange) -> Answer:
     session, main, sub = exchange.session, whole(order.params[1]), whole(order.params[2]) or 0
-    asked = None if main is None else modes.asked(main, sub, len(session.modes))
-    if asked is None:
+    requested = None if main is None else modes.requested(main, sub, len(session.modes))
+    if requested is None:
         known = [f"{row.number} {row.way.value}" for row in modes.ROWS]
         known += [f"{modes.number_of_own(place)} {name}" for place, name in enumerate(session.modes) if name]
         return denied(f"mode: {', '.join(known)}; there are no others; it is paused")
-    session.audience.voice(exchange.sender.source).px4 = asked.px4
-    if asked.way is modes.Way.HOLD:
+    session.audience.voice(exchange.sender.source).px4 = requested.px4
+    if requested.way is modes.Way.HOLD:
         return judged(exchange.request(Pause()))
-    guide = 0 if asked.px4 else sub
+    guide = 0 if requested.px4 else sub
     if guide >= len(session.guides):
         known = [f"{place} {name or 'the operator'}" for place, name in enumerate(session.guides)]
         return denied(f"submode: {', '.join(known)}; there are no others")
-    mode = exchange.mode if asked.own is None else session.modes[asked.own]
+    mode = exchange.mode if requested.own is None else session.modes[requested.own]
     entered = judged(exchange.request(EnterMode(mode)))
     if entered.result is Result.ACCEPTED and len(session.guides) > 1:
         entered = judged(exchange.request(Follow(session.guides[guide])))
     if entered.result is Result.ACCEPTED:
-        session.driven.order(asked.way, exchange.now)
+        session.driven.order(requested.way, exchange.now)
     return entered
 
 
@@ -227,21 +227,21 @@ def _request_control(order: Order, exchange: Exchange) -> Answer:
     """Take or give up control; stations of 2025 say in parameter 2 what those of 2026 say in parameter 1."""
     first, second, third = order.params[:3]
     if first == 1.0:
-        return change_control(exchange, asks=True, yields=second == 1.0)
+        return change_control(exchange, requests=True, yields=second == 1.0)
     if first == 0.0 and second in (0.0, 1.0):
-        return change_control(exchange, asks=second == 1.0, yields=third == 1.0)
+        return change_control(exchange, requests=second == 1.0, yields=third == 1.0)
     return denied("control: parameter 1 must be 0 (give up) or 1 (ask for it)")
 
 
-def change_control(exchange: Exchange, *, asks: bool, yields: bool) -> Answer:
+def change_control(exchange: Exchange, *, requests: bool, yields: bool) -> Answer:
     """Take or give up control; `yields`: and let anybody take it over who asks.
 
     Who drives is told who asks, by the same command, so that his station may ask him.
     """
     control = exchange.session.control
-    if not asks and control.driver != exchange.sender:
+    if not requests and control.driver != exchange.sender:
         return denied(f"control: {exchange.sender} does not drive")
-    if not asks:
+    if not requests:
         exchange.give_up_control()
     elif exchange.refusal is None or control.yields:
         exchange.take_control(yields=yields)
@@ -265,8 +265,8 @@ def _terminates(order: Order) -> bool:
 
 def _holds(order: Order) -> bool:
     main, sub = whole(order.params[1]), whole(order.params[2]) or 0
-    asked = None if main is None else modes.asked(main, sub, 0)
-    return asked is not None and asked.way is modes.Way.HOLD
+    requested = None if main is None else modes.requested(main, sub, 0)
+    return requested is not None and requested.way is modes.Way.HOLD
 
 
 @dataclass(frozen=True, slots=True)
@@ -358,7 +358,7 @@ ROWS: Final = (
 _BY_NUMBER: Final = {row.command: row for row in ROWS}
 
 
-def asks_to_stop(message: Message, station: AnyStation) -> bool:
+def requests_stop(message: Message, station: AnyStation) -> bool:
     """Tell whether a message is an emergency stop: one of three commands, or the stick's button."""
     if message.get_type() == "MANUAL_CONTROL":
         return pressed(message.buttons, station.stop_button)

@@ -29,7 +29,7 @@ class Sender(NamedTuple):
 class Control:
     """Who drives now; nobody at first."""
 
-    __slots__ = ("driver", "heard_at", "turns", "yields")
+    __slots__ = ("driver", "received_at", "turns", "yields")
 
     def __init__(self) -> None:
         self.driver: Sender | None = None
@@ -37,13 +37,13 @@ class Control:
         """How often somebody has taken control who had it not."""
         self.yields = False
         """Whether the driver lets anybody take over who asks."""
-        self.heard_at: Nanoseconds = 0
+        self.received_at: Nanoseconds = 0
         """When the driver was heard last, whatever he said."""
 
-    def heard(self, sender: Sender, now: Nanoseconds) -> None:
+    def received(self, sender: Sender, now: Nanoseconds) -> None:
         """Take note of a good frame."""
         if sender == self.driver:
-            self.heard_at = now
+            self.received_at = now
 
     def refusal(self, sender: Sender) -> str | None:
         """Say why a station may not drive; None where it does, or nobody does."""
@@ -54,7 +54,7 @@ class Control:
     def take(self, sender: Sender, now: Nanoseconds, *, yields: bool = False) -> None:
         """Let a station drive."""
         self.turns += sender != self.driver
-        self.driver, self.heard_at, self.yields = sender, now, yields
+        self.driver, self.received_at, self.yields = sender, now, yields
 
     def give_up(self) -> None:
         """Let nobody drive."""
@@ -62,4 +62,4 @@ class Control:
 
     def lapses(self, now: Nanoseconds) -> bool:
         """Return whether the driver has been silent for too long; the robot must rest before he loses it."""
-        return self.driver is not None and now - self.heard_at >= LAPSES_AFTER
+        return self.driver is not None and now - self.received_at >= LAPSES_AFTER

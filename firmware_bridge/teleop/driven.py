@@ -6,7 +6,7 @@ It refuses to know what a motion is worth: interlocks judge it, whichever way it
 from dataclasses import dataclass, field
 from typing import Final
 
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.teleop.modes import Way
 from firmware_bridge.teleop.station import Stick, Velocity
 from firmware_bridge.units import Nanoseconds
@@ -22,7 +22,7 @@ class Driven:
         self._silent_after: Final = silent_after
         self._set_points = False
         """Whether the newest motion command was a set-point."""
-        self._set_points_at: Nanoseconds = NEVER_HEARD
+        self._set_points_at: Nanoseconds = NEVER_RECEIVED
         self._guided = False
         """Whether a station has asked for set-points alone."""
 
@@ -51,7 +51,7 @@ class Driven:
         idles = self._guided and neutral and isinstance(motion, Stick)
         return not idles or now - self._set_points_at >= self._silent_after
 
-    def heard(self, motion: Stick | Velocity, now: Nanoseconds, *, neutral: bool) -> None:
+    def received(self, motion: Stick | Velocity, now: Nanoseconds, *, neutral: bool) -> None:
         """Take note of a motion command that counted; a stick that is moved ends what was asked for."""
         if isinstance(motion, Velocity):
             self._set_points_at = now
@@ -73,9 +73,9 @@ class Channels:
         """Return what is held, in us, by the channels' numbers."""
         return {number: value for number, (value, _) in self._held.items()}
 
-    def hear(self, told: dict[int, int | None], now: Nanoseconds, silent_after: Nanoseconds) -> None:
+    def receive(self, channels: dict[int, int | None], now: Nanoseconds, silent_after: Nanoseconds) -> None:
         """Take what a message says of some channels; one of which none speaks for so long is given back."""
-        for number, value in told.items():
+        for number, value in channels.items():
             if value is None:
                 self._held.pop(number, None)
             else:

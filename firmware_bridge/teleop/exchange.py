@@ -21,7 +21,7 @@ from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.manual_control import Lever, stick_of, unread
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.schedule import Schedule
-from firmware_bridge.teleop.session import Asked, Motion, Peer, Said, Session
+from firmware_bridge.teleop.session import LastCommand, Motion, Peer, Sequenced, Session
 from firmware_bridge.teleop.setpoints import channels_of, pressed, stick_of_channels, turns_alone, velocity_of
 from firmware_bridge.teleop.station import AnyStation, Stick, Switch, Unusable, Velocity
 from firmware_bridge.units import Nanoseconds, to_seconds
@@ -106,13 +106,13 @@ class Exchange:
         """
         session = self.session
         if isinstance(request, STOPS) and self.doubt is None:
-            self.peer.stopped = Asked(self.message.get_seq(), self.now)
+            self.peer.stopped = Sequenced(self.message.get_seq(), self.now)
         refused = self._refused(request)
         if refused is not None:
             return refused
         if self.refusal is not None:
             request = EmergencyStop()
-            session.untold += session.speaker.say_sometimes(
+            session.unsent += session.speaker.say_sometimes(
                 "stopped", f"emergency stop by {self.sender}", self.now
             )
         if isinstance(request, Arm) and not self.armed:
@@ -127,7 +127,7 @@ class Exchange:
         session = self.session
         if isinstance(request, Arm) and session.control.driver is None:
             session.control.take(self.sender, self.now)
-            self._tell_driver()
+            self._ask_driver()
         if isinstance(request, ClearEmergencyStop):
             session.cleared_at = self.now
         if isinstance(request, Pause):
@@ -158,12 +158,12 @@ class Exchange:
             self.session.driven.begin()
             self.session.adopt(self.peer, self.now)
             self.decide(ChangeDriver())
-            self._tell_driver()
+            self._ask_driver()
 
-    def _tell_driver(self) -> None:
+    def _ask_driver(self) -> None:
         """Tell who drives, and what he must know of the robot's start."""
         for text in (f"control: {self.sender} drives", *self.session.notes):
-            self.tell(text)
+            self.report(text)
 
     def give_up_control(self) -> None:
         """Let nobody drive: the robot comes to rest, disarmed."""
@@ -173,28 +173,28 @@ class Exchange:
         session.control.give_up()
         session.driven.begin()
         session.adopt(None, self.now)
-        self.tell(f"control: {self.sender} has given it up, nobody drives")
+        self.report(f"control: {self.sender} has given it up, nobody drives")
 
     def ask_driver(self, command: int) -> None:
         """Tell who drives that the sender asks for control, and ask his station by a command."""
         session, driver = self.session, self.session.control.driver
-        told = session.speaker.say_sometimes(
+        given = session.speaker.say_sometimes(
             "asked for control", f"control: {self.sender} asks for it; {driver} drives", self.now
         )
-        session.untold += told
-        if told and driver is not None:
+        session.unsent += given
+        if given and driver is not None:
             ask = (1.0, 0.0, _ANSWER_WITHIN_S, float(self.sender.system), 0.0, 0.0, 0.0)
-            session.untold.append(
+            session.unsent.append(
                 dialect.MAVLink_command_long_message(driver.system, driver.component, command, 0, *ask)
             )
 
-    def tell(self, text: str) -> None:
+    def report(self, text: str) -> None:
         """Tell everybody what has changed."""
-        self.session.tell(Severity.NOTICE, text)
+        self.session.report(Severity.NOTICE, text)
 
     def switch(self, switch: Switch[Any], *, on: bool) -> None:
         """Switch one of the station's switches."""
-        self.session.wish(switch.write(self.session.intent.wish, on))
+        self.session.set_command(switch.write(self.session.intent.command, on))
 
     def change_interval(self, number: int, period: Nanoseconds | None, default: Nanoseconds) -> str | None:
         """Change how often the sender's place is told a message, None: as often as all; or say why not."""
@@ -203,7 +203,7 @@ class Exchange:
             return self.refusal
         if self.refusal is not None and period is not None and period < default:
             return f"{self.refusal}; until then no message comes more often than by default"
-        if not session.audience.tells(source, session.drives_from, self.now):
+        if not session.audience.is_recipient(source, session.drives_from, self.now):
             return "message interval: send heartbeats first, telemetry goes to stations"
         session.audience.change(source, number, period, session.schedule, self.now)
         return None
@@ -212,12 +212,14 @@ class Exchange:
         """Switch over what has its button among these, which have just gone down."""
         for switch in self.station.switches:
             if pressed(buttons, switch.button):
-                self.switch(switch, on=not switch.read(self.session.intent.wish))
+                self.switch(switch, on=not switch.read(self.session.intent.command))
 
     def actuate(self, place: int, share: float) -> None:
         """Send an actuator of set 0 to a share of its travel, 0 to 1."""
         session = self.session
-        session.wish(session.station.actuators[place].send(session.intent.wish, share, session.robot))
+        session.set_command(
+            session.station.actuators[place].send(session.intent.command, share, session.robot)
+        )
 
     def send(self, number: int, which: int = 0) -> bool:
         """Send a message once; False where the bridge has none with this number.
@@ -238,27 +240,27 @@ class Exchange:
             if name not in self.peer.unread:
                 self.peer.unread.add(name)
                 text = f"{name} of {self.sender} stands at {value}: this robot does not read it"
-                self.session.tell(Severity.INFO, text)
-        told = stick_of(self.message, self.station, self.peer.lever)
-        if isinstance(told, Unusable):
-            self.refuse(told)
+                self.session.report(Severity.INFO, text)
+        given = stick_of(self.message, self.station, self.peer.lever)
+        if isinstance(given, Unusable):
+            self.refuse(given)
         else:
-            self.move(*told)
+            self.move(*given)
 
     def hold_lever(self) -> None:
         """Take note of where z stands, and whether its button is held."""
         held = pressed(self.message.buttons, self.station.up_button)
-        self.peer.lever.hear(self.message.z, self.now, self.session.silent_after, held=held)
+        self.peer.lever.receive(self.message.z, self.now, self.session.silent_after, held=held)
 
     def take_channels(self) -> None:
         """Take the channels of an RC_CHANNELS_OVERRIDE as the newest wish, or say why they are none."""
         rows = self.session.station.channels
-        told = channels_of(self.message, rows)
-        if isinstance(told, Unusable):
-            self.refuse(told)
-        elif told:
+        given = channels_of(self.message, rows)
+        if isinstance(given, Unusable):
+            self.refuse(given)
+        elif given:
             held = self.peer.channels
-            held.hear(told, self.now, self.session.silent_after)
+            held.receive(given, self.now, self.session.silent_after)
             self.move(*stick_of_channels(held.values, rows, self.station.dead_band))
 
     def take_target(self) -> None:
@@ -274,38 +276,38 @@ class Exchange:
         if isinstance(velocity, Unusable):
             self.refuse(velocity)
         elif self.newest():
-            self.move(velocity, velocity.asked)
+            self.move(velocity, velocity.deflected)
 
     def take_later(self) -> None:
         """Take a motion command of a second station with this number: it may stop, or let go, and no more."""
         message, station = self.message, self.station
-        told: tuple[Motion, str] | Unusable
+        given: tuple[Motion, str] | Unusable
         if message.get_msgId() == dialect.MAVLINK_MSG_ID_MANUAL_CONTROL:
             if pressed(message.buttons, station.stop_button) and not self.stopped:
                 self.request(EmergencyStop())
-            told = stick_of(message, station, Lever())
+            given = stick_of(message, station, Lever())
         elif message.get_msgId() == dialect.MAVLINK_MSG_ID_RC_CHANNELS_OVERRIDE:
             channels = channels_of(message, station.channels)
             if isinstance(channels, Unusable):
-                told = channels
+                given = channels
             else:
                 held = {number: value for number, value in channels.items() if value is not None}
-                told = stick_of_channels(held, station.channels, station.dead_band)
+                given = stick_of_channels(held, station.channels, station.dead_band)
         else:
             velocity = velocity_of(message, station.largest(self.session.robot), None)
-            told = velocity if isinstance(velocity, Unusable) else (velocity, velocity.asked)
-        if isinstance(told, Unusable) or told[1]:
+            given = velocity if isinstance(velocity, Unusable) else (velocity, velocity.deflected)
+        if isinstance(given, Unusable) or given[1]:
             self.session.dropped.undriven += 1
             self.warn("number", f"{message.get_type()} of the second {self.sender} moves nothing")
         elif self.refusal is None:
-            self.move(*told)
+            self.move(*given)
             self.peer.rested_at = self.now
 
     def _turned(self, velocity: Velocity) -> Velocity | Unusable:
         """Refuse a yaw rate alone where it turns nothing: a robot that steers turns only as it drives."""
-        wish, still = self.session.intent.wish, replace(velocity, yaw_rate_rad_s=0.0)
-        if velocity.yaw_rate_rad_s and self.session.wished(velocity, wish) == self.session.wished(
-            still, wish
+        motion_command, still = self.session.intent.command, replace(velocity, yaw_rate_rad_s=0.0)
+        if velocity.yaw_rate_rad_s and self.session.applied(velocity, motion_command) == self.session.applied(
+            still, motion_command
         ):
             return Unusable("turn alone", "this robot does not turn where it stands; send a velocity, too")
         return velocity
@@ -317,21 +319,21 @@ class Exchange:
             session.dropped.undriven += 1
             self.warn("number", f"a second station calls itself {self.sender}, and has let go: nothing moves")
             return
-        if isinstance(motion, Stick) and self.peer.said is not None:
-            motion = motion.after(self.peer.said.motion)
+        if isinstance(motion, Stick) and self.peer.last_command is not None:
+            motion = motion.after(self.peer.last_command.motion)
         if not session.driven.counts(motion, self.now, neutral=neutral):
             session.dropped.idle += 1
             return
-        wish = session.wished(motion, session.intent.wish)
-        if isinstance(wish, Unusable):
-            self.refuse(wish)
+        motion_command = session.applied(motion, session.intent.command)
+        if isinstance(motion_command, Unusable):
+            self.refuse(motion_command)
         else:
-            session.driven.heard(motion, self.now, neutral=neutral)
-            self.peer.said = Said(motion, self.now, deflected)
+            session.driven.received(motion, self.now, neutral=neutral)
+            self.peer.last_command = LastCommand(motion, self.now, deflected)
             age = session.age(self.message, self.sender, self.now)
-            said_at = None if age is None else self.now - age.nanoseconds
+            sent_at = None if age is None else self.now - age.nanoseconds
             dated = age is not None and age.dated
-            session.intent = Intent(wish, self.now, said_at, dated=dated, deflected=deflected)
+            session.intent = Intent(motion_command, self.now, sent_at, dated=dated, deflected=deflected)
             # An old word may have been said before whatever parted its sender from the robot.
             session.let_go |= neutral and (age is None or age.nanoseconds < session.age_limit.most)
 

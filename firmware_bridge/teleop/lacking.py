@@ -25,21 +25,21 @@ _FTP: Final = {
 }
 """By opcode, why: nothing, and the end and reset of sessions are granted: there is none. There is no file to
 list, open, remove, truncate or check, and no session to read, write or burst; nothing can be made here."""
-_SESSION, _OPCODE, _SIZE, _ASKED, _ERROR = 2, 3, 4, 5, 12
+_SESSION, _OPCODE, _SIZE, _REQUESTED, _ERROR = 2, 3, 4, 5, 12
 _FTP_PAYLOAD: Final = 251
 
 
 def _file_transfer(message: Message, address: Address) -> Message | None:
-    asked = bytes(message.payload)
-    opcode = asked[_OPCODE]
+    requested = bytes(message.payload)
+    opcode = requested[_OPCODE]
     if opcode in (ACK, NAK):
         return None
     error = _FTP.get(opcode, UNKNOWN_COMMAND)
     answer = bytearray(_FTP_PAYLOAD)
-    answer[:_SESSION] = ((int.from_bytes(asked[:_SESSION], "little") + 1) & 0xFFFF).to_bytes(2, "little")
-    answer[_SESSION] = asked[_SESSION]
+    answer[:_SESSION] = ((int.from_bytes(requested[:_SESSION], "little") + 1) & 0xFFFF).to_bytes(2, "little")
+    answer[_SESSION] = requested[_SESSION]
     answer[_OPCODE] = ACK if error is None else NAK
-    answer[_ASKED] = opcode
+    answer[_REQUESTED] = opcode
     if error is not None:
         answer[_SIZE], answer[_ERROR] = 1, error
     return dialect.MAVLink_file_transfer_protocol_message(0, *address, bytes(answer))

@@ -9,7 +9,7 @@ from firmware_bridge.safety.row import Severity
 from firmware_bridge.teleop.age import Ages
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 
-TOLD_AFTER: Final[Nanoseconds] = 3 * SECOND
+REPORTED_AFTER: Final[Nanoseconds] = 3 * SECOND
 """By then a station that answers has answered."""
 
 
@@ -51,9 +51,9 @@ def _differs(link: Link) -> float | None:
 
 
 def _undated(link: Link) -> float | None:
-    asked_at = link.ages.trips.began_at
-    told = asked_at is not None and link.now - asked_at >= TOLD_AFTER
-    return float(not link.dated) if told else None
+    requested_at = link.ages.trips.began_at
+    reported = requested_at is not None and link.now - requested_at >= REPORTED_AFTER
+    return float(not link.dated) if reported else None
 
 
 ROWS: Final = (
@@ -92,18 +92,18 @@ class Quality:
 
     def changes(self, link: Link) -> list[tuple[Severity, str]]:
         """Return what has changed, in words."""
-        told: list[tuple[Severity, str]] = []
+        reported: list[tuple[Severity, str]] = []
         for place, row in enumerate(ROWS):
             value = row.reads(link)
             if value is None:
                 continue
             if place not in self._bad and value >= row.bad_from:
                 self._bad.add(place)
-                told.append((Severity.WARNING, _text(row.bad, value, link)))
+                reported.append((Severity.WARNING, _text(row.bad, value, link)))
             elif place in self._bad and value < row.good_below:
                 self._bad.discard(place)
-                told.append((Severity.INFO, _text(row.good, value, link)))
-        return told
+                reported.append((Severity.INFO, _text(row.good, value, link)))
+        return reported
 
 
 def _text(text: str, value: float, link: Link) -> str:

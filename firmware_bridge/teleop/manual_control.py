@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.teleop.mavlink import Message
 from firmware_bridge.teleop.station import AnyStation, Stick, StickAxis, Unusable
 from firmware_bridge.units import Nanoseconds
@@ -27,7 +27,7 @@ EXTENSIONS: Final = ("s", "t", "aux1", "aux2", "aux3", "aux4", "aux5", "aux6")
 """Further axes by their bits in `enabled_extensions` (common.xml); no robot reads them."""
 
 
-class Told(NamedTuple):
+class StickPosition(NamedTuple):
     """What a message tells of the stick."""
 
     stick: Stick
@@ -43,20 +43,20 @@ class Lever:
     """The value that counts as neutral; 0 until the button is pressed."""
     held: bool = False
     _z: int = UNUSED
-    _heard_at: Nanoseconds = NEVER_HEARD
+    _received_at: Nanoseconds = NEVER_RECEIVED
 
-    def hear(self, z: int, now: Nanoseconds, silent_after: Nanoseconds, *, held: bool) -> None:
+    def receive(self, z: int, now: Nanoseconds, silent_after: Nanoseconds, *, held: bool) -> None:
         """Take a message's z, and whether the button is held in it.
 
         It was pressed since the message before: what z was there, it was then. After a silence nobody knows.
         """
-        fresh = self._heard_at != NEVER_HEARD and now - self._heard_at < silent_after
+        fresh = self._received_at != NEVER_RECEIVED and now - self._received_at < silent_after
         if held and not (self.held and fresh):
             self.stood = self._z if fresh and self._z != UNUSED else z
-        self.held, self._z, self._heard_at = held, z, now
+        self.held, self._z, self._received_at = held, z, now
 
 
-def stick_of(message: Message, station: AnyStation, lever: Lever) -> Told | Unusable:
+def stick_of(message: Message, station: AnyStation, lever: Lever) -> StickPosition | Unusable:
     """Read the axes of a MANUAL_CONTROL that a robot reads; the lever has heard it already."""
     shares: dict[StickAxis, float] = {}
     deflected = ""
@@ -72,7 +72,7 @@ def stick_of(message: Message, station: AnyStation, lever: Lever) -> Told | Unus
             shares[axis] = sign * way / FULL_STICK
         if not (rests or deflected):
             deflected = f"{name} stands at {value}: this robot wants {neutral}"
-    return Told(
+    return StickPosition(
         Stick(
             forward=shares.get(StickAxis.FORWARD),
             left=shares.get(StickAxis.LEFT),

@@ -5,7 +5,7 @@ from functools import partial
 from typing import Final
 
 from firmware_bridge.intent import EmergencyStop
-from firmware_bridge.teleop.commands import asks_to_stop, change_control, obey, stops
+from firmware_bridge.teleop.commands import change_control, obey, requests_stop, stops
 from firmware_bridge.teleop.exchange import Exchange
 from firmware_bridge.teleop.lacking import LACKING, Refusal
 from firmware_bridge.teleop.mavlink import Message, dialect, text_of
@@ -92,7 +92,7 @@ def _order(exchange: Exchange, order: Order, *, repeated: bool) -> None:
         if same:
             _acknowledge(exchange, order.command, before.result)
             return
-    bystander_stops = exchange.refusal is not None and asks_to_stop(exchange.message, exchange.station)
+    bystander_stops = exchange.refusal is not None and requests_stop(exchange.message, exchange.station)
     answer = obey(order, exchange)
     if bystander_stops and exchange.now - peer.stop_answered_at < STOP_ANSWERED_EVERY:
         return
@@ -165,11 +165,11 @@ def _version(exchange: Exchange) -> None:
 
 def _change_control(exchange: Exchange) -> None:
     """Take the old CHANGE_OPERATOR_CONTROL as the command that replaced it; a pass key is not asked for."""
-    asks: int = exchange.message.control_request
-    answer = change_control(exchange, asks=asks == _REQUESTS, yields=False)
+    requests: int = exchange.message.control_request
+    answer = change_control(exchange, requests=requests == _REQUESTS, yields=False)
     refused = _ALREADY_CONTROLLED if answer.result is not Result.ACCEPTED else 0
     exchange.replies.append(
-        dialect.MAVLink_change_operator_control_ack_message(exchange.sender.system, asks, refused)
+        dialect.MAVLink_change_operator_control_ack_message(exchange.sender.system, requests, refused)
     )
 
 

@@ -74,7 +74,7 @@ _WHOLE: Final = 1 << 16
 """PX4's numbers are not below this where they are not divided into main mode and submode."""
 
 
-class Asked(NamedTuple):
+class ModeRequest(NamedTuple):
     """What a station's numbers ask for."""
 
     way: Way
@@ -84,22 +84,22 @@ class Asked(NamedTuple):
     """Whether they are PX4's."""
 
 
-def asked(main: int, sub: int, own: int) -> Asked | None:
+def requested(main: int, sub: int, own: int) -> ModeRequest | None:
     """Return what DO_SET_MODE's parameters 2 and 3 ask of a robot with so many modes; None for none of them.
 
     The robot's own modes, after a failed actuator, are counted from 20; 0 is that of the whole robot.
     """
     if main in _OWN[:own]:
-        return Asked(Way.MANUAL, _OWN.index(main), px4=False)
+        return ModeRequest(Way.MANUAL, _OWN.index(main), px4=False)
     if main in _BY_NUMBER and sub == 0:
-        return Asked(_BY_NUMBER[main], None, px4=False)
+        return ModeRequest(_BY_NUMBER[main], None, px4=False)
     whole = main if main >= _WHOLE else px4(main, sub)
     way = _BY_PX4.get(whole)
     if way is not None:
-        return Asked(way, 0 if whole == px4(_MAIN_MANUAL) else None, px4=True)
+        return ModeRequest(way, 0 if whole == px4(_MAIN_MANUAL) else None, px4=True)
     place = whole >> 24
     if whole == px4(_MAIN_MANUAL, place) and place < own:
-        return Asked(Way.MANUAL, place, px4=True)
+        return ModeRequest(Way.MANUAL, place, px4=True)
     return None
 
 

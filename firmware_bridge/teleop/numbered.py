@@ -24,12 +24,12 @@ _ALL, _HALF = 0x100, 0x80
 class Numbered:
     """The numbers of the frames of one system and component at one place."""
 
-    __slots__ = ("_back", "_first", "_heard", "_newest", "_next", "_second", "two")
+    __slots__ = ("_back", "_first", "_newest", "_next", "_received", "_second", "two")
 
     def __init__(self) -> None:
         self._newest: tuple[int, int] | None = None
         """The newest frame's number, and the same counted on over its eight bits."""
-        self._heard: Final[dict[int, int]] = {}
+        self._received: Final[dict[int, int]] = {}
         """The content of the newest frames, by their numbers as they are counted on."""
         self._back: Final[deque[Nanoseconds]] = deque(maxlen=LEAST)
         """When they went back to a number that was used."""
@@ -41,21 +41,21 @@ class Numbered:
         self.two = False
         """Whether two stations speak."""
 
-    def hear(self, number: int, content: int, now: Nanoseconds) -> bool:
+    def receive(self, number: int, content: int, now: Nanoseconds) -> bool:
         """Take a frame, its content as a checksum; return whether it is of the station that came later."""
         if self._newest is None:
             self._newest = number, number
         step = (number - self._newest[0] + _HALF) % _ALL - _HALF
         place = self._newest[1] + step
-        before = self._heard.get(place)
+        before = self._received.get(place)
         if before == content:
             return False  # the network has doubled it
         if before is not None and step <= 0:
             self._back.append(now)
         self._newest = number, place
-        self._heard[place] = content
-        if len(self._heard) > KEPT:
-            del self._heard[next(iter(self._heard))]
+        self._received[place] = content
+        if len(self._received) > KEPT:
+            del self._received[next(iter(self._received))]
         self.two = len(self._back) == LEAST and now - self._back[0] <= WITHIN
         return self._is_later(number, now) and self.two
 

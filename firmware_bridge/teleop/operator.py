@@ -12,7 +12,7 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot, Table
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Hold, Snapshot
-from firmware_bridge.teleop.commands import asks_to_stop
+from firmware_bridge.teleop.commands import requests_stop
 from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.exchange import Decide, Exchange
 from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect, speaks_mavlink_1, target_of
@@ -53,12 +53,12 @@ class Operator(Generic[G, M, S]):
             robot, station, rest, rolling=rolling, modes=modes, guides=guides, trust=trust
         )
         self._texts: Final = HoldTexts(self._session.speaker)
-        self._told: Final[dict[int, object]] = {}
+        self._reported: Final[dict[int, object]] = {}
         """What was told last by the streams that are sent as soon as it changes, by their place."""
         self._called: Final = {axis.name: axis.called for axis in robot.axes}
         self._faults: Final[dict[str, str]] = {}
         self._doubted_before: Final[set[Sender]] = set()
-        self._strangers: list[str] = []
+        self._foreign_nodes: list[str] = []
 
     @property
     def intent(self) -> Intent[M]:
@@ -100,7 +100,9 @@ class Operator(Generic[G, M, S]):
         session = self._session
         return min(session.schedule.next_due, session.audience.next_due, session.list_due)
 
-    def hear(self, datagram: bytes, now: Nanoseconds, decide: Decide, source: int = 0) -> tuple[Packet, ...]:
+    def receive(
+        self, datagram: bytes, now: Nanoseconds, decide: Decide, source: int = 0
+    ) -> tuple[Packet, ...]:
         """Take one datagram, ask `decide` for what only the bridge can grant, and return the answers.
 
         `source` tells where it came from: the packet's address. No bytes make it raise: what is no MAVLink is
@@ -129,7 +131,7 @@ class Operator(Generic[G, M, S]):
                 replies += stopped
                 continue
             self._say_if_signed_in_vain(message)
-            peer = session.heard(sender, message, now)
+            peer = session.received(sender, message, now)
             good = True
             old = speaks_mavlink_1(message)
             beats = beats or message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT
@@ -139,7 +141,7 @@ class Operator(Generic[G, M, S]):
                 replies += exchange.replies
         if not good:
             return ()
-        session.audience.heard(source, len(datagram), now, beats=beats, old=old)
+        session.audience.received(source, len(datagram), now, beats=beats, old=old)
         return session.audience.answer(source, replies, session.drives_from, now)
 
     def _doubted(
@@ -147,24 +149,24 @@ class Operator(Generic[G, M, S]):
     ) -> list[Message]:
         """Obey an emergency stop, whoever asks for it; of all else say that it was refused."""
         session = self._session
-        if asks_to_stop(message, session.station):
+        if requests_stop(message, session.station):
             exchange = Exchange(session, message, sender, now, decide, doubt=doubt)
             return stop_for_anybody(exchange)
         session.dropped.doubted += 1
         if sender not in self._doubted_before and len(self._doubted_before) < MOST_PEERS:
             self._doubted_before.add(sender)
-            self._strangers.append(f"{sender} is not obeyed: it {doubt}")
+            self._foreign_nodes.append(f"{sender} is not obeyed: it {doubt}")
         text = f"{message.get_type()} of {sender} refused: it {doubt}"
-        session.untold += session.speaker.say_sometimes("doubted", text, now)
+        session.unsent += session.speaker.say_sometimes("doubted", text, now)
         return []
 
-    def take_strangers(self) -> list[str]:
+    def take_new_stations(self) -> list[str]:
         """Return who was heard since the last call and is not believed, each once, and why; for the console.
 
         On the link only those are told who are believed, and there may be none.
         """
-        strangers, self._strangers = self._strangers, []
-        return strangers
+        new_stations, self._foreign_nodes = self._foreign_nodes, []
+        return new_stations
 
     def _say_if_namesake(self, message: Message, sender: Sender) -> None:
         """Name a station that calls itself as the robot does: an echo of our own words never speaks to us."""
@@ -174,7 +176,7 @@ class Operator(Generic[G, M, S]):
         if (station or to_us) and not session.namesake:
             session.namesake = True
             text = f"a station calls itself {sender}, as this robot: it is not heard; let it be system 255"
-            session.tell(Severity.WARNING, text)
+            session.report(Severity.WARNING, text)
 
     def _say_if_signed_in_vain(self, message: Message) -> None:
         session = self._session
@@ -184,7 +186,7 @@ class Operator(Generic[G, M, S]):
             and is_signed(bytes(message.get_msgbuf()))
         ):
             session.signed_in_vain = True
-            session.tell(Severity.WARNING, "signatures are not checked: this bridge has no key")
+            session.report(Severity.WARNING, "signatures are not checked: this bridge has no key")
 
     def lapse(self, now: Nanoseconds) -> bool:
         """Let nobody drive where the driver is gone, and return whether he is; only when the robot rests."""
@@ -195,14 +197,14 @@ class Operator(Generic[G, M, S]):
         session.control.give_up()
         session.driven.begin()
         session.adopt(None, now)
-        session.tell(Severity.WARNING, text)
+        session.report(Severity.WARNING, text)
         return True
 
     def note(self, texts: tuple[str, ...]) -> None:
         """Tell what the start has shown: now, and whoever takes control."""
         self._session.notes = texts
         for text in texts:
-            self._session.tell(Severity.NOTICE, text)
+            self._session.report(Severity.NOTICE, text)
 
     def take_let_go(self) -> bool:
         """Return whether who drives has let go since the last call, if only for one motion command."""
@@ -219,17 +221,17 @@ class Operator(Generic[G, M, S]):
         """Return what is due now, in order: texts of what began or ended, telemetry, listed parameters."""
         session = self._session
         session.snapshot = snapshot
-        session.tell_link(now)
-        texts = session.untold + self._texts.told(holds, now) + self._fault_texts(snapshot)
-        session.untold = []
+        session.report_link(now)
+        texts = session.unsent + self._texts.due(holds, now) + self._fault_texts(snapshot)
+        session.unsent = []
         packets: tuple[Packet, ...] = ()
         telemetry = Telemetry(session.streams, session.context(snapshot))
-        changed, due = telemetry.changed(self._told), session.schedule.due(now)
+        changed, due = telemetry.changed(self._reported), session.schedule.due(now)
         parameters = self._parameters(now)
-        for source in session.audience.told(session.drives_from, now):
+        for source in session.audience.recipients(session.drives_from, now):
             own = session.audience.schedule(source)
             streams = telemetry.messages(changed, due if own is None else own.due(now))
-            packets += session.audience.tell(source, texts + streams + parameters, now)
+            packets += session.audience.send(source, texts + streams + parameters, now)
         return packets + self._questions(now)
 
     def _questions(self, now: Nanoseconds) -> tuple[Packet, ...]:

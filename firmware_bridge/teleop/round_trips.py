@@ -45,10 +45,10 @@ class RoundTrips:
 
     def answered(self, question: tuple[int, int], now: Nanoseconds) -> Nanoseconds | None:
         """Return when a question was asked that is answered now; None for one that was not, or no more."""
-        asked_at = self._open.pop(question, None)
-        if asked_at is not None:
-            self._lasted.append((now, now - asked_at))
-        return asked_at
+        requested_at = self._open.pop(question, None)
+        if requested_at is not None:
+            self._lasted.append((now, now - requested_at))
+        return requested_at
 
     def newest(self, now: Nanoseconds) -> Nanoseconds | None:
         """Return the round trip of the last seconds, None where nothing was answered in them."""
@@ -71,7 +71,7 @@ class Losses:
         self.share: float | None = None
         """Of the last five seconds that are over; None before."""
 
-    def heard(self, sequence: int, now: Nanoseconds) -> None:
+    def received(self, sequence: int, now: Nanoseconds) -> None:
         """Take note of a frame; one that comes late is missing no more, one that comes twice counts once."""
         if self._newest is None:
             self._until = now + LOSS_OVER

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, NamedTuple, TypeAlias
 
 from firmware_bridge.drivers.driver import Power
-from firmware_bridge.intent import NEVER_HEARD, AgeLimit, Intent
+from firmware_bridge.intent import NEVER_RECEIVED, AgeLimit, Intent
 from firmware_bridge.robot import AnyRobot, UnknownAge
 from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Facts, Snapshot
@@ -70,7 +70,7 @@ class Answered(NamedTuple):
     at: Nanoseconds
 
 
-class Said(NamedTuple):
+class LastCommand(NamedTuple):
     """A station's newest motion command."""
 
     motion: Motion
@@ -79,7 +79,7 @@ class Said(NamedTuple):
     """What is not let go in it; empty where it is neutral."""
 
 
-class Asked(NamedTuple):
+class Sequenced(NamedTuple):
     """A frame by its sequence number, and when it came."""
 
     sequence: int
@@ -100,14 +100,14 @@ class Asked(NamedTuple):
 class Peer:
     """One ground station's last words."""
 
-    heard_at: Nanoseconds = 0
-    said: Said | None = None
+    received_at: Nanoseconds = 0
+    last_command: LastCommand | None = None
     """What it said while it drove or nobody did: who does not drive is not listened to."""
-    moved: Asked | None = None
+    moved: Sequenced | None = None
     """Its newest motion command."""
     boot_ms: int | None = None
     """The newest time that a set-point carried."""
-    stopped: Asked | None = None
+    stopped: Sequenced | None = None
     """Its newest wish to stop."""
     buttons: int | None = None
     channels: Channels = field(default_factory=Channels)
@@ -116,12 +116,12 @@ class Peer:
     unread: set[str] = field(default_factory=set)
     """Its axes that were told to be deflected and not read."""
     answered: Answered | None = None
-    stop_answered_at: Nanoseconds = NEVER_HEARD
+    stop_answered_at: Nanoseconds = NEVER_RECEIVED
     """When an emergency stop was answered that it had sent while another one drove."""
     numbered: Numbered = field(default_factory=Numbered)
     later: bool = False
     """The newest frame is of a second station that calls itself so, which came later."""
-    rested_at: Nanoseconds = NEVER_HEARD
+    rested_at: Nanoseconds = NEVER_RECEIVED
     """When that one had let go."""
 
     def is_newest(self, message: Message, now: Nanoseconds) -> bool:
@@ -135,7 +135,7 @@ class Peer:
             if self.moved is not None and self.moved.follows(sequence) and 0 < behind <= LATEST_BOOT_MS:
                 return False
             self.boot_ms = time
-        self.moved = Asked(sequence, now)
+        self.moved = Sequenced(sequence, now)
         return True
 
 
@@ -200,7 +200,7 @@ class Session:
         """A station that calls itself as the robot has been named."""
         self.signed_in_vain = False
         """A frame was signed, and there is no key."""
-        self.stop_answered_at: Nanoseconds = NEVER_HEARD
+        self.stop_answered_at: Nanoseconds = NEVER_RECEIVED
         """When an emergency stop of somebody who is not believed was answered."""
         self.control: Final = Control()
         decided = robot.operator.unknown_age
@@ -211,13 +211,13 @@ class Session:
         """How old a word may be, as this session has agreed on."""
         self._ages: tuple[int, Ages, Quality] = (0, Ages(signed=False), Quality())
         self.peers: Final[dict[Sender, Peer]] = {}
-        self.untold: list[Message] = []
+        self.unsent: list[Message] = []
         """Who drives now: told with the next report, beside the answers."""
         self.notes: tuple[str, ...] = ()
         """What the start has shown that whoever drives must know."""
         self.dropped: Final = Dropped()
         self.terminated = False
-        self.cleared_at: Nanoseconds = NEVER_HEARD
+        self.cleared_at: Nanoseconds = NEVER_RECEIVED
         """When the emergency stop was cleared last."""
         self.resets = 0
         bandwidth = robot.operator.bandwidth_bit_s
@@ -244,43 +244,43 @@ class Session:
             return None
         return self.ages.age(message, now, self.age_limit.most)
 
-    def tell_link(self, now: Nanoseconds) -> None:
+    def report_link(self, now: Nanoseconds) -> None:
         """Tell what has changed about the link of who drives."""
         ages, quality = self.ages, self._ages[2]
         if self.control.driver is not None:
             for severity, text in quality.changes(Link(ages, self.age_limit, self.intent.dated, now)):
-                self.tell(severity, text)
+                self.report(severity, text)
 
     def passed(self, sender: Sender, sequence: int, now: Nanoseconds) -> None:
         """Take note of a frame for another robot: where who drives has sent it, it is not missing."""
         if sender == self.control.driver:
-            self.ages.losses.heard(sequence, now)
+            self.ages.losses.received(sequence, now)
 
-    def heard(self, sender: Sender, message: Message, now: Nanoseconds) -> Peer:
+    def received(self, sender: Sender, message: Message, now: Nanoseconds) -> Peer:
         """Take note of a good frame; return what is remembered of its sender."""
-        self.control.heard(sender, now)
+        self.control.received(sender, now)
         self.passed(sender, message.get_seq(), now)
         peer = self.peers.get(sender)
         if peer is None:
             if len(self.peers) >= MOST_PEERS:
                 others = (one for one in self.peers if one != self.control.driver)
-                del self.peers[min(others, key=lambda one: self.peers[one].heard_at)]
+                del self.peers[min(others, key=lambda one: self.peers[one].received_at)]
             peer = self.peers[sender] = Peer()
-        peer.heard_at, alone = now, not peer.numbered.two
-        peer.later = peer.numbered.hear(message.get_seq(), message.get_crc(), now)
+        peer.received_at, alone = now, not peer.numbered.two
+        peer.later = peer.numbered.receive(message.get_seq(), message.get_crc(), now)
         if alone and peer.numbered.two:
             peer.moved = None
             text = f"two stations call themselves {sender}: only the first drives; renumber one"
-            self.tell(Severity.WARNING, text)
+            self.report(Severity.WARNING, text)
         return peer
 
-    def wished(self, motion: Motion, wish: object) -> object:
+    def applied(self, motion: Motion, motion_command: object) -> object:
         """Return what a motion command makes of the wish before it; `Unusable` where it is none."""
         made: object
         if isinstance(motion, Stick):
-            made = self.station.stick(motion, wish, self.robot)
+            made = self.station.stick(motion, motion_command, self.robot)
         else:
-            made = self.station.target(motion, wish, self.robot)
+            made = self.station.target(motion, motion_command, self.robot)
         return made
 
     def adopt(self, peer: Peer | None, now: Nanoseconds) -> None:
@@ -288,28 +288,28 @@ class Session:
 
         What is switched stays as it is.
         """
-        wish: object = self.station.forgotten(self.intent.wish)
-        stands = self.wished(NOTHING, wish)
+        motion_command: object = self.station.forgotten(self.intent.command)
+        stands = self.applied(NOTHING, motion_command)
         if not isinstance(stands, Unusable):
-            wish = stands
-        self.intent = Intent(wish)
+            motion_command = stands
+        self.intent = Intent(motion_command)
         gone = self.robot.operator.gone_ms * MILLISECOND
-        if peer is None or peer.said is None or now - peer.said.at >= gone:
+        if peer is None or peer.last_command is None or now - peer.last_command.at >= gone:
             return
-        asked = self.wished(peer.said.motion, wish)
-        if not isinstance(asked, Unusable):
-            self.intent = Intent(asked, peer.said.at, deflected=peer.said.deflected)
+        applied_command = self.applied(peer.last_command.motion, motion_command)
+        if not isinstance(applied_command, Unusable):
+            self.intent = Intent(applied_command, peer.last_command.at, deflected=peer.last_command.deflected)
 
-    def tell(self, severity: Severity, text: str) -> None:
+    def report(self, severity: Severity, text: str) -> None:
         """Say something with the next report, unless there is too much to be said already."""
-        if len(self.untold) < MOST_UNTOLD:
-            self.untold += self.speaker.say(severity, text)
+        if len(self.unsent) < MOST_UNTOLD:
+            self.unsent += self.speaker.say(severity, text)
 
-    def wish(self, wish: object) -> None:
+    def set_command(self, motion_command: object) -> None:
         """Change the wish; what is no motion command is no sign of life."""
         before = self.intent
         self.intent = Intent(
-            wish, before.heard_at, before.said_at, dated=before.dated, deflected=before.deflected
+            motion_command, before.received_at, before.sent_at, dated=before.dated, deflected=before.deflected
         )
 
     def set_period(self, number: int, period: Nanoseconds, now: Nanoseconds) -> None:
@@ -319,7 +319,7 @@ class Session:
 
     def forget(self) -> None:
         """Forget what of a wish does not outlive a change of state."""
-        self.wish(self.station.forgotten(self.intent.wish))
+        self.set_command(self.station.forgotten(self.intent.command))
 
     def context(self, snapshot: Snapshot[Any, Any]) -> TelemetryContext:
         """Return what telemetry tells of a snapshot."""
@@ -359,7 +359,7 @@ class Session:
         return tuple(message for stream in streams for message in stream.encode(context))
 
     def _status(self, facts: Facts) -> int:
-        silent = facts.now - self.intent.heard_at > self.silent_after
+        silent = facts.now - self.intent.received_at > self.silent_after
         axes = facts.axes.values()
         rows: tuple[tuple[bool, int], ...] = (
             (self.terminated, dialect.MAV_STATE_FLIGHT_TERMINATION),

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.teleop.manual_control import Told
+from firmware_bridge.teleop.manual_control import StickPosition
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.station import Channel, Stick, StickAxis, Twist, Unusable, Velocity
 
@@ -81,24 +81,26 @@ def pressed(buttons: int, button: int | None) -> bool:
 
 def channels_of(message: Message, rows: Iterable[Channel]) -> dict[int, int | None] | Unusable:
     """Read these rows' channels of an RC_CHANNELS_OVERRIDE, in us; None: given back, left out: kept."""
-    told: dict[int, int | None] = {}
+    held: dict[int, int | None] = {}
     for row in rows:
         value: int = getattr(message, f"chan{row.number}_raw")
         extended = row.number >= _FIRST_OF_EXTENSIONS
         if value == KEPT or (extended and value == RELEASED):
             continue
         if value == (_RELEASED_ABOVE if extended else RELEASED):
-            told[row.number] = None
+            held[row.number] = None
         elif _LEAST_US <= value <= _MOST_US:
-            told[row.number] = value
+            held[row.number] = value
         else:
             return Unusable(
                 "channel", f"channel {row.number} = {value} us, neither 1000 to 2000 nor released"
             )
-    return told
+    return held
 
 
-def stick_of_channels(channels: Mapping[int, int], rows: Iterable[Channel], dead_band: float) -> Told:
+def stick_of_channels(
+    channels: Mapping[int, int], rows: Iterable[Channel], dead_band: float
+) -> StickPosition:
     """Return the stick that these channels are, in us; one that is not there is an axis that is not used."""
     shares: dict[StickAxis, float] = {}
     deflected = ""
@@ -116,7 +118,7 @@ def stick_of_channels(channels: Mapping[int, int], rows: Iterable[Channel], dead
         turn=shares.get(StickAxis.TURN),
         up=None,
     )
-    return Told(stick, deflected)
+    return StickPosition(stick, deflected)
 
 
 def turns_alone(message: Message) -> bool:

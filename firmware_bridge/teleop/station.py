@@ -10,6 +10,7 @@ from dataclasses import KW_ONLY, dataclass
 from enum import Enum
 from typing import Any, Final, Generic, TypeAlias, TypeVar
 
+from firmware_bridge import renamed
 from firmware_bridge.robot import Robot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.snapshot import Snapshot
@@ -74,7 +75,7 @@ class Velocity:
     """None where the message leaves it out."""
 
     @property
-    def asked(self) -> str:
+    def deflected(self) -> str:
         """What it asks for, and what to send first where that does not count yet; empty to stand still."""
         if self.forward_mps == self.left_mps == 0.0 and not self.yaw_rate_rad_s:
             return ""
@@ -157,6 +158,7 @@ class Actuator(Generic[G, M]):
     """Return the wish with this share, 0 to 1, of the travel."""
 
 
+@renamed.arguments(tells="title")
 @dataclass(frozen=True)
 class Value(Generic[M, S]):
     """A NAMED_VALUE_FLOAT that is sent by the clock."""
@@ -166,7 +168,7 @@ class Value(Generic[M, S]):
     period: Nanoseconds
     read: Callable[[Snapshot[M, S]], float | None]
     """Return the value, or None while it is not known."""
-    tells: str
+    title: str
     """What it is, with its unit."""
 
 

@@ -47,7 +47,7 @@ class Stream:
     number: int
     period: Nanoseconds
     encode: Callable[[TelemetryContext], Iterable[Message]]
-    tells: str
+    title: str
     size: int
     """Bytes of it on the link, all messages of one turn."""
     slow: Nanoseconds
@@ -66,14 +66,14 @@ class Telemetry:
         self._context: Final = context
         self._made: Final[dict[int, list[Message]]] = {}
 
-    def changed(self, told: dict[int, object]) -> list[int]:
-        """Return the streams that must not wait for their turn; `told` is what they told last."""
+    def changed(self, values: dict[int, object]) -> list[int]:
+        """Return the streams that must not wait for their turn; `values` is what they told last."""
         changed: list[int] = []
         for place, stream in enumerate(self._streams):
             if stream.watched is not None:
                 seen = stream.watched(self._context)
-                if told.setdefault(place, seen) != seen:
-                    told[place] = seen
+                if values.setdefault(place, seen) != seen:
+                    values[place] = seen
                     changed.append(place)
         return changed
 
@@ -93,7 +93,7 @@ def _stream(
     number: int,
     period: Nanoseconds,
     encode: Callable[[TelemetryContext], Iterable[Message]],
-    tells: str,
+    title: str,
     *,
     slow: Nanoseconds | None = None,
     size: int | None = None,
@@ -107,7 +107,7 @@ def _stream(
     """
     each = _OVERHEAD + (dialect.mavlink_map[number].unpacker.size if size is None else size)
     usual = max(period, min(5 * period, SECOND))
-    return Stream(number, period, encode, tells, times * each, usual if slow is None else slow, watched)
+    return Stream(number, period, encode, title, times * each, usual if slow is None else slow, watched)
 
 
 def streams_of(robot: AnyRobot, station: AnyStation) -> tuple[Stream, ...]:
@@ -232,5 +232,5 @@ def _stream_of(value: Value[Any, Any]) -> Stream:
         number = value.read(context.snapshot)
         return () if number is None else (named(context.boot_ms, value.name, number),)
 
-    tells = f"{value.name}: {value.tells}"
-    return _stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, value.period, encode, tells)
+    title = f"{value.name}: {value.title}"
+    return _stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, value.period, encode, title)

@@ -94,9 +94,9 @@ def wrapped(angle_rad: float) -> float:
 
 def heartbeat(context: TelemetryContext) -> Iterator[Message]:
     """Tell what it is, whether it is armed, its way and its status."""
-    kind, nobody = dialect.MAV_TYPE_GROUND_ROVER, dialect.MAV_AUTOPILOT_GENERIC
+    kind, no_one = dialect.MAV_TYPE_GROUND_ROVER, dialect.MAV_AUTOPILOT_GENERIC
     yield dialect.MAVLink_heartbeat_message(
-        kind, nobody, context.base_mode, context.custom_mode, context.system_status, 3
+        kind, no_one, context.base_mode, context.custom_mode, context.system_status, 3
     )
 
 
@@ -177,11 +177,11 @@ def link(context: TelemetryContext) -> Iterator[Message]:
 
 def switches(context: TelemetryContext) -> Iterator[Message]:
     """Tell what is switched on."""
-    wish, at = context.snapshot.wish, context.boot_ms
+    command, at = context.snapshot.command, context.boot_ms
     for switch in context.station.switches:
         if switch.telemetry:
             yield dialect.MAVLink_named_value_int_message(
-                at, switch.telemetry.encode("ascii"), int(switch.read(wish))
+                at, switch.telemetry.encode("ascii"), int(switch.read(command))
             )
 
 

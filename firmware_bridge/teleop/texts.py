@@ -24,7 +24,7 @@ def chunks(text: str) -> list[bytes]:
 
 
 @dataclass(slots=True)
-class _Said:
+class _Repeat:
     """A text that may come again."""
 
     at: Nanoseconds
@@ -48,7 +48,7 @@ class Speaker:
 
     def __init__(self) -> None:
         self._number = 0
-        self._said: Final[dict[str, _Said]] = {}
+        self._repeats: Final[dict[str, _Repeat]] = {}
 
     def say(self, severity: Severity, text: str) -> list[Message]:
         """Return the text as one message, or as several with one number."""
@@ -60,18 +60,18 @@ class Speaker:
 
     def say_sometimes(self, key: str, text: str, now: Nanoseconds) -> list[Message]:
         """Return a warning, or nothing where one with this key was said less than two seconds ago."""
-        said = self._said.pop(key, None)
+        earlier = self._repeats.pop(key, None)
         quiet = self.QUIET
-        if said is not None:
-            if now - said.at < said.quiet:
-                said.kept_back += 1
-                self._said[key] = said
+        if earlier is not None:
+            if now - earlier.at < earlier.quiet:
+                earlier.kept_back += 1
+                self._repeats[key] = earlier
                 return []
-            streams = said.kept_back >= self.STREAM and now - said.at < 2 * said.quiet
-            quiet = min(2 * said.quiet, self.QUIETEST) if streams else self.QUIET
-        while len(self._said) >= self.MOST:
-            del self._said[next(iter(self._said))]
-        self._said[key] = _Said(now, quiet)
+            streams = earlier.kept_back >= self.STREAM and now - earlier.at < 2 * earlier.quiet
+            quiet = min(2 * earlier.quiet, self.QUIETEST) if streams else self.QUIET
+        while len(self._repeats) >= self.MOST:
+            del self._repeats[next(iter(self._repeats))]
+        self._repeats[key] = _Repeat(now, quiet)
         return self.say(Severity.WARNING, text)
 
 
@@ -85,28 +85,28 @@ class HoldTexts:
 
     def __init__(self, speaker: Speaker) -> None:
         self._speaker: Final = speaker
-        self._told: Final[dict[str, Severity]] = {}
+        self._shown: Final[dict[str, Severity]] = {}
         """What holds, as far as it has been told."""
         self._began: Final[dict[str, list[Nanoseconds]]] = {}
         """When beginnings were told lately."""
         self._informed: Final[set[str]] = set()
         """What was information, and is over."""
 
-    def told(self, holds: tuple[Hold, ...], now: Nanoseconds) -> list[Message]:
+    def due(self, holds: tuple[Hold, ...], now: Nanoseconds) -> list[Message]:
         """Return texts of what is not as it was told last."""
         current = {hold.name: hold for hold in holds if hold.name not in self._informed}
-        if current.keys() == self._told.keys():
+        if current.keys() == self._shown.keys():
             return []
         messages: list[Message] = []
-        for name in [one for one in self._told if one not in current]:
-            if self._told.pop(name) is Severity.INFO:
+        for name in [one for one in self._shown if one not in current]:
+            if self._shown.pop(name) is Severity.INFO:
                 self._informed.add(name)
                 continue
             messages += self._speaker.say(Severity.INFO, f"released: {name}")
         for name, hold in current.items():
             lately = [at for at in self._began.get(name, ()) if now - at < Speaker.QUIET]
-            if name not in self._told and len(lately) < self.MOST:
-                self._told[name] = hold.row.severity
+            if name not in self._shown and len(lately) < self.MOST:
+                self._shown[name] = hold.row.severity
                 self._began[name] = [*lately, now]
                 remedy = f"; {hold.remedy}" if hold.remedy else ""
                 messages += self._speaker.say(hold.row.severity, f"{hold.reason}{remedy}")
@@ -114,7 +114,7 @@ class HoldTexts:
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class Received:
     """A whole text, as its receiver reads it."""
 
     severity: int
@@ -129,20 +129,20 @@ class Listener:
         self._severity = 0
         self._cuts: list[str] = []
 
-    def hear(self, message: Message) -> list[Heard]:
+    def receive(self, message: Message) -> list[Received]:
         """Take one STATUSTEXT; return the texts that are now whole, or will never be."""
         text = text_of(message.text)
-        told: list[Heard] = []
+        due: list[Received] = []
         if self._number and (message.id != self._number or message.chunk_seq != len(self._cuts)):
-            told += self._tell("...")
+            due += self._whole("...")
         if message.id == 0:
-            return [*told, Heard(message.severity, text)]
+            return [*due, Received(message.severity, text)]
         self._number, self._severity = message.id, message.severity
         self._cuts.append(text)
-        return told + self._tell("") if len(text) < CHUNK else told
+        return due + self._whole("") if len(text) < CHUNK else due
 
-    def _tell(self, ending: str) -> list[Heard]:
-        heard = Heard(self._severity, ("".join(self._cuts) + ending).rstrip())
+    def _whole(self, ending: str) -> list[Received]:
+        received = Received(self._severity, ("".join(self._cuts) + ending).rstrip())
         self._number = 0
         self._cuts = []
-        return [heard]
+        return [received]

@@ -33,14 +33,14 @@ class Voice:
         return self._frame(message, stamp)
 
     def _in_px4(self, message: Message, number: int, stamp: int) -> bytes | None:
-        told: int = message.custom_mode
-        message.custom_mode = in_px4(told)
+        mode: int = message.custom_mode
+        message.custom_mode = in_px4(mode)
         if number == dialect.MAVLINK_MSG_ID_CURRENT_MODE:
             message.intended_custom_mode = message.custom_mode
         frame = self._frame(message, stamp)
-        message.custom_mode = told
+        message.custom_mode = mode
         if number == dialect.MAVLINK_MSG_ID_CURRENT_MODE:
-            message.intended_custom_mode = told
+            message.intended_custom_mode = mode
         return frame
 
     def _frame(self, message: Message, stamp: int) -> bytes | None:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from emulators.bench.rehearsal import rehearsal_of
 from firmware_bridge.robot import RobotFileError
-from hil_tests.adversary.failing import Nature
+from hil_tests.adversary.failing import FaultProfile
 from hil_tests.adversary.robots import line_of, options, robot_of
 from hil_tests.adversary.search import Search, as_toml
 from hil_tests.adversary.truth import invariants
@@ -21,30 +21,30 @@ def main() -> int:
     """Search; exit status 1 where something was found."""
     words = argparse.ArgumentParser(prog="adversary", description=__doc__)
     options(words)
-    words.add_argument("--natures", nargs="+", choices=[it.value for it in Nature], default=["honest"])
+    words.add_argument("--natures", nargs="+", choices=[it.value for it in FaultProfile], default=["honest"])
     words.add_argument("--hours", type=float, default=1.0, help="simulated")
     words.add_argument("--seed", type=int, default=0, help="the first one")
     words.add_argument("--out", type=Path, default=Path("out/adversary"))
-    told = words.parse_args()
+    reported = words.parse_args()
     try:
-        robot = robot_of(told)
+        robot = robot_of(reported)
     except RobotFileError as error:
         words.error(str(error))
-    natures = frozenset(map(Nature, told.natures))
-    line = line_of(told)
+    natures = frozenset(map(FaultProfile, reported.natures))
+    line = line_of(reported)
     search = Search(robot, rehearsal_of(robot), invariants(robot), natures, print)
-    driven, seed, count = 0.0, told.seed, 0
-    while driven < 3600.0 * told.hours:
-        found, seconds = search.evening(seed)
+    driven, seed, count = 0.0, reported.seed, 0
+    while driven < 3600.0 * reported.hours:
+        found, seconds = search.balance_voltage(seed)
         driven += seconds
         if found is not None:
             count += 1
-            told.out.mkdir(parents=True, exist_ok=True)
-            path = told.out / f"{line.replace(' --', '-').replace(' ', '-')}-{seed}.toml"
+            reported.out.mkdir(parents=True, exist_ok=True)
+            path = reported.out / f"{line.replace(' --', '-').replace(' ', '-')}-{seed}.toml"
             path.write_text(as_toml(found, line), encoding="utf-8")
             print(f"seed {seed}: {found}; {path}")
         seed += 1
-    print(f"{driven / 3600.0:.2f} simulated hours, seeds {told.seed} to {seed - 1}, {count} found")
+    print(f"{driven / 3600.0:.2f} simulated hours, seeds {reported.seed} to {seed - 1}, {count} found")
     return int(count > 0)
 
 

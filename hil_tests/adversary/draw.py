@@ -11,14 +11,14 @@ from numpy.random import Generator
 from emulators.bench.faults import KINDS, Fault, misfits, read
 from emulators.bench.faults.people import BridgeEnds
 from emulators.bench.faults.site import BRIDGE
+from emulators.bench.foreign_datagrams import Stray
 from emulators.bench.mission import Mission, Noise
 from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Holds, Input, Presses, Sends, Slope, Step, guides, inputs, modes
-from emulators.bench.strays import Stray
 from firmware_bridge.robot import AnyRobot
 from fmu.plants import find as find_plant
-from hil_tests.adversary.failing import FAILING, Nature, takes_power
-from hil_tests.adversary.limp import Limp
+from hil_tests.adversary.degraded import Degraded
+from hil_tests.adversary.failing import FAILING, FaultProfile, takes_power
 
 READY_S: Final = 3.0
 PAUSE_S: Final = 0.8
@@ -56,15 +56,19 @@ class Draw:
     """Draws missions for one robot."""
 
     def __init__(
-        self, robot: AnyRobot, rehearsal: Rehearsal, chance: Generator, natures: frozenset[Nature]
+        self, robot: AnyRobot, rehearsal: Rehearsal, chance: Generator, natures: frozenset[FaultProfile]
     ) -> None:
         self._robot: Final = robot
         self._rehearsal: Final = rehearsal
         self._chance: Final = chance
         kinds = [
-            [name for name, row in FAILING.items() if row.nature is nature and self._meets(name)]
-            for nature in Nature
-            if nature in natures
+            [
+                name
+                for name, row in FAILING.items()
+                if row.fault_profile is fault_profile and self._meets(name)
+            ]
+            for fault_profile in FaultProfile
+            if fault_profile in natures
         ]
         self._kinds: Final = [names for names in kinds if names]
         self._sloped = False
@@ -79,8 +83,8 @@ class Draw:
         """Return a whole evening that begins with an armed robot."""
         floor = self._floor()
         self._sloped = "slope" in floor
-        limp = Limp(self._robot, self._chance, sloped=self._sloped)
-        self._again = limp.again
+        degraded = Degraded(self._robot, self._chance, sloped=self._sloped)
+        self._again = degraded.again
         noise = Noise(
             stick=float(self._chance.choice([0.0, 0.02])),
             delay_ms=float(self._chance.choice([0.0, 80.0])),
@@ -88,7 +92,7 @@ class Draw:
             loss=float(self._chance.choice([0.0, 0.1])),
         )
         goes = ({self._main: one} for one in map(self._held, repeat(self._held_by[self._main])) if one)
-        steps = [self._step(at, does) for at, does in limp.steps(self._lets_go(), goes)]
+        steps = [self._step(at, does) for at, does in degraded.steps(self._lets_go(), goes)]
         steps += [*self._stands(), self._step(READY_S, {"arm": True}), *self.steps(READY_S + 0.5, seconds)]
         return Mission(
             title="an evening with an adversary",
@@ -97,7 +101,7 @@ class Draw:
             noise=noise,
             plant=floor,
             step=tuple(sorted(steps, key=lambda step: step.at_s)),
-            fault=(*limp.faults, *self.faults(READY_S + 0.5, seconds - 2.0, limp.faults)),
+            fault=(*degraded.faults, *self.faults(READY_S + 0.5, seconds - 2.0, degraded.faults)),
         )
 
     def steps(self, begin: float, end: float) -> tuple[Step, ...]:
@@ -170,10 +174,10 @@ class Draw:
     def _meets(self, name: str) -> bool:
         """Return whether this robot has what a kind of fault is of; the evening's chance is not asked."""
         kind = KINDS[name].fault
-        said = {"kind": name, "at_s": 0.0, **FAILING[name].how(np.random.default_rng(0))}
+        stated = {"kind": name, "at_s": 0.0, **FAILING[name].how(np.random.default_rng(0))}
         if "node" in kind.model_fields:
-            said["node"] = next(iter(kind.among.of(self._robot)), BRIDGE)
-        return not any(key == "kind" for key, _ in read(said).problems(self._robot))
+            stated["node"] = next(iter(kind.among.of(self._robot)), BRIDGE)
+        return not any(key == "kind" for key, _ in read(stated).problems(self._robot))
 
     def _falls(self, fault: Fault) -> bool:
         """Return whether a fault may be on this floor."""
@@ -181,21 +185,21 @@ class Draw:
 
     def _fault(self, name: str, second: float) -> Fault:
         row, kind = FAILING[name], KINDS[name]
-        said = {"kind": name, "at_s": second, **row.how(self._chance)}
+        stated = {"kind": name, "at_s": second, **row.how(self._chance)}
         among = kind.fault.among.of(self._robot)
         if among and "node" in kind.fault.model_fields:
-            said["node"] = str(self._chance.choice(among))
-        if "link" in kind.fault.model_fields and len(links := self._links(said)) > 1:
-            said["link"] = str(self._chance.choice(links))
+            stated["node"] = str(self._chance.choice(among))
+        if "link" in kind.fault.model_fields and len(links := self._links(stated)) > 1:
+            stated["link"] = str(self._chance.choice(links))
         # On a slope the bridge that is asked to end holds the robot: to start another one would kill it.
         if kind.lasts and not (self._sloped and kind.fault is BridgeEnds):
-            said["for_s"] = round(float(self._chance.uniform(0.05, row.longest_s)), 3)
-        return read(said)
+            stated["for_s"] = round(float(self._chance.uniform(0.05, row.longest_s)), 3)
+        return read(stated)
 
-    def _links(self, said: dict[str, Any]) -> list[str]:
+    def _links(self, stated: dict[str, Any]) -> list[str]:
         """Return the links on which this fault may be."""
         links = self._robot.links
-        return [it for it in links if not any(read({**said, "link": it}).problems(self._robot))]
+        return [it for it in links if not any(read({**stated, "link": it}).problems(self._robot))]
 
     def _stands(self) -> Iterator[Step]:
         stands = self._rehearsal.stands
@@ -247,7 +251,7 @@ class Draw:
             return None  # that robot rolls, as it was ordered to
         if key in {"terminate", "zero"}:
             return None  # the first ends the evening; the second may be a wrong word, which nobody can know
-        said = {
+        stated = {
             get_args(one)[0] if get_origin(one) in {Annotated, Literal} else one
             for one in get_args(self._rehearsal.step.model_fields[key].annotation)
         }
@@ -257,7 +261,7 @@ class Draw:
             bool: lambda: bool(chance.integers(2)),
             str: lambda: str(chance.choice(NAMED[key](self._robot))),
         }
-        for kind in said & drawn.keys():
+        for kind in stated & drawn.keys():
             return drawn[kind]()
         for _ in range(TRIES):
             value = round(float(self._chance.uniform(0.0, 1.0)), 4)

@@ -15,14 +15,14 @@ LIES_S: Final = 12.0
 """The longest lie: well beyond the time in which the bridge must have stopped him who tells it."""
 
 
-class Nature(Enum):
+class FaultProfile(Enum):
     """Who is to be believed when a fault is on."""
 
     HONEST = "honest"
     """Somebody fails, and nobody lies."""
     LYING = "lying"
     """A drive tells what is not, or does not do what it says."""
-    STRANGER = "stranger"
+    FOREIGN_NODE = "stranger"
     """Another master speaks on the bus."""
 
 
@@ -33,7 +33,7 @@ How = Callable[[Generator], dict[str, Any]]
 class Failing:
     """How a fault is drawn."""
 
-    nature: Nature
+    fault_profile: FaultProfile
     how: How = lambda _: {}
     longest_s: float = 1.0
     takes_power: bool = True
@@ -85,67 +85,69 @@ def _share(chance: Generator) -> dict[str, Any]:
 
 
 FAILING: Final[dict[str, Failing]] = {
-    "frame_error": Failing(Nature.HONEST, _share),
-    "frame_loss": Failing(Nature.HONEST, _share),
-    "receive_overrun": Failing(Nature.HONEST, _share),
-    "bus_off": Failing(Nature.HONEST),
-    "babbling_node": Failing(Nature.HONEST, lambda chance: {"every_us": int(chance.integers(150, 2000))}),
-    "node_silent": Failing(Nature.HONEST, longest_s=3.0),
-    "drive_restart": Failing(Nature.HONEST),
-    "supply_sag": Failing(Nature.HONEST, lambda chance: {"to_v": float(chance.choice([5.0, 15.0]))}),
-    "logic_supply_sag": Failing(Nature.HONEST, lambda _: {"to_v": 3.0}),
-    "gate_supply_sag": Failing(Nature.HONEST, lambda _: {"to_v": 6.0}),
-    "datagram_loss": Failing(Nature.HONEST, _share, longest_s=8.0, takes_power=False),
+    "frame_error": Failing(FaultProfile.HONEST, _share),
+    "frame_loss": Failing(FaultProfile.HONEST, _share),
+    "receive_overrun": Failing(FaultProfile.HONEST, _share),
+    "bus_off": Failing(FaultProfile.HONEST),
+    "babbling_node": Failing(
+        FaultProfile.HONEST, lambda chance: {"every_us": int(chance.integers(150, 2000))}
+    ),
+    "node_silent": Failing(FaultProfile.HONEST, longest_s=3.0),
+    "drive_restart": Failing(FaultProfile.HONEST),
+    "supply_sag": Failing(FaultProfile.HONEST, lambda chance: {"to_v": float(chance.choice([5.0, 15.0]))}),
+    "logic_supply_sag": Failing(FaultProfile.HONEST, lambda _: {"to_v": 3.0}),
+    "gate_supply_sag": Failing(FaultProfile.HONEST, lambda _: {"to_v": 6.0}),
+    "datagram_loss": Failing(FaultProfile.HONEST, _share, longest_s=8.0, takes_power=False),
     "datagram_late": Failing(
-        Nature.HONEST,
+        FaultProfile.HONEST,
         lambda chance: {"by_ms": float(chance.integers(10, 1500))},
         longest_s=3.0,
         takes_power=False,
     ),
     "datagram_doubled": Failing(
-        Nature.HONEST,
+        FaultProfile.HONEST,
         lambda chance: {"after_ms": float(chance.integers(0, 400))},
         longest_s=5.0,
         takes_power=False,
     ),
-    "serial_unplugged": Failing(Nature.HONEST, longest_s=3.0),
-    "bridge_ends": Failing(Nature.HONEST, _ends, longest_s=8.0),
-    "second_bridge": Failing(Nature.HONEST, longest_s=5.0, takes_power=False),
-    "second_station": Failing(Nature.HONEST, _joins, longest_s=14.0, takes_power=False),
-    "board_silent": Failing(Nature.HONEST, longest_s=5.0),
-    "board_reset": Failing(Nature.HONEST),
-    "board_hangs": Failing(Nature.HONEST),
-    "board_brown_out": Failing(Nature.HONEST, longest_s=3.0),
-    "board_unpowered": Failing(Nature.HONEST, longest_s=3.0),
-    "body_hidden": Failing(Nature.HONEST, longest_s=6.0, takes_power=False),
+    "serial_unplugged": Failing(FaultProfile.HONEST, longest_s=3.0),
+    "bridge_ends": Failing(FaultProfile.HONEST, _ends, longest_s=8.0),
+    "second_bridge": Failing(FaultProfile.HONEST, longest_s=5.0, takes_power=False),
+    "second_station": Failing(FaultProfile.HONEST, _joins, longest_s=14.0, takes_power=False),
+    "board_silent": Failing(FaultProfile.HONEST, longest_s=5.0),
+    "board_reset": Failing(FaultProfile.HONEST),
+    "board_hangs": Failing(FaultProfile.HONEST),
+    "board_brown_out": Failing(FaultProfile.HONEST, longest_s=3.0),
+    "board_unpowered": Failing(FaultProfile.HONEST, longest_s=3.0),
+    "body_hidden": Failing(FaultProfile.HONEST, longest_s=6.0, takes_power=False),
     "capture_late": Failing(
-        Nature.HONEST,
+        FaultProfile.HONEST,
         lambda chance: {"by_ms": float(chance.integers(5, 1500))},
         longest_s=5.0,
         takes_power=False,
     ),
-    "capture_loss": Failing(Nature.HONEST, _share, longest_s=5.0, takes_power=False),
+    "capture_loss": Failing(FaultProfile.HONEST, _share, longest_s=5.0, takes_power=False),
     # A motor that does not do what it is told; let go again it jumps by what it is told then.
-    "shaft_blocked": Failing(Nature.LYING, longest_s=LIES_S),
-    "motor_cable_off": Failing(Nature.LYING, longest_s=LIES_S),
-    "grip_lost": Failing(Nature.HONEST, takes_power=False),
-    "body_shakes": Failing(Nature.HONEST, longest_s=5.0, takes_power=False),
-    "load_lifted": Failing(Nature.LYING, longest_s=LIES_S),
+    "shaft_blocked": Failing(FaultProfile.LYING, longest_s=LIES_S),
+    "motor_cable_off": Failing(FaultProfile.LYING, longest_s=LIES_S),
+    "grip_lost": Failing(FaultProfile.HONEST, takes_power=False),
+    "body_shakes": Failing(FaultProfile.HONEST, longest_s=5.0, takes_power=False),
+    "load_lifted": Failing(FaultProfile.LYING, longest_s=LIES_S),
     "motor_supply_sag": Failing(
-        Nature.LYING, lambda chance: {"to_v": float(chance.choice([2.0, 4.0]))}, longest_s=LIES_S
+        FaultProfile.LYING, lambda chance: {"to_v": float(chance.choice([2.0, 4.0]))}, longest_s=LIES_S
     ),
-    "encoder_cable_off": Failing(Nature.LYING, longest_s=LIES_S),
-    "motor_leads_swapped": Failing(Nature.LYING, longest_s=LIES_S),
+    "encoder_cable_off": Failing(FaultProfile.LYING, longest_s=LIES_S),
+    "motor_leads_swapped": Failing(FaultProfile.LYING, longest_s=LIES_S),
     "board_chatters": Failing(
-        Nature.HONEST, lambda chance: {"every_ms": int(chance.choice([5, 20, 50]))}, longest_s=12.0
+        FaultProfile.HONEST, lambda chance: {"every_ms": int(chance.choice([5, 20, 50]))}, longest_s=12.0
     ),
-    "i2c_stuck": Failing(Nature.HONEST, longest_s=3.0),
-    "shield_absent": Failing(Nature.HONEST, longest_s=3.0),
+    "i2c_stuck": Failing(FaultProfile.HONEST, longest_s=3.0),
+    "shield_absent": Failing(FaultProfile.HONEST, longest_s=3.0),
     "line_garbage": Failing(
-        Nature.LYING, lambda chance: {"every_ms": int(chance.choice([2, 20, 300]))}, longest_s=5.0
+        FaultProfile.LYING, lambda chance: {"every_ms": int(chance.choice([2, 20, 300]))}, longest_s=5.0
     ),
     "markers_swapped": Failing(
-        Nature.LYING,
+        FaultProfile.LYING,
         lambda chance: {
             "aside_m": round(float(chance.uniform(-1.0, 1.0)), 3),
             "turn_deg": float(chance.integers(-180, 181)),
@@ -153,29 +155,29 @@ FAILING: Final[dict[str, Failing]] = {
         longest_s=LIES_S,
         takes_power=False,
     ),
-    "set_points_ignored": Failing(Nature.LYING, longest_s=LIES_S),
-    "encoder_frozen": Failing(Nature.LYING, longest_s=LIES_S),
-    "encoder_cut": Failing(Nature.LYING),
-    "encoder_counts_lost": Failing(Nature.LYING, lambda _: {"share": 0.2}, longest_s=5.0),
+    "set_points_ignored": Failing(FaultProfile.LYING, longest_s=LIES_S),
+    "encoder_frozen": Failing(FaultProfile.LYING, longest_s=LIES_S),
+    "encoder_cut": Failing(FaultProfile.LYING),
+    "encoder_counts_lost": Failing(FaultProfile.LYING, lambda _: {"share": 0.2}, longest_s=5.0),
     "nmt_stranger": Failing(
-        Nature.STRANGER,
+        FaultProfile.FOREIGN_NODE,
         lambda chance: {
             "command": str(
                 chance.choice(["stop", "enter_pre_operational", "reset_communication", "reset_node"])
             )
         },
     ),
-    "stray_frames": Failing(Nature.STRANGER, _master, longest_s=LIES_S),
+    "stray_frames": Failing(FaultProfile.FOREIGN_NODE, _master, longest_s=LIES_S),
 }
 """By the faults' names; those that are not here have no place in an evening."""
 
 
 def takes_power(fault: Fault) -> bool:
     """Return whether the drives may lose their power by this fault, whatever the bridge does."""
-    return FAILING[fault.kind].takes_power and not _asked(fault)
+    return FAILING[fault.kind].takes_power and not _requested(fault)
 
 
-def _asked(fault: Fault) -> bool:
+def _requested(fault: Fault) -> bool:
     """Return whether it is a bridge that is asked once to end, which holds a robot on a slope, and may."""
     once = isinstance(fault, BridgeEnds) and fault.how == "asked" and fault.again_after_s is None
     return once and fault.end == NEVER

@@ -91,7 +91,7 @@ def evenings(seconds: float, known: dict[str, str]) -> tuple[str, dict[str, str]
     from emulators.rig import Rig  # noqa: PLC0415 - see above
     from firmware_bridge.drivers.epos2.serial.fleet import over_serial  # noqa: PLC0415 - see above
     from firmware_bridge.kinds import find  # noqa: PLC0415 - see above
-    from hil_tests.adversary.failing import Nature  # noqa: PLC0415 - see above
+    from hil_tests.adversary.failing import FaultProfile  # noqa: PLC0415 - see above
     from hil_tests.adversary.search import Search  # noqa: PLC0415 - see above
     from hil_tests.adversary.truth import invariants  # noqa: PLC0415 - see above
 
@@ -103,7 +103,7 @@ def evenings(seconds: float, known: dict[str, str]) -> tuple[str, dict[str, str]
             {name: value for name, value in rig.world.links_sha256.items() if name != "operator"}
         )
 
-    honest, everybody = frozenset({Nature.HONEST}), frozenset(Nature)
+    honest, everybody = frozenset({FaultProfile.HONEST}), frozenset(FaultProfile)
     rars = find("rars")
     line_up = [(rars, everybody), (rars, honest), (over_serial(rars), everybody)]
     searches = [
@@ -158,15 +158,15 @@ def main() -> int:
     words.add_argument("--seed", type=int, default=0, help="of the sample")
     words.add_argument("--minutes", type=float, default=10.0, help="of processor time, for each")
     words.add_argument("-k", default="", metavar="TEXT", help="only mutants whose module and line hold this")
-    told = words.parse_args()
+    reported = words.parse_args()
     tools = tool()
     rows = tomllib.loads((ROOT / "tools" / "mutate_survivors.toml").read_text(encoding="utf-8"))
     survivors = {(row["module"], row["code"], row["change"]) for row in rows.get("survivor", [])}
     every = [one for target in TARGETS for one in tools.mutants(target) if one.key not in survivors]
-    chosen = [one for one in every if told.k in f"{one.target} {one.code}"]
-    places = np.random.default_rng(told.seed).permutation(len(chosen))[: told.n]
+    chosen = [one for one in every if reported.k in f"{one.target} {one.code}"]
+    places = np.random.default_rng(reported.seed).permutation(len(chosen))[: reported.n]
     chosen = [chosen[int(place)] for place in places]
-    seconds = 60.0 * told.minutes
+    seconds = 60.0 * reported.minutes
     _, known = forked(seconds, {})
     print(f"{len(known)} evenings in {seconds:.0f} s of processor time, {len(every)} mutants", flush=True)
     counts = {"found": 0, "missed": 0, "not reached": 0}

@@ -15,7 +15,7 @@ from emulators.rig import BRIDGE, Rig
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER
 
-STARTS_ANEW: Final = {it.kind for it in (BoardBrownOut, BoardHangs, BoardReset, BoardUnpowered, I2cStuck)}
+STARTS_AGAIN: Final = {it.kind for it in (BoardBrownOut, BoardHangs, BoardReset, BoardUnpowered, I2cStuck)}
 
 
 class Reached:
@@ -43,19 +43,19 @@ class Reached:
         records = rig.faults.records
         unreached, runs_on = set[str](), set[str]()
         lately = rig.world.now - SAMPLE_EVERY
-        anew = any(it.ended is not None and it.ended > lately for it in records if it.kind in STARTS_ANEW)
+        again = any(it.ended is not None and it.ended > lately for it in records if it.kind in STARTS_AGAIN)
         dead = not rig.world.here(BRIDGE)
         standing = {it.kind for it in records if it.ended is None}
         silent, stuck = BoardSilent.kind in standing, I2cStuck.kind in standing
-        told = rig.bridge.finished and bool(rig.bridge.unconfirmed)
+        reported = rig.bridge.finished and bool(rig.bridge.unconfirmed)
         for name, axes in self._axes.items():
             board, line = rig.devices.boards[name], rig.lines[name]
             dark = board.mega.sketch is None and board.mega.due == NEVER
-            cut = dark or dead or told or silent or stuck or not line.adapter.plugged
+            cut = dark or dead or reported or silent or stuck or not line.adapter.plugged
             if cut or rig.bridge.finished:
                 unreached |= axes
             # Wire waits for a stuck bus for ever: until it is reset the sketch hangs, its auto-stop with it.
             hung = board.mega.hung
-            if dark or anew or stuck or (cut and (hung or name not in self._stop)):
+            if dark or again or stuck or (cut and (hung or name not in self._stop)):
                 runs_on |= axes
         return frozenset(unreached), frozenset(runs_on)

@@ -16,17 +16,17 @@ def options(words: argparse.ArgumentParser) -> None:
     words.add_argument("--encoders", type=int, help="how many that reads")
 
 
-def robot_of(told: argparse.Namespace) -> AnyRobot:
+def robot_of(reported: argparse.Namespace) -> AnyRobot:
     """Return the robot that is meant; RobotFileError."""
-    found = over_serial(find(told.robot)) if told.serial else find(told.robot)
-    return measured(over_protocol(found, told.protocol, told.encoders))
+    found = over_serial(find(reported.robot)) if reported.serial else find(reported.robot)
+    return measured(over_protocol(found, reported.protocol, reported.encoders))
 
 
-def line_of(told: argparse.Namespace) -> str:
+def line_of(reported: argparse.Namespace) -> str:
     """Return the words for it."""
-    options = {"serial": told.serial, "protocol": told.protocol, "encoders": told.encoders}
+    options = {"serial": reported.serial, "protocol": reported.protocol, "encoders": reported.encoders}
     return " ".join(
-        [told.robot, *(f"--{key} {value}" for key, value in options.items() if value is not None)]
+        [reported.robot, *(f"--{key} {value}" for key, value in options.items() if value is not None)]
     )
 
 

@@ -21,11 +21,11 @@ from emulators.run import HAND_STREAM
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 from hil_tests.adversary.draw import READY_S, Draw
-from hil_tests.adversary.failing import FAILING, Nature, takes_power
+from hil_tests.adversary.failing import FAILING, FaultProfile, takes_power
 from hil_tests.adversary.truth import Invariant, Judge, Truth, Violation
 
 LOOK_EVERY: Final = 0.01
-EVENING_S: Final = 24.0
+RUN_S: Final = 24.0
 BRANCH_S: Final = 8.0
 BRANCHES: Final = 3
 KEPT_EVERY_S: Final = 1.0
@@ -94,7 +94,7 @@ class Life:
             words = self._accepted()
             look = self._truth.look(
                 self.rig,
-                told_to_stop=next((word for word in words if word != CLEARED), STOPPED) != GOES,
+                reported_to_stop=next((word for word in words if word != CLEARED), STOPPED) != GOES,
                 stopped=words[0] == STOPPED and "slope" not in self.mission.plant,
                 let_go=FORCED not in words and not any(map(takes_power, self.mission.fault)),
             )
@@ -142,7 +142,7 @@ class Life:
 
 def lying(faults: tuple[Fault, ...]) -> bool:
     """Return whether somebody is not to be believed when these are on."""
-    return any(FAILING[fault.kind].nature is not Nature.HONEST for fault in faults)
+    return any(FAILING[fault.kind].fault_profile is not FaultProfile.HONEST for fault in faults)
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,12 +152,12 @@ class Search:
     robot: AnyRobot
     rehearsal: Rehearsal
     rows: tuple[Invariant, ...]
-    natures: frozenset[Nature]
+    natures: frozenset[FaultProfile]
     say: Callable[[str], None] = lambda _: None
     seen: Callable[[Rig], None] = lambda _: None
     """Told the rig when an evening has been driven to its end, before its branches."""
 
-    def evening(self, seed: int) -> tuple[Found | None, float]:
+    def balance_voltage(self, seed: int) -> tuple[Found | None, float]:
         """Drive one evening and its branches; return what was found, shrunk, and the seconds driven."""
         found, driven = self.looked(seed)
         return (None if found is None else self.shrunk(found)), driven
@@ -166,7 +166,7 @@ class Search:
         """Drive one evening and its branches; return what was found, and the seconds driven."""
         chance = np.random.default_rng([seed, 7])
         draw = Draw(self.robot, self.rehearsal, chance, self.natures)
-        whole = draw.mission(EVENING_S)
+        whole = draw.mission(RUN_S)
         life = Life(self.robot, self.rehearsal, whole, seed, self.rows)
         try:
             return self._lived(life, draw, chance, seed)
@@ -174,13 +174,13 @@ class Search:
             life.rig.finish()
 
     def _lived(self, life: Life, draw: Draw, chance: Generator, seed: int) -> tuple[Found | None, float]:
-        whole, kept, end = life.mission, list[_Kept](), from_seconds(EVENING_S)
+        whole, kept, end = life.mission, list[_Kept](), from_seconds(RUN_S)
         for one in life.kept(end):
             if isinstance(one, Violation):
                 return Found(life.mission, one, seed), to_seconds(life.rig.world.now)
             kept.append(one)
         self.seen(life.rig)
-        driven = EVENING_S
+        driven = RUN_S
         ready = [one for one in kept if one.at > from_seconds(READY_S)]
         worst = sorted(ready, key=lambda one: -one.nearest)[: 2 * BRANCHES]
         for place in chance.permutation(len(worst))[:BRANCHES]:
@@ -189,7 +189,7 @@ class Search:
             begin = to_seconds(one.at) + 2.0 / whole.send_hz
             until = begin + BRANCH_S
             more = draw.faults(begin, until - 1.0, whole.fault)
-            life.branch(one, draw.steps(begin, min(until, EVENING_S)), more)
+            life.branch(one, draw.steps(begin, min(until, RUN_S)), more)
             broken = life.run(from_seconds(until))
             driven += BRANCH_S
             if broken is not None:
@@ -252,12 +252,12 @@ def as_toml(found: Found, line: str) -> str:
         lines += ["", "[plant]", *(f"{key} = {_toml(value)}" for key, value in mission.plant.items())]
     for table, rows in (("step", mission.step), ("fault", mission.fault)):
         for row in rows:
-            said = row.model_dump(exclude_none=True, exclude_unset=True)
+            stated = row.model_dump(exclude_none=True, exclude_unset=True)
             kind = {"kind": row.kind} if isinstance(row, Fault) else {}
             lines += [
                 "",
                 f"[[{table}]]",
-                *(f"{key} = {_toml(value)}" for key, value in {**kind, **said}.items()),
+                *(f"{key} = {_toml(value)}" for key, value in {**kind, **stated}.items()),
             ]
     return "\n".join(lines) + "\n"
 

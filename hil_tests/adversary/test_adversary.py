@@ -12,7 +12,7 @@ from firmware_bridge.intent import Verdict
 from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
 from hil_tests.adversary.__main__ import main
-from hil_tests.adversary.failing import Nature
+from hil_tests.adversary.failing import FaultProfile
 from hil_tests.adversary.mutants import TARGETS, tool
 from hil_tests.adversary.robots import read, robot_of
 from hil_tests.adversary.search import Found, Search, as_toml
@@ -41,11 +41,11 @@ FOUND: Final = sorted(Path(__file__).with_name("found").glob("*.toml"))
 TOUCHES: Final = (14, 16, 19, 28, 33)
 """Evenings in which a climber without its rule touches its joint's stop, as in one of eight. A hair's breadth
 more or less decides whether an evening still does: one of them is enough."""
-HONEST: Final = frozenset({Nature.HONEST})
-ALL: Final = frozenset(Nature)
+HONEST: Final = frozenset({FaultProfile.HONEST})
+ALL: Final = frozenset(FaultProfile)
 
 
-def search(robot: AnyRobot, natures: frozenset[Nature], judged: AnyRobot | None = None) -> Search:
+def search(robot: AnyRobot, natures: frozenset[FaultProfile], judged: AnyRobot | None = None) -> Search:
     return Search(robot, rehearsal_of(robot), invariants(judged or robot), natures)
 
 
@@ -54,8 +54,8 @@ def search(robot: AnyRobot, natures: frozenset[Nature], judged: AnyRobot | None 
 @pytest.mark.parametrize(
     ("line", "seed"), [(line, seed) for line, evenings in ROBOTS.items() for seed in range(evenings)]
 )
-def test_no_random_run_breaks_a_rule(line: str, natures: frozenset[Nature], seed: int) -> None:
-    found, _ = search(robot_of(read(line)), natures).evening(seed)
+def test_no_random_run_breaks_a_rule(line: str, natures: frozenset[FaultProfile], seed: int) -> None:
+    found, _ = search(robot_of(read(line)), natures).balance_voltage(seed)
     assert found is None, as_toml(found, line)
 
 
@@ -75,7 +75,7 @@ def _line_of(file: Path) -> str:
 
 def found_by(one: Search, seeds: int) -> Found:
     """Return what the first of these evenings that finds something has found."""
-    return next(found for found, _ in map(one.evening, range(seeds)) if found is not None)
+    return next(found for found, _ in map(one.balance_voltage, range(seeds)) if found is not None)
 
 
 @pytest.mark.long(beside="test_an_emergency_stop_that_does_nothing_is_found")
@@ -126,13 +126,13 @@ def test_an_arm_that_is_reported_too_much_loses_its_steps() -> None:
     assert found.violation.name == "steps lost"
 
 
-def deaf(*_: Any, **__: Any) -> Verdict:
+def not_receiving(*_: Any, **__: Any) -> Verdict:
     return Verdict(accepted=True, reason="emergency stop: it stays until it is cleared")
 
 
 @pytest.mark.interpreted
 def test_an_emergency_stop_that_does_nothing_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Permission, "_stop", deaf)
+    monkeypatch.setattr(Permission, "_stop", not_receiving)
     one = search(find("carrier"), HONEST)
     found = next(found for found, _ in map(one.looked, (44,)) if found is not None)
     assert found.violation.name == "motion with power that may not be"

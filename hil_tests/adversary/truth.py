@@ -121,7 +121,7 @@ class Truth:
         self.let_go_at: tuple[float, float] | None = None
         """Where the base rested when it last had power; None where it did not rest."""
 
-    def look(self, rig: Rig, *, told_to_stop: bool, stopped: bool, let_go: bool) -> Look:
+    def look(self, rig: Rig, *, reported_to_stop: bool, stopped: bool, let_go: bool) -> Look:
         """Return the truth of now, which must be an instant of a sample.
 
         `stopped`: the last word that was accepted is an emergency stop, on the flat. `let_go`: nothing but
@@ -146,7 +146,7 @@ class Truth:
             {axis.name: self._place(axis, turned[f"angle_{axis.name}"]) for axis in self._travelling},
             powered,
             frozenset(unwatched),
-            bool(row["armed"]) and not told_to_stop and not gone,
+            bool(row["armed"]) and not reported_to_stop and not gone,
             alone,
             ending,
             rolled if let_go else 0.0,

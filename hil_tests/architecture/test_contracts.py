@@ -53,8 +53,8 @@ def test_the_product_does_not_know_its_tests() -> None:
 
 
 def test_every_module_states_what_it_is_for() -> None:
-    said = {name(path): ast.get_docstring(parsed(path)) or "" for path in sources(*PACKAGES)}
-    assert [path for path, text in said.items() if not text.partition("\n")[0].endswith(".")] == []
+    stated = {name(path): ast.get_docstring(parsed(path)) or "" for path in sources(*PACKAGES)}
+    assert [path for path, text in stated.items() if not text.partition("\n")[0].endswith(".")] == []
 
 
 def test_a_file_that_outgrows_its_page_is_two_files() -> None:

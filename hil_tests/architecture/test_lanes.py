@@ -55,9 +55,9 @@ def test_a_change_or_a_night_runs_each_lane_and_each_mark() -> None:
     assert {"make check", "make test", ".venv/bin/python tools/rotating.py"} <= by_day
     assert {f"make long SHARE={number}/{SHARES}" for number in range(1, SHARES + 1)} <= by_night
     words = [command.split() for command in by_day | by_night]
-    asked = {line[place + 1] for line in words for place, word in enumerate(line) if word == "-m"}
+    requested = {line[place + 1] for line in words for place, word in enumerate(line) if word == "-m"}
     # Where tshark is missing `.ci/packages` installs it.
-    assert {*AT_HAND, *ON_DEMAND} - {"tshark"} <= asked
+    assert {*AT_HAND, *ON_DEMAND} - {"tshark"} <= requested
 
 
 @pytest.mark.timeout(0)

@@ -81,9 +81,9 @@ def test_a_test_that_fails_with_this_commit_counts(
     commit(clone, old=BAD, **({} if there is None else {"mine": there}))
     commit(clone, mine=BAD)
     assert rotating.main() == 1
-    told = capsys.readouterr().out
-    assert "does not count: test_old.py::test_old" in told
-    assert "fails: test_mine.py::test_mine" in told
+    reported = capsys.readouterr().out
+    assert "does not count: test_old.py::test_old" in reported
+    assert "fails: test_mine.py::test_mine" in reported
 
 
 def test_without_a_parent_commit_every_failure_counts(

@@ -92,7 +92,7 @@ class Cause:
     """On these lines."""
     lets_go: bool = False
     """Whether the operator lets go at that instant: the fault shows by it."""
-    tells: tuple[str, ...] = ()
+    reports: tuple[str, ...] = ()
     """One of these interlocks begins to hold, by how its name begins."""
     holds: tuple[str, ...] = ()
     """Each of these begins to hold."""
@@ -116,32 +116,36 @@ ON_A_SLOPE: Final = "on a slope it rolls then: brakes"
 _POWER_OFF: Final = "ramp, then no power where it stands by itself"
 
 
-def _asked(name: str, order: Callable[[Hand], None] | None, category: int, answer: str, **row: Any) -> Cause:
+def _requested(
+    name: str, order: Callable[[Hand], None] | None, category: int, answer: str, **row: Any
+) -> Cause:
     return Cause(name=name, order=order, category=category, answer=answer, worst_of=WORST_OF, **row)
 
 
-ASKED: Final = (
-    _asked("stick let go", Hand.lets_go, 2, _RAMP, lines=EVERY),
-    _asked("pause", lambda hand: hand.does(pause=True), 2, _RAMP, tells=("paused",)),
-    _asked("disarm", Hand.disarms, 2, _RAMP, lines=EVERY, tells=("not armed",)),
-    _asked("emergency stop", Hand.stops, 1, f"{_POWER_OFF}; latched", lines=EVERY, tells=("emergency stop",)),
-    _asked(
+REQUESTED: Final = (
+    _requested("stick let go", Hand.lets_go, 2, _RAMP, lines=EVERY),
+    _requested("pause", lambda hand: hand.does(pause=True), 2, _RAMP, reports=("paused",)),
+    _requested("disarm", Hand.disarms, 2, _RAMP, lines=EVERY, reports=("not armed",)),
+    _requested(
+        "emergency stop", Hand.stops, 1, f"{_POWER_OFF}; latched", lines=EVERY, reports=("emergency stop",)
+    ),
+    _requested(
         "termination",
         lambda hand: hand.does(terminate=True),
         1,
         "as the emergency stop, and nothing clears it",
-        tells=("emergency stop",),
+        reports=("emergency stop",),
     ),
-    _asked(
+    _requested(
         "forced disarm",
         lambda hand: hand.does(force_disarm=True),
         1,
         "quick stop, then no power in any place",
         lines=EVERY,
-        tells=("not armed",),
+        reports=("not armed",),
         remains=ON_A_SLOPE,
     ),
-    _asked("end of the program", None, 1, _POWER_OFF, lines=EVERY, fault=fault("bridge_ends")),
+    _requested("end of the program", None, 1, _POWER_OFF, lines=EVERY, fault=fault("bridge_ends")),
 )
 """Somebody asks for it."""
 
@@ -150,7 +154,7 @@ LINK_DEAD: Final = Cause(
     fault=fault("datagram_loss"),
     lines=EVERY,
     worst_of=WORST_OF,
-    tells=("operator silent",),
+    reports=("operator silent",),
     answer=_RAMP,
 )
 KILLED: Final = Cause(

@@ -11,12 +11,12 @@ from firmware_bridge.bridge.stops import Progress
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.epos2.address import ERROR_HISTORY_COUNT, Address
 from hil_tests.failures.causes import (
-    ASKED,
     COMMON,
     HIT,
     KILLED,
     LINE_CUT,
     PHASES_MS,
+    REQUESTED,
     STRAIGHT,
     Cause,
     Fault,
@@ -27,7 +27,7 @@ from hil_tests.failures.rars import FAILS
 from hil_tests.failures.temporary import TEMPORARY
 from hil_tests.safety.driving import ARM, SPEEDS, robot_of
 
-CAUSES: Final = {cause.name: cause for cause in (*ASKED, *COMMON, *FAILS, *TEMPORARY)}
+CAUSES: Final = {cause.name: cause for cause in (*REQUESTED, *COMMON, *FAILS, *TEMPORARY)}
 MOVES_S: Final = 2.0
 WATCHED_S: Final = 12.0
 STILL_S: Final = 3.0
@@ -144,7 +144,7 @@ def _driven(rig: VirtualRig, case: Case) -> Found:
     way, rest = _watched(rig, case.motion)
     cause = case.cause
     holds = {hold.name: hold.began for hold in reversed(rig.held) if hold.began >= began}
-    times = [at for name, at in holds.items() if cause.tells and name.startswith(cause.tells)]
+    times = [at for name, at in holds.items() if cause.reports and name.startswith(cause.reports)]
     outcome = Outcome(
         cause.name,
         case.line,
@@ -204,7 +204,7 @@ def _place(rig: VirtualRig, motion: Motion) -> tuple[float, ...]:
 def _by(rig: VirtualRig, cause: Cause) -> str:
     """Return who stopped it: the bridge by the last step of a stop, or the devices by themselves."""
     stops = rig.bench.bridge.stops.values()
-    lost = any(stop.progress in (Progress.GIVEN_UP, Progress.NOT_ASKED) for stop in stops)
+    lost = any(stop.progress in (Progress.GIVEN_UP, Progress.NOT_REQUESTED) for stop in stops)
     if cause is KILLED or (cause is LINE_CUT and lost):
         return ALONE
     last = {stop.steps[min(stop.place, len(stop.steps) - 1)].name for stop in stops if stop.steps}

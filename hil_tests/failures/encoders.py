@@ -32,7 +32,7 @@ class Off:
 
     line: str
     when: str
-    told_mm_s: int
+    commanded_mm_s: int
     worst_mm_s: int
     yaw_mrad_s: int
     above_twice_ms: int
@@ -48,16 +48,16 @@ def wanted() -> Iterator[tuple[str, str, float]]:
     for lines in LINES.values():
         for line in lines:
             for when in (TURNING, STARTING):
-                for told in SPEEDS:
-                    yield line, when, told
+                for reported in SPEEDS:
+                    yield line, when, reported
 
 
-def measured(line: str, when: str, told: float) -> Off:
+def measured(line: str, when: str, reported: float) -> Off:
     """Drive it with each wheel's encoder, and at each instant; keep the worst of each figure."""
     rig = VirtualRig(robot_of(line))
     rig.arms()
     if when == TURNING:
-        rig.operator.drives(told)
+        rig.operator.drives(reported)
         rig.runs(DRIVES_FOR_S)
     found = []
     for wheel in WHEELS:
@@ -65,13 +65,13 @@ def measured(line: str, when: str, told: float) -> Off:
             with rig.branch():
                 rig.runs(phase)
                 rig.fault("encoder_cable_off", node=wheel)
-                rig.operator.drives(told)
-                found.append(_watched(rig, told))
+                rig.operator.drives(reported)
+                found.append(_watched(rig, reported))
     worst = [round(1000 * max(figures)) for figures in zip(*found, strict=True)]
-    return Off(line, when, round(1000 * told), *worst)
+    return Off(line, when, round(1000 * reported), *worst)
 
 
-def _watched(rig: VirtualRig, told: float) -> tuple[float, float, float, float]:
+def _watched(rig: VirtualRig, reported: float) -> tuple[float, float, float, float]:
     """Return the greatest speed and yaw rate, for how long it was too fast, and when it stood."""
     began, worst, yaw, above, rest = rig.now, 0.0, 0.0, 0.0, 0.0
     while rig.now < began + WATCHED_S:
@@ -79,7 +79,7 @@ def _watched(rig: VirtualRig, told: float) -> tuple[float, float, float, float]:
         body = rig.body
         now = math.hypot(body.speed_mps, body.speed_left_mps)
         worst, yaw = max(worst, now), max(yaw, abs(body.yaw_rate_rad_s))
-        above += STEP_S * (now > 2.0 * told)
+        above += STEP_S * (now > 2.0 * reported)
         if speed(rig) > 0.005:
             rest = rig.now - began
     return worst, yaw, above, rest
@@ -95,7 +95,7 @@ def sections(robot: str) -> tuple[str, ...]:
         (
             row.line,
             row.when,
-            f"{row.told_mm_s / 1000:g} m/s",
+            f"{row.commanded_mm_s / 1000:g} m/s",
             f"{row.worst_mm_s / 1000:.2f} m/s",
             f"{row.yaw_mrad_s / 1000:.2f} rad/s",
             f"{row.above_twice_ms / 1000:.2f} s",

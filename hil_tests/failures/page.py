@@ -5,12 +5,12 @@ from typing import Final, TypeAlias
 
 from firmware_bridge.robot.settings.shield import ShieldLink
 from hil_tests.failures.causes import (
-    ASKED,
     COMMON,
     EVERY,
     LINES,
     PHASES_MS,
     RARS,
+    REQUESTED,
     STRAIGHT,
     WORST_OF,
     Cause,
@@ -31,9 +31,10 @@ loader of a Mega that was reset, for as long as somebody speaks; a board that ha
 are sent a release, are reset, and hear nothing until the firmware must run. The auto-stop of
 ros_arduino_bridge hangs with its sketch, and counts only where the line is cut; there a board without one
 **runs on** until the line is back: keep a hardware switch within reach."""
-ASKED_TEXT: Final = """Each stop that somebody asks for, at the worst of {draws} ways to begin it: {motions},
-at three instants of a cycle, on the flat, by the plant's truth. **Base** is how far the reference point goes,
-**lift** the platform, each until it stands. A test drives the worst again, to the millimetre."""
+REQUESTED_TEXT: Final = """Each stop that somebody asks for, at the worst of {draws} ways to begin it:
+{motions}, at three instants of a cycle, on the flat, by the plant's truth. **Base** is how far the
+reference point goes, **lift** the platform, each until it stands. A test drives the worst again, to the
+millimetre."""
 FAILS_TEXT: Final = """The same of what fails, at one axis that moves or for all. **Noticed** is the time
 until the operator is informed. What the drives themselves notice, nobody is left to report."""
 SHOWN_TEXT: Final = "What no distance can say:"
@@ -48,7 +49,7 @@ REMAINS_TEXT: Final = """No program holds what has no power and no brake. With t
 * **an encoder that counts wrong** where no other sensor contradicts it: RARS has none of its yaw;
 * **where it stands** after a restart: a height that is said wrong is believed;
 * **people**: no row sees them."""
-ASKED_HEADINGS: Final = (
+REQUESTED_HEADINGS: Final = (
     *("stop", "category", "what happens", "CAN: base", "CAN: lift", "serial: base", "serial: lift"),
     "remains with the user",
 )
@@ -77,8 +78,8 @@ def _worst() -> tuple[str, ...]:
     shown = ((row.name, row.noticed, row.answer, f"`{row.test}`") for row in SHOWN)
     return (
         "### How far a stop goes on",
-        ASKED_TEXT.format(draws=count, motions=motions),
-        table(ASKED_HEADINGS, asked()),
+        REQUESTED_TEXT.format(draws=count, motions=motions),
+        table(REQUESTED_HEADINGS, requested()),
         "### What fails, and what comes of it",
         FAILS_TEXT,
         table(FAILS_HEADINGS, fails()),
@@ -97,7 +98,7 @@ def _title(line: str) -> str:
 
 def _cells(lines: Sequence[str]) -> Iterator[Cells]:
     rows = {(row.cause, row.line): row for row in KEPT.read() if row.motion == STRAIGHT.name}
-    common = (*(cause for cause in ASKED if cause.lines == EVERY), *COMMON)
+    common = (*(cause for cause in REQUESTED if cause.lines == EVERY), *COMMON)
     for cause in common:
         found = [rows.get((cause.name, line)) for line in lines]
         if any(found):
@@ -110,10 +111,10 @@ def _cell(row: Outcome) -> str:
     return f"{row.way_mm} mm, {row.rest_ms / 1000:.2f} s, {row.by}"
 
 
-def asked() -> Iterator[Cells]:
+def requested() -> Iterator[Cells]:
     """Yield the stops that somebody asks for."""
     rows = KEPT.read()
-    for cause in ASKED:
+    for cause in REQUESTED:
         ways = [way for line in RARS for way in _ways(cause, line, rows)]
         yield (cause.name, str(cause.category), cause.answer, *ways, cause.remains)
 
@@ -144,6 +145,6 @@ def _noticed(cause: Cause, line: str, rows: Iterable[Outcome]) -> str:
     times = [row.noticed_ms for row in _of(cause, line, rows)]
     if not times:
         return "-"
-    if not cause.tells:
+    if not cause.reports:
         return "by the drives"
     return f"{max(time for time in times if time is not None)} ms"

@@ -31,12 +31,12 @@ _MASTER: Final = ("another master", "axis fault", *_GONE)
 _BELIEF: Final = ("axis fault", "axis does not follow", "axis moves unasked", "axis position repeats")
 
 
-def _fails(name: str, what: Fault, answer: str, tells: tuple[str, ...], **row: Any) -> Cause:
-    return Cause(name=name, fault=what, answer=answer, tells=tells, **{"worst_of": WORST_OF, **row})
+def _fails(name: str, what: Fault, answer: str, reports: tuple[str, ...], **row: Any) -> Cause:
+    return Cause(name=name, fault=what, answer=answer, reports=reports, **{"worst_of": WORST_OF, **row})
 
 
-def _rolls(name: str, what: Fault, tells: tuple[str, ...], answer: str = _ONE_OFF) -> Cause:
-    return _fails(name, what, answer, tells, remains=_ROLLS_OUT)
+def _rolls(name: str, what: Fault, reports: tuple[str, ...], answer: str = _ONE_OFF) -> Cause:
+    return _fails(name, what, answer, reports, remains=_ROLLS_OUT)
 
 
 FAILS: Final = (

@@ -54,7 +54,7 @@ TEMPORARY: Final = (
         "every other frame damaged for 2 s",
         fault("frame_error", share=0.5, for_s=2.0),
         "not armed",
-        tells=("axis fault",),
+        reports=("axis fault",),
     ),
     _row("all frames damaged for 0.4 s", fault("frame_error", for_s=0.4), *_silent(*AXES)),
     _row(
@@ -173,7 +173,7 @@ TEMPORARY: Final = (
     ),
     # Boards.
     *(
-        _row(name, what, "not armed", lines=ROME, tells=("axis position repeats", "axis does not follow"))
+        _row(name, what, "not armed", lines=ROME, reports=("axis position repeats", "axis does not follow"))
         for name, what in (
             ("a motor's cable off", fault("motor_cable_off", node="two")),
             ("a wheel blocked", fault("shaft_blocked", node="two")),
@@ -181,7 +181,7 @@ TEMPORARY: Final = (
         )
     ),
     *(
-        _row(name, fault(kind, node="two"), "not armed", lines=ROME, tells=_WRONG_WAY)
+        _row(name, fault(kind, node="two"), "not armed", lines=ROME, reports=_WRONG_WAY)
         for name, kind in (
             ("a motor's leads exchanged", "motor_leads_swapped"),
             ("a wheel's encoder channels exchanged", "encoder_swapped"),

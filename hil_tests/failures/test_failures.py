@@ -35,7 +35,7 @@ def test_a_cause_has_the_outcome_that_was_measured(row: Outcome) -> None:
     cause = row.case.cause
     found = driven(row.case)
     assert found.outcome == row, "another worst, maybe: run tools/measure_stops.py, then make docs"
-    assert not cause.tells or any(name.startswith(cause.tells) for name in found.holds)
+    assert not cause.reports or any(name.startswith(cause.reports) for name in found.holds)
     assert found.holds >= {*cause.holds}
     if cause.only:
         assert found.holds == {*cause.holds}

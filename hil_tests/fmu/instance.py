@@ -20,7 +20,7 @@ KINDS: Final = {
 
 
 class Instance:
-    """Instantiated, not yet initialised; `said` are its messages as (status, category, text)."""
+    """Instantiated, not yet initialised; `logged` are its messages as (status, category, text)."""
 
     def __init__(self, path: Path, folder: Path, kind: str = "slave", *, logging: bool = False) -> None:
         self.description = read_model_description(str(path))
@@ -28,7 +28,7 @@ class Instance:
         self.kind = kind
         self.references = {v.name: int(v.valueReference) for v in self.description.modelVariables}
         self.names = {reference: name for name, reference in self.references.items()}
-        self.said: list[tuple[int, str, str]] = []
+        self.logged: list[tuple[int, str, str]] = []
         if not folder.exists():
             fmpy.extract(str(path), str(folder))
         self.fmu: Any = KINDS[self.fmi, kind](
@@ -39,13 +39,13 @@ class Instance:
         )
         if self.fmi == 2:
             callbacks = fmi2CallbackFunctions()
-            callbacks.logger = fmi2CallbackLoggerTYPE(lambda _e, _n, *rest: self._hear(*rest))
+            callbacks.logger = fmi2CallbackLoggerTYPE(lambda _e, _n, *rest: self._receive(*rest))
             self.fmu.instantiate(callbacks=callbacks, loggingOn=logging)
         else:
-            self.fmu.instantiate(loggingOn=logging, logMessage=lambda _e, *rest: self._hear(*rest))
+            self.fmu.instantiate(loggingOn=logging, logMessage=lambda _e, *rest: self._receive(*rest))
 
-    def _hear(self, status: int, category: bytes, text: bytes) -> None:
-        self.said.append((status, category.decode(), text.decode()))
+    def _receive(self, status: int, category: bytes, text: bytes) -> None:
+        self.logged.append((status, category.decode(), text.decode()))
 
     @property
     def component(self) -> int:
@@ -78,10 +78,10 @@ class Instance:
         if self.fmi == 2:
             self.fmu.doStep(at, length)
         else:
-            no_rollback, told = c_bool(False), (c_bool(), c_bool(), c_bool())  # noqa: FBT003 - C
+            no_rollback, reported = c_bool(False), (c_bool(), c_bool(), c_bool())  # noqa: FBT003 - C
             fmu = self.fmu
             fmu.fmi3DoStep(
-                fmu.component, at, length, no_rollback, *(byref(one) for one in told), byref(c_double())
+                fmu.component, at, length, no_rollback, *(byref(one) for one in reported), byref(c_double())
             )
 
     @property

@@ -37,7 +37,7 @@ def bench_axis(fmi: int, folder: Path, kind: str = "slave", **start: float) -> I
     instance = Instance(ensure("single_axis", fmi), folder / f"{fmi}", kind, logging=True)
     instance.write(**SETS["between_stops"], **start)
     instance.initialise()
-    instance.said.clear()
+    instance.logged.clear()
     return instance
 
 
@@ -87,11 +87,11 @@ def test_a_switch_beyond_its_ends_is_taken_at_the_nearest_and_reported_once(tmp_
     axis = bench_axis(fmi, tmp_path)
     for value, taken, other in ((1.5, 1.0, 0.0), (-3.0, 0.0, 1.0)):
         axis.write(brake_axis=other)
-        axis.said.clear()
+        axis.logged.clear()
         for step in range(3):
             axis.write(brake_axis=value, voltage_axis=float(step))
         assert axis.read("brake_axis") == [taken]
-        ((status, category, text),) = axis.said
+        ((status, category, text),) = axis.logged
         assert (status, category) == (1, "logStatusWarning")
         assert text == f"brake_axis is a switch, 0 open to 1 closed: {value:g} is taken as {taken:g}"
     axis.step(0.0)
@@ -100,19 +100,19 @@ def test_a_switch_beyond_its_ends_is_taken_at_the_nearest_and_reported_once(tmp_
 
 @VERSIONS
 @pytest.mark.parametrize(
-    ("values", "said"),
+    ("values", "logged"),
     [
         ({"load_inertia": -1e-9}, "load_inertia cannot be -1e-09: it is 0 or more"),
         ({"resistance_axis": -0.1}, "resistance_axis cannot be -0.1: it is 0 or more"),
     ],
 )
 def test_a_parameter_out_of_bounds_is_refused(
-    tmp_path: Path, fmi: int, values: Mapping[str, float], said: str
+    tmp_path: Path, fmi: int, values: Mapping[str, float], logged: str
 ) -> None:
     axis = Instance(ensure("single_axis", fmi), tmp_path / "unzipped", logging=True)
     with pytest.raises(FMICallException):
         axis.write(**values)
-    assert axis.said[-1][2] == said
+    assert axis.logged[-1][2] == logged
     axis.fmu.freeInstance()
 
 
@@ -123,7 +123,7 @@ def test_a_bound_above_is_reported_too() -> None:
 
 @VERSIONS
 def test_in_continuous_time_neither_switch_nor_tuning_moves(tmp_path: Path, fmi: int) -> None:
-    for name, said in (
+    for name, logged in (
         ("brake_axis", "brake_axis is a switch: it can be set in event mode, not in continuous time"),
         ("load_coulomb", "load_coulomb can be tuned in event mode, not in continuous time"),
         ("backlash", "backlash can be set only before the end of initialisation"),
@@ -131,7 +131,7 @@ def test_in_continuous_time_neither_switch_nor_tuning_moves(tmp_path: Path, fmi:
         model = bench_axis(fmi, tmp_path, "model")
         with pytest.raises(FMICallException):
             model.write(**{name: 0.5})
-        assert model.said[-1][2] == said
+        assert model.logged[-1][2] == logged
         model.fmu.freeInstance()
     model = bench_axis(fmi, tmp_path, "model")
     before = model.states()
@@ -182,9 +182,9 @@ def test_indicators_are_the_variables_that_the_description_names(tmp_path: Path,
         references = {row.get("valueReference"): row.get("name") for row in tree.iter("Float64")}
         rows = list(structure.iter("EventIndicator"))
         assert [references[row.get("valueReference")] for row in rows] == events
-        told = {references[row.get("valueReference")]: row.get("dependencies") for row in rows}
+        reported = {references[row.get("valueReference")]: row.get("dependencies") for row in rows}
         (angle,) = [key for key, name in references.items() if name == "load_angle"]
-        assert told["past_stop_high"] == angle
+        assert reported["past_stop_high"] == angle
     model = bench_axis(fmi, tmp_path, "model")
     states = model.states()
     states[model.state_names.index("load_angle")] = 0.5
@@ -195,7 +195,7 @@ def test_indicators_are_the_variables_that_the_description_names(tmp_path: Path,
     assert values == pytest.approx([0.005, -0.025, 1.5, -1.5, 1.4, -1.4, 0.1, -0.1])
     with pytest.raises(FMICallException):
         model.vector("getEventIndicators", 7)
-    assert model.said[-1][2] == "7 event indicators were asked for, but there are 8"
+    assert model.logged[-1][2] == "7 event indicators were asked for, but there are 8"
     model.fmu.freeInstance()
 
 

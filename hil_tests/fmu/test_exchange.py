@@ -110,7 +110,7 @@ def test_the_event_functions_find_no_events(made: Maker, fmi: int) -> None:
 def refused(model: Instance, action: Callable[..., object], *arguments: object) -> str:
     with pytest.raises(FMICallException):
         action(*arguments)
-    return model.said[-1][2]
+    return model.logged[-1][2]
 
 
 @VERSIONS
@@ -132,7 +132,7 @@ def test_a_model_is_no_slave_and_the_other_way_round(made: Maker, fmi: int) -> N
     # A slave's library has the functions of a model; the instance refuses them.
     function = getattr(slave.fmu.dll, f"fmi{fmi}EnterContinuousTimeMode")
     assert function(c_void_p(slave.component)) == ERROR
-    assert "not allowed in state 'step mode'" in slave.said[-1][2]
+    assert "not allowed in state 'step mode'" in slave.logged[-1][2]
     slave.step(0.0)
 
 
@@ -143,7 +143,7 @@ def test_a_solver_that_goes_astray_is_reported(made: Maker, fmi: int) -> None:
     good = model.states()
     model.set_states([1e200] * len(good))
     assert "the rate of" in refused(model, model.rates)
-    assert model.said[-1][:2] == (2, "logStatusDiscard")
+    assert model.logged[-1][:2] == (2, "logStatusDiscard")
     # Discarded, not failed: with other states it goes on.
     model.set_states(good)
     assert model.rates() == pytest.approx([0.0] * len(good), abs=1e-9)

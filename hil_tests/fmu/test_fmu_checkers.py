@@ -22,10 +22,10 @@ def test_the_fmu_manipulation_toolbox_finds_nothing(fmu_file: dict[int, Path], f
     tool = Path(sys.executable).with_name("fmutool")
     command = [str(tool), "-input", str(fmu_file[fmi]), "-check"]
     result = subprocess.run(command, capture_output=True, text=True, check=True)
-    said = result.stdout + result.stderr
-    assert f"compliant with FMI-{fmi}.0" in said
-    assert f"No semantic error against the FMI-{fmi} standard" in said
-    assert not [line for line in said.splitlines() if line.startswith(("WARNING", "ERROR", "CRITICAL"))]
+    logged = result.stdout + result.stderr
+    assert f"compliant with FMI-{fmi}.0" in logged
+    assert f"No semantic error against the FMI-{fmi} standard" in logged
+    assert not [line for line in logged.splitlines() if line.startswith(("WARNING", "ERROR", "CRITICAL"))]
 
 
 @VERSIONS
@@ -102,31 +102,31 @@ def test_messages_come_in_the_categories_that_are_switched_on(
     plant.initialise()
     plant.fmu.terminate()
     plant.fmu.reset()
-    assert [(status, category) for status, category, _ in plant.said] == [(0, "logEvents")] * 4
-    assert [text for *_, text in plant.said] == [
+    assert [(status, category) for status, category, _ in plant.logged] == [(0, "logEvents")] * 4
+    assert [text for *_, text in plant.logged] == [
         "instantiated for co-simulation",
         "initialised at 0 s",
         "terminated at 0 s",
         "reset",
     ]
-    plant.said.clear()
+    plant.logged.clear()
     switch(plant, ["logEvents"], on=False)
     plant.fmu.reset()
-    assert plant.said == []
+    assert plant.logged == []
     switch(plant, ["logEvents", "logStatusWarning"], on=True)
     plant.fmu.reset()
-    assert [text for *_, text in plant.said] == ["reset"]
+    assert [text for *_, text in plant.logged] == ["reset"]
     # An unknown category is answered with a warning, and the others are taken.
-    plant.said.clear()
+    plant.logged.clear()
     switch(plant, ["logDreams", "logEvents"], on=False)
-    assert plant.said == [(1, "logStatusWarning", "there is no log category 'logDreams'")]
+    assert plant.logged == [(1, "logStatusWarning", "there is no log category 'logDreams'")]
     plant.fmu.reset()
     switch(plant, [], on=False)
-    assert len(plant.said) == 1
+    assert len(plant.logged) == 1
     # An error is told whatever is switched off.
     with pytest.raises(FMICallException):
         plant.step(0.0)
-    assert plant.said[-1][:2] == (3, "logStatusError")
+    assert plant.logged[-1][:2] == (3, "logStatusError")
     plant.fmu.freeInstance()
 
 

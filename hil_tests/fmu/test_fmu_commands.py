@@ -50,7 +50,7 @@ def test_list_names_every_model_and_its_robot() -> None:
 
 
 @pytest.mark.parametrize(
-    ("model", "rows", "told"),
+    ("model", "rows", "reported"),
     [
         (
             "single_axis",
@@ -60,13 +60,13 @@ def test_list_names_every_model_and_its_robot() -> None:
         ("rome", ("wheel_distance m 0.16 ", "gear_wheel 1 64 "), "parameter sets: kit, "),
     ],
 )
-def test_show_lists_what_can_be_set(model: str, rows: tuple[str, ...], told: str) -> None:
+def test_show_lists_what_can_be_set(model: str, rows: tuple[str, ...], reported: str) -> None:
     status, out, err = run("show", model)
     assert (status, err) == (0, "")
     cells = [" ".join(line.replace("│", " ").split()) for line in out.splitlines()]
     for row in rows:
         assert any(line.startswith(row.strip()) for line in cells), row
-    assert told in out
+    assert reported in out
 
 
 def test_show_lists_what_an_fmu_of_anybody_has(tmp_path: Path) -> None:
@@ -108,16 +108,16 @@ def test_build_writes_what_check_finds_good(tmp_path: Path, fmi: int) -> None:
     assert read_model_description(str(path)).fmiVersion == f"{fmi}.0"
     status, out, err = run("check", str(path))
     assert (status, err) == (0, "")
-    verdict, *said = out.splitlines()
+    verdict, *logged = out.splitlines()
     assert verdict == "verdict:     good; it fits carrier, rars"
-    assert [line.split(None, 1)[1] for line in said[:5]] == [
+    assert [line.split(None, 1)[1] for line in logged[:5]] == [
         "rars, 183 variables",
         f"{fmi}.0, co-simulation and model exchange",
         "valid",
         "loads, initialises, takes a step",
         "those that its equations give, in a run of its own",
     ]
-    assert [line.partition(":")[0] for line in said[5:]] == ["ar2", "climber", "rome", "rome_arm"]
+    assert [line.partition(":")[0] for line in logged[5:]] == ["ar2", "climber", "rome", "rome_arm"]
 
 
 QUICK = """
@@ -186,7 +186,7 @@ def test_build_goes_into_this_folder_unless_reported_otherwise(
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "logged"),
     [
         (("build", "mars"), "there is no plant 'mars'; did you mean 'rars'? there are: ar2, carrier, "),
         (
@@ -197,11 +197,11 @@ def test_build_goes_into_this_folder_unless_reported_otherwise(
         (("check", __file__), "not an FMU"),
     ],
 )
-def test_what_cannot_be_done_is_one_line_and_status_2(words: tuple[str, ...], said: str) -> None:
+def test_what_cannot_be_done_is_one_line_and_status_2(words: tuple[str, ...], logged: str) -> None:
     status, out, err = run(*words)
     assert (status, out) == (2, "")
     (line,) = err.splitlines()
-    assert said in line
+    assert logged in line
 
 
 def test_a_folder_is_no_file(tmp_path: Path) -> None:
@@ -213,7 +213,7 @@ def test_a_folder_is_no_file(tmp_path: Path) -> None:
 
 @pytest.mark.long(keeps=['name="current_left"-name="strom"-the FMU lacks the output \'current_left\''])
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "logged"),
     [
         ('name="current_left"', 'name="strom"', "the FMU lacks the output 'current_left'"),
         ('unit="rad/s"', 'unit="m/s"', "'speed_left' is in 'm/s', but 'rad/s' was expected"),
@@ -222,7 +222,7 @@ def test_a_folder_is_no_file(tmp_path: Path) -> None:
     ],
 )
 def test_problems_are_named_and_make_status_1(
-    fmu_file: dict[int, Path], tmp_path: Path, old: str, new: str, said: str
+    fmu_file: dict[int, Path], tmp_path: Path, old: str, new: str, logged: str
 ) -> None:
     path = changed(fmu_file[3], tmp_path / "odd.fmu", old, new)
     status, out, err = run("check", path, "--robot", "rars")
@@ -230,10 +230,10 @@ def test_problems_are_named_and_make_status_1(
     problems = err.splitlines()
     assert out.startswith(f"verdict:     {len(problems)} problem")
     assert all(line.startswith("problem: ") for line in problems)
-    assert [line for line in problems if said in line], problems
+    assert [line for line in problems if logged in line], problems
 
 
-def asked_of_a_plant(name: str) -> list[str]:
+def requested_of_a_plant(name: str) -> list[str]:
     """Return what the bench asks of an installed robot's plant: its axes, their supply, what is drawn."""
     robot = kinds.find(name)
     motors = [axis.name for axis in robot.axes if axis.link not in robot.ar2_links]
@@ -256,9 +256,9 @@ def asked_of_a_plant(name: str) -> list[str]:
     ],
 )
 def test_a_robot_requests_its_axes_and_its_body(robot: str, axes: list[str], body: list[str]) -> None:
-    asked = asked_of_a_plant(robot)
-    assert asked[: len(axes)] == [f"voltage_{axis}" for axis in axes]
-    assert asked[4 * len(axes) :] == ["battery_voltage", *body]
+    requested = requested_of_a_plant(robot)
+    assert requested[: len(axes)] == [f"voltage_{axis}" for axis in axes]
+    assert requested[4 * len(axes) :] == ["battery_voltage", *body]
 
 
 def test_all_that_is_missing_is_named(pendulums: Callable[[int], Path]) -> None:
@@ -271,8 +271,8 @@ def test_all_that_is_missing_is_named(pendulums: Callable[[int], Path]) -> None:
         status, _, err = run("check", str(pendulums(2)), "--robot", name)
         assert status == 1
         lacking = [line.split("'")[1] for line in err.splitlines() if "the FMU lacks" in line]
-        asked = [word for word in asked_of_a_plant(name) if word not in {"speed", "height"}]
-        assert sorted(lacking) == sorted(asked), name
+        requested = [word for word in requested_of_a_plant(name) if word not in {"speed", "height"}]
+        assert sorted(lacking) == sorted(requested), name
     _, _, err = run("check", str(pendulums(2)), "--robot", "climber")
     assert "'speed' is in 'rad/s', but 'm/s' was expected" in err
 

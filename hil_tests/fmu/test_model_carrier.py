@@ -22,20 +22,20 @@ MASS = P["body_mass"] + 2 * P["wheel_mass"]
 CASTOR_LOAD = 9.81 * P["body_mass"] * P["centre_offset"] / P["castor_ahead"] / 2
 WHEEL_LOAD = 9.81 * MASS / 2 - CASTOR_LOAD
 AXES = (LEFT, RIGHT)
-ASKED = (*outputs(AXES), "x", "y", "heading", "speed", "yaw_rate", "battery_voltage")
+REQUESTED = (*outputs(AXES), "x", "y", "heading", "speed", "yaw_rate", "battery_voltage")
 
 
 class Bench:
     """The plant with its outputs by name."""
 
     def __init__(self, parameters: Mapping[str, float] = {}) -> None:
-        self.plant = FmuPlant(ensure(PLANT), list(inputs(AXES)), ASKED, parameters, units=units(AXES))
+        self.plant = FmuPlant(ensure(PLANT), list(inputs(AXES)), REQUESTED, parameters, units=units(AXES))
 
     def runs(self, seconds: float, left: float = 0.0, right: float = 0.0) -> dict[str, float]:
         self.plant.inputs[:] = [left, right]
         for _ in range(round(seconds * 10_000)):
             self.plant.step()
-        return dict(zip(ASKED, self.plant.outputs, strict=True))
+        return dict(zip(REQUESTED, self.plant.outputs, strict=True))
 
 
 @pytest.fixture
@@ -63,10 +63,10 @@ def steady(voltage: float, push: float = 0.0) -> float:
 def test_it_is_built_for_both_versions_and_gives_its_bits(fmi: int) -> None:
     path = ensure(PLANT, fmi)
     assert validate_fmu(str(path)) == []
-    with FmuPlant(path, list(inputs(AXES)), ASKED, units=units(AXES)) as plant:
+    with FmuPlant(path, list(inputs(AXES)), REQUESTED, units=units(AXES)) as plant:
         assert plant.fingerprint is Verdict.SAME
-        told = {name for name, variable in plant.variables.items() if variable.causality == "output"}
-    assert told == set(ASKED)
+        reported = {name for name, variable in plant.variables.items() if variable.causality == "output"}
+    assert reported == set(REQUESTED)
 
 
 def test_the_reference_trajectory_holds_in_both_versions() -> None:

@@ -107,9 +107,9 @@ def test_both_slips_share_one_adhesion_against_the_way_of_sliding(
     for way in ("ahead", "left"):
         assert found[f"tyre_{way}_rear_left"] == pytest.approx(0.0, abs=1e-7)
     slips = {row.name: row.expression for row in MODEL.outputs if row.name.startswith("slip_")}
-    told = formula(MODEL, slips, start)(**given)
-    assert told["slip_ahead_rear_left"] == pytest.approx(rho, rel=1e-9)
-    assert told["slip_left_rear_left"] == pytest.approx(-angle, rel=1e-9)
+    reported = formula(MODEL, slips, start)(**given)
+    assert reported["slip_ahead_rear_left"] == pytest.approx(rho, rel=1e-9)
+    assert reported["slip_left_rear_left"] == pytest.approx(-angle, rel=1e-9)
 
 
 @pytest.mark.parametrize(("place", "border"), [(0.220, 10.9), (0.141, 13.8)])

@@ -208,8 +208,8 @@ def test_a_library_that_cannot_be_loaded_leaves_the_process_where_it_is(
 
 def test_what_an_fmu_states_has_its_arguments_in_it() -> None:
     """FMI 2.0 hands a format and what follows to the master (section 2.1.5): called as an FMU calls it."""
-    said, others = deque[str](), deque[str]()
-    (callbacks, number), (_, other) = listened(said), listened(others)
+    logged, others = deque[str](), deque[str]()
+    (callbacks, number), (_, other) = listened(logged), listened(others)
     logger = ctypes.cast(callbacks.logger, ctypes.c_void_p).value
     assert logger is not None
     speak = ctypes.CFUNCTYPE(
@@ -218,7 +218,7 @@ def test_what_an_fmu_states_has_its_arguments_in_it() -> None:
     )(logger)
     for status in (2, 0):
         speak(number, b"tank", status, b"logStatusError", b"%d of the %s are open, 100 %%", 3, b"valves")
-    assert list(said) == ["3 of the valves are open, 100 %"]
+    assert list(logged) == ["3 of the valves are open, 100 %"]
     assert not others
     for one in (number, other):
         forgotten(one)

@@ -60,7 +60,7 @@ def test_a_unit_that_is_not_known_is_refused_at_the_build(table: str, fmi: int, 
     rows = getattr(pendulum(), table)
     changed: Any = {table: (replace(rows[0], unit="furlong"), *rows[1:])}
     wrong = replace(pendulum(), **changed)
-    told = rf"'{rows[0].name}' of pendulum is in 'furlong', which .* there are: 1, s"
-    with pytest.raises(PlantError, match=told):
+    reported = rf"'{rows[0].name}' of pendulum is in 'furlong', which .* there are: 1, s"
+    with pytest.raises(PlantError, match=reported):
         export(wrong, fmi, tmp_path / "wrong.fmu", token="{}")  # noqa: S106 - no password
     assert not list(tmp_path.iterdir())

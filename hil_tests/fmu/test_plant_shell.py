@@ -19,7 +19,7 @@ class Slave:
     def __init__(self, path: Path, folder: Path, fmi: int) -> None:
         self.description = read_model_description(str(path))
         self.references = {v.name: v.valueReference for v in self.description.modelVariables}
-        self.said: list[str] = []
+        self.logged: list[str] = []
         self.fmi = fmi
         options = {
             "guid": self.description.guid,
@@ -29,13 +29,13 @@ class Slave:
         }
         if fmi == 2:
             callbacks = fmi2CallbackFunctions()
-            callbacks.logger = fmi2CallbackLoggerTYPE(lambda *a: self.said.append(a[-1].decode()))
+            callbacks.logger = fmi2CallbackLoggerTYPE(lambda *a: self.logged.append(a[-1].decode()))
             self.callbacks = callbacks
             self.fmu: Any = FMU2Slave(**options)
             self.fmu.instantiate(callbacks=callbacks)
         else:
             self.fmu = FMU3Slave(**options)
-            self.fmu.instantiate(logMessage=lambda *a: self.said.append(a[-1].decode()))
+            self.fmu.instantiate(logMessage=lambda *a: self.logged.append(a[-1].decode()))
 
     def initialise(self) -> None:
         if self.fmi == 2:
@@ -70,7 +70,7 @@ def slave(request: pytest.FixtureRequest, fmu_file: dict[int, Path], tmp_path: P
 def refused(slave: Slave, action: Any, *arguments: Any) -> str:
     with pytest.raises(FMICallException):
         action(*arguments)
-    return slave.said[-1]
+    return slave.logged[-1]
 
 
 def test_calls_out_of_turn(slave: Slave) -> None:

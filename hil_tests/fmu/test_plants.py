@@ -116,16 +116,16 @@ def test_its_cache_follows_its_own_source(install: Installer, tmp_path: Path) ->
     ]
 )
 @pytest.mark.parametrize(
-    ("value", "said"),
+    ("value", "logged"),
     [
         ("swinging.nowhere:PLANT", r"'pendulum' cannot be loaded from swinging\.nowhere:PLANT"),
         ("swinging.parameters:PARAMETERS", r"parameters:PARAMETERS is not the plant 'pendulum', but \("),
         ("fmu.rars.parameters:PLANT", "is not the plant 'pendulum'"),
     ],
 )
-def test_an_entry_that_is_no_plant_is_named(install: Installer, value: str, said: str) -> None:
+def test_an_entry_that_is_no_plant_is_named(install: Installer, value: str, logged: str) -> None:
     install(pendulum=value)
-    with pytest.raises(PlantError, match=said):
+    with pytest.raises(PlantError, match=logged):
         find("pendulum")
     assert find("rars").name == "rars", "and harms no other"
     status, out, _ = run("list")
@@ -167,7 +167,7 @@ def test_a_path_leads_through_attributes_keys_and_names_of_rows() -> None:
 
 
 @pytest.mark.parametrize(
-    ("path", "said"),
+    ("path", "logged"),
     [
         ("axes.rigth.gear_ratio", "which has no 'rigth'; did you mean 'right'"),
         ("geometry.bas.gear_ratio", "which has no 'bas'; did you mean 'base'"),
@@ -176,18 +176,18 @@ def test_a_path_leads_through_attributes_keys_and_names_of_rows() -> None:
         ("axes.left", "that is no number"),
     ],
 )
-def test_a_path_that_leads_nowhere_is_reported_with_the_nearest(path: str, said: str) -> None:
-    with pytest.raises(UnknownNameError, match=f"takes '{path}' from the robot's file.*{said}"):
+def test_a_path_that_leads_nowhere_is_reported_with_the_nearest(path: str, logged: str) -> None:
+    with pytest.raises(UnknownNameError, match=f"takes '{path}' from the robot's file.*{logged}"):
         Plant("p", "p", (), {}, {path: ("gear", 1.0)}).parameters_of(ROBOT)
 
 
 def test_a_plant_reports_its_variables_with_units_and_meaning() -> None:
     with FmuPlant(ensure("rars"), (), ()) as plant:
-        told = plant.variables
-    assert told["lift_height"].unit == "m"
-    assert told["lift_height"].description == "lift above its collapsed height"
-    assert (told["lift_height"].causality, told["energy"].causality) == ("output", "local")
+        reported = plant.variables
+    assert reported["lift_height"].unit == "m"
+    assert reported["lift_height"].description == "lift above its collapsed height"
+    assert (reported["lift_height"].causality, reported["energy"].causality) == ("output", "local")
     model = find("rars").model()
     assert {row.name: row.unit for row in model.outputs}.items() <= {
-        n: v.unit for n, v in told.items()
+        n: v.unit for n, v in reported.items()
     }.items()

@@ -150,6 +150,6 @@ def test_the_sources_are_what_microsofts_compiler_reads(tmp_path: Path, plant: s
         (tmp_path / name).write_text(text, encoding="utf-8")
     units = sorted(str(path) for path in (tmp_path / "sources").glob("*.c"))
     manner = ("--target=x86_64-pc-windows-msvc", "--driver-mode=cl", "/U__STDC_VERSION__")
-    asked = ("/c", "/Zs", "/W3", "/WX", "-Wno-unused", "-Wno-unknown-pragmas", f"-I{tmp_path}")
+    requested = ("/c", "/Zs", "/W3", "/WX", "-Wno-unused", "-Wno-unknown-pragmas", f"-I{tmp_path}")
     assert len(units) > 8
-    subprocess.run(["clang", *manner, *asked, *units], check=True)  # noqa: S607 - Debian's
+    subprocess.run(["clang", *manner, *requested, *units], check=True)  # noqa: S607 - Debian's

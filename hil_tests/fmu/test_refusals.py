@@ -83,10 +83,10 @@ STEPPING: Final[dict[int, tuple[Call, ...]]] = {
 
 def refused(instance: Instance, name: str, arguments: tuple[Any, ...]) -> None:
     """Call it as C would; it must say that something is NULL, and go on."""
-    instance.said.clear()
+    instance.logged.clear()
     function = instance.fmu.dll[f"fmi{instance.fmi}{name}"]
     assert function(c_void_p(instance.component), *arguments) == ERROR, name
-    ((status, category, text),) = instance.said
+    ((status, category, text),) = instance.logged
     assert (status, category) == (ERROR, "logStatusError")
     assert f"{name}: the argument '" in text
     assert text.endswith("' is NULL")
@@ -153,35 +153,35 @@ def test_nothing_hangs_on_the_time(made: Maker, fmi: int, kind: str) -> None:
     assert plant.slopes(["der(current_left)"], ["time", "voltage_left"], [5.0, 1.0]) == alone
 
 
-def told(path: Path, folder: Path, **asked: bool) -> tuple[bool, list[tuple[int, str]]]:
+def reported(path: Path, folder: Path, **requested: bool) -> tuple[bool, list[tuple[int, str]]]:
     """Instantiate for co-simulation in FMI 3.0; return whether that went well, and what was said."""
     instance = Instance(path, folder, logging=True)
-    instance.said.clear()
-    said: list[tuple[int, str]] = []
+    instance.logged.clear()
+    logged: list[tuple[int, str]] = []
     try:
         instance.fmu.instantiate(
             loggingOn=True,
-            logMessage=lambda _e, status, _c, text: said.append((status, text.decode())),
-            **asked,
+            logMessage=lambda _e, status, _c, text: logged.append((status, text.decode())),
+            **requested,
         )
     except Exception:  # noqa: BLE001 - FMPy has no class of its own for it
-        return False, said
+        return False, logged
     instance.fmu.freeInstance()
-    return True, said
+    return True, logged
 
 
 def test_modes_that_there_are_not_are_answered(fmu_file: dict[int, Path], tmp_path: Path) -> None:
-    made, said = told(fmu_file[3], tmp_path / "plain")
-    assert (made, said) == (True, [(0, "instantiated for co-simulation")])
-    made, said = told(fmu_file[3], tmp_path / "events", eventModeUsed=True)
+    made, logged = reported(fmu_file[3], tmp_path / "plain")
+    assert (made, logged) == (True, [(0, "instantiated for co-simulation")])
+    made, logged = reported(fmu_file[3], tmp_path / "events", eventModeUsed=True)
     assert not made
-    ((status, text),) = said
+    ((status, text),) = logged
     assert status == ERROR
     assert "eventModeUsed" in text
     assert "hasEventMode" in text
-    made, said = told(fmu_file[3], tmp_path / "early", earlyReturnAllowed=True)
+    made, logged = reported(fmu_file[3], tmp_path / "early", earlyReturnAllowed=True)
     assert made
-    assert said[-1] == (1, "earlyReturnAllowed is true, but no step here returns early")
+    assert logged[-1] == (1, "earlyReturnAllowed is true, but no step here returns early")
 
 
 def test_the_build_description_names_the_flags_of_the_binary(fmu_file: dict[int, Path]) -> None:
@@ -213,7 +213,7 @@ def test_a_very_long_step_is_subdivided(swinging: Callable[[int], Instance], fmi
     assert once.read("angle", "height") == pieces.read("angle", "height")
     with pytest.raises(FMICallException):
         once.step(1001.0, float("inf"))
-    assert "a step of inf s is not possible" in once.said[-1][2]
+    assert "a step of inf s is not possible" in once.logged[-1][2]
     for instance in (once, pieces):
         instance.fmu.freeInstance()
 
@@ -230,7 +230,7 @@ def test_a_very_long_step_that_runs_away_ends_soon(swinging: Callable[[int], Ins
     # Taken to its end it would be 10^8 inner steps.
     with pytest.raises(FMICallException):
         instance.step(0.0, 1e5)
-    assert "ran away between 0 s and 100000 s" in instance.said[-1][2]
+    assert "ran away between 0 s and 100000 s" in instance.logged[-1][2]
     instance.fmu.freeInstance()
 
 

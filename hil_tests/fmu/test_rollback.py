@@ -84,14 +84,14 @@ def test_bytes_of_another_kind_are_refused(made: Maker, fmi: int) -> None:
     for wrong in (b"", good[:-1], good + b"\0", b"{other" + good[6:]):
         with pytest.raises(FMICallException):
             plant.from_bytes(wrong)
-        assert "no saved state of this model and version" in plant.said[-1][2]
+        assert "no saved state of this model and version" in plant.logged[-1][2]
     # The other version of FMI is the same model: it may go on from there.
     other.restore(there := other.from_bytes(good))
     other.initialise()
     other.release(there)
     with pytest.raises(FMICallException):
         model.restore(taken := model.from_bytes(good))
-    assert "by an instance of the other interface" in model.said[-1][2]
+    assert "by an instance of the other interface" in model.logged[-1][2]
     model.release(taken)
     model.initialise()
     plant.release(state)

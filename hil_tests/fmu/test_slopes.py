@@ -174,7 +174,7 @@ def test_what_has_no_slope_is_refused(model: Instance, unknown: str, known: str,
     model.initialise()
     with pytest.raises(FMICallException):
         model.slopes([unknown], [known], [1.0])
-    assert message in model.said[-1][2]
+    assert message in model.logged[-1][2]
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

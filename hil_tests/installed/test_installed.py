@@ -95,8 +95,8 @@ def test_every_robot_has_its_plant_with_it(run: Run, robot: str) -> None:
         "print(ensure(find(sys.argv[1]).plant.fmu, int(sys.argv[2])))"
     )
     for fmi in ("2", "3"):
-        told = run("python", "-c", script, robot, fmi)
-        assert str(INSTALLED) in told.stdout, told.stderr
+        reported = run("python", "-c", script, robot, fmi)
+        assert str(INSTALLED) in reported.stdout, reported.stderr
 
 
 def test_a_plant_is_had_without_a_compiler(run: Run, tmp_path: Path) -> None:
@@ -113,21 +113,21 @@ def test_stories_of_a_user_run(run: Run, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "stated"),
     [
         ("study tipping --quick", "studies come with a checkout"),
     ],
 )
-def test_what_is_missing_is_stated_with_its_fix(run: Run, words: str, said: str) -> None:
+def test_what_is_missing_is_stated_with_its_fix(run: Run, words: str, stated: str) -> None:
     ended = run("firmware-bridge", *words.split())
     assert ended.returncode != 0
-    assert said in " ".join(ended.stderr.split())
+    assert stated in " ".join(ended.stderr.split())
     assert "Traceback" not in ended.stderr
 
 
 def test_the_doctor_misses_nothing_that_is_needed(run: Run) -> None:
-    told = json.loads(run("firmware-bridge", "doctor", "--json").stdout)
-    assert told["missing"] == []
+    reported = json.loads(run("firmware-bridge", "doctor", "--json").stdout)
+    assert reported["missing"] == []
 
 
 def test_the_base_is_as_small_as_the_page_states(run: Run) -> None:
@@ -175,8 +175,8 @@ def test_another_makers_package_of_the_same_name_is_found_beside_ours(
 def test_it_may_be_published() -> None:
     with ZipFile(wheel()) as archive:
         (name,) = (it for it in archive.namelist() if it.endswith(".dist-info/METADATA"))
-        told = archive.read(name).decode()
-    assert "Do Not Upload" not in told
-    assert "License-Expression: MIT" in told
+        reported = archive.read(name).decode()
+    assert "Do Not Upload" not in reported
+    assert "License-Expression: MIT" in reported
     for extra in ("plants", "plots", "testing"):
-        assert f"Provides-Extra: {extra}" in told
+        assert f"Provides-Extra: {extra}" in reported

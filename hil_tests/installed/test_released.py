@@ -42,9 +42,9 @@ def test_the_sources_are_the_checkout() -> None:
 
 
 def test_the_page_reports_each_library_and_its_licence() -> None:
-    told = dict(re.findall(r"^\| `([\w.-]+)` \| ([^|]+) \|", LICENCES, re.MULTILINE))
+    reported = dict(re.findall(r"^\| `([\w.-]+)` \| ([^|]+) \|", LICENCES, re.MULTILINE))
     bill = json.loads((DIST / "sbom.cdx.json").read_text(encoding="utf-8"))
     assert bill["metadata"]["component"]["name"] == "firmware-bridge"
     mine = {"firmware-bridge", "pip", "setuptools", "pytest", "pluggy", "iniconfig"}
-    assert {it["name"] for it in bill["components"]} - mine == set(told)
-    assert {name for name, licence in told.items() if "GPL" in licence} == {"pymavlink", "python-can"}
+    assert {it["name"] for it in bill["components"]} - mine == set(reported)
+    assert {name for name, licence in reported.items() if "GPL" in licence} == {"pymavlink", "python-can"}

@@ -156,9 +156,9 @@ def test_the_network_states_follow_the_master(bench: Bench) -> None:
     bench.node.sdo[0x1017].raw = 100
     for state, code in (("OPERATIONAL", 5), ("PRE-OPERATIONAL", 0x7F), ("STOPPED", 4)):
         bench.node.nmt.state = state
-        bench.ear.heard.clear()
+        bench.ear.received.clear()
         bench.bus.runs(0.15)
-        beats = [packet.payload for packet in bench.ear.heard if packet.address == 0x700 + NODE]
+        beats = [packet.payload for packet in bench.ear.received if packet.address == 0x700 + NODE]
         assert beats, state
         assert set(beats) == {bytes([code])}
 

@@ -117,9 +117,9 @@ def test_a_remapped_pdo_arrives_with_each_sync(bench: Bench) -> None:
 def test_heartbeat_and_emergency_reach_the_foreign_node(bench: Bench) -> None:
     node = bench.powered()
     node.sdo["Producer Heartbeat Time"].raw = 50
-    bench.ear.heard.clear()
+    bench.ear.received.clear()
     bench.bus.runs(0.5)
-    beats = [packet for packet in bench.ear.heard if packet.address == 0x701]
+    beats = [packet for packet in bench.ear.received if packet.address == 0x701]
     assert 9 <= len(beats) <= 11
     bench.bank.axes[0].supply_mv = 5_000
     bench.bus.runs(0.05)
@@ -134,8 +134,8 @@ def test_heartbeat_and_emergency_reach_the_foreign_node(bench: Bench) -> None:
 
 def test_the_other_drive_is_left_alone(bench: Bench) -> None:
     bench.powered()
-    answered = [packet for packet in bench.ear.heard if packet.address in {0x582, 0x182}]
-    assert [packet.payload for packet in bench.ear.heard if packet.address == 0x702] == [b"\0"]
+    answered = [packet for packet in bench.ear.received if packet.address in {0x582, 0x182}]
+    assert [packet.payload for packet in bench.ear.received if packet.address == 0x702] == [b"\0"]
     assert len(answered) <= 1, "its statusword once, when the network starts"
 
 

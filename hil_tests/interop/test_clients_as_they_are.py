@@ -69,10 +69,10 @@ def test_a_client_on_the_line_that_never_lowers_bit_4(generation: Generation, no
 
     def write(index: int, subindex: int, value: int, _size: int) -> None:
         raw = (value & 0xFFFF_FFFF).to_bytes(4, "little")
-        assert desk.asks(WriteObject(index, subindex, node, raw)) == Done(0)
+        assert desk.requests(WriteObject(index, subindex, node, raw)) == Done(0)
 
     def position() -> int:
-        answer = desk.asks(ReadObject(0x6064, 0, node))
+        answer = desk.requests(ReadObject(0x6064, 0, node))
         assert isinstance(answer, ObjectRead)
         return int.from_bytes(answer.raw, "little", signed=True)
 
@@ -126,8 +126,8 @@ def test_a_client_that_remaps_a_pdo_which_is_valid() -> None:
         for place, entry in enumerate(entries, start=1):
             assert desk.writes(index, place, entry.to_bytes(4, "little")) == "ok"
         assert desk.writes(index, 0, b"\2") == "ok"
-    assert desk.hears("000#0101") == ["181#400700000000"]
-    desk.hears("201#0600D2040000")
+    assert desk.receives("000#0101") == ["181#400700000000"]
+    desk.receives("201#0600D2040000")
     assert desk.store.get(at.TARGET_POSITION) == 1234
     assert desk.motion.written == [6]
 
@@ -175,7 +175,7 @@ def test_the_configuration_file_has_no_value_of_a_command(bench: Bench, index: i
 
 
 @pytest.mark.parametrize(
-    ("profile", "hears"),
+    ("profile", "receives"),
     [
         (realistic(EPOS2_70_10), True),
         (chosen(realistic(EPOS2_70_10), ["boot-time=20ms"]), True),
@@ -184,7 +184,7 @@ def test_the_configuration_file_has_no_value_of_a_command(bench: Bench, index: i
     ids=["realistic", "chosen", "at once"],
 )
 def test_a_client_that_listens_for_the_boot_up_1_ms_after_the_reset(
-    profile: DeviceProfile, *, hears: bool
+    profile: DeviceProfile, *, receives: bool
 ) -> None:
     world, wire = World(), CanWire(1_000_000)
     reset = SECOND
@@ -193,9 +193,11 @@ def test_a_client_that_listens_for_the_boot_up_1_ms_after_the_reset(
     world.attach("master", master, {CAN: wire})
     world.run(2 * SECOND)
     listened = [
-        moment for moment, packet in master.heard if packet.address == 0x701 and moment > reset + MILLISECOND
+        moment
+        for moment, packet in master.received
+        if packet.address == 0x701 and moment > reset + MILLISECOND
     ]
-    assert bool(listened) is hears
+    assert bool(listened) is receives
     if profile.boot_time:
         assert listened[0] - reset == pytest.approx(profile.boot_time, abs=MILLISECOND)
 
@@ -205,10 +207,10 @@ def test_a_client_that_resets_and_polls_the_error_register(generation: Generatio
     # maxon's library: reset, 100 ms, then 0x1001 until it is answered, for 8 s at most.
     desk = SerialDesk(generation, realistic(EPOS2_70_10))
     desk.waits(SECOND)
-    desk.asks(SendNmtService(FAR, 0x81))
+    desk.requests(SendNmtService(FAR, 0x81))
     desk.waits(100 * MILLISECOND)
     for _ in range(20):
-        answer = desk.asks(ReadObject(0x1001, 0, FAR))
+        answer = desk.requests(ReadObject(0x1001, 0, FAR))
         if isinstance(answer, ObjectRead) and answer.error == 0:
             return
     pytest.fail("it has not come back")
@@ -216,7 +218,7 @@ def test_a_client_that_resets_and_polls_the_error_register(generation: Generatio
 
 def test_the_serial_number_that_is_reported_is_the_one_that_answers() -> None:
     profile = numbered(EPOS2_70_10, NEAR + 6)
-    told = profile.differing(NEAR + 6)
+    reported = profile.differing(NEAR + 6)
     drive = Epos2(NEAR + 6, ServoAxis("drive", 2000), profile)
     for address in (at.SERIAL_NUMBER, at.Address(0x2004)):
-        assert int.from_bytes(drive.store.read(address), "little") == told[address]
+        assert int.from_bytes(drive.store.read(address), "little") == reported[address]

@@ -51,7 +51,7 @@ class Station:
         async with asyncio.timeout(WITHIN_S):
             return await anext(aiter(stream()))
 
-    async def told(
+    async def reported(
         self,
         stream: Callable[[], AsyncGenerator[T, None]],
         met: Callable[[T], bool],
@@ -84,7 +84,7 @@ class Station:
             await asyncio.sleep(0.5)
             self.stick = 0.4
             with suppress(TimeoutError):
-                return await self.told(
+                return await self.reported(
                     self.telemetry.subscribe_odometry,
                     lambda one: one.velocity_body.x_m_s > 0.1 and one.position_body.x_m > 0.1,
                     within_s=3.0,
@@ -197,7 +197,7 @@ async def story(port: int) -> None:
         assert (version.flight_sw_major, version.flight_sw_minor) == (0, 1)
         battery = await station.newest(telemetry.subscribe_battery)
         assert 23.0 < battery.voltage_v < 25.0
-        health = await station.told(telemetry.subscribe_health, lambda one: bool(one.is_armable))
+        health = await station.reported(telemetry.subscribe_health, lambda one: bool(one.is_armable))
         assert not health.is_global_position_ok
 
         # By stick, in what MAVSDK calls position control.
@@ -205,29 +205,33 @@ async def story(port: int) -> None:
             hand = at_once.create_task(station.holds_the_stick())
             await station.does(station.action.arm)
             await station.manual.start_position_control()
-            await station.told(telemetry.subscribe_flight_mode, lambda mode: mode == FlightMode.MANUAL)
-            await station.told(telemetry.subscribe_landed_state, lambda one: one == LandedState.IN_AIR)
+            await station.reported(telemetry.subscribe_flight_mode, lambda mode: mode == FlightMode.MANUAL)
+            await station.reported(telemetry.subscribe_landed_state, lambda one: one == LandedState.IN_AIR)
             moved = await station.moves()
             assert moved.position_body.x_m > 0.05
             station.stick = 0.0
-            await station.told(telemetry.subscribe_odometry, lambda one: abs(one.velocity_body.x_m_s) < 0.01)
+            await station.reported(
+                telemetry.subscribe_odometry, lambda one: abs(one.velocity_body.x_m_s) < 0.01
+            )
             hand.cancel()
 
         # By set-points, and on while its watchdog looks at the heartbeats; clockwise as seen from above.
         await station.offboard.set_velocity_body(VelocityBodyYawspeed(0.0, 0.0, 0.0, 0.0))
         await station.offboard.start()
-        await station.told(telemetry.subscribe_flight_mode, lambda mode: mode == FlightMode.OFFBOARD)
+        await station.reported(telemetry.subscribe_flight_mode, lambda mode: mode == FlightMode.OFFBOARD)
         await station.offboard.set_velocity_body(VelocityBodyYawspeed(0.2, 0.0, 0.0, 10.0))
         await asyncio.sleep(WATCHED_S)
         assert await station.offboard.is_active()
-        turned = await station.told(telemetry.subscribe_heading, lambda one: 10.0 < one.heading_deg < 90.0)
+        turned = await station.reported(
+            telemetry.subscribe_heading, lambda one: 10.0 < one.heading_deg < 90.0
+        )
         attitude = await station.newest(telemetry.subscribe_attitude_euler)
         assert attitude.yaw_deg == pytest.approx(turned.heading_deg, abs=30.0)
         driven = await station.newest(telemetry.subscribe_position_velocity_ned)
         assert driven.velocity.east_m_s > 0.0
 
         await station.does(station.action.hold)
-        await station.told(telemetry.subscribe_flight_mode, lambda mode: mode == FlightMode.HOLD)
-        await station.told(telemetry.subscribe_odometry, lambda one: one.velocity_body.x_m_s < 0.01)
+        await station.reported(telemetry.subscribe_flight_mode, lambda mode: mode == FlightMode.HOLD)
+        await station.reported(telemetry.subscribe_odometry, lambda one: one.velocity_body.x_m_s < 0.01)
         await station.does(station.action.disarm)
-        await station.told(telemetry.subscribe_armed, lambda armed: not armed)
+        await station.reported(telemetry.subscribe_armed, lambda armed: not armed)

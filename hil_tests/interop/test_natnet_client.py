@@ -50,24 +50,24 @@ def emulated(*words: str) -> Iterator[int]:
 
 @pytest.mark.parametrize("version", ["3.1", "2.10", "4.1"])
 def test_a_third_party_client_reads_the_stream(version: str) -> None:
-    heard: list[Any] = []
+    received: list[Any] = []
     models: list[Any] = []
     with (
         emulated("--natnet", version, "--up", "z", "--noise-mm", "0", "--body", "rome") as port,
         NatNetClient("127.0.0.1", "127.0.0.1", command_port=port, use_multicast=False) as client,
     ):
-        client.on_data_frame_received_event.handlers.append(heard.append)
+        client.on_data_frame_received_event.handlers.append(received.append)
         client.on_data_description_received_event.handlers.append(models.append)
         client.request_modeldef()
         clock = Clock()
-        while len(heard) < WANTED or not models:
-            assert clock.now() < WITHIN, f"{len(heard)} frames, {len(models)} models"
+        while len(received) < WANTED or not models:
+            assert clock.now() < WITHIN, f"{len(received)} frames, {len(models)} models"
             client.update_sync()
             clock.wait([], clock.now() + MILLISECOND)
         assert client.server_info.application_name == "Motive"
         assert str(client.protocol_version).startswith(version)
     assert [body.name for body in models[0].rigid_bodies] == ["rome"]
-    for frame in heard:
+    for frame in received:
         (body,) = frame.rigid_bodies
         angle = 0.5 * frame.prefix.frame_number / 240
         assert body.id_num == 1
@@ -77,5 +77,5 @@ def test_a_third_party_client_reads_the_stream(version: str) -> None:
         if version == "3.1":
             assert frame.suffix.timestamp == pytest.approx(frame.prefix.frame_number / 240, abs=1e-6)
             assert not frame.suffix.is_recording
-    numbers = [frame.prefix.frame_number for frame in heard]
+    numbers = [frame.prefix.frame_number for frame in received]
     assert numbers == sorted(set(numbers))

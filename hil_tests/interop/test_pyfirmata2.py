@@ -23,8 +23,8 @@ FIRST_WHEEL = 0
 @contextmanager
 def emulated(link: Path, *words: str) -> Iterator[None]:
     """Run a board until the block is left; it is there when it has said so."""
-    said = [str(PROGRAM), "emulate", "board", "--serial-link", str(link), *words]
-    with subprocess.Popen(said, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as running:
+    stated = [str(PROGRAM), "emulate", "board", "--serial-link", str(link), *words]
+    with subprocess.Popen(stated, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as running:
         assert running.stdout is not None
         assert b"Ctrl-C ends it" in running.stdout.readline()
         try:

@@ -30,11 +30,11 @@ class Listener:
 
     def __init__(self, network: canopen.Network) -> None:
         self.network = network
-        self.heard: list[Packet] = []
+        self.received: list[Packet] = []
         self.synchronises = False
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        self.heard.append(packet)
+        self.received.append(packet)
         if not packet.address & REMOTE:
             self.network.notify(identifier(packet.address), bytearray(packet.payload), now / 1e9)
         return Reaction((), now - now % SYNC_PERIOD + SYNC_PERIOD)
@@ -91,9 +91,9 @@ class PdoMaster(Master):
         """Have `canopen` read the PDO settings, and start the node, which then tells its statusword."""
         self.node.nmt.state = "PRE-OPERATIONAL"
         self.node.setup_402_state_machine(read_pdos=True)
-        told = self.node.tpdo[1]
-        told.trans_type = 1
-        told.save()
+        reported = self.node.tpdo[1]
+        reported.trans_type = 1
+        reported.save()
         self.ear.synchronises = True
         self.node.nmt.state = "OPERATIONAL"
         self.bus.runs(0.03)

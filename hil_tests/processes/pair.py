@@ -168,7 +168,7 @@ class Pair:
     def _places(self) -> tuple[str, ...]:
         """Wait until the emulator says where it is; return the bridge's words for that."""
 
-        def said() -> list[str]:
+        def stated() -> list[str]:
             return re.findall(r"/dev/pts/\d+", (self.folder / "emulator.log").read_text())
 
         awaited(lambda: "ends it" in (self.folder / "emulator.log").read_text(), "the emulator is there")
@@ -176,9 +176,9 @@ class Pair:
         if not lines:
             return self._bus
         if len(lines) == 1:
-            return ("--serial", said()[0])
+            return ("--serial", stated()[0])
         return tuple(
-            w for name, at in zip(lines, said(), strict=False) for w in ("--link", f"{name}=serial:{at}")
+            w for name, at in zip(lines, stated(), strict=False) for w in ("--link", f"{name}=serial:{at}")
         )
 
     def drives(self) -> None:
@@ -187,18 +187,18 @@ class Pair:
         def turns() -> bool:
             if not self.station.armed:
                 self.station.stick = 0
-                self.station.asks(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1)
+                self.station.requests(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1)
                 passes(0.5)
             self.station.stick = self.row.stick if self.station.armed else 0
             passes(0.5)
-            assert self.bridge.poll() is None, self.said
+            assert self.bridge.poll() is None, self.stated
             return self.fastest > 2.0 * self.row.turns_rad_s
 
         awaited(turns, "it drives")
         passes(1.0)
 
     @property
-    def said(self) -> str:
+    def stated(self) -> str:
         """What the bridge has said in its log."""
         return self.log.read_text() if self.log.exists() else ""
 

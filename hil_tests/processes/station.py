@@ -66,19 +66,19 @@ class Station:
         with self._lock:
             self._link.heartbeat_send(6, 8, 0, 0, 0)
 
-    def asks(self, command: int, *fields: float) -> None:
+    def requests(self, command: int, *fields: float) -> None:
         """Send a command."""
         with self._lock:
             self._link.command_long_send(1, 1, command, 0, *(*fields, *(0.0,) * (7 - len(fields))))
 
     def stops(self) -> None:
         """Order an emergency stop, and a forced disarm, as some stations do."""
-        self.asks(mavlink.MAV_CMD_DO_FLIGHTTERMINATION, 1)
-        self.asks(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0, STOP)
+        self.requests(mavlink.MAV_CMD_DO_FLIGHTTERMINATION, 1)
+        self.requests(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0, STOP)
 
     def lets_anybody_drive(self) -> None:
         """Give the control away, and take it where another one has: MAV_CMD_REQUEST_OPERATOR_CONTROL."""
-        self.asks(REQUEST_CONTROL, 1, 1)
+        self.requests(REQUEST_CONTROL, 1, 1)
 
     def _work(self) -> None:
         beats = 0
@@ -88,9 +88,9 @@ class Station:
                 if beats % 20 == 0:
                     self._link.heartbeat_send(6, 8, 0, 0, 0)
                 beats += 1
-            self._hear()
+            self._receive()
 
-    def _hear(self) -> None:
+    def _receive(self) -> None:
         with suppress(OSError):
             while True:
                 for message in self._link.parse_buffer(self._socket.recv(2048)) or ():

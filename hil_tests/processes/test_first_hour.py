@@ -98,8 +98,8 @@ def test_from_nothing_to_the_page_of_a_driven_robot(tmp_path: Path) -> None:
             finally:
                 station.end()
     (folder,) = (tmp_path / "recordings").iterdir()
-    said = desk.does("report", str(folder.relative_to(tmp_path)), "--animate")
-    assert "otherwise than was recorded" not in said
+    stated = desk.does("report", str(folder.relative_to(tmp_path)), "--animate")
+    assert "otherwise than was recorded" not in stated
     page = (folder / "report.html").read_text(encoding="utf-8")
     way = re.search(r'path length</td><td class="number">([\d.]+)<', page)
     assert way is not None
@@ -114,7 +114,7 @@ def drives(station: Station, bridge: "subprocess.Popen[bytes]", log: Path) -> No
 
     def armed() -> bool:
         assert bridge.poll() is None, log.read_text(encoding="utf-8")
-        station.asks(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1)
+        station.requests(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 1)
         passes(0.5)
         return station.armed
 
@@ -123,7 +123,7 @@ def drives(station: Station, bridge: "subprocess.Popen[bytes]", log: Path) -> No
     awaited(lambda: station.x_m > WAY_M, "it has gone two metres")
     station.stick = 0
     passes(2.0)
-    station.asks(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0)
+    station.requests(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0)
     awaited(lambda: not station.armed, "it is disarmed")
     with suppress(ProcessLookupError):
         bridge.send_signal(signal.SIGINT)

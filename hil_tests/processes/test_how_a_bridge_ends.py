@@ -49,17 +49,17 @@ ROBOTS: Final = {
 
 
 @dataclass
-class Told:
+class Reported:
     """What came of it."""
 
     moved_s: float
     """So long after the begin something turned."""
     status: int | None
     """The bridge's exit status; None where it goes on."""
-    said: str
+    stated: str
 
 
-Story = Callable[[Row, Path], Told]
+Story = Callable[[Row, Path], Reported]
 
 
 def story(
@@ -67,12 +67,12 @@ def story(
 ) -> Story:
     """Let a robot drive, attack its bridge, and look what comes of it."""
 
-    def told(row: Row, folder: Path) -> Told:
+    def reported(row: Row, folder: Path) -> Reported:
         # Whoever is in a group hears all groups of its port: one robot at a time is on a bus.
         with nullcontext() if row.lines else ONE_BUS:
             return carried(row, folder)
 
-    def carried(row: Row, folder: Path) -> Told:
+    def carried(row: Row, folder: Path) -> Reported:
         pair = Pair(row, folder, **given)  # type: ignore[arg-type]
         try:
             pair.drives()
@@ -80,12 +80,12 @@ def story(
             status = None if goes_on else pair.ended()
             passes(settles_s)
             if goes_on:
-                assert pair.bridge.poll() is None, pair.said
-            return Told(pair.moved_until(begun), status, pair.said)
+                assert pair.bridge.poll() is None, pair.stated
+            return Reported(pair.moved_until(begun), status, pair.stated)
         finally:
             pair.close()
 
-    return told
+    return reported
 
 
 def sent(*numbers: signal.Signals, apart_s: float = 0.1) -> Callable[[Pair], float]:
@@ -149,14 +149,14 @@ def fight(pair: Pair) -> float:
 
 def crowd(pair: Pair) -> float:
     """Two hundred strangers show that they live, two thousand times a second; then a stop is ordered."""
-    strangers = [Station(pair.station.port, system=number) for number in range(2, 202)]
+    new_stations = [Station(pair.station.port, system=number) for number in range(2, 202)]
     ends = Event()
 
     def speak() -> None:
         while not ends.wait(0.005):
-            for stranger in strangers[:10]:
-                stranger.lives()
-            strangers[:] = strangers[10:] + strangers[:10]
+            for foreign_node in new_stations[:10]:
+                foreign_node.lives()
+            new_stations[:] = new_stations[10:] + new_stations[:10]
 
     thread = Thread(target=speak)
     thread.start()
@@ -168,11 +168,11 @@ def crowd(pair: Pair) -> float:
     finally:
         ends.set()
         thread.join()
-        for stranger in strangers:
-            stranger.closes()
+        for foreign_node in new_stations:
+            foreign_node.closes()
 
 
-def closed_terminal(row: Row, folder: Path) -> Told:
+def closed_terminal(row: Row, folder: Path) -> Reported:
     """The window is closed, or ssh drops: the kernel hangs up."""
     with terminal() as (master, slave):
 
@@ -184,7 +184,7 @@ def closed_terminal(row: Row, folder: Path) -> Told:
         return story(close, stdout=slave)(row, folder)
 
 
-def gone_terminal(row: Row, folder: Path) -> Told:
+def gone_terminal(row: Row, folder: Path) -> Reported:
     """Its terminal is gone, and it was told to ignore that; then a stop is ordered."""
     with terminal() as (master, slave):
 
@@ -206,7 +206,7 @@ def terminal() -> Iterator[tuple[int, int]]:
         os.close(slave)
 
 
-def unread(row: Row, folder: Path) -> Told:
+def unread(row: Row, folder: Path) -> Reported:
     """A pager, or Ctrl-S: nobody takes what it says; then the stick is let go, and a stop is ordered."""
     reader, writer = os.pipe()
     fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 4096)
@@ -232,17 +232,17 @@ def unread(row: Row, folder: Path) -> Told:
         os.close(writer)
 
 
-def stalled_disk(row: Row, folder: Path) -> Told:
+def stalled_disk(row: Row, folder: Path) -> Reported:
     """The disk under the file where the axes stand takes nothing: a pipe that nobody reads stands for it."""
 
     def stall(pair: Pair) -> float:
         pair.station.stick = 0
-        pair.station.asks(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0)
+        pair.station.requests(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0)
         passes(1.0)
-        pair.station.asks(mavlink.MAV_CMD_USER_1, JOINT_6, 1.0)
+        pair.station.requests(mavlink.MAV_CMD_USER_1, JOINT_6, 1.0)
         passes(0.5)
         os.mkfifo(folder / f"state.json.{pair.bridge.pid}")
-        pair.station.asks(mavlink.MAV_CMD_USER_1, JOINT_6, 0.0)
+        pair.station.requests(mavlink.MAV_CMD_USER_1, JOINT_6, 0.0)
         pair.drives()
         passes(2.0)
         pair.station.stops()
@@ -278,9 +278,9 @@ STOPS_WITHIN_S: Final = 4.0
 
 
 @pytest.fixture(scope="module")
-def told(
+def reported(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[dict[str, Future[Told]]]:
+) -> Iterator[dict[str, Future[Reported]]]:
     """Let the stories that were chosen run, some at a time: most of their time they wait."""
     chosen = [
         str(item.callspec.params["name"])
@@ -295,14 +295,14 @@ def told(
 
 
 @pytest.mark.parametrize("name", STORIES)
-def test_the_robot_stands(name: str, told: dict[str, Future[Told]]) -> None:
-    came = told[name].result()
+def test_the_robot_stands(name: str, reported: dict[str, Future[Reported]]) -> None:
+    came = reported[name].result()
     if name == "ctrl-c three times":
         assert came.status == 1
-        assert "nothing stops it" in came.said.splitlines()[-1]
+        assert "nothing stops it" in came.stated.splitlines()[-1]
         return
     assert came.moved_s <= STOPS_WITHIN_S, came
     assert came.status in (None, 0), came
-    assert "on a slope" not in came.said
+    assert "on a slope" not in came.stated
     if name == "suspended":
-        assert "bridge stood still" in came.said
+        assert "bridge stood still" in came.stated

@@ -25,8 +25,8 @@ def story(*steps: dict[str, Any]) -> Mission:
     for step in sorted(steps, key=lambda step: step["at_s"]):
         lines.append("[[step]]")
         for key, value in ({"title": "a step"} | step).items():
-            said = str(value).lower() if isinstance(value, bool) else repr(value).replace("'", '"')
-            lines.append(f"{key} = {said}")
+            stated = str(value).lower() if isinstance(value, bool) else repr(value).replace("'", '"')
+            lines.append(f"{key} = {stated}")
     robot = find("carrier")
     return parse("\n".join(lines), "story.toml", robot, rehearsal_of(robot))
 

@@ -45,16 +45,16 @@ def test_a_robot_that_turns_too_fast_has_to_be_armed_again() -> None:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize(("beyond", "told"), [(0.0, False), (0.995e-4, False), (1.005e-4, True)])
-def test_a_step_that_the_ramp_delays_is_reported(sign: float, beyond: float, *, told: bool) -> None:
-    for wish in (Motion(sign * (STEP + beyond)), Motion(turn_rad_s=sign * (SPIN + beyond))):
-        assert holds(Situation(wish=wish)) == ({"acceleration limit"} if told else set())
+@pytest.mark.parametrize(("beyond", "reported"), [(0.0, False), (0.995e-4, False), (1.005e-4, True)])
+def test_a_step_that_the_ramp_delays_is_reported(sign: float, beyond: float, *, reported: bool) -> None:
+    for command in (Motion(sign * (STEP + beyond)), Motion(turn_rad_s=sign * (SPIN + beyond))):
+        assert holds(Situation(command=command)) == ({"acceleration limit"} if reported else set())
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_only_the_change_counts(sign: float) -> None:
     for motion in (Motion(sign * 0.3), Motion(turn_rad_s=sign * 0.5)):
-        assert holds(Situation(wish=motion, demanded=motion)) == set()
+        assert holds(Situation(command=motion, demanded=motion)) == set()
 
 
 def test_what_the_ramp_reaches_in_one_cycle_is_not_reported_even_without_a_tolerance(
@@ -67,5 +67,5 @@ def test_what_the_ramp_reaches_in_one_cycle_is_not_reported_even_without_a_toler
         (Motion(turn_rad_s=SPIN), set()),
         (Motion(turn_rad_s=math.nextafter(SPIN, 9.0)), {"acceleration limit"}),
     ]
-    for wish, told in reached:
-        assert holds(Situation(wish=wish)) == told
+    for command, reported in reached:
+        assert holds(Situation(command=command)) == reported

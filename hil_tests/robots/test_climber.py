@@ -94,16 +94,16 @@ def test_it_is_the_slower_the_more_the_joint_is_turned_the_way_in_which_that_gro
     joint_deg: float, allowed: float, side: float
 ) -> None:
     gate, body = gate_of(CLIMBER), State(0.0, 0.0, side * math.radians(joint_deg), 1.0)
-    for wish, expected in ((side * 0.06, side * allowed), (-side * 0.06, -side * 0.06)):
-        ruling = gate.rule(seen(CLIMBER, START, Situation(wish=Motion(wish, 0.1), body=body)))
+    for command, expected in ((side * 0.06, side * allowed), (-side * 0.06, -side * 0.06)):
+        ruling = gate.rule(seen(CLIMBER, START, Situation(command=Motion(command, 0.1), body=body)))
         assert ruling.allowed.speed_mps == pytest.approx(expected)
         assert ruling.allowed.turn_rad_s == pytest.approx(0.1)
 
 
-@every(("told_deg", "read_deg"), [(0.0, 0.0), (-29.9, -29.9), (29.9, 29.9), (-45.0, None), (30.1, None)])
-def test_an_angle_beyond_the_stops_is_a_wire_that_is_off(told_deg: float, read_deg: float | None) -> None:
+@every(("reported_deg", "read_deg"), [(0.0, 0.0), (-29.9, -29.9), (29.9, 29.9), (-45.0, None), (30.1, None)])
+def test_an_angle_beyond_the_stops_is_a_wire_that_is_off(reported_deg: float, read_deg: float | None) -> None:
     joint = GEOMETRY.joint
-    angle = joint.read(math.radians(told_deg) + joint.rest)
+    angle = joint.read(math.radians(reported_deg) + joint.rest)
     assert (None if angle is None else math.degrees(angle)) == (
         read_deg if read_deg is None else pytest.approx(read_deg)
     )

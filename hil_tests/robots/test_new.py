@@ -177,7 +177,7 @@ def test_the_friction_that_it_writes_is_more_than_its_plant_has_and_less_than_a_
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "stated"),
     [
         (("Mouse",), "NAME: 'Mouse' is no name"),
         (("class",), "NAME: 'class' is no name"),
@@ -219,7 +219,7 @@ def test_the_friction_that_it_writes_is_more_than_its_plant_has_and_less_than_a_
     ],
 )
 def test_what_makes_no_robot_is_refused_in_one_line_and_nothing_is_written(
-    words: tuple[str, ...], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    words: tuple[str, ...], stated: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     sizes = ["--wheel-radius", "0.08", "--track", "0.35"]
@@ -227,7 +227,7 @@ def test_what_makes_no_robot_is_refused_in_one_line_and_nothing_is_written(
     assert result.exit_code == 2
     (line,) = result.stderr.splitlines()
     assert line.startswith("firmware-bridge: ")
-    assert said in line
+    assert stated in line
     assert list(tmp_path.iterdir()) == []
 
 
@@ -280,8 +280,8 @@ def test_no_motor_is_given_more_than_its_drive_has_and_that_is_stated(
     """An RE40 may have 5.77 A for as long as it likes."""
     monkeypatch.chdir(tmp_path)
     words = ["new", "mouse", "--wheel-radius", "0.08", "--track", "0.35", "--device", device.value]
-    told = CliRunner().invoke(program, words)
-    assert told.exit_code == 0, told.output
+    reported = CliRunner().invoke(program, words)
+    assert reported.exit_code == 0, reported.output
     axes = tomllib.loads((tmp_path / "mouse" / "src" / "mouse" / "mouse.toml").read_text(encoding="utf-8"))[
         "axes"
     ]
@@ -289,4 +289,4 @@ def test_no_motor_is_given_more_than_its_drive_has_and_that_is_stated(
     currents = {(one["continuous_current_ma"], one["peak_current_ma"]) for one in settings}
     continuous = min(5770, device.continuous_ma)
     assert currents == {(continuous, min(2 * continuous, device.peak_ma))}
-    assert ("are more than an EPOS2" in told.output) is (device.continuous_ma < 5770)
+    assert ("are more than an EPOS2" in reported.output) is (device.continuous_ma < 5770)

@@ -5,7 +5,7 @@ from typing import Any, Final
 import pytest
 
 from firmware_bridge.drivers.driver import Feedback, Position, Speed
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis, scissor
 from firmware_bridge.motion.pose import Pose
@@ -23,13 +23,13 @@ TOP: Final = scissor.highest(LIFT)
 STATE: Final = State(0.2, 0.1, 0.0, 0.0, 0.0)
 
 
-def axes(*, heard: bool = True, **changed: tuple[float, float]) -> dict[str, Feedback]:
+def axes(*, received: bool = True, **changed: tuple[float, float]) -> dict[str, Feedback]:
     """Every axis at a position and with a velocity; what is not named rests at 0."""
-    at = SECOND if heard else NEVER_HEARD
+    at = SECOND if received else NEVER_RECEIVED
     seen = {}
     for axis in ROBOT.axes:
         position, velocity = changed.get(axis.name, (0.0, 0.0))
-        seen[axis.name] = Feedback(axis.name, position=position, velocity=velocity, heard_at=at)
+        seen[axis.name] = Feedback(axis.name, position=position, velocity=velocity, received_at=at)
     return seen
 
 
@@ -45,7 +45,7 @@ def test_angle_and_height_are_of_their_axes_and_unknown_until_they_were_received
     seen = axes(steer=(davis.pinion_from_steer(BASE, 0.3), 9.0), lift=(screw, 7.0))
     state = BODY.sensed(seen, {})
     assert (state.steer_rad, state.lift_m, state.screw_rad_s) == pytest.approx((0.3, 0.1, 7.0))
-    state = BODY.sensed(axes(heard=False), {})
+    state = BODY.sensed(axes(received=False), {})
     assert (state.steer_rad, state.lift_m, state.screw_rad_s) == (None, None, None)
 
 
@@ -53,12 +53,12 @@ def test_angle_and_height_are_of_their_axes_and_unknown_until_they_were_received
 @pytest.mark.parametrize("speed", [-0.2, 0.4])
 def test_each_wheel_gets_its_own_speed_by_the_angle_that_is_steered(speed: float, steer: float) -> None:
     state = State(steer, 0.1, 0.0, 0.0, 0.0)
-    told = BODY.demands(Motion(speed_mps=speed, steer_rad=0.1, lift_m=0.2), state)
+    reported = BODY.demands(Motion(speed_mps=speed, steer_rad=0.1, lift_m=0.2), state)
     left, right = davis.wheel_speeds(BASE, speed, steer)
-    assert (told["left"], told["right"]) == (Speed(left), Speed(right))
+    assert (reported["left"], reported["right"]) == (Speed(left), Speed(right))
     assert (left < right) == (steer * speed > 0.0)
-    assert told["steer"] == Position(davis.pinion_from_steer(BASE, 0.1))
-    assert told["lift"] == Position(scissor.screw_from_height(LIFT, 0.2))
+    assert reported["steer"] == Position(davis.pinion_from_steer(BASE, 0.1))
+    assert reported["lift"] == Position(scissor.screw_from_height(LIFT, 0.2))
     assert BODY.demands(Motion(), state).keys() == {"left", "right"}
 
 

@@ -52,7 +52,9 @@ def test_what_a_mode_does_without_is_reported_nothing_and_the_rest_is_as_ever(mo
     assert KIND.rules(ROBOT)[mode].without == {name}
     state = State(0.2, 0.0, 0.0, 0.1, 0.0)
     whole = WHOLE.demands(ALL, state)
-    assert body(mode).demands(ALL, state) == {axis: told for axis, told in whole.items() if axis != name}
+    assert body(mode).demands(ALL, state) == {
+        axis: reported for axis, reported in whole.items() if axis != name
+    }
 
 
 @pytest.mark.parametrize("steer", [-0.4, 0.0, 0.4])
@@ -85,7 +87,7 @@ def test_one_wheel_carries_the_pose_along_the_turn_whatever_is_counted_of_the_ot
 
 def without_zero(name: str, seen: dict[str, Feedback]) -> dict[str, Feedback]:
     one = seen[name]
-    seen[name] = Feedback(one.axis, position=one.position, heard_at=one.heard_at, zero_lost=True)
+    seen[name] = Feedback(one.axis, position=one.position, received_at=one.received_at, zero_lost=True)
     return seen
 
 
@@ -97,26 +99,26 @@ def test_an_angle_or_a_height_is_unknown_where_the_dead_drive_has_lost_its_zero(
     assert body("lift_failed").sensed(without_zero("lift", dict(seen)), {}).lift_m is None
 
 
-def clipped(mode: str, wish: Motion) -> tuple[Motion, list[str]]:
+def clipped(mode: str, command: Motion) -> tuple[Motion, list[str]]:
     """The wish behind the mode's limits, and the names of those that told something."""
     facts = SimpleNamespace(age_limit=USUAL_AGE_LIMIT)
     seen: Any = SimpleNamespace(
-        body=State(0.1, 0.0, 0.0, 0.0, 0.0), demanded=Motion(), facts=facts, wish=wish
+        body=State(0.1, 0.0, 0.0, 0.0, 0.0), demanded=Motion(), facts=facts, command=command
     )
-    view: Any = View(ROBOT, seen, wish, frozenset(), None)
-    told = []
+    view: Any = View(ROBOT, seen, command, frozenset(), None)
+    reported = []
     for row in KIND.rules(ROBOT)[mode].limits:
         allowed, reason = row.clip(view)
-        told += [row.name] if reason is not None and row.name != "acceleration limit" else []
+        reported += [row.name] if reason is not None and row.name != "acceleration limit" else []
         view = View(ROBOT, seen, allowed, frozenset(), None)
-    return view.allowed, told
+    return view.allowed, reported
 
 
 DEGREE: Final = math.radians(1.0)
 
 
 @pytest.mark.parametrize(
-    ("mode", "wish", "allowed", "told"),
+    ("mode", "command", "allowed", "reported"),
     [
         ("left_failed", Motion(0.2), Motion(0.2), []),
         ("left_failed", Motion(0.21), Motion(0.2), ["speed limit"]),
@@ -138,8 +140,8 @@ DEGREE: Final = math.radians(1.0)
         ("lift_failed", Motion(lift_rate_mps=-0.01), Motion(), ["lift out of use"]),
     ],
 )
-def test_limits_after_a_failure(mode: str, wish: Motion, allowed: Motion, told: list[str]) -> None:
-    assert clipped(mode, wish) == (allowed, told)
+def test_limits_after_a_failure(mode: str, command: Motion, allowed: Motion, reported: list[str]) -> None:
+    assert clipped(mode, command) == (allowed, reported)
 
 
 @pytest.mark.parametrize("mode", LEFT_OUT)
@@ -160,16 +162,18 @@ def test_the_modes_numbers_are_none_of_those_that_mean_something_else() -> None:
     numbers = [modes.number_of_own(place) for place in range(len(KIND.modes) + 1)]
     assert numbers == [0, 20, 21, 22, 23]
     for place, number in enumerate(numbers):
-        assert modes.asked(number, 0, len(numbers)) == modes.Asked(modes.Way.MANUAL, place, px4=False)
+        assert modes.requested(number, 0, len(numbers)) == modes.ModeRequest(
+            modes.Way.MANUAL, place, px4=False
+        )
         whole = modes.in_px4(number)
-        assert modes.asked(whole, 0, len(numbers)) == modes.Asked(modes.Way.MANUAL, place, px4=True)
-    hold = modes.asked(4, 0, len(numbers))
+        assert modes.requested(whole, 0, len(numbers)) == modes.ModeRequest(modes.Way.MANUAL, place, px4=True)
+    hold = modes.requested(4, 0, len(numbers))
     assert hold is not None
     assert hold.way is modes.Way.HOLD
 
 
 @every(
-    ("wish", "told"),
+    ("command", "reported"),
     [
         (Motion(steer_rad=0.2 + 1.005 * DEGREE), "the steering stays at 11 deg"),
         (Motion(steer_rad=0.2 - 1.005 * DEGREE), "the steering stays at 11 deg"),
@@ -178,12 +182,12 @@ def test_the_modes_numbers_are_none_of_those_that_mean_something_else() -> None:
     ],
 )
 def test_who_wants_to_steer_a_degree_beside_the_angle_is_reported_the_angle(
-    wish: Motion, told: str | None
+    command: Motion, reported: str | None
 ) -> None:
     seen: Any = SimpleNamespace(body=State(0.2, 0.0, 0.0, 0.0, 0.0))
-    view: Any = View(ROBOT, seen, wish, frozenset(), None)
+    view: Any = View(ROBOT, seen, command, frozenset(), None)
     limits = {row.name: row for row in KIND.rules(ROBOT)["steering_failed"].limits}
-    assert limits["steering out of use"].clip(view) == (Motion(), told)
+    assert limits["steering out of use"].clip(view) == (Motion(), reported)
 
 
 @every(("mode", "name"), [("left_failed", "right"), ("right_failed", "left")])
@@ -197,7 +201,7 @@ def test_one_wheel_carries_the_pose_by_what_it_rolled_since_the_last_sample(mode
 def test_an_angle_just_as_far_as_may_be_is_not_reported() -> None:
     still = State(0.0, 0.0, 0.0, 0.0, 0.0)
     row = KIND.modes["steering_failed"].limits[0]
-    for beside, told in ((STAYS_WITHIN_RAD, False), (math.nextafter(STAYS_WITHIN_RAD, 1.0), True)):
+    for beside, reported in ((STAYS_WITHIN_RAD, False), (math.nextafter(STAYS_WITHIN_RAD, 1.0), True)):
         seen: Any = SimpleNamespace(body=still)
         _, reason = row.clip(View(ROBOT, seen, Motion(0.1, beside), frozenset(), None))
-        assert (reason is not None) is told
+        assert (reason is not None) is reported

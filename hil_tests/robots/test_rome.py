@@ -7,7 +7,7 @@ from typing import Any, Final
 import pytest
 
 from firmware_bridge.drivers.driver import Feedback, Power, Speed
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.kinds import find, kind_of, parse
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import RobotFileError
@@ -29,19 +29,20 @@ REST: Final = State(0.0, 0.0, 0.0)
 def seen(pose: Pose, now: Nanoseconds, sampled_at: Nanoseconds) -> Snapshot[Motion, State]:
     """Return the base armed, with a pose and wheels that were sampled then."""
     axes = {
-        axis.name: Feedback(axis.name, Power.ON, heard_at=now, sampled_at=sampled_at) for axis in ROBOT.axes
+        axis.name: Feedback(axis.name, Power.ON, received_at=now, sampled_at=sampled_at)
+        for axis in ROBOT.axes
     }
     facts = Facts(
         now=now,
         armed=True,
         emergency_stopped=False,
-        heard_at=NEVER_HEARD,
+        received_at=NEVER_RECEIVED,
         neutral=True,
         axes=axes,
         sensors={},
         links_lost={},
     )
-    return Snapshot(facts=facts, wish=Motion(), demanded=Motion(), body=REST, pose=pose)
+    return Snapshot(facts=facts, command=Motion(), demanded=Motion(), body=REST, pose=pose)
 
 
 @pytest.mark.parametrize(
@@ -53,11 +54,13 @@ def seen(pose: Pose, now: Nanoseconds, sampled_at: Nanoseconds) -> Snapshot[Moti
     ],
 )
 def test_each_wheel_gets_its_own_speed(motion: Motion, rims: tuple[float, ...]) -> None:
-    told = BODY.demands(motion, REST)
-    assert [told[axis].value for axis in ("one", "two", "three")] == pytest.approx(
+    reported = BODY.demands(motion, REST)
+    assert [reported[axis].value for axis in ("one", "two", "three")] == pytest.approx(
         [rim / R for rim in rims], abs=1e-12
     )
-    axes = {name: Feedback(name, velocity=one.value) for name, one in told.items() if isinstance(one, Speed)}
+    axes = {
+        name: Feedback(name, velocity=one.value) for name, one in reported.items() if isinstance(one, Speed)
+    }
     state = BODY.sensed(axes, {})
     assert (state.ahead_mps, state.left_mps, state.turn_rad_s) == pytest.approx(
         (motion.ahead_mps, motion.left_mps, motion.turn_rad_s), abs=1e-12
@@ -67,8 +70,8 @@ def test_each_wheel_gets_its_own_speed(motion: Motion, rims: tuple[float, ...]) 
 def test_a_stick_and_a_velocity_ask_for_three_ways_to_move() -> None:
     limits = ROBOT.geometry.limits
     station = KIND.station
-    wish = station.stick(Stick(0.5, -0.25, 1.0, None), Motion(), ROBOT)
-    assert wish == Motion(0.5 * limits.speed_mps, -0.25 * limits.speed_mps, limits.turn_rate_rad_s)
+    command = station.stick(Stick(0.5, -0.25, 1.0, None), Motion(), ROBOT)
+    assert command == Motion(0.5 * limits.speed_mps, -0.25 * limits.speed_mps, limits.turn_rate_rad_s)
     assert station.target(Velocity(0.1, 0.2, None), Motion(), ROBOT) == Motion(0.1, 0.2, 0.0)
 
 
@@ -76,50 +79,50 @@ def test_the_control_law_is_2_15_with_the_error_actual_less_desired() -> None:
     """On the path the wish is its own speed; off it, less K_p times the error and K_i its integral."""
     guide = named(ROBOT, "circle")
     control = ROBOT.geometry.control
-    first = guide.wished(seen(Pose(), SECOND, SECOND), 0)
+    first = guide.command(seen(Pose(), SECOND, SECOND), 0)
     assert (first.ahead_mps, first.left_mps) == pytest.approx((0.0, 0.25))
     late = SECOND + 50 * MILLISECOND
     # The pose is that of the samples before: of SECOND, where the path was at its begin.
-    wish = guide.wished(seen(Pose(0.01, -0.02, 0.0), late, late), 50 * MILLISECOND)
+    command = guide.command(seen(Pose(0.01, -0.02, 0.0), late, late), 50 * MILLISECOND)
     swept = 0.25 * 0.05
     kp, ki = control.kp_per_s, control.ki_per_s2
-    assert wish.ahead_mps == pytest.approx(-0.25 * math.sin(swept) - 0.01 * (kp + ki * 0.05))
-    assert wish.left_mps == pytest.approx(0.25 * math.cos(swept) + 0.02 * (kp + ki * 0.05))
-    assert wish.path_s == pytest.approx(0.05)
+    assert command.ahead_mps == pytest.approx(-0.25 * math.sin(swept) - 0.01 * (kp + ki * 0.05))
+    assert command.left_mps == pytest.approx(0.25 * math.cos(swept) + 0.02 * (kp + ki * 0.05))
+    assert command.path_s == pytest.approx(0.05)
 
 
 def test_a_turned_base_gets_the_same_way_in_its_own_frame() -> None:
     guide = named(ROBOT, "line")
-    guide.wished(seen(Pose(), SECOND, SECOND), 0)
-    turned = guide.wished(seen(Pose(0.0, 0.0, math.pi / 2.0), SECOND, SECOND), 0)
+    guide.command(seen(Pose(), SECOND, SECOND), 0)
+    turned = guide.command(seen(Pose(0.0, 0.0, math.pi / 2.0), SECOND, SECOND), 0)
     assert (turned.ahead_mps, turned.left_mps) == pytest.approx((0.0, -0.5), abs=1e-12)
     assert turned.turn_rad_s == pytest.approx(-ROBOT.geometry.control.kp_per_s * math.pi / 2.0)
 
 
 def test_a_path_begins_where_the_base_stands_and_as_it_looks() -> None:
     guide = named(ROBOT, "line")
-    wish = guide.wished(seen(Pose(3.0, -1.0, 1.0), SECOND, SECOND), 0)
-    assert (wish.ahead_mps, wish.left_mps, wish.turn_rad_s) == pytest.approx((0.5, 0.0, 0.0))
+    command = guide.command(seen(Pose(3.0, -1.0, 1.0), SECOND, SECOND), 0)
+    assert (command.ahead_mps, command.left_mps, command.turn_rad_s) == pytest.approx((0.5, 0.0, 0.0))
 
 
 def test_while_the_base_is_held_back_the_path_waits_and_the_integral_is_forgotten() -> None:
     guide = named(ROBOT, "line")
-    guide.wished(seen(Pose(), SECOND, SECOND), 0)
+    guide.command(seen(Pose(), SECOND, SECOND), 0)
     for _ in range(3):
-        held = guide.wished(seen(Pose(-0.1, 0.0, 0.0), SECOND, SECOND), 50 * MILLISECOND)
+        held = guide.command(seen(Pose(-0.1, 0.0, 0.0), SECOND, SECOND), 50 * MILLISECOND)
         guide.reset()
     assert held.path_s == pytest.approx(0.05)
     fresh = named(ROBOT, "line")
-    fresh.wished(seen(Pose(), SECOND, SECOND), 0)
-    first = fresh.wished(seen(Pose(-0.1, 0.0, 0.0), SECOND, SECOND), 50 * MILLISECOND)
+    fresh.command(seen(Pose(), SECOND, SECOND), 0)
+    first = fresh.command(seen(Pose(-0.1, 0.0, 0.0), SECOND, SECOND), 50 * MILLISECOND)
     assert held.ahead_mps == pytest.approx(first.ahead_mps)
 
 
 def test_the_integral_stops_where_a_rim_is_at_its_limit() -> None:
     guide = named(ROBOT, "line")
-    guide.wished(seen(Pose(), SECOND, SECOND), 0)
+    guide.command(seen(Pose(), SECOND, SECOND), 0)
     far = seen(Pose(-5.0, 0.0, 0.0), SECOND, SECOND)
-    first, *_, last = [guide.wished(far, 50 * MILLISECOND) for _ in range(20)]
+    first, *_, last = [guide.command(far, 50 * MILLISECOND) for _ in range(20)]
     grown = 2.0 * last.path_s * 0.5 if last.path_s is not None else math.nan
     assert last.ahead_mps - first.ahead_mps < grown
 
@@ -153,7 +156,7 @@ def test_a_path_by_points_goes_straight_and_rests_at_its_end() -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "stated"),
     [
         (
             "line = 0.5 ",
@@ -164,15 +167,15 @@ def test_a_path_by_points_goes_straight_and_rests_at_its_end() -> None:
         ("rim_mps = 0.58", "rim_mps = 0.70", "the bound is 11.8 rad/s"),
     ],
 )
-def test_what_is_too_fast_is_refused_with_the_figure(old: str, new: str, said: str) -> None:
+def test_what_is_too_fast_is_refused_with_the_figure(old: str, new: str, stated: str) -> None:
     text = KIND.file.read_text(encoding="utf-8")
     assert text.count(old) == 1
-    with pytest.raises(RobotFileError, match=said):
+    with pytest.raises(RobotFileError, match=stated):
         parse(text.replace(old, new), "rome.toml")
 
 
 def test_at_its_limits_the_guards_sums_let_it_go() -> None:
     for motion, state in kind_of(ROBOT).reach(ROBOT):
-        told = BODY.demands(replace(motion, path_s=1.0), state)
+        reported = BODY.demands(replace(motion, path_s=1.0), state)
         for row in ROBOT.guard.sums:
-            assert abs(sum(factor * told[axis].value for axis, factor in row.of.items())) <= row.bound
+            assert abs(sum(factor * reported[axis].value for axis, factor in row.of.items())) <= row.bound

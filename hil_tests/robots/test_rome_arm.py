@@ -132,9 +132,9 @@ def test_an_orbit_is_given_by_its_elements_too(tmp_path: Path) -> None:
     of = elements(THESIS)
     angles = (of.inclination, of.node, of.periapsis, of.anomaly)
     names = ("inclination_deg", "node_deg", "periapsis_deg", "anomaly_deg")
-    said = ", ".join(f"{name} = {math.degrees(it)!r}" for name, it in zip(names, angles, strict=True))
+    stated = ", ".join(f"{name} = {math.degrees(it)!r}" for name, it in zip(names, angles, strict=True))
     robot = other(
-        tmp_path, f"kepler = {{ axis_du = {of.axis!r}, eccentricity = {of.eccentricity!r}, {said} }}\n"
+        tmp_path, f"kepler = {{ axis_du = {of.axis!r}, eccentricity = {of.eccentricity!r}, {stated} }}\n"
     )
     printed, given = (PATHS["orbit"](one.geometry) for one in (ROBOT, robot))
     for seconds in np.linspace(0.1, 60.0, 7):
@@ -150,7 +150,7 @@ def test_an_orbit_is_given_by_a_two_line_element_set_too(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize(
-    ("orbit", "says"),
+    ("orbit", "states"),
     [
         ("", "needs one of: start_du with speed_du_tu, kepler, tle"),
         ("start_du = [1.0, 0.0, 0.0]\n", "needs one of"),
@@ -164,8 +164,10 @@ def test_an_orbit_is_given_by_a_two_line_element_set_too(tmp_path: Path) -> None
         (PRINTED + f"tle = [\n{TLE}\n]\n", "needs one of"),
     ],
 )
-def test_an_orbit_that_no_one_can_fly_is_refused_by_its_table(tmp_path: Path, orbit: str, says: str) -> None:
-    with pytest.raises(RobotFileError, match=rf"geometry\.orbit.*{re.escape(says)}"):
+def test_an_orbit_that_no_one_can_fly_is_refused_by_its_table(
+    tmp_path: Path, orbit: str, states: str
+) -> None:
+    with pytest.raises(RobotFileError, match=rf"geometry\.orbit.*{re.escape(states)}"):
         other(tmp_path, orbit)
 
 
@@ -207,30 +209,30 @@ def test_until_the_cameras_have_seen_it_neither_half_begins_to_fly() -> None:
     unseen = Located(Pose(), Source.UNSEEN, 0.0, 0.0, 0.0, 0)
     at = seen(ROBOT)
     for _ in range(5):
-        wish = guide.wished(type(at)(**{**shown(at), "located": unseen}), ROBOT.cycle)
-        assert wish.arm == arm.Motion()
-        assert wish.base.twist == (0.0, 0.0, 0.0)
-    first = guide.wished(at, ROBOT.cycle)
+        command = guide.command(type(at)(**{**shown(at), "located": unseen}), ROBOT.cycle)
+        assert command.arm == arm.Motion()
+        assert command.base.twist == (0.0, 0.0, 0.0)
+    first = guide.command(at, ROBOT.cycle)
     assert (first.base.path_s, first.arm.path_s) == (0.0, 0.0)
-    second = guide.wished(at, ROBOT.cycle)
+    second = guide.command(at, ROBOT.cycle)
     assert second.base.path_s == second.arm.path_s == pytest.approx(0.1)
     guide.reset()
-    waited = guide.wished(at, ROBOT.cycle)
+    waited = guide.command(at, ROBOT.cycle)
     assert waited.base.path_s == waited.arm.path_s == second.base.path_s
 
 
 def shown(at: Any) -> dict[str, Any]:
-    return {name: getattr(at, name) for name in ("facts", "wish", "demanded", "body", "pose", "located")}
+    return {name: getattr(at, name) for name in ("facts", "command", "demanded", "body", "pose", "located")}
 
 
 def test_by_stick_the_base_drives_and_the_tool_goes_up_and_down_alone() -> None:
-    wish = KIND.station.stick(Stick(forward=0.5, left=-0.5, turn=1.0, up=0.25), Motion(), ROBOT)
+    command = KIND.station.stick(Stick(forward=0.5, left=-0.5, turn=1.0, up=0.25), Motion(), ROBOT)
     limits, tool = ROBOT.geometry.base.limits, ROBOT.geometry.arm.limits
-    assert wish.base.twist == (0.5 * limits.speed_mps, -0.5 * limits.speed_mps, limits.turn_rate_rad_s)
-    assert wish.arm.twist == (0.0, 0.0, 0.25 * tool.speed_mps, 0.0, 0.0, 0.0)
-    asked = KIND.station.target(Velocity(0.1, 0.2, 0.3), wish, ROBOT)
-    assert isinstance(asked, Motion)
-    assert (asked.base.twist, asked.arm) == ((0.1, 0.2, 0.3), arm.Motion())
+    assert command.base.twist == (0.5 * limits.speed_mps, -0.5 * limits.speed_mps, limits.turn_rate_rad_s)
+    assert command.arm.twist == (0.0, 0.0, 0.25 * tool.speed_mps, 0.0, 0.0, 0.0)
+    requested = KIND.station.target(Velocity(0.1, 0.2, 0.3), command, ROBOT)
+    assert isinstance(requested, Motion)
+    assert (requested.base.twist, requested.arm) == ((0.1, 0.2, 0.3), arm.Motion())
 
 
 def test_each_half_sees_itself_alone() -> None:

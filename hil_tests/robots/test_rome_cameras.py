@@ -24,12 +24,12 @@ CYCLE: Final = 50 * MILLISECOND
 KNOWN: Final = Located(Pose(2.0, 1.0, 0.0), Source.CAPTURED, 0.0, 0.0, 0.0, 0)
 
 
-def placed(located: Located, now: Nanoseconds, wish: Motion | None = None) -> Snapshot[Any, Any]:
+def placed(located: Located, now: Nanoseconds, motion: Motion | None = None) -> Snapshot[Any, Any]:
     """The base armed and well, and where it is known to be."""
     well = seen(ROBOT, now)
     return Snapshot(
         facts=well.facts,
-        wish=wish or well.wish,
+        command=motion or well.command,
         demanded=well.demanded,
         body=well.body,
         pose=located.pose,
@@ -63,9 +63,9 @@ def test_before_it_is_seen_the_guide_commands_nothing_and_the_path_begins_where_
     guide = named(ROBOT, "line")
     unseen = replace(KNOWN, source=Source.UNSEEN, pose=Pose())
     for cycle in range(3):
-        wish = guide.wished(placed(unseen, START + cycle * CYCLE), CYCLE)
-        assert wish == Motion(path_s=0.0)
-    first = guide.wished(placed(KNOWN, START + 3 * CYCLE), CYCLE)
+        motion = guide.command(placed(unseen, START + cycle * CYCLE), CYCLE)
+        assert motion == Motion(path_s=0.0)
+    first = guide.command(placed(KNOWN, START + 3 * CYCLE), CYCLE)
     assert (first.ahead_mps, first.left_mps, first.path_s) == pytest.approx((0.5, 0.0, 0.0))
 
 

@@ -21,7 +21,7 @@ GIVES: Final = 0.02
 """Beside it: of the speed that it was told."""
 
 
-class Told:
+class Axle:
     """One axis, its follower, and what a test has it do."""
 
     def __init__(self, axis: Axis = WHEEL, **belief: Any) -> None:
@@ -31,9 +31,9 @@ class Told:
         self.position = 0.0
         self.does(0.0)
 
-    def told(self, demand: Demand) -> None:
+    def commanded(self, demand: Demand) -> None:
         """Send it a demand."""
-        self.follower.told(demand, self.now)
+        self.follower.on_set_point(demand, self.now)
 
     def does(self, speed: float, cycles: int = 1, power: Power = Power.ON, **changed: Any) -> Following:
         """Let it move with a speed for some cycles; return what is known then."""
@@ -53,21 +53,21 @@ class Told:
         self.now += CYCLE
         return self.known(speed)
 
-    def strays(self, speed: float, **changed: Any) -> bool:
+    def deviates(self, speed: float, **changed: Any) -> bool:
         """Whether one more cycle with this speed is beside its range."""
         known = self.does(speed, **changed)
         return known.obeyed_at != known.sampled_at
 
 
-def rested(demand: Demand, axis: Axis = WHEEL, **belief: Any) -> Told:
+def rested(demand: Demand, axis: Axis = WHEEL, **belief: Any) -> Axle:
     """Return an axis that stood for two seconds and was then told this, long ago."""
-    one = Told(axis, **belief)
+    one = Axle(axis, **belief)
     one.does(0.0, 40)
-    one.told(demand)
+    one.commanded(demand)
     return one
 
 
-def settled(demand: Demand, speed: float) -> Told:
+def settled(demand: Demand, speed: float) -> Axle:
     """Return a wheel that has followed a demand for so long that its range has shrunk to it."""
     one = rested(demand)
     one.does(speed, 200)

@@ -3,8 +3,8 @@
 from dataclasses import replace
 from typing import Any, Final, TypeAlias
 
-from firmware_bridge.drivers.driver import Feedback, Power, Tells
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.drivers.driver import Feedback, Power, Reports
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rars import KIND
@@ -29,7 +29,7 @@ _MOTION: Final = frozenset({"speed_mps", "steer_rad", "lift_m", "lift_rate_mps"}
 
 def gate_of(robot: Rars) -> Gate:
     """Return RARS's gate; its drives tell everything."""
-    return gate.Gate(robot, KIND.rules(robot), {axis.name: frozenset(Tells) for axis in robot.axes})
+    return gate.Gate(robot, KIND.rules(robot), {axis.name: frozenset(Reports) for axis in robot.axes})
 
 
 def limited(robot: Rars, **limits: float) -> Rars:
@@ -39,17 +39,17 @@ def limited(robot: Rars, **limits: float) -> Rars:
     return robot.model_copy(update={"geometry": changed})
 
 
-def said(state: cia402.State | None) -> dict[str, Any]:
+def stated(state: cia402.State | None) -> dict[str, Any]:
     """Return what a drive in this state is known by."""
     if state is None:
-        return {"power": Power.UNKNOWN, "says": ""}
+        return {"power": Power.UNKNOWN, "text": ""}
     if state is cia402.State.OPERATION_ENABLED:
         power = Power.ON
     elif state is cia402.State.QUICK_STOP_ACTIVE:
         power = Power.STOPPED
     else:
         power = Power.FAULT if state in FAULTS else Power.OFF
-    return {"power": power, "says": state.title}
+    return {"power": power, "text": state.title}
 
 
 def well(
@@ -64,10 +64,10 @@ def well(
 ) -> Snapshot:
     """Make a healthy snapshot; the wish and one axis's fields are given as dictionaries."""
     changed = drives or {}
-    wished = dict(intent or {})
-    enabled = said(cia402.State.OPERATION_ENABLED)
+    command = dict(intent or {})
+    enabled = stated(cia402.State.OPERATION_ENABLED)
     axes = {
-        axis.name: Feedback(axis.name, **{**enabled, "heard_at": now, **changed.get(axis.name, {})})
+        axis.name: Feedback(axis.name, **{**enabled, "received_at": now, **changed.get(axis.name, {})})
         for axis in robot.axes
     }
     body = {"steer_rad": 0.0, "lift_m": 0.0, "speed_mps": 0.0}
@@ -76,13 +76,13 @@ def well(
     return snapshot.Snapshot(
         facts=snapshot.Facts(
             now=now,
-            heard_at=wished.pop("heard_at", now),
+            received_at=command.pop("received_at", now),
             axes=axes,
             sensors={},
             links_lost={} if link_lost is None else {"drives": link_lost},
             **facts,
         ),
-        wish=Motion(**{"steer_rad": 0.0, **wished}),
+        command=Motion(**{"steer_rad": 0.0, **command}),
         demanded=Motion(demanded_speed_mps),
         body=State(screw_rad_s=axes["lift"].velocity, yaw_rate_rad_s=0.0, **body),
         pose=Pose(),
@@ -93,7 +93,7 @@ def with_facts(seen: Snapshot, **changes: Any) -> Snapshot:
     """Return the same snapshot with other facts."""
     return snapshot.Snapshot(
         facts=replace(seen.facts, **changes),
-        wish=seen.wish,
+        command=seen.command,
         demanded=seen.demanded,
         body=seen.body,
         pose=seen.pose,
@@ -104,12 +104,14 @@ def shifted(seen: Snapshot, by: Nanoseconds) -> Snapshot:
     """Return the same snapshot at a later instant, everything that was heard as much later."""
 
     def later(at: Nanoseconds) -> Nanoseconds:
-        return at if at == NEVER_HEARD else at + by
+        return at if at == NEVER_RECEIVED else at + by
 
     facts = seen.facts
-    axes = {name: replace(one, heard_at=later(one.heard_at)) for name, one in facts.axes.items()}
-    said_at = None if facts.said_at is None else facts.said_at + by
-    return with_facts(seen, now=facts.now + by, heard_at=later(facts.heard_at), said_at=said_at, axes=axes)
+    axes = {name: replace(one, received_at=later(one.received_at)) for name, one in facts.axes.items()}
+    sent_at = None if facts.sent_at is None else facts.sent_at + by
+    return with_facts(
+        seen, now=facts.now + by, received_at=later(facts.received_at), sent_at=sent_at, axes=axes
+    )
 
 
 def names(ruling: Ruling) -> tuple[str, ...]:

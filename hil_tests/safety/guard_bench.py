@@ -14,34 +14,34 @@ LINK: Final = "drives"
 
 
 @dataclass
-class Puppet:
+class ScriptedNode:
     """A node that says what the test wrote down."""
 
-    says: tuple[Packet, ...] = ()
+    states: tuple[Packet, ...] = ()
     wake_at: Nanoseconds = NEVER
-    heard: list[tuple[Packet | None, Nanoseconds]] = field(default_factory=list)
+    received: list[tuple[Packet | None, Nanoseconds]] = field(default_factory=list)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        self.heard.append((packet, now))
-        return self._said()
+        self.received.append((packet, now))
+        return self._stated()
 
     def wake(self, now: Nanoseconds) -> Reaction:
-        self.heard.append((None, now))
-        return self._said()
+        self.received.append((None, now))
+        return self._stated()
 
-    def _said(self) -> Reaction:
-        said, self.says = self.says, ()
-        return Reaction(said, self.wake_at)
+    def _stated(self) -> Reaction:
+        stated, self.states = self.states, ()
+        return Reaction(stated, self.wake_at)
 
 
-class Stopping(Puppet):
+class Stopping(ScriptedNode):
     """A node that can be stopped."""
 
     breaks = False
-    asked = 0
+    requested = 0
 
     def stop(self, now: Nanoseconds) -> Reaction:
-        self.asked += 1
+        self.requested += 1
         if self.breaks:
             raise ValueError("no more")
         return self.wake(now)
@@ -50,22 +50,22 @@ class Stopping(Puppet):
 class Bench:
     """A puppet behind a guard."""
 
-    def __init__(self, robot: AnyRobot, puppet: Puppet | None = None) -> None:
-        self.puppet = puppet or Puppet()
+    def __init__(self, robot: AnyRobot, scripted: ScriptedNode | None = None) -> None:
+        self.scripted = scripted or ScriptedNode()
         self.refusals: list[Refusal] = []
-        self.guard = guarded(self.puppet, robot, self.refusals.append)
+        self.guard = guarded(self.scripted, robot, self.refusals.append)
 
-    def says(self, *packets: Packet, now: Nanoseconds = 0) -> tuple[Packet, ...]:
-        self.puppet.says = packets
+    def states(self, *packets: Packet, now: Nanoseconds = 0) -> tuple[Packet, ...]:
+        self.scripted.states = packets
         return self.guard.wake(now).sent
 
-    def hears(self, *packets: Packet, now: Nanoseconds = 0) -> tuple[Packet, ...]:
+    def receives(self, *packets: Packet, now: Nanoseconds = 0) -> tuple[Packet, ...]:
         """Bring packets to the guard; return what leaves meanwhile."""
         return tuple(sent for packet in packets for sent in self.guard.receive(packet, now).sent)
 
     def refuses(self, packet: Packet, now: Nanoseconds = 0) -> tuple[str, tuple[Packet, ...]]:
         before = self.guard.refused
-        sent = self.says(packet, now=now)
+        sent = self.states(packet, now=now)
         assert self.guard.refused == before + 1
         refusal = self.guard.refusals[-1]
         assert (refusal.at, refusal.packet, refusal.sent) == (now, packet, sent)

@@ -14,7 +14,7 @@ from firmware_bridge.wire.maxon.frame import Answered
 from firmware_bridge.wire.maxon.messages import Done, ObjectRead, ReadObject, Request, WriteObject
 from firmware_bridge.wire.maxon.opcodes import encode_answer
 from firmware_bridge.wire.maxon.packets import command, outcome_packet, request_of
-from hil_tests.safety.guard_bench import LINK, Puppet
+from hil_tests.safety.guard_bench import LINK, ScriptedNode
 
 
 def _over_serial(robot: AnyRobot) -> AnyRobot:
@@ -30,17 +30,17 @@ ENDS: Final = {STEER: (-134_953, 134_953), LIFT: (0, 2_890_879)}
 ENABLE, HALT, NEW_POSITION, QUICK_STOP = 0x000F, 0x010F, 0x003F, 0x000B
 
 
-def says(request: Request) -> Packet:
+def states(request: Request) -> Packet:
     """A command on RARS's link."""
     return command(request, LINK)
 
 
 def reading(node: int, address: Address) -> Packet:
-    return says(ReadObject(address.index, address.subindex, node))
+    return states(ReadObject(address.index, address.subindex, node))
 
 
 def writing(node: int, address: Address, raw: bytes) -> Packet:
-    return says(WriteObject(address.index, address.subindex, node, raw.ljust(4, b"\0")))
+    return states(WriteObject(address.index, address.subindex, node, raw.ljust(4, b"\0")))
 
 
 def word(node: int, controlword: int) -> Packet:
@@ -75,16 +75,16 @@ def value(packet: Packet, raw: bytes, error: int = 0) -> Packet:
 
 class SerialBench:
     def __init__(self, robot: AnyRobot = ROBOT) -> None:
-        self.puppet = Puppet()
+        self.node = ScriptedNode()
         self.refusals: list[Refusal] = []
-        self.guard = guarded(self.puppet, robot, self.refusals.append)
+        self.guard = guarded(self.node, robot, self.refusals.append)
 
-    def says(self, *packets: Packet, now: Nanoseconds = 0) -> tuple[Packet, ...]:
-        self.puppet.says = packets
+    def states(self, *packets: Packet, now: Nanoseconds = 0) -> tuple[Packet, ...]:
+        self.node.states = packets
         return self.guard.wake(now).sent
 
-    def hears(self, packet: Packet, now: Nanoseconds = 0) -> bool:
+    def receives(self, packet: Packet, now: Nanoseconds = 0) -> bool:
         """Whether the node is shown a packet."""
-        before = len([heard for heard, _ in self.puppet.heard if heard is not None])
+        before = len([received for received, _ in self.node.received if received is not None])
         self.guard.receive(packet, now)
-        return len([heard for heard, _ in self.puppet.heard if heard is not None]) > before
+        return len([received for received, _ in self.node.received if received is not None]) > before

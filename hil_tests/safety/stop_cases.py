@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 
 from firmware_bridge.drivers.driver import Homed, Position, Speed, Stop
-from firmware_bridge.intent import NEVER_HEARD, AgeLimit
+from firmware_bridge.intent import NEVER_RECEIVED, AgeLimit
 from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import State
-from hil_tests.safety.gate_bench import said
+from hil_tests.safety.gate_bench import stated
 
 START: Final = 100 * SECOND
 NAN: Final = math.nan
@@ -46,7 +46,7 @@ def intent(**fields: Any) -> dict[str, Any]:
 
 def dated(age: Nanoseconds) -> dict[str, Any]:
     """A motion command that was said so long ago, counted from the look."""
-    return {"said_at": START - age, "dated": True}
+    return {"sent_at": START - age, "dated": True}
 
 
 def drive(name: str, **fields: Any) -> dict[str, Any]:
@@ -64,7 +64,7 @@ OPERATOR_GONE: Final = 10 * SECOND
 DRIVE_LIMIT: Final = 250 * MILLISECOND
 LINK: Final = 200 * MILLISECOND
 HALTS: Final = 40 * MILLISECOND
-OWES: Final = 100 * MILLISECOND
+BACKLOG: Final = 100 * MILLISECOND
 
 CASES: Final = (
     Case("emergency stop", {"emergency_stopped": True}, {}, "the emergency stop is latched"),
@@ -84,35 +84,35 @@ CASES: Final = (
     Case("not armed", {"armed": False}, {}, "the robot is not armed"),
     Case(
         "operator silent",
-        intent(heard_at=START - OPERATOR_LIMIT),
-        intent(heard_at=START - OPERATOR_LIMIT + 1),
+        intent(received_at=START - OPERATOR_LIMIT),
+        intent(received_at=START - OPERATOR_LIMIT + 1),
         "no motion command for 0.50 s, limit 0.50 s",
         LINK,
     ),
     Case(
         "operator gone",
-        intent(heard_at=START - OPERATOR_GONE),
+        intent(received_at=START - OPERATOR_GONE),
         {},
         "no motion command for 10 s: nobody drives",
         also=("operator silent",),
     ),
     Case(
         "controls deflected",
-        {"parted": True, "neutral": False},
-        {"parted": True},
+        {"neutral_required": True, "neutral": False},
+        {"neutral_required": True},
         "not let go since the silence: the stick",
     ),
     Case(
         "controls deflected",
-        {"parted": True, "neutral": False},
+        {"neutral_required": True, "neutral": False},
         {"neutral": False},
         "not let go since the silence: the stick",
     ),
     Case("paused", {"paused": True}, {}, "the operator has paused the robot"),
     Case(
         "operator silent",
-        intent(heard_at=START - 200 * MILLISECOND) | dated(500 * MILLISECOND),
-        intent(heard_at=START - 200 * MILLISECOND + 1) | dated(500 * MILLISECOND - 1),
+        intent(received_at=START - 200 * MILLISECOND) | dated(500 * MILLISECOND),
+        intent(received_at=START - 200 * MILLISECOND + 1) | dated(500 * MILLISECOND - 1),
         "no motion command for 0.20 s, limit 0.20 s",
         LINK,
     ),
@@ -137,7 +137,7 @@ CASES: Final = (
         "nobody can tell how old the motion commands are",
         LINK,
     ),
-    Case("operator silent", intent(heard_at=NEVER_HEARD), {}, "no motion command has come yet", LINK),
+    Case("operator silent", intent(received_at=NEVER_RECEIVED), {}, "no motion command has come yet", LINK),
     Case(
         "link lost: drives",
         {"link_lost": "the serial line to the drives is gone"},
@@ -198,8 +198,8 @@ CASES: Final = (
     *(
         Case(
             f"axis silent: {name}",
-            drive(name, heard_at=START - DRIVE_LIMIT),
-            drive(name, heard_at=START - DRIVE_LIMIT + 1),
+            drive(name, received_at=START - DRIVE_LIMIT),
+            drive(name, received_at=START - DRIVE_LIMIT + 1),
             f"{TITLES[name]} silent for 0.25 s, limit 0.25 s",
             LINK,
         )
@@ -208,7 +208,7 @@ CASES: Final = (
     *(
         Case(
             f"axis silent: {name}",
-            drive(name, heard_at=NEVER_HEARD, **said(None)),
+            drive(name, received_at=NEVER_RECEIVED, **stated(None)),
             {},
             f"{TITLES[name]} has never been heard",
             LINK,
@@ -218,25 +218,25 @@ CASES: Final = (
     *(
         Case(
             f"{row}: {name}",
-            follows(name, unasked=unasked, obeyed_at=START - DRIVE_LIMIT),
-            follows(name, unasked=unasked, obeyed_at=START - DRIVE_LIMIT + 1),
+            follows(name, uncommanded=uncommanded, obeyed_at=START - DRIVE_LIMIT),
+            follows(name, uncommanded=uncommanded, obeyed_at=START - DRIVE_LIMIT + 1),
             f"{TITLES[name]}, told 1.50 rad/s, moves with 0.25 rad/s for 0.25 s",
             LINK,
         )
         for name in AXES
-        for row, unasked in (("axis does not follow", False), ("axis moves unasked", True))
+        for row, uncommanded in (("axis does not follow", False), ("axis moves unasked", True))
     ),
     Case(
         "axis moves unasked: left",
-        follows("left", unasked=True, obeyed_at=START - DRIVE_LIMIT, demand=Stop.REST),
+        follows("left", uncommanded=True, obeyed_at=START - DRIVE_LIMIT, demand=Stop.REST),
         {},
         f"{TITLES['left']}, told to stop, moves with 0.25 rad/s for 0.25 s",
         LINK,
     ),
     Case(
         "axis moves unasked: lift",
-        follows("lift", unasked=True, obeyed_at=START - DRIVE_LIMIT, demand=Homed()),
-        follows("lift", unasked=True, obeyed_at=START - DRIVE_LIMIT + 1, demand=Homed()),
+        follows("lift", uncommanded=True, obeyed_at=START - DRIVE_LIMIT, demand=Homed()),
+        follows("lift", uncommanded=True, obeyed_at=START - DRIVE_LIMIT + 1, demand=Homed()),
         f"{TITLES['lift']}, told to find its zero, moves with 0.25 rad/s for 0.25 s",
         LINK,
     ),
@@ -291,8 +291,10 @@ CASES: Final = (
     Case(
         # It owes its way since 100 ms.
         "axis does not follow: left",
-        follows("left", obeyed_at=START - DRIVE_LIMIT, settled_at=START - OWES, place_at=START - OWES),
-        follows("left", obeyed_at=START - DRIVE_LIMIT + 1, settled_at=START - OWES, place_at=START - OWES),
+        follows("left", obeyed_at=START - DRIVE_LIMIT, settled_at=START - BACKLOG, place_at=START - BACKLOG),
+        follows(
+            "left", obeyed_at=START - DRIVE_LIMIT + 1, settled_at=START - BACKLOG, place_at=START - BACKLOG
+        ),
         f"{TITLES['left']}, told 1.50 rad/s, moves with 0.25 rad/s for 0.25 s",
         LINK,
     ),
@@ -342,7 +344,7 @@ CASES: Final = (
     ),
     Case(
         "axis silent: steer",
-        drive("steer", heard_at=NEVER_HEARD, zero_lost=True, **said(None)),
+        drive("steer", received_at=NEVER_RECEIVED, zero_lost=True, **stated(None)),
         drive("right", zero_lost=True),
         f"{TITLES['steer']} has never been heard",
         LINK,
@@ -360,7 +362,7 @@ CASES: Final = (
     *(
         Case(
             f"axis fault: {name}",
-            drive(name, **said(state)),
+            drive(name, **stated(state)),
             {},
             f"{TITLES[name]} is in fault, code unknown",
         )
@@ -379,7 +381,7 @@ CASES: Final = (
     *(
         Case(
             f"axis not enabled: {name}",
-            drive(name, **said(state)),
+            drive(name, **stated(state)),
             {},
             f"{TITLES[name]} is not enabled: {state.title if state else 'state unknown'}",
         )

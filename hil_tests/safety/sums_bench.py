@@ -77,15 +77,15 @@ class Motors:
         self.way = 0.0
         """The integral of the first sum."""
 
-    def lives(self, bench: Bench, until: Nanoseconds, said: Sequence[Packet]) -> None:
+    def lives(self, bench: Bench, until: Nanoseconds, stated: Sequence[Packet]) -> None:
         """Wake the guard whenever it wants, and then let the bridge speak."""
         while (reaction := bench.guard.wake(self.now)).wake_at <= until:
-            self.hear(reaction.sent, ())
+            self.receive(reaction.sent, ())
             assert reaction.wake_at > self.now
             self.moves_on(reaction.wake_at)
-        self.hear(reaction.sent, ())
+        self.receive(reaction.sent, ())
         self.moves_on(until)
-        self.hear(bench.says(*said, now=until), said)
+        self.receive(bench.states(*stated, now=until), stated)
 
     def moves_on(self, now: Nanoseconds) -> None:
         """Let time pass: nothing is beyond its bound for longer than a cycle, and not again and again."""
@@ -103,10 +103,10 @@ class Motors:
         self.way += values(self.robot, tuple(self.speeds.values()))[0][0] * (now - self.now)
         self.now = now
 
-    def hear(self, sent: Iterable[Packet], said: Sequence[Packet]) -> None:
+    def receive(self, sent: Iterable[Packet], stated: Sequence[Packet]) -> None:
         for packet in sent:
             word, target = struct.unpack("<Hi", packet.payload)
             node = packet.address & 0x7F
             self.speeds[node] = float(target) if word == ENABLE else 0.0
-            if packet not in said:
+            if packet not in stated:
                 assert self.speeds[node] == 0.0

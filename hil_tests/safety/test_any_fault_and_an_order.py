@@ -38,7 +38,7 @@ def faults(rig: VirtualRig, kind: str) -> None:
         rig.fault(kind, **how)
 
 
-def told(robot: str) -> Iterator[str]:
+def reported(robot: str) -> Iterator[str]:
     """Yield the faults that a robot may have."""
     for kind in sorted(set(KINDS) - BEYOND_REACH.get(robot, set())):
         with driving(robot) as rig, suppress(RigError):
@@ -49,7 +49,7 @@ def told(robot: str) -> Iterator[str]:
 @pytest.mark.long(beside="test_whatever_a_board_and_its_line_do_each_step_lasts_what_its_row_states")
 @pytest.mark.parametrize("robot", ["rars", "rars+serial", "climber", "rome:mw:3", ARM])
 def test_it_stands_in_time_and_the_end_comes(robot: str) -> None:
-    kinds = tuple(told(robot))
+    kinds = tuple(reported(robot))
     assert len(kinds) > 3
 
     @every("kind", kinds)

@@ -11,7 +11,7 @@ from firmware_bridge.kinds import find, names
 from firmware_bridge.robot.belief import Belief
 from firmware_bridge.safety.following import bounds_of, within
 from firmware_bridge.units import MILLISECOND, SECOND
-from hil_tests.safety.following_bench import CYCLE, GIVES, RARS, SLACK, STEERING, WHEEL, Told, rested, settled
+from hil_tests.safety.following_bench import CYCLE, GIVES, RARS, SLACK, STEERING, WHEEL, Axle, rested, settled
 from hil_tests.safety.stop_cases import above
 
 AT_THREE: Final = SLACK + 3.0 * GIVES
@@ -47,7 +47,7 @@ def test_what_a_robot_file_leaves_out_is_worked_out(name: str) -> None:
 
 
 def test_what_a_robot_file_states_counts() -> None:
-    said = Belief(
+    stated = Belief(
         rests_below=0.3,
         speed=1.0,
         position=2.0,
@@ -57,7 +57,7 @@ def test_what_a_robot_file_states_counts() -> None:
         lag_ms=60,
         within_ms=70,
     )
-    axis = WHEEL.model_copy(update={"belief": said})
+    axis = WHEEL.model_copy(update={"belief": stated})
     bounds = bounds_of(RARS, axis)
     assert (bounds.speed, bounds.position, bounds.ramp, bounds.cruise) == (1.0, 2.0, 3.0, 4.0)
     assert bounds.lag_s == 0.06
@@ -99,15 +99,15 @@ def test_a_link_of_every_second_cycle_has_twice_the_way() -> None:
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("demand", [Stop.REST, Stop.QUICK_STOP, Stop.POWER_OFF, Speed(0.0)])
 def test_what_is_commanded_to_stand_may_not_move_faster_than_its_slack(demand: Demand, sign: float) -> None:
-    assert not rested(demand).strays(sign * SLACK)
+    assert not rested(demand).deviates(sign * SLACK)
     one = rested(demand)
-    assert one.strays(sign * above(SLACK))
-    assert one.follower.following.unasked
+    assert one.deviates(sign * above(SLACK))
+    assert one.follower.following.uncommanded
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(
-    ("does", "strays", "unasked"),
+    ("does", "deviates", "uncommanded"),
     [
         (3.0, False, False),
         (3.0 - AT_THREE + 1e-9, False, False),
@@ -120,15 +120,15 @@ def test_what_is_commanded_to_stand_may_not_move_faster_than_its_slack(demand: D
     ],
 )
 def test_a_speed_that_is_not_the_one_commanded_is_too_little_or_uncommanded(
-    does: float, sign: float, *, strays: bool, unasked: bool
+    does: float, sign: float, *, deviates: bool, uncommanded: bool
 ) -> None:
     one = settled(Speed(sign * 3.0), sign * 3.0)
-    assert one.strays(sign * does) is strays
-    assert one.follower.following.unasked is unasked
+    assert one.deviates(sign * does) is deviates
+    assert one.follower.following.uncommanded is uncommanded
 
 
 @pytest.mark.parametrize(
-    ("was", "told", "does", "strays"),
+    ("was", "reported", "does", "deviates"),
     [
         # The slack is 0.4, and 0.02 of the fastest that the range holds: 0.6 rad/s.
         (-10.0, 3.0, -10.59, False),
@@ -138,47 +138,47 @@ def test_a_speed_that_is_not_the_one_commanded_is_too_little_or_uncommanded(
     ],
 )
 def test_a_range_over_both_ways_has_the_slack_of_its_faster_end(
-    was: float, told: float, does: float, *, strays: bool
+    was: float, reported: float, does: float, *, deviates: bool
 ) -> None:
     one = settled(Speed(was), was)
-    one.told(Speed(told))
-    assert one.strays(does) is strays
+    one.commanded(Speed(reported))
+    assert one.deviates(does) is deviates
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize(("does", "unasked"), [(-0.59, False), (-0.61, True)])
+@pytest.mark.parametrize(("does", "uncommanded"), [(-0.59, False), (-0.61, True)])
 def test_what_stays_behind_may_turn_back_by_the_slack_of_the_faster_end(
-    does: float, sign: float, *, unasked: bool
+    does: float, sign: float, *, uncommanded: bool
 ) -> None:
     one = settled(Speed(sign * 10.0), sign * 10.0)
-    one.told(Speed(sign * 3.0))
-    assert one.strays(sign * does)
-    assert one.follower.following.unasked is unasked
+    one.commanded(Speed(sign * 3.0))
+    assert one.deviates(sign * does)
+    assert one.follower.following.uncommanded is uncommanded
 
 
 def test_what_is_no_number_is_uncommanded() -> None:
     one = rested(Speed(0.0))
-    assert one.strays(0.0, velocity=math.nan)
-    assert one.follower.following.unasked
+    assert one.deviates(0.0, velocity=math.nan)
+    assert one.follower.following.uncommanded
     one = rested(Position(0.0), STEERING)
-    assert one.strays(0.0, position=math.nan)
-    assert one.follower.following.unasked
+    assert one.deviates(0.0, position=math.nan)
+    assert one.follower.following.uncommanded
 
 
 def test_a_new_speed_counts_at_once_and_the_old_one_for_a_while() -> None:
     one = settled(Speed(3.0), 3.0)
-    one.told(Speed(0.0))
-    assert not one.strays(0.0), "it may be as fast as it was told"
+    one.commanded(Speed(0.0))
+    assert not one.deviates(0.0), "it may be as fast as it was told"
     one = settled(Speed(3.0), 3.0)
-    one.told(Speed(0.0))
-    assert not one.strays(3.0), "it may not have heard yet"
+    one.commanded(Speed(0.0))
+    assert not one.deviates(3.0), "it may not have heard yet"
     # 10.9 rad/s2 for 50 ms are 0.545 rad/s, and 200 ms take 22 % of 3 rad/s: the slower one counts.
-    assert one.strays(3.0), "now it should be slower"
+    assert one.deviates(3.0), "now it should be slower"
 
 
 def test_a_range_shrinks_with_its_ramp_and_then_with_its_lag() -> None:
     one = settled(Speed(10.0), 10.0)
-    one.told(Speed(0.0))
+    one.commanded(Speed(0.0))
     one.does(10.0)
     before = one.follower.following.high
     assert before == pytest.approx(10.0)
@@ -193,11 +193,11 @@ def test_a_range_shrinks_with_its_ramp_and_then_with_its_lag() -> None:
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_range_reaches_to_each_new_speed_and_keeps_what_it_has(sign: float) -> None:
     one = rested(Speed(0.0))
-    one.told(Speed(sign * 3.0))
-    one.told(Speed(0.0))
-    assert not one.strays(sign * 3.0), "told twice between two samples, it may have heard of either"
+    one.commanded(Speed(sign * 3.0))
+    one.commanded(Speed(0.0))
+    assert not one.deviates(sign * 3.0), "told twice between two samples, it may have heard of either"
     one = rested(Speed(sign * 3.0))
-    one.told(Speed(sign * 5.0))
+    one.commanded(Speed(sign * 5.0))
     known = one.does(0.0)
     assert sorted((sign * known.low, sign * known.high)) == [0.0, 5.0]
 
@@ -206,9 +206,9 @@ def test_a_range_reaches_to_each_new_speed_and_keeps_what_it_has(sign: float) ->
 def test_each_of_several_demands_between_two_samples_counts(between: int) -> None:
     one = rested(Speed(0.0))
     for number in range(1, between + 1):
-        one.told(Speed(float(number)))
-        one.told(Speed(-float(number)))
-    one.told(Speed(0.0))
+        one.commanded(Speed(float(number)))
+        one.commanded(Speed(-float(number)))
+    one.commanded(Speed(0.0))
     known = one.does(0.0)
     assert (known.low, known.high) == (-between, between)
 
@@ -228,7 +228,7 @@ def test_where_it_obeys_a_position_it_does_not_move_uncommanded(speed: float) ->
     one = rested(Position(0.0), STEERING)
     known = one.does(speed)
     assert known.obeyed_at == known.sampled_at
-    assert not known.unasked
+    assert not known.uncommanded
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -237,10 +237,10 @@ def test_a_position_is_approached_or_not(sign: float) -> None:
     stands = rested(Position(sign * 1.0), STEERING)
     goes = rested(Position(sign * 1.0), STEERING)
     for _ in range(10):
-        assert not goes.strays(sign * 1.1 * cruise)
+        assert not goes.deviates(sign * 1.1 * cruise)
         known = stands.does(0.0)
     assert known.obeyed_at < known.sampled_at
-    assert not known.unasked
+    assert not known.uncommanded
     assert abs(known.position - sign * min(abs(known.low), abs(known.high))) > slack
 
 
@@ -248,26 +248,26 @@ def test_a_position_is_approached_or_not(sign: float) -> None:
 def test_who_goes_away_from_its_position_moves_uncommanded(sign: float) -> None:
     one = rested(Position(0.0), STEERING)
     slack = STEERING.top_speed / 40.0
-    assert not one.strays(0.0, position=sign * slack)
+    assert not one.deviates(0.0, position=sign * slack)
     far = sign * above(slack)
-    assert one.does(sign * 1.0, position=far).unasked
-    assert not one.does(sign * slack, position=far).unasked, "it hardly moves: it does not follow"
+    assert one.does(sign * 1.0, position=far).uncommanded
+    assert not one.does(sign * slack, position=far).uncommanded, "it hardly moves: it does not follow"
     known = one.does(-sign * 1.0, position=far)
-    assert not known.unasked, "it comes back"
+    assert not known.uncommanded, "it comes back"
     assert known.obeyed_at < known.sampled_at
 
 
 def test_a_position_that_is_given_up_may_coast_to_rest() -> None:
     one = rested(Position(1.0), STEERING)
     one.does(1.6, 3)
-    one.told(Stop.REST)
-    assert not one.strays(1.6)
-    assert not one.strays(0.0)
+    one.commanded(Stop.REST)
+    assert not one.deviates(1.6)
+    assert not one.deviates(0.0)
     one = rested(Position(1.0), STEERING)
     one.does(1.6, 3)
-    one.told(Stop.REST)
+    one.commanded(Stop.REST)
     one.does(1.6, 10)
-    assert one.strays(1.6)
+    assert one.deviates(1.6)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -276,7 +276,7 @@ def test_given_up_it_may_be_as_fast_as_it_ever_is_or_as_it_was(share: float, sig
     top = STEERING.top_speed
     one = rested(Position(sign * 9.0), STEERING)
     one.does(sign * share * top, 2)
-    one.told(Stop.REST)
+    one.commanded(Stop.REST)
     known = one.does(0.0)
     ends = sorted((sign * known.low, sign * known.high))
     assert ends == pytest.approx([-top, max(top, share * top)])
@@ -284,22 +284,22 @@ def test_given_up_it_may_be_as_fast_as_it_ever_is_or_as_it_was(share: float, sig
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_reported_a_position_on_its_way_it_may_be_as_far_beside_it_as_its_lag_takes_it(sign: float) -> None:
-    one = Told(STEERING)
-    one.told(Speed(sign * 1.5))
+    one = Axle(STEERING)
+    one.commanded(Speed(sign * 1.5))
     one.does(sign * 1.5, 40)
     place = one.position
-    one.told(Position(place))
+    one.commanded(Position(place))
     known = one.does(0.0)
     further = 1.5 * bounds_of(RARS, STEERING).lag_s
     assert (known.low, known.high) == pytest.approx((place - further, place + further))
 
 
 def test_a_position_that_is_reported_on_the_way_may_be_overshot_a_little() -> None:
-    one = Told(STEERING)
-    one.told(Speed(1.5))
+    one = Axle(STEERING)
+    one.commanded(Speed(1.5))
     one.does(1.5, 40)
-    one.told(Position(one.position))
-    assert not one.strays(1.5)
+    one.commanded(Position(one.position))
+    assert not one.deviates(1.5)
 
 
 # A position that repeats
@@ -314,34 +314,34 @@ def test_a_wheel_whose_position_repeats_backlog_its_way(sign: float) -> None:
     for cycle in range(1, 13):
         known = one.does(0.0)
         assert known.obeyed_at == known.sampled_at
-        assert known.owes == pytest.approx(0.005 * cycle)
+        assert known.backlog == pytest.approx(0.005 * cycle)
         assert known.place_at == before
-        if known.owes <= creep:
+        if known.backlog <= creep:
             assert known.settled_at == known.sampled_at
     assert known.settled_at < known.sampled_at
     assert one.does(sign * 1e-9).settled_at == one.now, "one bit is enough"
-    assert one.follower.following.owes == 0.0
+    assert one.follower.following.backlog == 0.0
 
 
 def test_what_need_not_move_has_no_backlog() -> None:
     one = rested(Speed(0.0))
     known = one.does(0.0, 100)
-    assert (known.owes, known.settled_at) == (0.0, one.now)
+    assert (known.backlog, known.settled_at) == (0.0, one.now)
     assert known.place_at < one.now - 4 * SECOND
 
 
 @pytest.mark.parametrize("place", [0.0, 0.2])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_position_that_repeats_backlog_what_its_range_has_left_behind(sign: float, place: float) -> None:
-    one = Told(STEERING)
+    one = Axle(STEERING)
     one.position = place
-    one.told(Position(place))
-    assert one.does(0.0, 3).owes == 0.0
-    one.told(Position(place + sign * 0.5))
+    one.commanded(Position(place))
+    assert one.does(0.0, 3).backlog == 0.0
+    one.commanded(Position(place + sign * 0.5))
     known = one.does(0.0, 4)
     nearest = known.low if sign > 0.0 else known.high
-    assert known.owes == pytest.approx(sign * (nearest - known.position))
-    assert known.owes > bounds_of(RARS, STEERING).creep
+    assert known.backlog == pytest.approx(sign * (nearest - known.position))
+    assert known.backlog > bounds_of(RARS, STEERING).creep
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -350,41 +350,41 @@ def test_an_axis_that_moves_too_slowly_to_its_position_has_no_backlog(sign: floa
     one = rested(Position(sign * 1.0), STEERING)
     known = one.does(sign * 0.001, 20)
     assert known.obeyed_at < known.sampled_at
-    assert (known.owes, known.settled_at) == (0.0, known.sampled_at)
+    assert (known.backlog, known.settled_at) == (0.0, known.sampled_at)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_wheel_backlog_the_least_that_it_should_have_gone(sign: float) -> None:
     one = settled(Speed(sign * 2.0), sign * 2.0)
-    one.told(Speed(sign * 3.0))
-    assert one.does(0.0).owes == pytest.approx(0.05 * 2.0)
+    one.commanded(Speed(sign * 3.0))
+    assert one.does(0.0).backlog == pytest.approx(0.05 * 2.0)
     one = settled(Speed(sign * 2.0), sign * 2.0)
-    one.told(Speed(-sign * 3.0))
-    assert one.does(0.0).owes == 0.0, "on its way to the other side it may stand"
+    one.commanded(Speed(-sign * 3.0))
+    assert one.does(0.0).backlog == 0.0, "on its way to the other side it may stand"
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_however_slow_it_should_go_it_backlog_until_it_moves(sign: float) -> None:
     one = settled(Speed(sign * 5e-7), sign * 5e-7)
-    assert one.does(0.0).owes == pytest.approx(0.05 * 5e-7)
-    one.told(Speed(0.0))
-    assert one.does(0.0, 3).owes == pytest.approx(0.05 * 5e-7), "to be told to stand pays nothing back"
-    assert one.does(sign * 1e-9).owes == 0.0
+    assert one.does(0.0).backlog == pytest.approx(0.05 * 5e-7)
+    one.commanded(Speed(0.0))
+    assert one.does(0.0, 3).backlog == pytest.approx(0.05 * 5e-7), "to be told to stand pays nothing back"
+    assert one.does(sign * 1e-9).backlog == 0.0
 
 
 @pytest.mark.parametrize("stop", [Speed(0.0), Stop.REST])
 def test_an_encoder_that_freezes_while_its_wheel_is_stopped_is_known_at_rest(stop: Demand) -> None:
     one = settled(Speed(4.0), 4.0)
     for speed in (3.0, 2.0, 1.0):
-        one.told(Speed(speed))
+        one.commanded(Speed(speed))
         one.does(0.0)
-    one.told(stop)
+    one.commanded(stop)
     known = one.does(0.0, 8)
     assert known.obeyed_at > known.sampled_at - SECOND // 2
-    assert known.owes > bounds_of(RARS, WHEEL).creep
+    assert known.backlog > bounds_of(RARS, WHEEL).creep
     assert known.sampled_at - known.settled_at >= 8 * CYCLE
-    one.told(Stop.POWER_OFF)
-    assert one.does(0.0).owes == 0.0, "what nobody drives owes nothing"
+    one.commanded(Stop.POWER_OFF)
+    assert one.does(0.0).backlog == 0.0, "what nobody drives owes nothing"
 
 
 def test_what_it_may_creep_it_may_owe() -> None:

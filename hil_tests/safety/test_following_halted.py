@@ -4,7 +4,7 @@ import pytest
 
 from firmware_bridge.drivers.driver import Demand, Position, Speed, Stop
 from firmware_bridge.safety.following import bounds_of
-from hil_tests.safety.following_bench import RARS, STEERING, Told, rested, settled
+from hil_tests.safety.following_bench import RARS, STEERING, Axle, rested, settled
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -20,7 +20,7 @@ def test_a_wheel_that_turned_and_shows_not_one_bit_of_its_way_has_halted(sign: f
 
 
 @pytest.mark.parametrize(
-    ("told", "turned"),
+    ("reported", "turned"),
     [
         pytest.param(Speed(3.0), (1.499999,), id="it turned too slowly"),
         pytest.param(Speed(3.0), (-3.0,), id="it turned the other way"),
@@ -31,9 +31,9 @@ def test_a_wheel_that_turned_and_shows_not_one_bit_of_its_way_has_halted(sign: f
     ],
 )
 def test_a_wheel_that_stands_for_another_reason_has_not_halted(
-    told: Demand, turned: tuple[float, ...]
+    reported: Demand, turned: tuple[float, ...]
 ) -> None:
-    one = settled(told, turned[0])
+    one = settled(reported, turned[0])
     for speed in turned:
         one.does(speed)
     assert not one.does(0.0).halted
@@ -46,7 +46,7 @@ def test_half_the_least_speed_that_it_may_have_is_turning(sign: float) -> None:
     one.does(0.5 * (known.low if sign > 0.0 else known.high), 4)
     assert one.does(0.0).halted
     one = settled(Speed(sign * 2.0), sign * 2.0)
-    one.told(Speed(sign * 4.0))
+    one.commanded(Speed(sign * 4.0))
     one.does(sign * 1.3, 2)
     assert one.does(0.0).halted, "the least is still less than 2.6 rad/s"
 
@@ -72,21 +72,21 @@ def test_while_it_need_not_move_it_does_not_turn(sign: float, speed: float) -> N
     """Blocked it owes its way; then it is told to stand, and shows a speed without a way."""
     one = rested(Speed(sign * 3.0))
     one.does(0.0, 8)
-    one.told(Speed(0.0))
+    one.commanded(Speed(0.0))
     assert not any(one.known_later(sign * speed).halted for _ in range(3))
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_an_axis_on_its_way_to_a_position_has_not_turned(sign: float) -> None:
     """A halt is judged of speeds only: on its way to a position an axis may wait."""
-    one = Told(STEERING)
+    one = Axle(STEERING)
     one.position = sign * 0.2
-    one.told(Position(sign * 0.2))
+    one.commanded(Position(sign * 0.2))
     one.does(0.0, 3)
-    one.told(Position(sign * 4.0))
+    one.commanded(Position(sign * 4.0))
     one.does(sign * 0.25, 8)
     known = [one.does(0.0) for _ in range(4)]
-    assert known[1].owes > bounds_of(RARS, STEERING).creep
+    assert known[1].backlog > bounds_of(RARS, STEERING).creep
     assert not any(sample.halted for sample in known)
 
 

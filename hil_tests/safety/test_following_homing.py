@@ -5,7 +5,7 @@ from typing import Final
 from firmware_bridge.drivers.driver import Homed, Stop
 from firmware_bridge.robot import Axis
 from firmware_bridge.safety.following import bounds_of
-from hil_tests.safety.following_bench import RARS, Told
+from hil_tests.safety.following_bench import RARS, Axle
 from hil_tests.scenarios.homed import LIFT as HOMING
 from hil_tests.scenarios.homed import homed
 
@@ -15,11 +15,11 @@ SLACK: Final = 29.3 / 40.0 + FAST / 50.0
 """rad/s of the screw: a 40th of its top speed, and a 50th of this one."""
 
 
-def homes() -> Told:
-    one = Told(LIFT)
-    one.told(Stop.REST)
+def homes() -> Axle:
+    one = Axle(LIFT)
+    one.commanded(Stop.REST)
     one.does(0.0, 3)
-    one.told(Homed())
+    one.commanded(Homed())
     return one
 
 
@@ -27,29 +27,29 @@ def test_it_may_go_either_way_as_fast_as_its_file_states_and_stand() -> None:
     one = homes()
     for speed in (-FAST - 0.99 * SLACK, FAST + 0.99 * SLACK, 0.0, -1.0, -FAST):
         for _ in range(40):
-            assert not one.strays(speed), speed
+            assert not one.deviates(speed), speed
 
 
 def test_faster_is_uncommanded_from_the_first_sample_on() -> None:
     for speed in (-FAST - 1.01 * SLACK, FAST + 1.01 * SLACK):
         one = homes()
-        assert one.strays(speed)
-        assert one.does(speed).unasked
+        assert one.deviates(speed)
+        assert one.does(speed).uncommanded
 
 
 def test_to_stand_is_no_debt() -> None:
     known = homes().does(0.0, 100)
     assert known.settled_at == known.sampled_at
-    assert known.owes == 0.0
+    assert known.backlog == 0.0
 
 
 def test_reported_to_rest_it_may_ramp_down_and_no_longer_run() -> None:
     one = homes()
     one.does(-FAST, 5)
-    one.told(Stop.REST)
-    assert not one.strays(-FAST)
+    one.commanded(Stop.REST)
+    assert not one.deviates(-FAST)
     one.does(-0.1, 20)
-    assert one.strays(-FAST)
+    assert one.deviates(-FAST)
 
 
 def test_a_gentle_homing_is_awaited_as_gently() -> None:

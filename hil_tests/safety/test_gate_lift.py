@@ -6,7 +6,7 @@ from typing import Any, Final, TypeAlias
 
 import pytest
 
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND
 from hil_tests.safety.gate_bench import Rars, Snapshot, base_stopped, gate_of, lift_free, names, with_facts
 
@@ -24,24 +24,24 @@ START: Final = 100 * SECOND
         ({"demanded_speed_mps": -0.05}, "the robot is told to drive with -0.05 m/s"),
     ],
 )
-@pytest.mark.parametrize("wish", [{"lift_m": 0.3}, {"lift_rate_mps": 0.05}, {"lift_rate_mps": -0.05}])
+@pytest.mark.parametrize("command", [{"lift_m": 0.3}, {"lift_rate_mps": 0.05}, {"lift_rate_mps": -0.05}])
 def test_the_lift_does_not_move_while_the_robot_drives(
-    robot: Rars, well: Well, changes: dict[str, Any], reason: str, wish: dict[str, float]
+    robot: Rars, well: Well, changes: dict[str, Any], reason: str, command: dict[str, float]
 ) -> None:
     gate = gate_of(robot)
-    ruling = gate.rule(well(START, intent=wish, **changes))
+    ruling = gate.rule(well(START, intent=command, **changes))
     assert [(hold.name, hold.reason) for hold in ruling.holds if hold.name == "lift refused"] == [
         ("lift refused", reason)
     ]
     assert (lift_free(ruling), ruling.allowed.lift_m, ruling.allowed.lift_rate_mps) == (False, None, 0.0)
     rests = START + SECOND
-    assert names(gate.rule(well(rests, intent=wish))) == ("lift refused",)
-    assert not lift_free(gate.rule(well(rests + 200 * MILLISECOND - 1, intent=wish)))
-    ruling = gate.rule(well(rests + 200 * MILLISECOND, intent=wish))
+    assert names(gate.rule(well(rests, intent=command))) == ("lift refused",)
+    assert not lift_free(gate.rule(well(rests + 200 * MILLISECOND - 1, intent=command)))
+    ruling = gate.rule(well(rests + 200 * MILLISECOND, intent=command))
     assert lift_free(ruling)
     assert (ruling.allowed.lift_m, ruling.allowed.lift_rate_mps) == (
-        wish.get("lift_m"),
-        wish.get("lift_rate_mps", 0.0),
+        command.get("lift_m"),
+        command.get("lift_rate_mps", 0.0),
     )
 
 
@@ -53,15 +53,15 @@ def test_the_lift_moves_at_standstill(robot: Rars, well: Well, speed: float) -> 
 
 def test_the_base_counts_as_standing_only_well_below_its_threshold(robot: Rars, well: Well) -> None:
     gate = gate_of(robot)
-    wish = {"lift_m": 0.3}
-    gate.rule(well(START, intent=wish, speed_mps=0.1))
+    command = {"lift_m": 0.3}
+    gate.rule(well(START, intent=command, speed_mps=0.1))
     for now, speed, lifting in (
         (START + SECOND, math.nextafter(0.005, 1), False),
         (START + 2 * SECOND, -math.nextafter(0.005, 1), False),
         (START + 3 * SECOND, 0.005, False),
         (START + 3 * SECOND + 200 * MILLISECOND, -0.005, True),
     ):
-        assert lift_free(gate.rule(well(now, intent=wish, speed_mps=speed))) is lifting
+        assert lift_free(gate.rule(well(now, intent=command, speed_mps=speed))) is lifting
 
 
 def test_a_lift_that_is_not_commanded_is_not_refused(robot: Rars, well: Well) -> None:
@@ -72,7 +72,7 @@ def test_a_lift_that_is_not_commanded_is_not_refused(robot: Rars, well: Well) ->
 
 
 @pytest.mark.parametrize(
-    ("wish", "height", "wanted"),
+    ("command", "height", "wanted"),
     [
         (0.0, 0.0, False),
         (0.0, 0.001, False),
@@ -86,9 +86,9 @@ def test_a_lift_that_is_not_commanded_is_not_refused(robot: Rars, well: Well) ->
     ],
 )
 def test_a_lift_within_a_millimetre_has_arrived(
-    robot: Rars, well: Well, wish: float, height: float | None, *, wanted: bool
+    robot: Rars, well: Well, command: float, height: float | None, *, wanted: bool
 ) -> None:
-    ruling = gate_of(robot).rule(well(START, intent={"lift_m": wish}, lift_m=height, speed_mps=0.3))
+    ruling = gate_of(robot).rule(well(START, intent={"lift_m": command}, lift_m=height, speed_mps=0.3))
     assert ("lift refused" in names(ruling)) is wanted
     assert lift_free(ruling) is not wanted
 
@@ -142,27 +142,27 @@ def test_an_extended_lift_comes_down_while_the_base_is_held(robot: Rars, well: W
         (START - 500 * MILLISECOND + 1, START, START + 1),
         (START, START - 250 * MILLISECOND, START + 250 * MILLISECOND),
         (START, START - 250 * MILLISECOND + 1, START + 1),
-        (NEVER_HEARD, START, START + 250 * MILLISECOND),
-        (START, NEVER_HEARD, START + 250 * MILLISECOND),
+        (NEVER_RECEIVED, START, START + 250 * MILLISECOND),
+        (START, NEVER_RECEIVED, START + 250 * MILLISECOND),
     ],
 )
 def test_the_next_deadline_is_the_first_silence_that_will_trip(
     robot: Rars, well: Well, operator: int, steer: int, deadline: int
 ) -> None:
-    snapshot = well(START, intent={"heard_at": operator}, drives={"steer": {"heard_at": steer}})
+    snapshot = well(START, intent={"received_at": operator}, drives={"steer": {"received_at": steer}})
     assert gate_of(robot).next_deadline(snapshot.facts) == deadline
 
 
 def test_without_a_silence_to_come_there_is_no_deadline(robot: Rars, well: Well) -> None:
-    never = {"heard_at": NEVER_HEARD}
+    never = {"received_at": NEVER_RECEIVED}
     snapshot = well(START, intent=never, drives=dict.fromkeys(("left", "right", "steer", "lift"), never))
     assert gate_of(robot).next_deadline(snapshot.facts) == NEVER
 
 
 def test_at_the_deadline_a_silence_trips_and_not_before(robot: Rars, well: Well) -> None:
-    heard = well(START)
-    for deadline in (gate_of(robot).next_deadline(heard.facts),):
-        early = gate_of(robot).rule(with_facts(heard, now=deadline - 1))
-        late = gate_of(robot).rule(with_facts(heard, now=deadline))
+    received = well(START)
+    for deadline in (gate_of(robot).next_deadline(received.facts),):
+        early = gate_of(robot).rule(with_facts(received, now=deadline - 1))
+        late = gate_of(robot).rule(with_facts(received, now=deadline))
         assert names(early) == ()
         assert {name.split(":")[0] for name in names(late)} == {"axis silent"}

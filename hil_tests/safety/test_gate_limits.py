@@ -27,9 +27,9 @@ STEP: Final = 0.80 * 0.144 * 9.81 * 0.050
 """The largest change of speed in one cycle, straight on."""
 
 
-def asked(well: Well, now: Nanoseconds = START, **wish: Any) -> Snapshot:
+def requested(well: Well, now: Nanoseconds = START, **command: Any) -> Snapshot:
     """Make a wish that the ramp has reached already, so that acceleration is no matter."""
-    return well(now, intent=wish, demanded_speed_mps=wish.get("speed_mps", 0.0))
+    return well(now, intent=command, demanded_speed_mps=command.get("speed_mps", 0.0))
 
 
 def reckless(robot: Rars) -> Rars:
@@ -43,7 +43,7 @@ def test_a_number_is_reported_in_the_unit_of_its_bound_unless_another_is_named()
 
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize(
-    ("wish", "allowed", "held"),
+    ("command", "allowed", "held"),
     [
         (0.0, 0.0, False),
         (0.49, 0.49, False),
@@ -55,9 +55,9 @@ def test_a_number_is_reported_in_the_unit_of_its_bound_unless_another_is_named()
     ],
 )
 def test_speed_is_clipped_to_half_a_metre_a_second(
-    robot: Rars, well: Well, sign: int, wish: float, allowed: float, *, held: bool
+    robot: Rars, well: Well, sign: int, command: float, allowed: float, *, held: bool
 ) -> None:
-    snapshot = well(START, intent={"speed_mps": sign * wish}, demanded_speed_mps=sign * allowed)
+    snapshot = well(START, intent={"speed_mps": sign * command}, demanded_speed_mps=sign * allowed)
     ruling = gate_of(robot).rule(snapshot)
     assert ruling.allowed.speed_mps == sign * allowed
     assert names(ruling) == (("speed limit",) if held else ())
@@ -66,7 +66,7 @@ def test_speed_is_clipped_to_half_a_metre_a_second(
 
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize(
-    ("wish", "allowed", "held"),
+    ("command", "allowed", "held"),
     [
         (0.0, 0.0, ()),
         (math.radians(58.9), math.radians(58.9), ()),
@@ -79,16 +79,16 @@ def test_speed_is_clipped_to_half_a_metre_a_second(
     ],
 )
 def test_steering_is_clipped_to_60_degrees_and_415_millimetres(
-    robot: Rars, well: Well, sign: int, wish: float, *, allowed: float, held: tuple[str, ...]
+    robot: Rars, well: Well, sign: int, command: float, *, allowed: float, held: tuple[str, ...]
 ) -> None:
-    ruling = gate_of(robot).rule(asked(well, steer_rad=sign * wish))
+    ruling = gate_of(robot).rule(requested(well, steer_rad=sign * command))
     assert ruling.allowed.steer_rad == pytest.approx(sign * allowed, rel=1e-12)
     assert names(ruling) == held
 
 
 def test_60_degrees_bind_where_the_robot_could_turn_more_tightly(robot: Rars, well: Well) -> None:
     nimble = limited(robot, turn_radius_m=0.3)
-    ruling = gate_of(nimble).rule(asked(well, steer_rad=math.radians(61)))
+    ruling = gate_of(nimble).rule(requested(well, steer_rad=math.radians(61)))
     assert ruling.allowed.steer_rad == FULL_STEER
     assert names(ruling) == ("steer angle limit",)
 
@@ -107,14 +107,14 @@ def test_the_tipping_limit_is_that_of_the_turn_actually_steered(
     top = tipping_speed(machine, TIGHTEST)
     assert top == pytest.approx(1.897, abs=1e-3)
     assert robot.geometry.tightest_steer_rad == pytest.approx(TIGHTEST)
-    for wish, steered, allowed, held in (
+    for command, steered, allowed, held in (
         (top * 1.1, side * TIGHTEST, top, ("tipping limit",)),
         (top, side * TIGHTEST, top, ()),
         (top * 1.1, 0.0, top * 1.1, ()),
     ):
         snapshot = well(
             START,
-            intent={"speed_mps": way * wish, "steer_rad": -side * TIGHTEST},
+            intent={"speed_mps": way * command, "steer_rad": -side * TIGHTEST},
             steer_rad=steered,
             demanded_speed_mps=way * allowed,
         )
@@ -124,7 +124,7 @@ def test_the_tipping_limit_is_that_of_the_turn_actually_steered(
 
 
 @pytest.mark.parametrize(
-    ("field", "wish", "allowed", "held"),
+    ("field", "command", "allowed", "held"),
     [
         ("lift_rate_mps", 0.1, 0.1, ()),
         ("lift_rate_mps", -0.1, -0.1, ()),
@@ -137,16 +137,16 @@ def test_the_tipping_limit_is_that_of_the_turn_actually_steered(
     ],
 )
 def test_the_lift_is_kept_within_its_rate_and_range(
-    robot: Rars, well: Well, field: str, wish: float, *, allowed: float, held: tuple[str, ...]
+    robot: Rars, well: Well, field: str, command: float, *, allowed: float, held: tuple[str, ...]
 ) -> None:
-    ruling = gate_of(robot).rule(well(START, intent={field: wish}))
+    ruling = gate_of(robot).rule(well(START, intent={field: command}))
     assert getattr(ruling.allowed, field) == pytest.approx(allowed)
     assert names(ruling) == held
     assert lift_free(ruling)
 
 
 @pytest.mark.parametrize(
-    ("demanded", "wish", "held"),
+    ("demanded", "command", "held"),
     [
         (0.0, STEP, False),
         (0.0, STEP + 0.995e-4, False),
@@ -159,10 +159,10 @@ def test_the_lift_is_kept_within_its_rate_and_range(
     ],
 )
 def test_a_command_that_the_ramp_delays_is_reported(
-    robot: Rars, well: Well, demanded: float, wish: float, *, held: bool
+    robot: Rars, well: Well, demanded: float, command: float, *, held: bool
 ) -> None:
-    ruling = gate_of(robot).rule(well(START, intent={"speed_mps": wish}, demanded_speed_mps=demanded))
-    assert ruling.allowed.speed_mps == wish
+    ruling = gate_of(robot).rule(well(START, intent={"speed_mps": command}, demanded_speed_mps=demanded))
+    assert ruling.allowed.speed_mps == command
     assert names(ruling) == (("acceleration limit",) if held else ())
 
 
@@ -252,7 +252,7 @@ def test_while_stopped_the_steering_stays_where_it_is(robot: Rars, well: Well) -
 
 
 @pytest.mark.parametrize(
-    ("most_ms", "wish", "allowed", "held"),
+    ("most_ms", "command", "allowed", "held"),
     [
         (250, 0.5, 0.5, ()),
         (500, 0.5, 0.5, ()),
@@ -264,10 +264,10 @@ def test_while_stopped_the_steering_stays_where_it_is(robot: Rars, well: Well) -
     ],
 )
 def test_older_words_are_obeyed_at_less_speed(
-    robot: Rars, well: Well, most_ms: int, wish: float, *, allowed: float, held: tuple[str, ...]
+    robot: Rars, well: Well, most_ms: int, command: float, *, allowed: float, held: tuple[str, ...]
 ) -> None:
     limit = AgeLimit(most_ms * MILLISECOND)
-    snapshot = well(START, intent={"speed_mps": wish}, demanded_speed_mps=allowed, age_limit=limit)
+    snapshot = well(START, intent={"speed_mps": command}, demanded_speed_mps=allowed, age_limit=limit)
     ruling = gate_of(robot).rule(snapshot)
     assert ruling.allowed.speed_mps == pytest.approx(allowed, rel=1e-9)
     assert names(ruling) == held
@@ -287,15 +287,17 @@ def test_the_delay_limit_names_both_ages_and_is_shown_for_300_milliseconds(robot
         assert ("delay limit" in names(gate.rule(well(now, age_limit=limit)))) is shown
 
 
-@pytest.mark.parametrize(("asked_s", "ms"), [(None, 500), (0.05, 50), (1.0, 1000), (2.0, 2000)])
-def test_a_delay_is_agreed_on_up_to_the_files_ceiling(robot: Rars, asked_s: float | None, ms: int) -> None:
-    assert robot.agreed_on(asked_s).operator.age_limit_ms == ms
+@pytest.mark.parametrize(("requested_s", "ms"), [(None, 500), (0.05, 50), (1.0, 1000), (2.0, 2000)])
+def test_a_delay_is_agreed_on_up_to_the_files_ceiling(
+    robot: Rars, requested_s: float | None, ms: int
+) -> None:
+    assert robot.agreed_on(requested_s).operator.age_limit_ms == ms
 
 
-@pytest.mark.parametrize("asked_s", [0.049, 2.001, math.nan])
-def test_what_is_beyond_it_is_refused(robot: Rars, asked_s: float) -> None:
+@pytest.mark.parametrize("requested_s", [0.049, 2.001, math.nan])
+def test_what_is_beyond_it_is_refused(robot: Rars, requested_s: float) -> None:
     with pytest.raises(RobotFileError, match="50 to 2000 ms may be"):
-        robot.agreed_on(asked_s)
+        robot.agreed_on(requested_s)
 
 
 def test_a_robot_that_cannot_be_slowed_agrees_on_nothing(robot: Rars) -> None:

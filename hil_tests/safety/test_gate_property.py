@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from firmware_bridge.drivers.driver import Power
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.kinds import find
 from firmware_bridge.robots.rars.rules import tipping_speed
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND
 from firmware_bridge.wire.cia402 import State
 from hil_tests.lanes import examples
-from hil_tests.safety.gate_bench import Ruling, Snapshot, base_stopped, gate_of, lift_free, said, well
+from hil_tests.safety.gate_bench import Ruling, Snapshot, base_stopped, gate_of, lift_free, stated, well
 
 if TYPE_CHECKING:
     from firmware_bridge.safety.snapshot import Hold
@@ -59,18 +59,18 @@ class AnyOrder(RuleBasedStateMachine):
         if self.ruling is not None:
             self.before = {hold.name: hold for hold in self.ruling.holds}
         drives = changes.pop("drives", [{}] * len(ROBOT.axes))
-        intent = {"heard_at": self._heard_at(changes.pop("age", 0)), **changes.pop("intent", {})}
+        intent = {"received_at": self._received_at(changes.pop("age", 0)), **changes.pop("intent", {})}
         axes = {axis.name: self._drive(one) for axis, one in zip(ROBOT.axes, drives, strict=True)}
         self.seen = well(ROBOT, self.now, intent=intent, drives=axes, **changes)
         self.ruling = self.gate.rule(self.seen)
 
-    def _heard_at(self, age: int | None) -> int:
-        return NEVER_HEARD if age is None else self.now - age
+    def _received_at(self, age: int | None) -> int:
+        return NEVER_RECEIVED if age is None else self.now - age
 
     def _drive(self, fields: dict[str, Any]) -> dict[str, Any]:
         given = dict(fields)
         state = given.pop("state", State.OPERATION_ENABLED)
-        return {"heard_at": self._heard_at(given.pop("age", 0)), **said(state), **given}
+        return {"received_at": self._received_at(given.pop("age", 0)), **stated(state), **given}
 
     @rule(ms=st.sampled_from([0, 1, 50, 199, 200, 300, 5000]))
     def time_passes(self, ms: int) -> None:
@@ -100,7 +100,7 @@ class AnyOrder(RuleBasedStateMachine):
         self.look(intent=intent, drives=drives, speed_mps=speed)
 
     @rule(lift=st.floats(0.0, 1.1), rate=st.sampled_from([0.0, 0.05]), speed=st.sampled_from([0.0, 0.2]))
-    def the_lift_is_wished(self, lift: float, rate: float, speed: float) -> None:
+    def the_lift_is_commanded(self, lift: float, rate: float, speed: float) -> None:
         self.look(intent={"lift_m": lift, "lift_rate_mps": rate, "speed_mps": speed})
 
     @invariant()
@@ -112,10 +112,10 @@ class AnyOrder(RuleBasedStateMachine):
             assert self.ruling.holds
         facts, body = self.seen.facts, self.seen.body
         unfit = not facts.armed or facts.emergency_stopped
-        silent = self.now - facts.heard_at >= 500 * MILLISECOND
+        silent = self.now - facts.received_at >= 500 * MILLISECOND
         extended = body.lift_m is None or not body.lift_m <= 0.005
         broken = any(
-            axis.power is not Power.ON or axis.fault or facts.now - axis.heard_at >= 250 * MILLISECOND
+            axis.power is not Power.ON or axis.fault or facts.now - axis.received_at >= 250 * MILLISECOND
             for axis in facts.axes.values()
         )
         if self.seen.facts.now == self.now and (unfit or silent or extended or broken):

@@ -6,8 +6,8 @@ from typing import Any, Final, TypeAlias
 
 import pytest
 
-from firmware_bridge.drivers.driver import Feedback, Tells
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.drivers.driver import Feedback, Reports
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robots.rars import KIND
 from firmware_bridge.robots.rars.motion import Motion
@@ -19,13 +19,13 @@ from hil_tests.safety.gate_bench import Gate, Rars, Ruling, Snapshot, gate_of, n
 
 Well: TypeAlias = Callable[..., Snapshot]
 START: Final = 100 * SECOND
-EVERYTHING: Final = frozenset(Tells)
+EVERYTHING: Final = frozenset(Reports)
 
 
 def gate_with(robot: Rars, **rows: Any) -> Gate:
     """Return RARS's gate with these rows in place of the robot's own."""
-    tells = {axis.name: EVERYTHING for axis in robot.axes}
-    return gate.Gate(robot, replace(KIND, **rows).rules(robot), tells)
+    reports = {axis.name: EVERYTHING for axis in robot.axes}
+    return gate.Gate(robot, replace(KIND, **rows).rules(robot), reports)
 
 
 @pytest.mark.parametrize(
@@ -60,7 +60,7 @@ def test_a_limit_sees_what_the_limits_before_it_have_left_and_the_ruling_before(
     seen: list[tuple[Motion, frozenset[str], Ruling | None]] = []
 
     def looks(view: Any) -> tuple[Motion, None]:
-        seen.append((view.allowed, view.asked, view.before))
+        seen.append((view.allowed, view.requested, view.before))
         return view.allowed, None
 
     def halves(view: Any) -> tuple[Motion, str]:
@@ -69,12 +69,12 @@ def test_a_limit_sees_what_the_limits_before_it_have_left_and_the_ruling_before(
     first: Any = Limit("half", halves, "", clear_after=0)
     second: Any = Limit("look", looks, "", clear_after=0)
     judge = gate_with(robot, limits=(first, second, first, second))
-    wish = well(START, intent={"speed_mps": 0.4})
-    ruling = judge.rule(wish)
-    assert ruling.allowed == replace(wish.wish, speed_mps=0.1)
-    judge.rule(wish)
+    command = well(START, intent={"speed_mps": 0.4})
+    ruling = judge.rule(command)
+    assert ruling.allowed == replace(command.command, speed_mps=0.1)
+    judge.rule(command)
     assert [motion.speed_mps for motion, _, _ in seen] == [0.2, 0.1, 0.2, 0.1]
-    assert {asked for _, asked, _ in seen} == {frozenset()}
+    assert {requested for _, requested, _ in seen} == {frozenset()}
     assert [before for _, _, before in seen] == [None, None, ruling, ruling]
 
 
@@ -86,7 +86,7 @@ def test_an_axis_that_is_missing_is_judged_as_one_of_its_name_that_was_never_rec
     monkeypatch.setattr(gate, "AXIS_ROWS", (row,))
     gate_of(robot).rule(with_facts(well(START), axes={}))
     assert judged == [Feedback(axis.name) for axis in robot.axes]
-    assert {one.heard_at for one in judged} == {NEVER_HEARD}
+    assert {one.received_at for one in judged} == {NEVER_RECEIVED}
 
 
 @pytest.mark.parametrize("name", ["left", "right", "steer", "lift"])

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robots.rars import KIND
 from firmware_bridge.safety.common import AXIS_ROWS, whole_robot_rows
 from firmware_bridge.safety.snapshot import Hold
@@ -72,8 +72,8 @@ def test_at_its_threshold_it_stops_the_robot_and_states_why(
     gate = gate_of(robot)
     for n in between:
         gate.rule(well(START - 10 + n))
-    wish = {"speed_mps": 0.3, "steer_rad": 0.1, "lift_rate_mps": 0.0} | case.trips.get("intent", {})
-    ruling = gate.rule(tripped(well, case, intent=wish, demanded_speed_mps=0.3))
+    command = {"speed_mps": 0.3, "steer_rad": 0.1, "lift_rate_mps": 0.0} | case.trips.get("intent", {})
+    ruling = gate.rule(tripped(well, case, intent=command, demanded_speed_mps=0.3))
     # A wish that is no number is a wish to move the lift as well, and the robot drives.
     assert set(names(ruling)) - {"lift refused"} == {case.hold, *case.also}
     hold = next(hold for hold in ruling.holds if hold.name == case.hold)
@@ -198,7 +198,7 @@ def test_holds_come_in_the_order_of_the_tables(robot: Rars, well: Well) -> None:
             armed=False,
             emergency_stopped=True,
             lift_m=0.5,
-            drives={"right": {"fault": "0x2310", "heard_at": NEVER_HEARD}, "left": {"fault": "0x2310"}},
+            drives={"right": {"fault": "0x2310", "received_at": NEVER_RECEIVED}, "left": {"fault": "0x2310"}},
         )
     )
     assert names(ruling) == (

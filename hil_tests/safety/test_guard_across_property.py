@@ -22,13 +22,13 @@ HALT, GO, OFF, SHUTDOWN = 0x010F, 0x003F, 0x0000, 0x0006
 @st.composite
 def frames(draw: st.DrawFn, robot: AnyRobot) -> tuple[Nanoseconds, list[Packet]]:
     after = draw(st.sampled_from([0, 1, 7, 20, 25, 49, 50, 51, 100]))
-    said = st.builds(
+    stated = st.builds(
         speed,
         st.sampled_from([axis.epos2.node for axis in robot.axes]),
         st.sampled_from([0, 200, 600, 900, TOP, -TOP, -600, TOP + 1]) | st.integers(-TOP, TOP),
         st.sampled_from([ENABLE, ENABLE, ENABLE, ENABLE, 0x010F, 0x0006]),
     )
-    return after * MILLISECOND, draw(st.lists(said, min_size=1, max_size=4))
+    return after * MILLISECOND, draw(st.lists(stated, min_size=1, max_size=4))
 
 
 @pytest.mark.parametrize("robot", ROBOTS, ids=["pair", "omni"])
@@ -37,8 +37,8 @@ def frames(draw: st.DrawFn, robot: AnyRobot) -> tuple[Nanoseconds, list[Packet]]
 def test_whatever_is_sent_no_sum_stays_beyond_its_bound(robot: AnyRobot, data: st.DataObject) -> None:
     """For a cycle at most, and over any length of time by no more than two cycles' way at top speed."""
     bench, motors = Bench(robot), Motors(robot)
-    for after, said in data.draw(st.lists(frames(robot), max_size=20)):
-        motors.lives(bench, motors.now + after, said)
+    for after, stated in data.draw(st.lists(frames(robot), max_size=20)):
+        motors.lives(bench, motors.now + after, stated)
 
 
 @st.composite
@@ -63,7 +63,7 @@ def test_an_honest_bridge_is_never_refused(robot: AnyRobot, data: st.DataObject)
         for offset, node in sorted(zip(offsets, range(1, len(vector) + 1), strict=True)):
             now = cycle * CYCLE + offset
             assert bench.guard.wake(now - 1 if now else 0).sent == ()
-            assert bench.says(speed(node, vector[node - 1]), now=now) == (speed(node, vector[node - 1]),)
+            assert bench.states(speed(node, vector[node - 1]), now=now) == (speed(node, vector[node - 1]),)
     assert bench.guard.refused == 0
 
 
@@ -83,15 +83,15 @@ class NeverBoth(RuleBasedStateMachine):
 
     @rule(node=st.sampled_from(sorted(NODES)), word=WORDS, aim=st.sampled_from([0, 1, -1, 500, 9999]))
     def speaks(self, node: int, word: int, aim: int) -> None:
-        said = (position if node == 4 else wheel)(node, word, aim)
-        self.hear(said, self.bench.says(said, now=self.now))
+        stated = (position if node == 4 else wheel)(node, word, aim)
+        self.receive(stated, self.bench.states(stated, now=self.now))
 
     @rule(ms=st.sampled_from([1, 50, 150]))
     def is_silent(self, ms: int) -> None:
         self.now += ms * MILLISECOND
-        self.hear(None, self.bench.says(now=self.now))
+        self.receive(None, self.bench.states(now=self.now))
 
-    def hear(self, said: Packet | None, sent: tuple[Packet, ...]) -> None:
+    def receive(self, stated: Packet | None, sent: tuple[Packet, ...]) -> None:
         for packet in sent:
             word, target = struct.unpack("<Hi", packet.payload)
             node = packet.address & 0x7F
@@ -100,7 +100,7 @@ class NeverBoth(RuleBasedStateMachine):
                 self.moves[4] = self.goal and word != HALT
             elif node in NODES:
                 self.moves[node] = word == ENABLE and target != 0
-            assert packet is said or not self.moves.get(node)
+            assert packet is stated or not self.moves.get(node)
 
     @invariant()
     def one_side_at_most(self) -> None:

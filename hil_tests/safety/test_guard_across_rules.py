@@ -17,7 +17,7 @@ from firmware_bridge.safety.guard.across_axes import (
     SpeedSum,
     rules_across,
 )
-from firmware_bridge.safety.guard.in_force import Asked
+from firmware_bridge.safety.guard.in_force import Requested
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from hil_tests.scenarios.homed import homed
 
@@ -54,8 +54,8 @@ class Axis:
         self.axis = Table(self.name)
 
 
-def asked(**speeds: float) -> dict[str, Asked]:
-    return {name: Asked(speed != 0.0, speed) for name, speed in speeds.items()}
+def requested(**speeds: float) -> dict[str, Requested]:
+    return {name: Requested(speed != 0.0, speed) for name, speed in speeds.items()}
 
 
 class Trio:
@@ -72,9 +72,9 @@ class Trio:
         else:
             self.rule = OneHomes(axes.values())
 
-    def refuses(self, wanted: Mapping[str, Asked], now: Nanoseconds = CYCLE) -> str | None:
+    def refuses(self, wanted: Mapping[str, Requested], now: Nanoseconds = CYCLE) -> str | None:
         return self.rule.refuses(
-            cast("Mapping[Any, Asked]", {self.axes[name]: one for name, one in wanted.items()}), now
+            cast("Mapping[Any, Requested]", {self.axes[name]: one for name, one in wanted.items()}), now
         )
 
     def sent(self, name: str, now: Nanoseconds, speed: float | None = None) -> Nanoseconds:
@@ -94,10 +94,10 @@ def pair(bound: float = 50.0) -> Trio:
 def test_only_who_has_not_been_sent_anything_at_this_instant_may_repair_a_sum() -> None:
     trio = pair()
     trio.axes["a"].commanded_at = trio.axes["b"].commanded_at = 0
-    assert trio.refuses(asked(a=60.0)) is None, "b may still mend it"
+    assert trio.refuses(requested(a=60.0)) is None, "b may still mend it"
     trio.axes["b"].commanded_at = CYCLE
-    assert trio.refuses(asked(a=60.0)) == "sum of 60.0000 is beyond 50.0000"
-    assert trio.refuses(asked(a=30.0, b=30.0)) == "sum of 60.0000 is beyond 50.0000", "both are asked"
+    assert trio.refuses(requested(a=60.0)) == "sum of 60.0000 is beyond 50.0000"
+    assert trio.refuses(requested(a=30.0, b=30.0)) == "sum of 60.0000 is beyond 50.0000", "both are asked"
 
 
 def test_within_for_an_instant_only_mends_nothing() -> None:
@@ -128,7 +128,7 @@ def test_no_one_goes_on_from_mixture_to_mixture() -> None:
     refused = None
     for cycle in range(1, 40):
         now = cycle * CYCLE
-        if trio.refuses(asked(b=1.0), now) is not None:
+        if trio.refuses(requested(b=1.0), now) is not None:
             refused = cycle
             break
         trio.sent("b", now, 1.0)
@@ -157,8 +157,8 @@ def test_what_was_beyond_to_one_side_does_not_count_for_the_other(sign: float) -
     trio.sent("b", now, 0.0)
     trio.sent("a", now + CYCLE, 0.0)
     later = now + 2 * CYCLE
-    assert trio.refuses(asked(a=sign * 60.0), later) is not None, "more than 2 cycles at the top"
-    assert trio.refuses(asked(a=-sign * 60.0), later) is None
+    assert trio.refuses(requested(a=sign * 60.0), later) is not None, "more than 2 cycles at the top"
+    assert trio.refuses(requested(a=-sign * 60.0), later) is None
 
 
 def test_a_stop_takes_along_who_else_moves() -> None:
@@ -177,29 +177,34 @@ def sides() -> Trio:
 
 def test_each_mover_is_looked_at() -> None:
     trio = sides()
-    assert trio.refuses(asked(b=1.0, c=1.0)) is None
+    assert trio.refuses(requested(b=1.0, c=1.0)) is None
     trio.axes["a"].moving = True
-    assert trio.refuses(asked(c=1.0)) == "sides: c may not move while a may"
-    assert trio.refuses({**asked(b=0.0), **asked(c=1.0)}) == "sides: c may not move while a may"
-    assert trio.refuses({"a": Asked(moves=True, speed=1.0), **asked(c=1.0)}) is not None
+    assert trio.refuses(requested(c=1.0)) == "sides: c may not move while a may"
+    assert trio.refuses({**requested(b=0.0), **requested(c=1.0)}) == "sides: c may not move while a may"
+    assert trio.refuses({"a": Requested(moves=True, speed=1.0), **requested(c=1.0)}) is not None
 
 
 def test_who_is_requested_to_rest_together_is_in_nobodys_way() -> None:
     trio = sides()
     trio.axes["a"].moving = True
-    assert trio.refuses(asked(a=0.0, b=1.0)) is None
+    assert trio.refuses(requested(a=0.0, b=1.0)) is None
     trio.axes["c"].moving = True
-    assert trio.refuses(asked(a=1.0, b=0.0)) == "sides: a may not move while c may"
+    assert trio.refuses(requested(a=1.0, b=0.0)) == "sides: a may not move while c may"
 
 
 def test_one_homes_alone_and_goes_on() -> None:
     trio = Trio()
     trio.axes["a"].homes = True
-    assert trio.refuses(asked(a=1.0)) is None, "it is the one"
-    assert trio.refuses(asked(b=1.0)) == "homing: b may not move while a finds its zero"
-    assert trio.refuses({**asked(a=1.0), **asked(b=1.0)}) == "homing: b may not move while a finds its zero"
-    stranger = cast("Any", Axis("d"))
-    assert trio.rule.refuses({stranger: Asked(moves=True, speed=1.0)}, 0) is None, "no axis of the rule"
+    assert trio.refuses(requested(a=1.0)) is None, "it is the one"
+    assert trio.refuses(requested(b=1.0)) == "homing: b may not move while a finds its zero"
+    assert (
+        trio.refuses({**requested(a=1.0), **requested(b=1.0)})
+        == "homing: b may not move while a finds its zero"
+    )
+    foreign_node = cast("Any", Axis("d"))
+    assert trio.rule.refuses({foreign_node: Requested(moves=True, speed=1.0)}, 0) is None, (
+        "no axis of the rule"
+    )
 
 
 def test_a_homing_lasts_no_longer_than_its_time() -> None:

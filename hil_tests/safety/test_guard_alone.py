@@ -22,9 +22,9 @@ def serial_desk() -> SerialBench:
     """All four enabled at rest, as the drives have confirmed."""
     desk = SerialBench()
     for node in (1, 2, 3, 4):
-        said = word(node, ENABLE)
-        assert desk.says(said) == (said,)
-        desk.hears(done(said))
+        stated = word(node, ENABLE)
+        assert desk.states(stated) == (stated,)
+        desk.receives(done(stated))
     return desk
 
 
@@ -40,9 +40,9 @@ def in_force(sent: tuple[Packet, ...], before: dict[int, int]) -> dict[int, int]
 @pytest.mark.parametrize("rpm", [4000, -4000, TOP, -TOP, 2600])
 def test_over_can_both_wheels_never_go_faster_than_the_base_may(rpm: int) -> None:
     bench = Bench(RARS)
-    in_use = in_force(bench.says(wheel(1, ENABLE, 0), wheel(2, ENABLE, 0)), {})
+    in_use = in_force(bench.states(wheel(1, ENABLE, 0), wheel(2, ENABLE, 0)), {})
     for cycle in range(1, 6):
-        sent = bench.says(wheel(1, ENABLE, rpm), wheel(2, ENABLE, rpm), now=cycle * CYCLE)
+        sent = bench.states(wheel(1, ENABLE, rpm), wheel(2, ENABLE, rpm), now=cycle * CYCLE)
         in_use = in_force(sent, in_use)
         assert abs(in_use[1] + in_use[2]) * 0.025 * 2 * 3.14159265 / 60 / 26 < 0.502
     assert bench.guard.refused
@@ -54,80 +54,80 @@ def test_over_a_serial_line_neither(rpm: int) -> None:
     rates = {1: 0, 2: 0}
     for cycle in range(1, 6):
         for node in (1, 2):
-            for packet in desk.says(speed(rpm, node), now=cycle * CYCLE):
+            for packet in desk.states(speed(rpm, node), now=cycle * CYCLE):
                 for each in (1, 2):
                     for value_ in (0, rpm):
                         rates[each] = value_ if packet == speed(value_, each) else rates[each]
-                desk.hears(done(packet), cycle * CYCLE)
+                desk.receives(done(packet), cycle * CYCLE)
     assert abs(rates[1] + rates[2]) * 0.025 * 2 * 3.14159265 / 60 / 26 < 0.502
     assert desk.refusals
 
 
 def test_over_can_wheels_and_lift_never_move_together_whichever_is_first() -> None:
     bench = Bench(RARS)
-    bench.says(*(wheel(node, ENABLE, 0) for node in (1, 2)), position(4, ENABLE, 0))
-    bench.says(wheel(1, ENABLE, 100), wheel(2, ENABLE, 100))
-    assert bench.says(position(4, GO, 90_000), now=CYCLE) == (position(4, HALT, 0),)
+    bench.states(*(wheel(node, ENABLE, 0) for node in (1, 2)), position(4, ENABLE, 0))
+    bench.states(wheel(1, ENABLE, 100), wheel(2, ENABLE, 100))
+    assert bench.states(position(4, GO, 90_000), now=CYCLE) == (position(4, HALT, 0),)
     bench = Bench(RARS)
-    bench.says(*(wheel(node, ENABLE, 0) for node in (1, 2)), position(4, GO, 90_000))
-    assert bench.says(wheel(1, ENABLE, 100), now=CYCLE) == (wheel(1, ENABLE, 0),)
-    assert bench.says(wheel(2, ENABLE, -100), now=CYCLE) == (wheel(2, ENABLE, 0),)
+    bench.states(*(wheel(node, ENABLE, 0) for node in (1, 2)), position(4, GO, 90_000))
+    assert bench.states(wheel(1, ENABLE, 100), now=CYCLE) == (wheel(1, ENABLE, 0),)
+    assert bench.states(wheel(2, ENABLE, -100), now=CYCLE) == (wheel(2, ENABLE, 0),)
 
 
 def test_over_a_serial_line_neither_do_they() -> None:
     desk = serial_desk()
-    assert desk.says(speed(100, 1)) == (speed(100, 1),)
-    assert desk.says(target(4, 90_000), word(4, GO)) == (target(4, 90_000), word(4, HALT))
+    assert desk.states(speed(100, 1)) == (speed(100, 1),)
+    assert desk.states(target(4, 90_000), word(4, GO)) == (target(4, 90_000), word(4, HALT))
     desk = serial_desk()
-    assert desk.says(target(4, 90_000), word(4, GO)) == (target(4, 90_000), word(4, GO))
-    assert desk.says(speed(100, 1))[0] == speed(0, 1)
+    assert desk.states(target(4, 90_000), word(4, GO)) == (target(4, 90_000), word(4, GO))
+    assert desk.states(speed(100, 1))[0] == speed(0, 1)
 
 
 def test_over_can_a_watch_ends_only_after_a_word_without_power() -> None:
     ends = write(1, 0x1016, 1, bytes(4))
     bench = Bench(RARS)
-    assert bench.says(ends) != (ends,), "what is not known counts as power"
+    assert bench.states(ends) != (ends,), "what is not known counts as power"
     for powered in POWERED:
         for report in (status(1, powered), sample(1, powered)):
-            bench.hears(status(1, 0x0140), report)
-            assert bench.says(ends) != (ends,), hex(powered)
-    bench.hears(status(2, 0x0140))
-    assert bench.says(ends) != (ends,), "another drive's word"
-    bench.says(wheel(1, OFF, 0))
-    assert bench.says(ends) != (ends,), "what was sent is no confirmation"
-    bench.hears(status(1, 0x0140))
-    assert bench.says(ends) == (ends,)
-    bench.says(wheel(1, ENABLE, 0))
-    assert bench.says(ends) != (ends,), "power was asked for since"
+            bench.receives(status(1, 0x0140), report)
+            assert bench.states(ends) != (ends,), hex(powered)
+    bench.receives(status(2, 0x0140))
+    assert bench.states(ends) != (ends,), "another drive's word"
+    bench.states(wheel(1, OFF, 0))
+    assert bench.states(ends) != (ends,), "what was sent is no confirmation"
+    bench.receives(status(1, 0x0140))
+    assert bench.states(ends) == (ends,)
+    bench.states(wheel(1, ENABLE, 0))
+    assert bench.states(ends) != (ends,), "power was asked for since"
 
 
 def test_over_a_serial_line_it_is_the_same() -> None:
     ends = number(1, at.CONSUMER_HEARTBEAT_1, 0)
-    asks = reading(1, at.STATUSWORD)
+    requests = reading(1, at.STATUSWORD)
 
-    def tells(desk: SerialBench, statusword: int) -> None:
-        for packet in desk.says(asks):
-            desk.hears(value(packet, statusword.to_bytes(2, "little")))
+    def reports(desk: SerialBench, statusword: int) -> None:
+        for packet in desk.states(requests):
+            desk.receives(value(packet, statusword.to_bytes(2, "little")))
 
     def leaves(desk: SerialBench) -> bool:
-        sent = desk.says(ends)
+        sent = desk.states(ends)
         for packet in sent:
-            desk.hears(done(packet))
+            desk.receives(done(packet))
         return ends in sent
 
     desk = SerialBench()
     assert not leaves(desk), "what is not known counts as power"
     for powered in POWERED:
-        tells(desk, 0x0140)
-        tells(desk, powered)
+        reports(desk, 0x0140)
+        reports(desk, powered)
         assert not leaves(desk), hex(powered)
     off = word(1, OFF)
-    for packet in desk.says(off):
-        desk.hears(done(packet))
+    for packet in desk.states(off):
+        desk.receives(done(packet))
     assert not leaves(desk), "what was sent is no confirmation"
-    tells(desk, 0x0140)
+    reports(desk, 0x0140)
     assert leaves(desk)
     on = word(1, ENABLE)
-    for packet in desk.says(on):
-        desk.hears(done(packet))
+    for packet in desk.states(on):
+        desk.receives(done(packet))
     assert not leaves(desk), "power was asked for since"

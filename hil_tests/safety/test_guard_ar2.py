@@ -32,24 +32,24 @@ class OnTheLine:
     def __init__(self) -> None:
         self.bench = Bench(ROBOT)
 
-    def says(self, data: bytes) -> bool:
+    def states(self, data: bytes) -> bool:
         """Say a line; return whether it has left as it is."""
-        return self.bench.says(line(data)) == (line(data),)
+        return self.bench.states(line(data)) == (line(data),)
 
     def refused(self, data: bytes) -> str:
         """Say a line that does not leave, and return why; a question leaves in its place."""
         before = len(self.bench.refusals)
-        assert self.bench.says(line(data)) == (line(HALT),)
+        assert self.bench.states(line(data)) == (line(HALT),)
         assert len(self.bench.refusals) == before + 1
         return self.bench.refusals[-1].reason
 
     def echoes(self, data: bytes) -> None:
-        self.bench.hears(line(data))
+        self.bench.receives(line(data))
 
-    def told(self, steps: tuple[int, ...] = MIDDLE) -> "OnTheLine":
+    def reported(self, steps: tuple[int, ...] = MIDDLE) -> "OnTheLine":
         """Have it told where all joints stand."""
         for joint, place in enumerate(steps, 1):
-            assert self.says(words.test(words.place(joint, place)))
+            assert self.states(words.test(words.place(joint, place)))
         return self
 
 
@@ -75,13 +75,13 @@ class OnTheLine:
     ],
 )
 def test_what_is_not_listed_or_beyond_its_bound_does_not_leave(data: bytes, why: str) -> None:
-    assert why in OnTheLine().told().refused(data)
+    assert why in OnTheLine().reported().refused(data)
 
 
 def test_a_joint_moves_once_someone_has_stated_where_it_stands() -> None:
     one = OnTheLine()
     assert "nobody has said where it stands" in one.refused(STEP)
-    assert one.told().says(STEP)
+    assert one.reported().states(STEP)
 
 
 @pytest.mark.parametrize(
@@ -92,44 +92,44 @@ def test_no_joint_goes_beyond_its_travel(axis: int, place: int, sign: int) -> No
     places = (*MIDDLE[:axis], end, *MIDDLE[axis + 1 :])
     beyond = words.move(tuple(sign * (it == axis) for it in range(6)), 2.0)
     inwards = words.move(tuple(-sign * (it == axis) for it in range(6)), 2.0)
-    assert "its travel is" in OnTheLine().told(places).refused(beyond)
-    assert OnTheLine().told(places).says(inwards)
+    assert "its travel is" in OnTheLine().reported(places).refused(beyond)
+    assert OnTheLine().reported(places).states(inwards)
 
 
 def test_one_move_is_under_way_until_what_was_stated_after_it_is_echoed() -> None:
-    one = OnTheLine().told()
-    assert one.says(STEP)
+    one = OnTheLine().reported()
+    assert one.states(STEP)
     one.echoes(words.MOVING)
     assert "before the end of the one before was proved" in one.refused(STEP)
     assert "while the arm may move" in one.refused(words.test("A7000"))
-    assert one.says(words.test("q8"))
+    assert one.states(words.test("q8"))
     one.echoes(words.echo("q7"))
     assert "was proved" in one.refused(STEP)
-    assert one.says(words.test("q9"))
+    assert one.states(words.test("q9"))
     for byte in words.echo("q9"):
         one.echoes(bytes([byte]))
-    assert one.says(STEP)
+    assert one.states(STEP)
 
 
 @pytest.mark.parametrize(
-    "begins_anew",
+    "begins_again",
     [
-        lambda one: one.bench.says(Packet("arm", DTR_DOWN, b""), Packet("arm", DTR_UP, b"")),
-        lambda one: one.bench.hears(Packet("arm", LINE_LOST, b"")),
-        lambda one: one.bench.hears(Packet("arm", LINE_BACK, b"")),
+        lambda one: one.bench.states(Packet("arm", DTR_DOWN, b""), Packet("arm", DTR_UP, b"")),
+        lambda one: one.bench.receives(Packet("arm", LINE_LOST, b"")),
+        lambda one: one.bench.receives(Packet("arm", LINE_BACK, b"")),
     ],
 )
 def test_a_board_that_begins_again_stands_no_one_knows_where(
-    begins_anew: Callable[[OnTheLine], object],
+    begins_again: Callable[[OnTheLine], object],
 ) -> None:
-    one = OnTheLine().told()
-    assert one.says(STEP)
-    begins_anew(one)
+    one = OnTheLine().reported()
+    assert one.states(STEP)
+    begins_again(one)
     assert "nobody has said where it stands" in one.refused(STEP)
 
 
 steps = st.lists(st.integers(-90, 90), min_size=6, max_size=6)
-said = st.one_of(
+stated = st.one_of(
     st.builds(words.move, steps, st.floats(1.0, 100.0)),
     st.builds(lambda text: words.test(f"q{text}"), st.integers(0, 99)),
     st.binary(max_size=60),
@@ -137,14 +137,14 @@ said = st.one_of(
 
 
 @settings(max_examples=examples(60))
-@given(lines=st.lists(said, max_size=30), begin=st.tuples(*(st.integers(0, axis.steps) for axis in JOINTS)))
+@given(lines=st.lists(stated, max_size=30), begin=st.tuples(*(st.integers(0, axis.steps) for axis in JOINTS)))
 def test_whatever_is_stated_the_arm_stays_in_its_travel(lines: list[bytes], begin: tuple[int, ...]) -> None:
     """By the emulated board, which does what has left, and answers at once."""
-    one, arm = OnTheLine().told(begin), Arm()
+    one, arm = OnTheLine().reported(begin), Arm()
     arm.joints.places[:6] = begin
     for data in lines:
-        for packet in one.bench.says(line(data)):
-            heard = arm.ask(packet.payload)
-            one.echoes(heard)
+        for packet in one.bench.states(line(data)):
+            received = arm.ask(packet.payload)
+            one.echoes(received)
             assert not any(arm.joints.lost), "no joint is driven into its stop"
         assert all(0 <= place <= axis.steps for place, axis in zip(arm.joints.places, JOINTS, strict=False))

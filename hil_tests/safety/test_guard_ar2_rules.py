@@ -43,17 +43,17 @@ def refuses(rules: Ar2Rules, data: bytes, address: int = 0) -> str | None:
 
 
 def sends(rules: Ar2Rules, data: bytes, address: int = 0) -> None:
-    rules.sends(line(data, address), 0, asked=False)
+    rules.sends(line(data, address), 0, requested=False)
 
 
-def hears(rules: Ar2Rules, data: bytes, address: int = 0) -> None:
+def receives(rules: Ar2Rules, data: bytes, address: int = 0) -> None:
     assert rules.receives(line(data, address), 0) is True
 
 
 def proven(rules: Ar2Rules, word: str) -> None:
     """Have the newest word echoed."""
     sends(rules, words.test(word))
-    hears(rules, words.echo(word))
+    receives(rules, words.echo(word))
 
 
 def move(*steps: int, percent: float = 10.0) -> bytes:
@@ -134,9 +134,9 @@ def test_the_guard_counts_every_step_that_leaves() -> None:
 def test_who_moves_is_known_until_the_end_of_the_move_is_proved() -> None:
     rules = rules_of()
     assert not any(joint.moving or joint.powered for joint in joints(rules))
-    asked = rules.asked_by(line(move(0, 3, 0, -3)))
-    assert {joint.axis.ar2.joint for joint, one in asked.items() if one.moves} == {2, 4}
-    assert {one.speed for one in asked.values()} == {0.0}
+    requested = rules.requested_by(line(move(0, 3, 0, -3)))
+    assert {joint.axis.ar2.joint for joint, one in requested.items() if one.moves} == {2, 4}
+    assert {one.speed for one in requested.values()} == {0.0}
     sends(rules, move(0, 3, 0, -3))
     assert [joint.powered for joint in joints(rules)] == [False, True, False, True, False, False]
     proven(rules, "q1")
@@ -149,31 +149,31 @@ def test_an_echo_of_before_the_move_proves_nothing() -> None:
     proven(rules, "q1")
     sends(rules, move(3))
     sends(rules, words.test("q1"))
-    hears(rules, b"x")
+    receives(rules, b"x")
     assert "was proved" in str(refuses(rules, move(3)))
-    hears(rules, words.echo("q1"))
+    receives(rules, words.echo("q1"))
     assert refuses(rules, move(3)) is None
 
 
 def test_what_a_board_states_before_it_is_requested_is_let_in() -> None:
     rules = Ar2Rules(ROBOT, ARM)
-    hears(rules, b"anything")
+    receives(rules, b"anything")
     assert not rules.waiting
 
 
 @pytest.mark.parametrize("address", [LINE_LOST, LINE_BACK])
 def test_only_the_line_itself_states_that_it_is_gone(address: int) -> None:
     rules = rules_of()
-    hears(rules, b"more", address)
+    receives(rules, b"more", address)
     assert [joint.place for joint in joints(rules)] == [100] * 6
-    hears(rules, b"", address)
+    receives(rules, b"", address)
     assert [joint.place for joint in joints(rules)] == [None] * 6
 
 
 def test_a_line_that_is_lost_ends_the_move() -> None:
     rules = rules_of()
     sends(rules, move(3, 0, 0, 0, 0, 3))
-    hears(rules, b"", LINE_LOST)
+    receives(rules, b"", LINE_LOST)
     assert not any(joint.powered for joint in joints(rules))
     assert refuses(rules, words.test(words.place(1, 50))) is None
 
@@ -190,7 +190,7 @@ def test_the_boards_reset_line_carries_no_words(address: int) -> None:
 def test_a_line_has_one_address() -> None:
     assert refuses(rules_of(), b"TMq1\n", 7) == "address 7 is none of a line's"
     assert refuses(rules_of(), move(3), 7) == "address 7 is none of a line's"
-    assert not any(one.moves for one in rules_of().asked_by(line(move(3), 7)).values())
+    assert not any(one.moves for one in rules_of().requested_by(line(move(3), 7)).values())
 
 
 @pytest.mark.parametrize(
@@ -247,22 +247,22 @@ def test_an_older_echo_never_proves_a_newer_move(rounds: int) -> None:
         proven(rules, "q1")
         sends(rules, move(3))
         sends(rules, words.test("q1"))
-        hears(rules, b"x")
+        receives(rules, b"x")
         assert "was proved" in str(refuses(rules, move(3)))
-        hears(rules, words.echo("q1"))
+        receives(rules, words.echo("q1"))
 
 
 def test_an_echo_that_only_ends_like_it_proves_nothing() -> None:
     rules = rules_of()
     sends(rules, move(3))
     sends(rules, words.test("q12"))
-    hears(rules, words.echo("q112"))
+    receives(rules, words.echo("q112"))
     assert "was proved" in str(refuses(rules, move(3)))
 
 
 def test_a_packet_without_bytes_is_no_loss() -> None:
     rules = rules_of()
-    hears(rules, b"")
+    receives(rules, b"")
     assert [joint.place for joint in joints(rules)] == [100] * 6
 
 

@@ -19,16 +19,16 @@ OTHER = number_of("192.168.1.11", 1510)
 LISTENS = ["CONNECT", "KEEPALIVE", "REQUEST_MODELDEF", "ECHOREQUEST"]
 
 
-class Says:
+class States:
     """A bridge that sends what it was given, once."""
 
     def __init__(self, *packets: Packet) -> None:
         self.packets = packets
-        self.heard: list[Packet] = []
+        self.received: list[Packet] = []
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         del now
-        self.heard.append(packet)
+        self.received.append(packet)
         return Reaction()
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -37,17 +37,17 @@ class Says:
 
 
 def left(*packets: Packet) -> tuple[Packet, ...]:
-    return guarded(Says(*packets), captured_carrier()).wake(0).sent
+    return guarded(States(*packets), captured_carrier()).wake(0).sent
 
 
 @pytest.mark.parametrize("message", MessageId, ids=lambda it: it.name)
 def test_a_listener_s_words_leave_and_no_others(message: MessageId) -> None:
-    said = Packet(CAMERAS, SERVER, packet(message))
-    assert left(said) == ((said,) if message.name in LISTENS else ())
+    stated = Packet(CAMERAS, SERVER, packet(message))
+    assert left(stated) == ((stated,) if message.name in LISTENS else ())
 
 
 @pytest.mark.parametrize(
-    "said",
+    "stated",
     [
         Packet(CAMERAS, OTHER, CONNECT),
         Packet(CAMERAS, number_of("192.168.1.10", 1511), CONNECT),
@@ -57,19 +57,19 @@ def test_a_listener_s_words_leave_and_no_others(message: MessageId) -> None:
         Packet(CAMERAS, SERVER, packet(MessageId.REQUEST, text_payload("StopRecording"))),
     ],
 )
-def test_nothing_else_leaves_and_nothing_else_stops_for_it(said: Packet) -> None:
+def test_nothing_else_leaves_and_nothing_else_stops_for_it(stated: Packet) -> None:
     beside = Packet(OPERATOR, 0, b"telemetry")
     refusals: list[Refusal] = []
-    node = guarded(Says(said, beside), captured_carrier(), refusals.append)
+    node = guarded(States(stated, beside), captured_carrier(), refusals.append)
     assert node.wake(0).sent == (beside,)
-    assert [(one.packet, one.sent) for one in refusals] == [(said, ())]
+    assert [(one.packet, one.sent) for one in refusals] == [(stated, ())]
 
 
 def test_what_comes_in_is_the_bridge_s() -> None:
-    bridge = Says()
-    heard = Packet(CAMERAS, SERVER, b"whatever")
-    guarded(bridge, captured_carrier()).receive(heard, 0)
-    assert bridge.heard == [heard]
+    bridge = States()
+    received = Packet(CAMERAS, SERVER, b"whatever")
+    guarded(bridge, captured_carrier()).receive(received, 0)
+    assert bridge.received == [received]
 
 
 def test_a_fault_of_cameras_wants_cameras() -> None:

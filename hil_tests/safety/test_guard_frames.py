@@ -11,7 +11,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.safety.guard.guard import REMEMBERED
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE
-from hil_tests.safety.guard_bench import LINK, Bench, Puppet, frame, position, wheel
+from hil_tests.safety.guard_bench import LINK, Bench, ScriptedNode, frame, position, wheel
 
 STEER_END: Final = 134_953
 """60 degrees: rack 40.0 mm (4.7), 2.666 rad of pinion (4.8), 159 times 2000 quadcounts a turn."""
@@ -98,7 +98,7 @@ SET_POINTS_REFUSED: Final = (
 
 @pytest.mark.parametrize("packet", ADMITTED, ids=str)
 def test_a_listed_frame_leaves_untouched(bench: Bench, packet: Packet) -> None:
-    assert bench.says(packet) == (packet,)
+    assert bench.states(packet) == (packet,)
     assert bench.guard.refused == 0
     assert bench.guard.refusals == ()
 
@@ -106,7 +106,7 @@ def test_a_listed_frame_leaves_untouched(bench: Bench, packet: Packet) -> None:
 @pytest.mark.parametrize(("packet", "reason"), REFUSED, ids=str)
 def test_an_unlisted_frame_stops_every_axis_that_has_power(bench: Bench, packet: Packet, reason: str) -> None:
     assert bench.refuses(packet) == (reason, ())
-    bench.says(wheel(1, 0x000F, 500), position(3, 0x003F, 700), position(4, 0x0006, 9))
+    bench.states(wheel(1, 0x000F, 500), position(3, 0x003F, 700), position(4, 0x0006, 9))
     safe = (wheel(1, 0x000F, 0), position(3, 0x010F, 700))
     assert bench.refuses(packet) == (reason, safe)
 
@@ -119,14 +119,14 @@ def test_a_set_point_out_of_bounds_is_replaced_by_its_axis_at_rest(
     make = wheel if node < 3 else position
     # Never told anything: it has no power, and gets none.
     assert bench.refuses(packet) == (reason, (make(node, 0, 0),))
-    bench.says(make(node, 0x000F, 77))
+    bench.states(make(node, 0x000F, 77))
     rest = wheel(node, 0x000F, 0) if node < 3 else position(node, 0x010F, 77)
     assert bench.refuses(packet) == (reason, (rest,))
 
 
 @pytest.mark.parametrize("word", [0x0000, 0x0002, 0x0006, 0x0007, 0x000B, 0x0080])
 def test_the_safe_frame_never_gives_power_to_a_drive_that_has_none(bench: Bench, word: int) -> None:
-    bench.says(wheel(1, 0x000F, 100), wheel(1, word, 0), position(4, 0x003F, 50), position(4, word, 60))
+    bench.states(wheel(1, 0x000F, 100), wheel(1, word, 0), position(4, 0x003F, 50), position(4, word, 60))
     assert bench.refuses(wheel(1, 0x000F, 9999))[1] == (wheel(1, word, 0),)
     assert bench.refuses(position(4, 0x003F, -1))[1] == (position(4, word, 60),)
     assert bench.refuses(frame(0x123, ""))[1] == ()
@@ -134,12 +134,12 @@ def test_the_safe_frame_never_gives_power_to_a_drive_that_has_none(bench: Bench,
 
 @pytest.mark.parametrize("word", [0x000F, 0x010F])
 def test_the_safe_frame_leaves_power_where_there_is_power(bench: Bench, word: int) -> None:
-    bench.says(wheel(2, word, 100), position(3, word, -5))
+    bench.states(wheel(2, word, 100), position(3, word, -5))
     assert bench.refuses(frame(0x123, ""))[1] == (wheel(2, 0x000F, 0), position(3, 0x010F, -5))
 
 
 def test_every_frame_is_judged_in_its_place(bench: Bench) -> None:
-    sent = bench.says(
+    sent = bench.states(
         frame(0x080, ""), wheel(1, 0x000F, 5000), Packet(OPERATOR, 0, b"text"), wheel(2, 0x000F, 300)
     )
     assert sent == (
@@ -150,34 +150,34 @@ def test_every_frame_is_judged_in_its_place(bench: Bench) -> None:
 
 def test_datagrams_of_the_operator_pass_untouched(bench: Bench) -> None:
     packets = (Packet(OPERATOR, 0x123, b"\xff" * 300), Packet(OPERATOR, 0x501, b""))
-    assert bench.says(*packets) == packets
+    assert bench.states(*packets) == packets
     assert bench.guard.refused == 0
 
 
 def test_a_link_that_is_not_listed_is_refused(bench: Bench) -> None:
-    bench.says(wheel(1, 0x000F, 100))
+    bench.states(wheel(1, 0x000F, 100))
     for link in (SERIAL, CAN, ""):
         packet = Packet(link, 0x501, struct.pack("<Hi", 0x000F, 200))
         assert bench.refuses(packet) == (f"link '{link}' is not listed", (wheel(1, 0x000F, 0),))
 
 
 def test_packets_and_wakes_reach_the_node(bench: Bench) -> None:
-    bench.puppet.wake_at = 77
+    bench.scripted.wake_at = 77
     assert bench.guard.receive(frame(0x181, "4002"), 5) == Reaction((), 77)
     assert bench.guard.wake(6) == Reaction((), 77)
-    assert bench.puppet.heard == [(frame(0x181, "4002"), 5), (None, 6)]
+    assert bench.scripted.received == [(frame(0x181, "4002"), 5), (None, 6)]
 
 
 def test_what_a_node_states_to_a_packet_is_judged_as_well(bench: Bench) -> None:
-    bench.puppet.says = (wheel(1, 0x000F, 5000),)
+    bench.scripted.states = (wheel(1, 0x000F, 5000),)
     assert bench.guard.receive(frame(0x080, ""), 3).sent == (wheel(1, 0, 0),)
     assert bench.guard.refusals[0].at == 3
 
 
 def test_refusals_are_all_counted_and_the_newest_kept(robot: AnyRobot) -> None:
-    guard = guarded(Puppet(), robot)
+    guard = guarded(ScriptedNode(), robot)
     for n in range(REMEMBERED + 5):
-        guard.node = Puppet((frame(0x123, f"{n % 256:02x}"),))
+        guard.node = ScriptedNode((frame(0x123, f"{n % 256:02x}"),))
         guard.wake(n)
     assert guard.refused == 105
     assert [refusal.at for refusal in guard.refusals] == list(range(5, 105))
@@ -188,6 +188,6 @@ def test_a_mirrored_lift_counts_downwards(robot: AnyRobot) -> None:
     bench = Bench(robot.model_copy(update={"axes": axes}))
     for low, high, node in ((-LIFT_END, 0, 4), (-STEER_END, STEER_END, 3)):
         for counts in (low, high):
-            assert bench.says(position(node, 0x003F, counts)) == (position(node, 0x003F, counts),)
+            assert bench.states(position(node, 0x003F, counts)) == (position(node, 0x003F, counts),)
         for counts in (low - 1, high + 1):
             assert "is not within" in bench.refuses(position(node, 0x003F, counts))[0]

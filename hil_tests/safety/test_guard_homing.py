@@ -57,32 +57,32 @@ class OverCan(ZeroOverCan):
         self.far = False
         """Whether the lift is on a link of its own."""
 
-    def _says(self, packet: Packet) -> str | None:
+    def _states(self, packet: Packet) -> str | None:
         """Let it leave on the link of its node."""
-        return super()._says(Packet(self._link_of(packet.address), packet.address, packet.payload))
+        return super()._states(Packet(self._link_of(packet.address), packet.address, packet.payload))
 
     def _link_of(self, address: int) -> str:
         return "far" if self.far and address % 0x80 == LIFT else guard_bench.LINK
 
     def writes(self, node: int, address: Address, value: int) -> str | None:
         write = guard_bench.write(node, address.index, address.subindex, raw(value, SIZE[address]))
-        return self._says(write)
+        return self._states(write)
 
-    def tells(self, node: int, address: Address, value: int) -> None:
+    def reports(self, node: int, address: Address, value: int) -> None:
         size = SIZE[address]
         head = bytes((0x43 | (4 - size) << 2,)) + address.index.to_bytes(2, "little")
         payload = head + bytes((address.subindex,)) + raw(value, size).ljust(4, b"\0")
-        self.bench.hears(Packet(self._link_of(node), 0x580 + node, payload), now=self.now)
+        self.bench.receives(Packet(self._link_of(node), 0x580 + node, payload), now=self.now)
 
     def goes(self, node: int, target: int) -> str | None:
-        return self._says(guard_bench.position(node, NEW_POSITION, target))
+        return self._states(guard_bench.position(node, NEW_POSITION, target))
 
     def rests(self, cycles: int) -> None:
         """Let every axis but the lift be told to rest for so many cycles."""
         for _ in range(cycles):
             self.now += 50 * MILLISECOND
             wheels = (guard_bench.wheel(node, ENABLE, 0) for node in (LEFT, 2))
-            self.bench.says(*wheels, guard_bench.position(STEER, HALT, 0), now=self.now)
+            self.bench.states(*wheels, guard_bench.position(STEER, HALT, 0), now=self.now)
 
 
 class OverSerial(ZeroOverSerial):
@@ -91,24 +91,24 @@ class OverSerial(ZeroOverSerial):
         self.bench = serial_bench.SerialBench(serial_bench._over_serial(robot))  # noqa: SLF001 - of a test's own bench
 
     def writes(self, node: int, address: Address, value: int) -> str | None:
-        return self._says(serial_bench.writing(node, address, raw(value, SIZE[address])))
+        return self._states(serial_bench.writing(node, address, raw(value, SIZE[address])))
 
-    def tells(self, node: int, address: Address, value: int) -> None:
-        asked = serial_bench.reading(node, address)
-        self.bench.says(asked, now=self.now)
-        self.bench.hears(serial_bench.value(asked, raw(value, SIZE[address])), now=self.now)
+    def reports(self, node: int, address: Address, value: int) -> None:
+        requested = serial_bench.reading(node, address)
+        self.bench.states(requested, now=self.now)
+        self.bench.receives(serial_bench.value(requested, raw(value, SIZE[address])), now=self.now)
 
     def goes(self, node: int, target: int) -> str | None:
-        self._says(serial_bench.target(node, target))
-        return self._says(serial_bench.word(node, NEW_POSITION))
+        self._states(serial_bench.target(node, target))
+        return self._states(serial_bench.word(node, NEW_POSITION))
 
     def rests(self, cycles: int) -> None:
         for _ in range(cycles):
             self.now += 50 * MILLISECOND
             for node in (LEFT, 2):
-                self._says(serial_bench.speed(0, node))
-                self._says(serial_bench.word(node, ENABLE))
-            self._says(serial_bench.word(STEER, HALT))
+                self._states(serial_bench.speed(0, node))
+                self._states(serial_bench.word(node, ENABLE))
+            self._states(serial_bench.word(STEER, HALT))
 
 
 Line: TypeAlias = OverCan | OverSerial
@@ -127,16 +127,18 @@ VALUES: Final = {
 NO_WORD: Final = "the drive has not said that its homing moves no more than the file says"
 
 
-def prepared(line: Line, *, tells: dict[Address, int] | None = None, without: Address | None = None) -> Line:
+def prepared(
+    line: Line, *, reports: dict[Address, int] | None = None, without: Address | None = None
+) -> Line:
     """Write what the homing of the lift hangs on; let its drive say the same, but what the test changes."""
-    line.tells(LIFT, at.STATUSWORD, ENABLED)
+    line.reports(LIFT, at.STATUSWORD, ENABLED)
     line.position(HALT, 0)
     for address, value in VALUES.items():
         assert line.writes(LIFT, address, value) is None
         if address != without:
-            line.tells(LIFT, address, (tells or {}).get(address, value))
+            line.reports(LIFT, address, (reports or {}).get(address, value))
     assert line.writes(LIFT, at.MODE, 6) is None
-    line.tells(LIFT, at.MODE_DISPLAY, 6)
+    line.reports(LIFT, at.MODE_DISPLAY, 6)
     assert line.writes(LIFT, at.CONTROLWORD, ENABLE) is None
     return line
 
@@ -152,7 +154,7 @@ def test_the_whole_of_it_passes(made: Made) -> None:
     line = started(made)
     assert line.writes(LIFT, at.CONTROLWORD, HALT) is None
     assert line.writes(LIFT, at.MODE, 1) is None
-    line.tells(LIFT, at.MODE_DISPLAY, 1)
+    line.reports(LIFT, at.MODE_DISPLAY, 1)
     assert line.position(NEW_POSITION, 12_345) is None
     line.position(HALT, 0)
 
@@ -182,7 +184,7 @@ def test_the_start_needs_each_word_of_the_drives(made: Made, without: Address) -
     ],
 )
 def test_a_drive_that_states_anything_else_is_not_started(made: Made, address: Address, value: int) -> None:
-    assert prepared(made(), tells={address: value}).writes(LIFT, at.CONTROLWORD, START) == NO_WORD
+    assert prepared(made(), reports={address: value}).writes(LIFT, at.CONTROLWORD, START) == NO_WORD
 
 
 @BOTH
@@ -191,7 +193,7 @@ def test_a_drive_that_states_anything_else_is_not_started(made: Made, address: A
     [(at.HOMING_SPEED_SWITCH, 1), (at.HOMING_ACCELERATION, RAMP - 1), (at.HOMING_CURRENT, 1)],
 )
 def test_slower_and_weaker_is_as_good(made: Made, address: Address, value: int) -> None:
-    assert prepared(made(), tells={address: value}).writes(LIFT, at.CONTROLWORD, START) is None
+    assert prepared(made(), reports={address: value}).writes(LIFT, at.CONTROLWORD, START) is None
 
 
 @BOTH
@@ -221,11 +223,11 @@ def test_a_wheel_has_none_of_these(made: Made, address: Address) -> None:
 @BOTH
 def test_to_confirm_is_as_good_as_ever(made: Made) -> None:
     line = made()
-    line.tells(LIFT, at.STATUSWORD, ENABLED)
+    line.reports(LIFT, at.STATUSWORD, ENABLED)
     line.position(HALT, 0)
     for address, value in ((at.HOME_POSITION, 12_345), (at.HOMING_METHOD, 35), (at.MODE, 6)):
         assert line.writes(LIFT, address, value) is None
-        line.tells(LIFT, at.MODE_DISPLAY if address == at.MODE else address, value)
+        line.reports(LIFT, at.MODE_DISPLAY if address == at.MODE else address, value)
     assert line.writes(LIFT, at.CONTROLWORD, START) is None
     assert line.goes(STEER, 20_000) is None, "it moves nothing, and keeps nobody"
 
@@ -291,7 +293,7 @@ def test_a_silence_about_its_own_axis_is_no_silence(made: Made) -> None:
 def test_a_bridge_that_sends_nothing_is_spoken_for(made: Made) -> None:
     line = started(made)
     line.now += SECOND
-    sent = line.bench.says(now=line.now)
+    sent = line.bench.states(now=line.now)
     assert sent
     assert line.bench.refusals[-1].reason.startswith("no set-point for 150 ms")
 
@@ -327,7 +329,7 @@ def test_another_link_counts_as_well() -> None:
     assert line.goes(STEER, 20_000) == "homing: steering may not move while scissor lift finds its zero"
 
 
-TOLD: Final = st.fixed_dictionaries(
+REPORTED: Final = st.fixed_dictionaries(
     {
         "speed": st.floats(0.11, 29.0),
         "zero_speed": st.floats(0.11, 29.0),
@@ -338,15 +340,15 @@ TOLD: Final = st.fixed_dictionaries(
 )
 
 
-@given(direction=st.sampled_from((-1, 1)), ratio=st.floats(1.0, 500.0), told=TOLD)
+@given(direction=st.sampled_from((-1, 1)), ratio=st.floats(1.0, 500.0), reported=REPORTED)
 def test_what_the_driver_writes_is_what_the_guard_lets_pass(
-    direction: int, ratio: float, told: dict[str, float]
+    direction: int, ratio: float, reported: dict[str, float]
 ) -> None:
     """They convert apart from each other, for any gear and either direction."""
     of_file = ROBOT.axes[3]
     homing = of_file.zero.homing
     assert homing is not None
-    zero = of_file.zero.model_copy(update={"homing": homing.model_copy(update=told)})
+    zero = of_file.zero.model_copy(update={"homing": homing.model_copy(update=reported)})
     axis = of_file.model_copy(update={"zero": zero, "direction": direction, "ratio": ratio})
     allowed = by_file(axis)
     rows = rows_of(axis)

@@ -13,42 +13,42 @@ START_NODE: Final = Packet(LINK, 0x000, b"\x01\x00")
 
 def test_a_drive_with_power_keeps_its_watch_over_the_bridge(bench: Bench) -> None:
     ends_watch = write(2, 0x1016, 1, bytes(4))
-    bench.says(wheel(1, 0x000F, 0))
-    bench.hears(status(2, 0x0140))
-    assert bench.says(ends_watch) == (ends_watch,)
+    bench.states(wheel(1, 0x000F, 0))
+    bench.receives(status(2, 0x0140))
+    assert bench.states(ends_watch) == (ends_watch,)
     for word in (0x000F, 0x010F):
-        bench.says(wheel(2, word, 0))
+        bench.states(wheel(2, word, 0))
         reason, sent = bench.refuses(ends_watch)
         assert reason == "0x1016:01 set to 0 while node 2 may have power"
         assert sent == aborted(2, 0x1016, 1)
         keeps = write(2, 0x1016, 1, raw(100 << 16 | 200, 4))
-        assert bench.says(keeps) == (keeps,)
+        assert bench.states(keeps) == (keeps,)
         zero_elsewhere = write(2, 0x1003, 0, bytes(1))
-        assert bench.says(zero_elsewhere) == (zero_elsewhere,)
-    bench.says(wheel(2, 0x0006, 0))
+        assert bench.states(zero_elsewhere) == (zero_elsewhere,)
+    bench.states(wheel(2, 0x0006, 0))
     assert bench.refuses(ends_watch)[1] == aborted(2, 0x1016, 1)
-    bench.hears(status(2, 0x0121))
-    assert bench.says(ends_watch) == (ends_watch,)
+    bench.receives(status(2, 0x0121))
+    assert bench.states(ends_watch) == (ends_watch,)
 
 
 @pytest.mark.parametrize("command", [0x80, 0x82])
 @pytest.mark.parametrize("addressed", [0, 2])
 def test_a_drive_that_moves_is_not_taken_off_the_bus(bench: Bench, command: int, addressed: int) -> None:
     leave = Packet(LINK, 0x000, bytes((command, addressed)))
-    bench.says(wheel(1, 0x000F, 0), wheel(2, 0x000F, 1), position(3, 0x000F, 5))
-    assert bench.says(START_NODE) == (START_NODE,)
+    bench.states(wheel(1, 0x000F, 0), wheel(2, 0x000F, 1), position(3, 0x000F, 5))
+    assert bench.states(START_NODE) == (START_NODE,)
     reason, sent = bench.refuses(leave)
     assert reason == "node 2 moves and would no longer hear set-points"
     assert sent == (wheel(1, 0x000F, 0), wheel(2, 0x000F, 0), position(3, 0x010F, 5))
     # It was stopped instead, so the next try is allowed; afterwards it counts as without power.
-    assert bench.says(leave) == (leave,)
+    assert bench.states(leave) == (leave,)
     left = () if addressed == 0 else (wheel(1, 0x000F, 0), position(3, 0x010F, 5))
     assert bench.refuses(frame(0x123, ""))[1] == left
 
 
 @pytest.mark.parametrize("addressed", [0, 2])
 def test_a_drive_that_left_the_bus_counts_as_without_power(bench: Bench, addressed: int) -> None:
-    bench.says(wheel(2, 0x000F, 0), Packet(LINK, 0x000, bytes((0x82, addressed))))
+    bench.states(wheel(2, 0x000F, 0), Packet(LINK, 0x000, bytes((0x82, addressed))))
     assert bench.refuses(wheel(2, 0x000F, 9999))[1] == (wheel(2, 0x0000, 0),)
 
 
@@ -66,9 +66,9 @@ def reset(node: int) -> Packet:
 def test_a_drive_that_was_not_commanded_to_give_up_its_power_is_never_reset(
     bench: Bench, others: Packet, addressed: int
 ) -> None:
-    bench.says(OFF[0], others, OFF[2], OFF[3])
+    bench.states(OFF[0], others, OFF[2], OFF[3])
     assert "node 2" in bench.refuses(reset(addressed), 100 * PATIENCE)[0]
-    assert reset(1) in bench.says(reset(1), now=100 * PATIENCE), "that one was"
+    assert reset(1) in bench.states(reset(1), now=100 * PATIENCE), "that one was"
 
 
 @pytest.mark.parametrize("addressed", [0, 1, 2, 3, 4])
@@ -77,39 +77,39 @@ def test_a_drive_is_reset_where_it_has_not_confirmed_in_its_time(
     bench: Bench, by: str, addressed: int
 ) -> None:
     words = OFF if by == "PDO" else tuple(write(node, 0x6040, 0, bytes(2)) for node in (1, 2, 3, 4))
-    bench.says(wheel(1, 0x000F, 0), wheel(2, 0x000F, 0), position(3, 0x003F, 7), position(4, 0x003F, 7))
-    bench.says(*words, now=PATIENCE)
-    bench.says(*words, now=PATIENCE + 50 * MILLISECOND)
+    bench.states(wheel(1, 0x000F, 0), wheel(2, 0x000F, 0), position(3, 0x003F, 7), position(4, 0x003F, 7))
+    bench.states(*words, now=PATIENCE)
+    bench.states(*words, now=PATIENCE + 50 * MILLISECOND)
     reason = f"node {addressed or 1} has not been told for 200 ms to give up its power"
     assert bench.refuses(reset(addressed), 2 * PATIENCE - 1)[0] == reason
-    assert bench.says(reset(addressed), now=2 * PATIENCE) == (reset(addressed),)
+    assert bench.states(reset(addressed), now=2 * PATIENCE) == (reset(addressed),)
 
 
 @pytest.mark.parametrize(
     ("statusword", "left"), [(0x0140, False), (0x0108, False), (0x0137, True), (0x0117, True)]
 )
 def test_a_drive_that_has_confirmed_needs_no_reset(bench: Bench, statusword: int, *, left: bool) -> None:
-    bench.says(*OFF)
-    bench.hears(status(2, statusword), now=PATIENCE)
-    assert (reset(2) in bench.says(reset(2), now=2 * PATIENCE)) is left
+    bench.states(*OFF)
+    bench.receives(status(2, statusword), now=PATIENCE)
+    assert (reset(2) in bench.states(reset(2), now=2 * PATIENCE)) is left
     if not left:
         assert bench.guard.refusals[-1].reason == "node 2 has no power, and nothing to be reset for"
 
 
 @pytest.mark.parametrize("word", [0x000F, 0x010F, 0x000B, 0x0006, 0x0080])
 def test_any_other_word_starts_the_time_again(bench: Bench, word: int) -> None:
-    bench.says(*OFF)
-    bench.says(wheel(2, word, 0), now=PATIENCE)
-    bench.says(OFF[1], now=2 * PATIENCE)
+    bench.states(*OFF)
+    bench.states(wheel(2, word, 0), now=PATIENCE)
+    bench.states(OFF[1], now=2 * PATIENCE)
     assert "has not been told" in bench.refuses(reset(2), 3 * PATIENCE - 1)[0]
-    assert bench.says(reset(2), now=3 * PATIENCE) == (reset(2),)
+    assert bench.states(reset(2), now=3 * PATIENCE) == (reset(2),)
     assert "has not been told" in bench.refuses(reset(2), 4 * PATIENCE)[0], "once"
 
 
 def test_another_drive_may_leave_the_bus(bench: Bench) -> None:
-    bench.says(wheel(2, 0x000F, 1))
+    bench.states(wheel(2, 0x000F, 1))
     leave = frame(0x000, "8001")
-    assert bench.says(leave) == (leave,)
+    assert bench.states(leave) == (leave,)
 
 
 @pytest.mark.parametrize(
@@ -127,21 +127,21 @@ def test_another_drive_may_leave_the_bus(bench: Bench) -> None:
     ],
 )
 def test_what_counts_as_moving(bench: Bench, packet: Packet, *, moves: bool) -> None:
-    bench.says(packet)
+    bench.states(packet)
     leave = frame(0x000, "8000")
-    assert (bench.says(leave) != (leave,)) is moves
+    assert (bench.states(leave) != (leave,)) is moves
 
 
 def test_a_controlword_over_sdo_takes_the_power_away(bench: Bench) -> None:
-    bench.says(wheel(1, 0x000F, 0), write(1, 0x6040, 0, b"\x0b\x00"))
+    bench.states(wheel(1, 0x000F, 0), write(1, 0x6040, 0, b"\x0b\x00"))
     assert bench.refuses(wheel(1, 0x000F, 9999))[1] == (wheel(1, 0x000B, 0),)
 
 
 def test_bytes_that_an_expedited_write_does_not_use_say_nothing(bench: Bench) -> None:
-    bench.says(wheel(1, 0x000F, 0), frame(0x601, "2b4060000b00ffff"))
+    bench.states(wheel(1, 0x000F, 0), frame(0x601, "2b4060000b00ffff"))
     assert bench.refuses(wheel(1, 0x000F, 9999))[1] == (wheel(1, 0x000B, 0),)
 
 
 def test_an_upload_of_the_controlword_changes_nothing(bench: Bench) -> None:
-    bench.says(wheel(1, 0x000F, 0), frame(0x601, "4040600000000000"))
+    bench.states(wheel(1, 0x000F, 0), frame(0x601, "4040600000000000"))
     assert bench.refuses(wheel(1, 0x000F, 9999))[1] == (wheel(1, 0x000F, 0),)

@@ -69,15 +69,15 @@ class AnySpeech(RuleBasedStateMachine):
         self.goal = dict.fromkeys(COMMAND_OF, False)
         """Whether a position was sent since the power came on."""
 
-    @rule(said=SPEECH, ms=st.sampled_from([0, 1, 49, 50, 149, 150, 400]))
-    def the_bridge_speaks(self, said: list[Packet], ms: int) -> None:
+    @rule(stated=SPEECH, ms=st.sampled_from([0, 1, 49, 50, 149, 150, 400]))
+    def the_bridge_speaks(self, stated: list[Packet], ms: int) -> None:
         self.now += ms * MILLISECOND
-        self.hear(self.bench.says(*said, now=self.now), said)
+        self.receive(self.bench.states(*stated, now=self.now), stated)
 
     @rule(ms=st.sampled_from([0, 1, 49, 50, 100, 150]))
     def the_bridge_is_silent(self, ms: int) -> None:
         self.now += ms * MILLISECOND
-        self.hear(self.bench.says(now=self.now), [])
+        self.receive(self.bench.states(now=self.now), [])
 
     @rule()
     def the_guard_is_woken_when_it_wants(self) -> None:
@@ -85,11 +85,11 @@ class AnySpeech(RuleBasedStateMachine):
         if deadline != NEVER:
             assert deadline > self.now
             self.now = deadline
-            self.hear(self.bench.says(now=self.now), [])
+            self.receive(self.bench.states(now=self.now), [])
 
-    def hear(self, sent: tuple[Packet, ...], said: list[Packet]) -> None:
+    def receive(self, sent: tuple[Packet, ...], stated: list[Packet]) -> None:
         """Check what left, and let the drives obey it."""
-        texts = [packet for packet in said if packet.link == OPERATOR]
+        texts = [packet for packet in stated if packet.link == OPERATOR]
         assert [packet for packet in sent if packet.link == OPERATOR] == texts
         for packet in sent:
             if packet.link == OPERATOR:
@@ -98,7 +98,7 @@ class AnySpeech(RuleBasedStateMachine):
             # What a drive must have confirmed is judged by the guard that hears it; here none says a word.
             assert packet.payload[:1] == b"\x81" or RULES.refuses(packet, self.now) is None
             if packet.address in NODE_OF:
-                self.obey(packet, said)
+                self.obey(packet, stated)
             elif packet.address == 0:
                 self.leave(packet.payload[0], packet.payload[1])
             else:
@@ -127,7 +127,7 @@ class AnySpeech(RuleBasedStateMachine):
         elif self.off_since[node] == NEVER:
             self.off_since[node] = self.now
 
-    def obey(self, packet: Packet, said: list[Packet]) -> None:
+    def obey(self, packet: Packet, stated: list[Packet]) -> None:
         """Take a set-point as a drive does."""
         node = NODE_OF[packet.address]
         word, target = struct.unpack("<Hi", packet.payload)
@@ -137,14 +137,14 @@ class AnySpeech(RuleBasedStateMachine):
         self.goal[node] = word == 0x003F or (power and self.goal[node])
         goes = self.goal[node] and word in {0x000F, 0x003F}
         moves = drives if COMMAND_OF[node] is Command.SPEED else goes
-        if packet not in said:
+        if packet not in stated:
             assert not moves
             assert power == self.power[node]
         self.power[node] = power
         self.moves[node] = moves
 
     @invariant()
-    def refusals_are_told_and_counted(self) -> None:
+    def refusals_are_reported_and_counted(self) -> None:
         guard = self.bench.guard
         assert guard.refused == len(self.bench.refusals) >= self.refused
         assert all(refusal.reason for refusal in guard.refusals)

@@ -38,20 +38,20 @@ REPORTS: Final = (status, sample, status_read)
 @pytest.mark.parametrize("report", REPORTS)
 @pytest.mark.parametrize("state", State)
 def test_power_is_what_the_newest_statusword_states(bench: Bench, state: State, report: type) -> None:
-    bench.hears(report(1, state.value | 0x8200))
+    bench.receives(report(1, state.value | 0x8200))
     powered = state in POWERED
-    assert (bench.says(ENDS_WATCH) == (ENDS_WATCH,)) is not powered
+    assert (bench.states(ENDS_WATCH) == (ENDS_WATCH,)) is not powered
     assert bench.refuses(UNLISTED)[1] == ((wheel(1, 0x000B, 0),) if powered else ())
-    bench.hears(report(1, ENABLED), report(1, OFF))
-    assert bench.says(ENDS_WATCH) == (ENDS_WATCH,)
+    bench.receives(report(1, ENABLED), report(1, OFF))
+    assert bench.states(ENDS_WATCH) == (ENDS_WATCH,)
 
 
 @pytest.mark.parametrize("statusword", [0x0000 | 0x0001, 0x017F, 0x4137])
 def test_a_statusword_that_is_no_state_sends_nothing(bench: Bench, statusword: int) -> None:
-    bench.hears(status(1, ENABLED), status(1, statusword))
+    bench.receives(status(1, ENABLED), status(1, statusword))
     assert bench.refuses(ENDS_WATCH)[1] == aborted(1, 0x1016, 1)
-    bench.hears(status(1, OFF), status(1, statusword))
-    assert bench.says(ENDS_WATCH) == (ENDS_WATCH,)
+    bench.receives(status(1, OFF), status(1, statusword))
+    assert bench.states(ENDS_WATCH) == (ENDS_WATCH,)
 
 
 @pytest.mark.parametrize(
@@ -76,42 +76,46 @@ def test_a_statusword_that_is_no_state_sends_nothing(bench: Bench, statusword: i
     ids=str,
 )
 def test_what_is_no_statusword_of_the_drive_sends_nothing_of_its_power(bench: Bench, packet: Packet) -> None:
-    bench.hears(status(1, OFF), packet)
-    assert bench.says(ENDS_WATCH) == (ENDS_WATCH,)
+    bench.receives(status(1, OFF), packet)
+    assert bench.states(ENDS_WATCH) == (ENDS_WATCH,)
 
 
-@pytest.mark.parametrize("told", [0x0000, 0x0002, 0x0006, 0x0007, 0x000B, 0x0080])
-def test_a_drive_that_has_power_though_it_was_sent_none_counts_as_powered(bench: Bench, told: int) -> None:
+@pytest.mark.parametrize("reported", [0x0000, 0x0002, 0x0006, 0x0007, 0x000B, 0x0080])
+def test_a_drive_that_has_power_though_it_was_sent_none_counts_as_powered(
+    bench: Bench, reported: int
+) -> None:
     """Whatever is refused, it is sent again what it did not obey; and it stays watched."""
-    bench.says(wheel(1, 0x000F, 500), wheel(1, told, 0), position(3, 0x003F, 70), position(3, told, 70))
-    bench.hears(status(1, ENABLED), status(3, ENABLED))
-    assert bench.refuses(UNLISTED)[1] == (wheel(1, told, 0), position(3, told, 70))
-    assert bench.refuses(wheel(1, 0x000F, 9999))[1] == (wheel(1, told, 0),)
+    bench.states(
+        wheel(1, 0x000F, 500), wheel(1, reported, 0), position(3, 0x003F, 70), position(3, reported, 70)
+    )
+    bench.receives(status(1, ENABLED), status(3, ENABLED))
+    assert bench.refuses(UNLISTED)[1] == (wheel(1, reported, 0), position(3, reported, 70))
+    assert bench.refuses(wheel(1, 0x000F, 9999))[1] == (wheel(1, reported, 0),)
     assert bench.refuses(ENDS_WATCH)[1] == aborted(1, 0x1016, 1)
-    bench.hears(status(1, OFF), status(3, OFF))
+    bench.receives(status(1, OFF), status(3, OFF))
     assert bench.refuses(UNLISTED)[1] == ()
 
 
 def test_a_drive_that_no_one_has_sent_a_word_is_stopped_and_keeps_its_power(bench: Bench) -> None:
     """An earlier run has left it: a quick stop gives no power and takes none."""
-    bench.hears(status(1, ENABLED), status(4, ENABLED))
+    bench.receives(status(1, ENABLED), status(4, ENABLED))
     assert bench.refuses(UNLISTED)[1] == (wheel(1, 0x000B, 0), position(4, 0x000B, 0))
-    bench.hears(status(1, OFF))
+    bench.receives(status(1, OFF))
     assert bench.refuses(UNLISTED)[1] == (position(4, 0x000B, 0),)
 
 
 @pytest.mark.parametrize("report", REPORTS)
 @pytest.mark.parametrize("state", [state for state in State if state is not State.OPERATION_ENABLED])
 def test_a_drive_that_stopped_by_itself_is_not_put_on_again(bench: Bench, state: State, report: type) -> None:
-    bench.says(wheel(1, 0x000F, 500), position(3, 0x003F, 70))
-    bench.hears(report(1, state.value), report(3, state.value))
+    bench.states(wheel(1, 0x000F, 500), position(3, 0x003F, 70))
+    bench.receives(report(1, state.value), report(3, state.value))
     assert bench.refuses(wheel(1, 0x000F, 9999))[1] == (wheel(1, 0x000B, 0),)
     assert bench.refuses(position(3, 0x003F, 2**30))[1] == (position(3, 0x000B, 70),)
 
 
 def test_a_drive_that_reports_that_it_is_enabled_keeps_its_power(bench: Bench) -> None:
-    bench.says(wheel(1, 0x000F, 500), position(3, 0x003F, 70))
-    bench.hears(status(1, ENABLED), status(3, ENABLED))
+    bench.states(wheel(1, 0x000F, 500), position(3, 0x003F, 70))
+    bench.receives(status(1, ENABLED), status(3, ENABLED))
     assert bench.refuses(UNLISTED)[1] == (wheel(1, 0x000F, 0), position(3, 0x010F, 70))
 
 
@@ -121,16 +125,16 @@ def test_a_reset_makes_a_report_old_and_nothing_else_does(
 ) -> None:
     """In pre-operational a drive keeps its power; one that goes on reporting it after a reset has it, too."""
     if command != 0x81:
-        bench.hears(status(1, OFF))
+        bench.receives(status(1, OFF))
     else:
-        bench.says(wheel(1, 0x0000, 0))
-    told = Packet(LINK, 0x000, bytes((command, 1)))
-    assert bench.says(told, now=SECOND) == (told,)
-    assert (bench.says(ENDS_WATCH, now=SECOND) != (ENDS_WATCH,)) is forgotten
-    bench.hears(status(1, ENABLED), now=SECOND)
+        bench.states(wheel(1, 0x0000, 0))
+    reported = Packet(LINK, 0x000, bytes((command, 1)))
+    assert bench.states(reported, now=SECOND) == (reported,)
+    assert (bench.states(ENDS_WATCH, now=SECOND) != (ENDS_WATCH,)) is forgotten
+    bench.receives(status(1, ENABLED), now=SECOND)
     assert bench.refuses(ENDS_WATCH, SECOND)[1] == aborted(1, 0x1016, 1)
-    bench.hears(status(1, OFF), now=SECOND)
-    assert bench.says(ENDS_WATCH, now=SECOND) == (ENDS_WATCH,)
+    bench.receives(status(1, OFF), now=SECOND)
+    assert bench.states(ENDS_WATCH, now=SECOND) == (ENDS_WATCH,)
 
 
 def test_a_drive_that_has_stated_nothing_of_its_power_keeps_its_watch(bench: Bench) -> None:
@@ -140,82 +144,82 @@ def test_a_drive_that_has_stated_nothing_of_its_power_keeps_its_watch(bench: Ben
 @pytest.mark.parametrize("takes", [0x0000, 0x0006, 0x000B])
 def test_no_power_is_confirmed_by_a_word_after_the_last_that_gave_it(bench: Bench, takes: int) -> None:
     """Neither the bridge's word nor a report from before or under it is one."""
-    bench.hears(status(1, OFF))
-    bench.says(wheel(1, 0x000F, 0))
-    bench.hears(status(1, OFF))
-    bench.says(wheel(1, takes, 0))
+    bench.receives(status(1, OFF))
+    bench.states(wheel(1, 0x000F, 0))
+    bench.receives(status(1, OFF))
+    bench.states(wheel(1, takes, 0))
     assert bench.refuses(ENDS_WATCH)[1] == aborted(1, 0x1016, 1)
-    bench.hears(status(1, READY))
-    assert bench.says(ENDS_WATCH) == (ENDS_WATCH,)
+    bench.receives(status(1, READY))
+    assert bench.states(ENDS_WATCH) == (ENDS_WATCH,)
 
 
 def test_what_a_drive_reports_reaches_the_node(bench: Bench) -> None:
     packets = (status(1, ENABLED), sample(2, OFF), status_read(3, FAULT))
-    bench.hears(*packets)
-    assert [packet for packet, _ in bench.puppet.heard] == list(packets)
+    bench.receives(*packets)
+    assert [packet for packet, _ in bench.scripted.received] == list(packets)
 
 
 WATCH_OFF: Final = number(1, at.CONSUMER_HEARTBEAT_1, 0)
-ASKED: Final = reading(1, at.STATUSWORD)
+REQUESTED: Final = reading(1, at.STATUSWORD)
 
 
 def test_on_a_serial_line_the_answer_to_a_read_statusword_reports_of_power() -> None:
     desk = SerialBench()
-    desk.says(ASKED)
-    assert desk.hears(value(ASKED, b"\x37\x01"))
-    assert WATCH_OFF not in desk.says(WATCH_OFF)
-    desk.says(ASKED)
+    desk.states(REQUESTED)
+    assert desk.receives(value(REQUESTED, b"\x37\x01"))
+    assert WATCH_OFF not in desk.states(WATCH_OFF)
+    desk.states(REQUESTED)
     for own in (speed(0), word(1, 0x000B)):
-        assert not desk.hears(done(own))
-    desk.hears(value(ASKED, b"\x40\x01"))
-    assert desk.says(WATCH_OFF) == (WATCH_OFF,)
+        assert not desk.receives(done(own))
+    desk.receives(value(REQUESTED, b"\x40\x01"))
+    assert desk.states(WATCH_OFF) == (WATCH_OFF,)
 
 
 @pytest.mark.parametrize(
-    ("asked", "answer"),
+    ("requested", "answer"),
     [
-        (reading(2, at.STATUSWORD), value(ASKED, b"\x37\x01")),
-        (reading(1, at.CONTROLWORD), value(ASKED, b"\x37\x01")),
-        (number(1, at.MODE, 3), value(ASKED, b"\x37\x01")),
-        (ASKED, value(ASKED, b"\x37\x01", error=0x0504_0000)),
-        (ASKED, Packet(LINK, 0x110, b"silence")),
-        (ASKED, Packet(LINK, 0x10, b"")),
-        (ASKED, Packet(LINK, 0x10, bytes(4))),
+        (reading(2, at.STATUSWORD), value(REQUESTED, b"\x37\x01")),
+        (reading(1, at.CONTROLWORD), value(REQUESTED, b"\x37\x01")),
+        (number(1, at.MODE, 3), value(REQUESTED, b"\x37\x01")),
+        (REQUESTED, value(REQUESTED, b"\x37\x01", error=0x0504_0000)),
+        (REQUESTED, Packet(LINK, 0x110, b"silence")),
+        (REQUESTED, Packet(LINK, 0x10, b"")),
+        (REQUESTED, Packet(LINK, 0x10, bytes(4))),
     ],
 )
-def test_other_answers_say_nothing_of_power(asked: Packet, answer: Packet) -> None:
+def test_other_answers_say_nothing_of_power(requested: Packet, answer: Packet) -> None:
     desk = SerialBench()
-    desk.says(ASKED, asked)
-    desk.hears(value(ASKED, b"\x40\x01"))
-    assert desk.hears(answer)
-    assert desk.says(WATCH_OFF) == (WATCH_OFF,)
+    desk.states(REQUESTED, requested)
+    desk.receives(value(REQUESTED, b"\x40\x01"))
+    assert desk.receives(answer)
+    assert desk.states(WATCH_OFF) == (WATCH_OFF,)
 
 
 def test_answers_are_taken_in_the_order_of_their_commands() -> None:
     desk = SerialBench()
-    desk.says(ASKED, reading(1, at.CONTROLWORD), ASKED)
-    desk.hears(value(ASKED, b"\x37\x01"))
-    desk.hears(value(ASKED, b"\x40\x01"))
-    assert WATCH_OFF not in desk.says(WATCH_OFF)
-    desk.hears(value(ASKED, b"\x40\x01"))
+    desk.states(REQUESTED, reading(1, at.CONTROLWORD), REQUESTED)
+    desk.receives(value(REQUESTED, b"\x37\x01"))
+    desk.receives(value(REQUESTED, b"\x40\x01"))
+    assert WATCH_OFF not in desk.states(WATCH_OFF)
+    desk.receives(value(REQUESTED, b"\x40\x01"))
     desk = SerialBench()
-    desk.says(ASKED, ASKED)
-    desk.hears(value(ASKED, b"\x37\x01"))
-    desk.hears(value(ASKED, b"\x40\x01"))
-    assert desk.says(WATCH_OFF) == (WATCH_OFF,)
+    desk.states(REQUESTED, REQUESTED)
+    desk.receives(value(REQUESTED, b"\x37\x01"))
+    desk.receives(value(REQUESTED, b"\x40\x01"))
+    assert desk.states(WATCH_OFF) == (WATCH_OFF,)
 
 
 def test_on_a_serial_line_a_drive_that_stopped_by_itself_is_not_put_on_again() -> None:
     desk = SerialBench()
-    desk.says(speed(100), word(1, 0x000F), ASKED)
-    for packet in (done(speed(100)), done(word(1, 0x000F)), value(ASKED, b"\x17\x01")):
-        desk.hears(packet)
-    assert desk.says(speed(9999)) == (speed(0), word(1, 0x000B))
+    desk.states(speed(100), word(1, 0x000F), REQUESTED)
+    for packet in (done(speed(100)), done(word(1, 0x000F)), value(REQUESTED, b"\x17\x01")):
+        desk.receives(packet)
+    assert desk.states(speed(9999)) == (speed(0), word(1, 0x000B))
 
 
 def test_a_target_alone_leaves_an_earlier_run_s_drive_to_the_quick_stop() -> None:
     desk = SerialBench()
-    desk.says(ASKED)
-    desk.hears(value(ASKED, b"\x37\x01"))
-    desk.says(speed(0))
-    assert desk.says(speed(9999)) == (speed(0), word(1, 0x000B))
+    desk.states(REQUESTED)
+    desk.receives(value(REQUESTED, b"\x37\x01"))
+    desk.states(speed(0))
+    assert desk.states(speed(9999)) == (speed(0), word(1, 0x000B))

@@ -32,8 +32,8 @@ from hil_tests.safety.serial_bench import (
     SerialBench,
     number,
     reading,
-    says,
     speed,
+    states,
     target,
     value,
     word,
@@ -55,21 +55,21 @@ def desk() -> SerialBench:
     *(word(LEFT, value) for value in (0, 2, 6, 7, QUICK_STOP, ENABLE, HALT, 0x80)),
     word(STEER, NEW_POSITION),
     reading(4, at.STATUSWORD),
-    says(heartbeat(ROBOT.epos2_link(LINK))),
-    says(guarding(ROBOT.epos2_link(LINK), NODES)),
-    *(says(SendNmtService(node, NmtCommand.START)) for node in (0, 1, 2, 3, 4)),
+    states(heartbeat(ROBOT.epos2_link(LINK))),
+    states(guarding(ROBOT.epos2_link(LINK), NODES)),
+    *(states(SendNmtService(node, NmtCommand.START)) for node in (0, 1, 2, 3, 4)),
 ])  # fmt: skip
 def test_what_is_listed_leaves_as_it_is(desk: SerialBench, packet: Packet) -> None:
-    assert desk.says(packet) == (packet,)
+    assert desk.states(packet) == (packet,)
     assert desk.guard.refused == 0
 
 
 def confirms_no_power(desk: SerialBench, node: int) -> None:
     """Let a drive answer that it is switched off; what was asked for before is answered first."""
-    asked = reading(node, at.STATUSWORD)
+    requested = reading(node, at.STATUSWORD)
     desk.guard.receive(Packet(LINK, LINE_BACK, b""), 0)
-    desk.says(asked)
-    desk.hears(value(asked, b"\x40\x01"))
+    desk.states(requested)
+    desk.receives(value(requested, b"\x40\x01"))
 
 
 def test_the_whole_set_up_of_every_drive_leaves_as_it_is(desk: SerialBench) -> None:
@@ -79,7 +79,7 @@ def test_the_whole_set_up_of_every_drive_leaves_as_it_is(desk: SerialBench) -> N
         confirms_no_power(desk, axis.epos2.node)
         for row in (*configuration(axis, link, traffic=flows), *farewell()):
             packet = writing(axis.epos2.node, row.address, row.raw)
-            assert desk.says(packet) == (packet,), row
+            assert desk.states(packet) == (packet,), row
     assert desk.guard.refused == 0
 
 
@@ -100,23 +100,23 @@ def test_the_whole_set_up_of_every_drive_leaves_as_it_is(desk: SerialBench) -> N
     (speed(0, 5), "node 5 is not listed"),
     (speed(0, 0), "node 0 is not listed"),
     (reading(9, at.STATUSWORD), "node 9 is not listed"),
-    (says(SendNmtService(1, NmtCommand.STOP)), "network command 2 is not listed"),
-    (says(SendNmtService(7, NmtCommand.START)), "node 7 is not listed"),
-    (says(SendNmtService(257, NmtCommand.START)), "node 257 is not listed"),
-    (says(SendCanFrame(0x501, 6, bytes(8))), "frame 0x501"),
-    (says(SendCanFrame(0x764, 2, b"\x05" + bytes(7))), "frame 0x764"),
-    (says(SendCanFrame(0x764, 1, b"\x06" + bytes(7))), "frame 0x764"),
-    (says(messages.RequestCanFrame(0x181, 2)), "remote frame 0x181"),
-    (says(messages.InitiateSegmentedWrite(0x6040, 0, 1, 2)), "command 0x13"),
-    (says(messages.SegmentWrite(2, b"\x0f\x00")), "command 0x15"),
-    (says(messages.SendLssFrame(bytes(8))), "command 0x30"),
+    (states(SendNmtService(1, NmtCommand.STOP)), "network command 2 is not listed"),
+    (states(SendNmtService(7, NmtCommand.START)), "node 7 is not listed"),
+    (states(SendNmtService(257, NmtCommand.START)), "node 257 is not listed"),
+    (states(SendCanFrame(0x501, 6, bytes(8))), "frame 0x501"),
+    (states(SendCanFrame(0x764, 2, b"\x05" + bytes(7))), "frame 0x764"),
+    (states(SendCanFrame(0x764, 1, b"\x06" + bytes(7))), "frame 0x764"),
+    (states(messages.RequestCanFrame(0x181, 2)), "remote frame 0x181"),
+    (states(messages.InitiateSegmentedWrite(0x6040, 0, 1, 2)), "command 0x13"),
+    (states(messages.SegmentWrite(2, b"\x0f\x00")), "command 0x15"),
+    (states(messages.SendLssFrame(bytes(8))), "command 0x30"),
     (Packet(LINK, 0x99, b""), "command 0x99"),
     (Packet(LINK, 0x11, b"\xff\x60\x00"), "command 0x11"),
     (Packet(LINK, 0x11, speed(5).payload + b"\0\0"), "command 0x11"),
     (Packet(CAN, 0x501, bytes(6)), "link 'can' is not listed"),
 ])  # fmt: skip
 def test_what_is_not_listed_does_not_leave(desk: SerialBench, packet: Packet, reason: str) -> None:
-    assert packet not in desk.says(packet)
+    assert packet not in desk.states(packet)
     assert desk.guard.refused == 1
     assert reason in desk.refusals[0].reason
 
@@ -135,30 +135,30 @@ def test_every_command_of_the_protocol_has_been_judged() -> None:
 
 
 def test_a_refused_speed_becomes_speed_0_and_the_power_stays_on(desk: SerialBench) -> None:
-    desk.says(speed(1000), word(LEFT, ENABLE))
-    assert desk.says(speed(TOP + 1)) == (speed(0), word(LEFT, ENABLE))
+    desk.states(speed(1000), word(LEFT, ENABLE))
+    assert desk.states(speed(TOP + 1)) == (speed(0), word(LEFT, ENABLE))
 
 
 def test_a_refused_position_becomes_halt(desk: SerialBench) -> None:
-    desk.says(target(STEER, 100), word(STEER, NEW_POSITION))
-    assert desk.says(target(STEER, ENDS[STEER][1] + 1)) == (word(STEER, HALT),)
+    desk.states(target(STEER, 100), word(STEER, NEW_POSITION))
+    assert desk.states(target(STEER, ENDS[STEER][1] + 1)) == (word(STEER, HALT),)
 
 
 @pytest.mark.parametrize("before", [0, 6, QUICK_STOP])
 def test_the_safe_words_never_put_the_power_on(desk: SerialBench, before: int) -> None:
-    desk.says(word(LEFT, before))
-    assert desk.says(speed(TOP + 1)) == (speed(0), word(LEFT, before))
+    desk.states(word(LEFT, before))
+    assert desk.states(speed(TOP + 1)) == (speed(0), word(LEFT, before))
 
 
 def test_another_refusal_makes_every_axis_with_power_safe(desk: SerialBench) -> None:
-    desk.says(word(LEFT, ENABLE), word(LIFT, HALT))
-    sent = desk.says(says(SendCanFrame(0x401, 6, bytes(8))))
+    desk.states(word(LEFT, ENABLE), word(LIFT, HALT))
+    sent = desk.states(states(SendCanFrame(0x401, 6, bytes(8))))
     assert sent == (speed(0), word(LEFT, ENABLE), word(LIFT, HALT))
 
 
 def test_a_moving_drive_keeps_its_network_state(desk: SerialBench) -> None:
-    desk.says(speed(1000), word(LEFT, ENABLE))
-    assert desk.says(says(SendNmtService(LEFT, NmtCommand.RESET_NODE))) == (
+    desk.states(speed(1000), word(LEFT, ENABLE))
+    assert desk.states(states(SendNmtService(LEFT, NmtCommand.RESET_NODE))) == (
         speed(0),
         word(LEFT, ENABLE),
     )
@@ -166,11 +166,11 @@ def test_a_moving_drive_keeps_its_network_state(desk: SerialBench) -> None:
 
 def test_the_watch_of_a_drive_with_power_is_not_ended(desk: SerialBench) -> None:
     off = number(LEFT, at.CONSUMER_HEARTBEAT_1, 0)
-    assert off not in desk.says(off), "it has said nothing yet"
+    assert off not in desk.states(off), "it has said nothing yet"
     confirms_no_power(desk, LEFT)
-    assert desk.says(off) == (off,)
-    desk.says(word(LEFT, ENABLE))
-    assert off not in desk.says(off)
+    assert desk.states(off) == (off,)
+    desk.states(word(LEFT, ENABLE))
+    assert off not in desk.states(off)
     assert {refusal.reason for refusal in desk.refusals} == {"0x1016:01 set to 0 while node 1 may have power"}
 
 
@@ -187,42 +187,42 @@ def test_a_drive_that_was_reset_is_without_power(
     desk: SerialBench, network: NmtCommand, after: int, node: int
 ) -> None:
     """In pre-operational it still hears serial commands, and keeps its power."""
-    desk.says(word(STEER, HALT))
-    told = says(SendNmtService(node, network))
-    assert desk.says(told) == (told,)
-    assert desk.says(target(STEER, ENDS[STEER][1] + 1)) == (word(STEER, after),)
+    desk.states(word(STEER, HALT))
+    reported = states(SendNmtService(node, network))
+    assert desk.states(reported) == (reported,)
+    assert desk.states(target(STEER, ENDS[STEER][1] + 1)) == (word(STEER, after),)
 
 
 def test_a_drive_is_reset_where_it_has_not_confirmed_in_its_time(desk: SerialBench) -> None:
-    reset = says(SendNmtService(STEER, NmtCommand.RESET_NODE))
-    desk.says(word(STEER, HALT))
-    assert reset not in desk.says(reset, now=SECOND)
-    desk.says(word(STEER, 0), now=SECOND)
-    assert reset not in desk.says(reset, now=SECOND + 700 * MILLISECOND - 1)
-    assert desk.says(reset, now=SECOND + 700 * MILLISECOND) == (reset,)
-    everybody = says(SendNmtService(0, NmtCommand.RESET_NODE))
-    assert everybody not in desk.says(everybody, now=3 * SECOND)
+    reset = states(SendNmtService(STEER, NmtCommand.RESET_NODE))
+    desk.states(word(STEER, HALT))
+    assert reset not in desk.states(reset, now=SECOND)
+    desk.states(word(STEER, 0), now=SECOND)
+    assert reset not in desk.states(reset, now=SECOND + 700 * MILLISECOND - 1)
+    assert desk.states(reset, now=SECOND + 700 * MILLISECOND) == (reset,)
+    everybody = states(SendNmtService(0, NmtCommand.RESET_NODE))
+    assert everybody not in desk.states(everybody, now=3 * SECOND)
 
 
 def test_network_commands_to_other_drives_leave_while_one_moves_but_none_to_all(desk: SerialBench) -> None:
-    desk.says(speed(1000), word(LEFT, ENABLE))
-    other = says(SendNmtService(LIFT, NmtCommand.ENTER_PRE_OPERATIONAL))
-    assert desk.says(other) == (other,)
-    everybody = says(SendNmtService(0, NmtCommand.ENTER_PRE_OPERATIONAL))
-    assert everybody not in desk.says(everybody)
+    desk.states(speed(1000), word(LEFT, ENABLE))
+    other = states(SendNmtService(LIFT, NmtCommand.ENTER_PRE_OPERATIONAL))
+    assert desk.states(other) == (other,)
+    everybody = states(SendNmtService(0, NmtCommand.ENTER_PRE_OPERATIONAL))
+    assert everybody not in desk.states(everybody)
 
 
 def test_power_is_taken_off_and_a_watch_set_at_any_time(desk: SerialBench) -> None:
-    desk.says(word(LEFT, ENABLE))
+    desk.states(word(LEFT, ENABLE))
     watch = number(LEFT, at.CONSUMER_HEARTBEAT_1, 2 << 16 | 200)
     for packet in (watch, word(LEFT, 0)):
-        assert desk.says(packet) == (packet,)
+        assert desk.states(packet) == (packet,)
     assert desk.guard.refused == 0
 
 
 def test_the_operator_s_datagrams_pass(desk: SerialBench) -> None:
     datagram = Packet(OPERATOR, 0, b"\xfd")
-    assert desk.says(datagram) == (datagram,)
+    assert desk.states(datagram) == (datagram,)
 
 
 ANY_NODE = st.integers(0, 6)
@@ -240,10 +240,10 @@ REQUESTS: st.SearchStrategy[Request] = st.one_of(
 
 
 @given(st.lists(REQUESTS, max_size=20))
-def test_whatever_the_node_states_no_target_beyond_its_bounds_leaves(said: list[Request]) -> None:
+def test_whatever_the_node_states_no_target_beyond_its_bounds_leaves(stated: list[Request]) -> None:
     desk = SerialBench()
-    for request in said:
-        for packet in desk.says(says(request)):
+    for request in stated:
+        for packet in desk.states(states(request)):
             left = request_of(packet)
             assert left is not None
             # What hangs on the drives' own words is for a guard that hears them.

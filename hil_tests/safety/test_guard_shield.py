@@ -24,18 +24,18 @@ class Talker:
     """A bridge that says what it was given."""
 
     def __init__(self) -> None:
-        self.says: tuple[Packet, ...] = ()
-        self.heard: list[bytes] = []
+        self.states: tuple[Packet, ...] = ()
+        self.received: list[bytes] = []
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         del now
-        self.heard.append(packet.payload)
+        self.received.append(packet.payload)
         return Reaction()
 
     def wake(self, now: Nanoseconds) -> Reaction:
         del now
-        said, self.says = self.says, ()
-        return Reaction(said)
+        stated, self.states = self.states, ()
+        return Reaction(stated)
 
 
 class Bench:
@@ -51,12 +51,12 @@ class Bench:
     def say(self, *words: bytes, later: Nanoseconds = 0) -> list[bytes]:
         """Say words; return what has left."""
         self.now += later
-        self.talker.says = tuple(Packet("board", 0, word) for word in words)
+        self.talker.states = tuple(Packet("board", 0, word) for word in words)
         return [packet.payload for packet in self.guard.wake(self.now).sent if packet.address == 0]
 
     def reset(self) -> bool:
         """Lower DTR, as before a reset; return whether that has left."""
-        self.talker.says = (Packet("board", DTR_DOWN, b""),)
+        self.talker.states = (Packet("board", DTR_DOWN, b""),)
         return any(packet.address == DTR_DOWN for packet in self.guard.wake(self.now).sent)
 
     @property
@@ -81,10 +81,10 @@ def channel(motor: int, pin: Pin, level: int) -> bytes:
     return firmata.i2c_write(motor_shield.ADDRESS, motor_shield.encode_channel(motor, pin, level))
 
 
-SAID: Final = mw.encode_request(messages.GetServerInfo(), 1)[3:-1]
-COUNTED: Final = bytes((len(SAID) + 1, 1))
+STATED: Final = mw.encode_request(messages.GetServerInfo(), 1)[3:-1]
+COUNTED: Final = bytes((len(STATED) + 1, 1))
 LONGER: Final = tuple(
-    bytes((mw.HOST_START,)) + COUNTED + SAID + bytes((mw.checksum(summed + SAID),))
+    bytes((mw.HOST_START,)) + COUNTED + STATED + bytes((mw.checksum(summed + STATED),))
     for summed in (COUNTED, COUNTED[:1])
 )
 """A request that counts 256 bytes more than come, and sums them or not."""
@@ -161,7 +161,7 @@ def test_a_motor_is_not_reversed_before_it_was_reported_0_for_half_a_cycle(
     protocol: str, ways: tuple[str, str], size: int
 ) -> None:
     first, second = ways
-    told = size if first == "f" else -size
+    reported = size if first == "f" else -size
     for wait, passes in ((0, False), (CYCLE // 2 - 1, False), (CYCLE // 2, True)):
         bench = Bench(protocol)
         if protocol == "arduinoio":
@@ -170,10 +170,10 @@ def test_a_motor_is_not_reversed_before_it_was_reported_0_for_half_a_cycle(
             sent = bench.say(way(1, second), pwm(1, size), later=wait)
             assert (pwm(1, size) in sent) is passes
         else:
-            assert bench.say(speeds(told, 0, 0)) == [speeds(told, 0, 0)]
+            assert bench.say(speeds(reported, 0, 0)) == [speeds(reported, 0, 0)]
             bench.say(speeds(0, 0, 0), later=CYCLE)
-            sent = bench.say(speeds(-told, 0, 0), later=wait)
-            assert (speeds(-told, 0, 0) in sent) is passes
+            sent = bench.say(speeds(-reported, 0, 0), later=wait)
+            assert (speeds(-reported, 0, 0) in sent) is passes
         if not passes:
             assert bench.reason.endswith("without standing at 0")
 
@@ -192,19 +192,21 @@ def test_the_pwm_rises_by_its_slope_and_may_fall_at_once(protocol: str, *, ahead
     sign = "" if ahead else "-"
     one, other = (Pin.IN1, Pin.IN2) if ahead else (Pin.IN2, Pin.IN1)
 
-    def told(size: int) -> bytes:
+    def reported(size: int) -> bytes:
         return pwm(1, size) if protocol == "arduinoio" else channel(1, Pin.PWM, size)
 
     ways = (way(1, "f" if ahead else "b"),)
     forward = ways if protocol == "arduinoio" else (channel(1, other, 0), channel(1, one, 1))
-    assert told(76) not in Bench(protocol).say(*forward, told(76)), "after a long rest: two cycles and a half"
-    assert bench.say(*forward, told(75)) == [*forward, told(75)]
-    assert bench.say(told(120), later=CYCLE) == [told(120)]
-    assert bench.say(told(166), later=CYCLE) == [told(0)]
+    assert reported(76) not in Bench(protocol).say(*forward, reported(76)), (
+        "after a long rest: two cycles and a half"
+    )
+    assert bench.say(*forward, reported(75)) == [*forward, reported(75)]
+    assert bench.say(reported(120), later=CYCLE) == [reported(120)]
+    assert bench.say(reported(166), later=CYCLE) == [reported(0)]
     assert f"from {sign}120 to {sign}166 PWM at once, 45 is allowed" in bench.reason
     bench = Bench(protocol)
-    bench.say(*forward, told(75))
-    assert bench.say(told(0)) == [told(0)]
+    bench.say(*forward, reported(75))
+    assert bench.say(reported(0)) == [reported(0)]
 
 
 @pytest.mark.parametrize(
@@ -279,18 +281,18 @@ def test_the_guard_s_words_stop_every_motor_of_a_board(robot: str) -> None:
 def test_mwprotocols_libraries_are_those_that_the_board_has_reported() -> None:
     bench = Bench("mw")
     info = messages.ServerInfo(17, 1, b"Mega2560", 0, (mw.SHIELD.encode(), mw.ENCODER.encode()))
-    told = mw.encode_answer(1, mw.row_of(messages.GetServerInfo()).answer.encode(info))
-    bench.guard.receive(Packet("board", 0, told), bench.now)
+    reported = mw.encode_answer(1, mw.row_of(messages.GetServerInfo()).answer.encode(info))
+    bench.guard.receive(Packet("board", 0, reported), bench.now)
     own = mw.encode_request(messages.SetMotorSpeed(0, 0, 20, 1), 1, (mw.SHIELD, mw.ENCODER))
     assert bench.say(own) == [own]
     assert bench.guard.links["board"].axes[0].moving
-    assert bench.talker.heard == [told]
+    assert bench.talker.received == [reported]
 
 
 def test_what_a_board_states_is_let_in() -> None:
     bench = Bench("ros-arduino-bridge")
     bench.guard.receive(Packet("board", 0, b"OK\r\n"), bench.now)
-    assert bench.talker.heard == [b"OK\r\n"]
+    assert bench.talker.received == [b"OK\r\n"]
     assert not bench.guard.links["board"].waiting
 
 
@@ -301,5 +303,7 @@ def test_a_motor_that_is_reported_a_way_and_no_pwm_does_not_move() -> None:
 
 
 def test_it_is_known_which_motors_a_word_would_move() -> None:
-    asked = Bench("ros-arduino-bridge").guard.links["board"].asked_by(Packet("board", 0, speeds(1, 0, -2)))
-    assert [one.moves for one in asked.values()] == [True, False, True]
+    requested = (
+        Bench("ros-arduino-bridge").guard.links["board"].requested_by(Packet("board", 0, speeds(1, 0, -2)))
+    )
+    assert [one.moves for one in requested.values()] == [True, False, True]

@@ -46,7 +46,7 @@ def sends(rules: ShieldRules, *words: bytes, now: Nanoseconds = 0) -> None:
     """Send commands, none of which is refused."""
     for data in words:
         assert rules.refuses(command(data), now) is None
-        rules.sends(command(data), now, asked=False)
+        rules.sends(command(data), now, requested=False)
 
 
 def motor(rules: ShieldRules, number: int = 1) -> GuardedMotor:
@@ -56,7 +56,7 @@ def motor(rules: ShieldRules, number: int = 1) -> GuardedMotor:
 
 @pytest.mark.parametrize("direction", [1, -1])
 @pytest.mark.parametrize(
-    ("protocol", "before", "word", "asked"),
+    ("protocol", "before", "word", "requested"),
     [
         ("ros-arduino-bridge", (), speeds(190, 0, -100), [190 * TICK, 0.0, -100 * TICK]),
         ("arduinoio", (way(1, "f"),), pwm(1, 255), [FREE]),
@@ -66,15 +66,15 @@ def motor(rules: ShieldRules, number: int = 1) -> GuardedMotor:
     ],
 )
 def test_a_command_requests_the_speed_that_it_can_come_to(
-    protocol: str, before: tuple[bytes, ...], word: bytes, asked: list[float], direction: int
+    protocol: str, before: tuple[bytes, ...], word: bytes, requested: list[float], direction: int
 ) -> None:
     rules = rules_of(protocol, direction, slope_pwm_s=STEEP)
     sends(rules, *before)
-    found = rules.asked_by(command(word))
-    assert [one.speed for one in found.values()] == pytest.approx([direction * it for it in asked])
-    assert [one.moves for one in found.values()] == [it != 0.0 for it in asked]
+    found = rules.requested_by(command(word))
+    assert [one.speed for one in found.values()] == pytest.approx([direction * it for it in requested])
+    assert [one.moves for one in found.values()] == [it != 0.0 for it in requested]
     sends(rules, word)
-    assert [one.speed for one in found] == pytest.approx([direction * it for it in asked])
+    assert [one.speed for one in found] == pytest.approx([direction * it for it in requested])
 
 
 @pytest.mark.parametrize(("most", "size", "passes"), [(255, 255, True), (100, 100, True), (100, 101, False)])
@@ -141,8 +141,8 @@ def test_a_command_has_one_address(data: bytes, address: int, refusal: str | Non
     rules = rules_of("ros-arduino-bridge")
     packet = command(data, address)
     assert rules.refuses(packet, 0) == refusal
-    assert (rules.axes_of(packet), rules.asked_by(packet)) == ((), {})
-    assert rules.sends(packet, 0, asked=False) == ()
+    assert (rules.axes_of(packet), rules.requested_by(packet)) == ((), {})
+    assert rules.sends(packet, 0, requested=False) == ()
     assert not motor(rules).moving
 
 

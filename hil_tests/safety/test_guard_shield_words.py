@@ -89,7 +89,10 @@ def written(low: int, high: int) -> bytes:
         ("mw", mw.encode_request(messages.StopMotor(0, 2), 1), Word({3: RELEASED})),
         ("mw", mw.encode_request(messages.StopMotor(0, 0), 1), Word({1: RELEASED})),
         ("mw", mw.encode_request(messages.StopMotor(0, 3), 1), None),
-        *(("mw", mw.encode_asked(mw.Asked(1, 2, stepper, bytes(4))), None) for stepper in (6, 7, 8, 9)),
+        *(
+            ("mw", mw.encode_frame(mw.RequestFrame(1, 2, stepper, bytes(4))), None)
+            for stepper in (6, 7, 8, 9)
+        ),
         ("mw", mw.encode_request(messages.StopMotor(0, 0), 1) + bytes(9), Word({1: RELEASED})),
         ("mw", mw.encode_request(messages.StopMotor(0, 0), 1) + b"\0\1", None),
         (
@@ -129,8 +132,8 @@ def test_what_takes_a_motors_speed_is_for_that_motor() -> None:
 
 def test_the_version_is_requested_in_a_message_of_its_own() -> None:
     one = board("firmata")
-    asks = firmata.encode(firmata.Message(firmata.VERSION))
-    assert READERS[one.link.protocol](asks, one) == NOTHING
+    requests = firmata.encode(firmata.Message(firmata.VERSION))
+    assert READERS[one.link.protocol](requests, one) == NOTHING
 
 
 def test_gains_leave_as_the_file_has_them_and_in_its_order() -> None:
@@ -147,7 +150,7 @@ def test_a_board_that_has_not_reported_its_shield_is_reported_nothing() -> None:
 
 def test_libraries_are_those_of_the_answer_that_reports_them() -> None:
     row = mw.row_of(messages.GetServerInfo())
-    told = row.answer.encode(messages.ServerInfo(1, 0, b"board", 0, (b"one", b"two")))
-    answers: list[mw.Traced | mw.Answered] = [mw.Traced(b"hello"), mw.Answered(row.code, told)]
+    reported = row.answer.encode(messages.ServerInfo(1, 0, b"board", 0, (b"one", b"two")))
+    answers: list[mw.Traced | mw.Answered] = [mw.Traced(b"hello"), mw.Answered(row.code, reported)]
     assert libraries_in(iter(answers)) == ("one", "two")
     assert libraries_in(iter(answers[:1])) is None

@@ -11,7 +11,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.safety.guard.guard import SILENT_CYCLES
 from firmware_bridge.units import MILLISECOND, NEVER
-from hil_tests.safety.guard_bench import LINK, Bench, Puppet, Stopping, frame, position, wheel
+from hil_tests.safety.guard_bench import LINK, Bench, ScriptedNode, Stopping, frame, position, wheel
 
 CYCLE: Final = 50 * MILLISECOND
 PATIENCE: Final = 3 * CYCLE
@@ -27,7 +27,7 @@ SAFE: Final = (wheel(1, 0x000F, 0), wheel(2, 0x000F, 0), position(3, 0x010F, 700
 
 def test_a_silent_bridge_is_spoken_for_after_three_cycles_and_then_each_cycle(bench: Bench) -> None:
     began = 7 * CYCLE
-    assert bench.says(*MOVES, now=began) == MOVES
+    assert bench.states(*MOVES, now=began) == MOVES
     assert bench.guard.wake(began + 1) == Reaction((), began + PATIENCE)
     assert bench.guard.wake(began + PATIENCE - 1) == Reaction((), began + PATIENCE)
     due = began + PATIENCE
@@ -37,37 +37,40 @@ def test_a_silent_bridge_is_spoken_for_after_three_cycles_and_then_each_cycle(be
     # Late is late: the next one is a cycle after it was said.
     assert bench.guard.wake(due + 9 * CYCLE) == Reaction(SAFE, due + 10 * CYCLE)
     assert bench.guard.refused == 1
-    told = bench.guard.refusals[0]
-    assert (told.at, told.packet, told.sent) == (due, None, SAFE)
-    assert told.reason == "no set-point for 150 ms: left rear wheel, right rear wheel, steering, scissor lift"
+    reported = bench.guard.refusals[0]
+    assert (reported.at, reported.packet, reported.sent) == (due, None, SAFE)
+    assert (
+        reported.reason
+        == "no set-point for 150 ms: left rear wheel, right rear wheel, steering, scissor lift"
+    )
 
 
 def test_without_a_look_in_between_it_is_the_same(bench: Bench) -> None:
-    bench.says(*MOVES, now=CYCLE)
+    bench.states(*MOVES, now=CYCLE)
     assert bench.guard.wake(90 * CYCLE) == Reaction(SAFE, 91 * CYCLE)
 
 
 def test_a_packet_is_a_look_as_well(bench: Bench) -> None:
-    bench.says(*MOVES, now=CYCLE)
+    bench.states(*MOVES, now=CYCLE)
     reaction = bench.guard.receive(frame(0x181, "3704"), CYCLE + PATIENCE)
     assert reaction == Reaction(SAFE, CYCLE + PATIENCE + CYCLE)
 
 
 def test_one_forgotten_axis_stops_all(bench: Bench) -> None:
-    bench.says(*MOVES, now=CYCLE)
+    bench.states(*MOVES, now=CYCLE)
     for n in range(2, 4):
-        assert bench.says(MOVES[0], MOVES[2], MOVES[3], now=n * CYCLE) == (MOVES[0], MOVES[2], MOVES[3])
-    sent = bench.says(MOVES[0], MOVES[2], MOVES[3], now=4 * CYCLE)
+        assert bench.states(MOVES[0], MOVES[2], MOVES[3], now=n * CYCLE) == (MOVES[0], MOVES[2], MOVES[3])
+    sent = bench.states(MOVES[0], MOVES[2], MOVES[3], now=4 * CYCLE)
     assert sent == (MOVES[0], MOVES[2], MOVES[3], *SAFE)
     assert bench.guard.refusals[-1].reason == "no set-point for 150 ms: right rear wheel"
 
 
 def test_an_axis_that_was_never_spoken_for_counts_from_when_the_motion_began(bench: Bench) -> None:
     began = 20 * CYCLE
-    bench.says(wheel(1, 0x000F, 0), now=0)
+    bench.states(wheel(1, 0x000F, 0), now=0)
     for n in range(3):
-        assert bench.says(wheel(1, 0x000F, 500), now=began + n * CYCLE) == (wheel(1, 0x000F, 500),)
-    sent = bench.says(wheel(1, 0x000F, 500), now=began + PATIENCE)
+        assert bench.states(wheel(1, 0x000F, 500), now=began + n * CYCLE) == (wheel(1, 0x000F, 500),)
+    sent = bench.states(wheel(1, 0x000F, 500), now=began + PATIENCE)
     assert sent == (wheel(1, 0x000F, 500), wheel(1, 0x000F, 0))
     reason = bench.guard.refusals[-1].reason
     assert reason == "no set-point for 150 ms: right rear wheel, steering, scissor lift"
@@ -76,15 +79,15 @@ def test_an_axis_that_was_never_spoken_for_counts_from_when_the_motion_began(ben
 def test_a_bridge_that_speaks_in_time_is_left_alone(bench: Bench) -> None:
     for n in range(50):
         now = n * (PATIENCE - 1)
-        assert bench.says(*MOVES, now=now) == MOVES
+        assert bench.states(*MOVES, now=now) == MOVES
         assert bench.guard.wake(now).wake_at == now + PATIENCE
     assert bench.guard.refused == 0
 
 
 def test_a_bridge_that_speaks_again_is_trusted_again_and_watched_again(bench: Bench) -> None:
-    bench.says(*MOVES, now=CYCLE)
+    bench.states(*MOVES, now=CYCLE)
     bench.guard.wake(10 * CYCLE)
-    assert bench.says(*MOVES, now=11 * CYCLE) == MOVES
+    assert bench.states(*MOVES, now=11 * CYCLE) == MOVES
     assert bench.guard.wake(11 * CYCLE) == Reaction((), 11 * CYCLE + PATIENCE)
     assert bench.guard.wake(11 * CYCLE + PATIENCE).sent == SAFE
     assert bench.guard.refused == 2
@@ -97,7 +100,7 @@ def test_each_silence_is_recorded_and_its_deadline_is_counted_from_the_newest_se
     for number in range(1, 5):
         for cycle in range(10 * number, 10 * number + cycles):
             now = cycle * CYCLE
-            bench.puppet.says = MOVES
+            bench.scripted.states = MOVES
             assert bench.guard.wake(now) == Reaction(MOVES, now + PATIENCE)
         due = now + PATIENCE
         assert bench.guard.wake(due) == Reaction(SAFE, due + CYCLE)
@@ -106,11 +109,11 @@ def test_each_silence_is_recorded_and_its_deadline_is_counted_from_the_newest_se
 
 
 def test_it_stays_watchful_until_every_axis_is_spoken_for_again(bench: Bench) -> None:
-    bench.says(*MOVES, now=CYCLE)
+    bench.states(*MOVES, now=CYCLE)
     bench.guard.wake(10 * CYCLE)
     rest = (wheel(1, 0x000F, 0), wheel(2, 0x000F, 0), position(4, 0x0006, 9))
-    assert bench.says(*rest, now=11 * CYCLE) == (*rest, *SAFE)
-    assert bench.says(*rest, position(3, 0x010F, 700), now=12 * CYCLE) == (*rest, position(3, 0x010F, 700))
+    assert bench.states(*rest, now=11 * CYCLE) == (*rest, *SAFE)
+    assert bench.states(*rest, position(3, 0x010F, 700), now=12 * CYCLE) == (*rest, position(3, 0x010F, 700))
     assert bench.guard.wake(12 * CYCLE).wake_at == NEVER
 
 
@@ -125,90 +128,92 @@ def test_it_stays_watchful_until_every_axis_is_spoken_for_again(bench: Bench) ->
     ],
 )
 def test_a_robot_that_is_commanded_to_rest_is_not_watched(bench: Bench, packets: tuple[Packet, ...]) -> None:
-    bench.says(*packets, now=CYCLE)
+    bench.states(*packets, now=CYCLE)
     assert bench.guard.wake(100 * CYCLE) == Reaction((), NEVER)
     assert bench.guard.refused == 0
 
 
 def test_the_pause_between_two_motions_does_not_count(bench: Bench) -> None:
-    bench.says(wheel(1, 0x000F, 500), now=CYCLE)
-    bench.says(wheel(1, 0x000F, 0), now=2 * CYCLE)
-    bench.says(wheel(1, 0x000F, 500), now=100 * CYCLE)
+    bench.states(wheel(1, 0x000F, 500), now=CYCLE)
+    bench.states(wheel(1, 0x000F, 0), now=2 * CYCLE)
+    bench.states(wheel(1, 0x000F, 500), now=100 * CYCLE)
     assert bench.guard.wake(100 * CYCLE) == Reaction((), 100 * CYCLE + PATIENCE)
 
 
 def test_a_refused_set_point_is_speech_too(bench: Bench) -> None:
-    bench.says(*MOVES, now=CYCLE)
-    sent = bench.says(wheel(1, 0x000F, 9999), *MOVES[1:], now=2 * CYCLE)
+    bench.states(*MOVES, now=CYCLE)
+    sent = bench.states(wheel(1, 0x000F, 9999), *MOVES[1:], now=2 * CYCLE)
     assert sent == (wheel(1, 0x000F, 0), *MOVES[1:])
     assert bench.guard.wake(2 * CYCLE).wake_at == 2 * CYCLE + PATIENCE
 
 
 def test_the_earlier_of_both_commands_wins(bench: Bench) -> None:
-    bench.puppet.wake_at = 5
+    bench.scripted.wake_at = 5
     assert bench.guard.wake(0).wake_at == 5
-    bench.says(*MOVES, now=CYCLE)
+    bench.states(*MOVES, now=CYCLE)
     assert bench.guard.wake(CYCLE).wake_at == 5
-    bench.puppet.wake_at = CYCLE + PATIENCE + 1
+    bench.scripted.wake_at = CYCLE + PATIENCE + 1
     assert bench.guard.wake(CYCLE).wake_at == CYCLE + PATIENCE
 
 
 def test_a_stop_is_passed_on_and_its_frames_judged(robot: AnyRobot) -> None:
-    puppet = Stopping(wake_at=9)
-    bench = Bench(robot, puppet)
-    puppet.says = (wheel(1, 0x000F, 9999), wheel(2, 0x000F, 3))
+    scripted = Stopping(wake_at=9)
+    bench = Bench(robot, scripted)
+    scripted.states = (wheel(1, 0x000F, 9999), wheel(2, 0x000F, 3))
     assert bench.guard.stop(4) == Reaction((wheel(1, 0, 0), wheel(2, 0x000F, 3)), 9)
-    assert puppet.heard == [(None, 4)]
+    assert scripted.received == [(None, 4)]
 
 
 def test_while_it_ends_a_bridge_is_still_watched_and_then_let_go(robot: AnyRobot) -> None:
-    puppet = Stopping(wake_at=99 * CYCLE)
-    bench = Bench(robot, puppet)
-    bench.says(*MOVES, now=CYCLE)
+    scripted = Stopping(wake_at=99 * CYCLE)
+    bench = Bench(robot, scripted)
+    bench.states(*MOVES, now=CYCLE)
     assert bench.guard.stop(CYCLE).wake_at == CYCLE + PATIENCE
     assert bench.guard.wake(CYCLE + PATIENCE).sent == SAFE
-    puppet.wake_at = NEVER
-    assert bench.says(Packet(OPERATOR, 0, b"bye"), now=CYCLE + PATIENCE + 1) == (Packet(OPERATOR, 0, b"bye"),)
+    scripted.wake_at = NEVER
+    assert bench.states(Packet(OPERATOR, 0, b"bye"), now=CYCLE + PATIENCE + 1) == (
+        Packet(OPERATOR, 0, b"bye"),
+    )
     assert bench.guard.wake(99 * CYCLE) == Reaction((), NEVER)
 
 
 def test_each_guard_in_a_process_lets_go_of_its_own_bridge_at_the_end(robot: AnyRobot) -> None:
     for _ in range(3):
-        puppet = Stopping()
-        bench = Bench(robot, puppet)
-        bench.says(*MOVES, now=CYCLE)
+        scripted = Stopping()
+        bench = Bench(robot, scripted)
+        bench.states(*MOVES, now=CYCLE)
         assert bench.guard.stop(CYCLE) == Reaction((), NEVER)
         assert bench.guard.wake(99 * CYCLE) == Reaction((), NEVER)
 
 
 def test_a_bridge_that_fails_while_stopping_is_made_safe(robot: AnyRobot) -> None:
-    puppet = Stopping(wake_at=99 * CYCLE)
-    bench = Bench(robot, puppet)
-    bench.says(*MOVES, now=CYCLE)
-    puppet.breaks = True
+    scripted = Stopping(wake_at=99 * CYCLE)
+    bench = Bench(robot, scripted)
+    bench.states(*MOVES, now=CYCLE)
+    scripted.breaks = True
     assert bench.guard.stop(CYCLE) == Reaction(SAFE, CYCLE), "and it has not ended"
     refusal = bench.guard.refusals[-1]
     assert (refusal.at, refusal.packet, refusal.sent) == (CYCLE, None, SAFE)
     assert refusal.reason == "the bridge failed while stopping: ValueError('no more')"
     with pytest.raises(ValueError, match="no more"):
         bench.guard.wake(CYCLE)
-    puppet.breaks = False
-    puppet.wake_at = NEVER
-    heard = bench.guard.receive(Packet(OPERATOR, 0, b""), CYCLE)
-    assert heard.wake_at != NEVER, "it has not been taken, whatever the bridge says to a packet"
+    scripted.breaks = False
+    scripted.wake_at = NEVER
+    received = bench.guard.receive(Packet(OPERATOR, 0, b""), CYCLE)
+    assert received.wake_at != NEVER, "it has not been taken, whatever the bridge says to a packet"
     assert bench.guard.wake(CYCLE) == Reaction((), NEVER)
-    assert puppet.asked == 2, "asked once more, it ends"
+    assert scripted.requested == 2, "asked once more, it ends"
     assert bench.guard.wake(CYCLE) == Reaction((), NEVER)
-    assert puppet.asked == 2
+    assert scripted.requested == 2
 
 
 def test_a_node_that_cannot_stop_is_made_safe(bench: Bench) -> None:
-    bench.says(*MOVES, now=CYCLE)
+    bench.states(*MOVES, now=CYCLE)
     assert bench.guard.stop(CYCLE) == Reaction(SAFE, NEVER)
 
 
 def test_a_node_that_fails_is_not_hidden(robot: AnyRobot) -> None:
-    class Broken(Puppet):
+    class Broken(ScriptedNode):
         def wake(self, now: int) -> Reaction:
             raise ValueError(now)
 
@@ -231,11 +236,11 @@ def test_a_bridge_that_fails_for_good_is_spoken_for_as_one_that_is_silent(
                 return super().wake(now)
             raise ValueError(now)
 
-    puppet = Broken()
-    bench = Bench(robot, puppet)
-    bench.says(*MOVES, now=CYCLE)
-    puppet.breaks = True
-    said: list[int] = []
+    scripted = Broken()
+    bench = Bench(robot, scripted)
+    bench.states(*MOVES, now=CYCLE)
+    scripted.breaks = True
+    stated: list[int] = []
     for now in range(CYCLE, 12 * CYCLE, CYCLE // 2):
         with suppress(ValueError):
             reaction = (
@@ -243,13 +248,13 @@ def test_a_bridge_that_fails_for_good_is_spoken_for_as_one_that_is_silent(
                 if fails == "wake"
                 else bench.guard.receive(Packet(OPERATOR, 0, b""), now)
             )
-            said += [now // CYCLE] if reaction.sent == SAFE else []
-    assert said[0] <= 1 + SILENT_CYCLES
-    assert said == list(range(said[0], 12)), "in each cycle"
+            stated += [now // CYCLE] if reaction.sent == SAFE else []
+    assert stated[0] <= 1 + SILENT_CYCLES
+    assert stated == list(range(stated[0], 12)), "in each cycle"
 
 
 def test_a_guard_needs_no_listener(robot: AnyRobot) -> None:
-    guard = guarded(Puppet((Packet(LINK, 0x123, b""),)), robot)
+    guard = guarded(ScriptedNode((Packet(LINK, 0x123, b""),)), robot)
     assert guard.wake(0) == Reaction((), NEVER)
     assert guard.refused == 1
 
@@ -264,4 +269,4 @@ def test_a_node_that_holds_something_after_it_was_requested_to_end_holds_it_behi
             return holding
 
     assert guarded(Held(), robot).holding is holding
-    assert guarded(Puppet(), robot).holding is False
+    assert guarded(ScriptedNode(), robot).holding is False

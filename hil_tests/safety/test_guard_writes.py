@@ -102,10 +102,10 @@ def test_an_object_may_be_written_within_its_bounds(
     beyond: Sequence[int],
 ) -> None:
     # What is written last here, the end of the watch, needs a drive that has said that it has no power.
-    bench.hears(status(node, 0x0140))
+    bench.receives(status(node, 0x0140))
     for value in may:
         packet = write(node, index, subindex, raw(value, size))
-        assert bench.says(packet) == (packet,)
+        assert bench.states(packet) == (packet,)
     for value in beyond:
         reason, sent = bench.refuses(write(node, index, subindex, raw(value, size)))
         assert sent == aborted(node, index, subindex)
@@ -147,7 +147,7 @@ def test_acceleration_deceleration_and_quick_stop_have_a_bound_each(
     for node in (1, 2, 3, 4):
         for value in may:
             packet = write(node, index, 0, raw(value, 4))
-            assert bench.says(packet) == (packet,)
+            assert bench.states(packet) == (packet,)
         for value in beyond:
             assert f"0x{index:04X} set to {value}, " in bench.refuses(write(node, index, 0, raw(value, 4)))[0]
 
@@ -158,7 +158,7 @@ def test_gains_are_those_of_the_robot_file(robot: AnyRobot, index: int, subindex
         bench = Bench(robot)
         gain = getattr(axis.epos2.gains, name)
         packet = write(axis.epos2.node, index, subindex, raw(gain, 2))
-        assert bench.says(packet) == (packet,)
+        assert bench.states(packet) == (packet,)
         for other in (gain + 1, gain - 1):
             assert bench.refuses(write(axis.epos2.node, index, subindex, raw(other, 2)))[1] == aborted(
                 axis.epos2.node, index, subindex
@@ -199,8 +199,8 @@ def test_no_other_object_may_be_written(bench: Bench, index: int, subindex: int)
 )
 def test_other_services_are_answered_with_an_abort(bench: Bench, payload: str, reason: str) -> None:
     packet = frame(0x602, payload)
-    told, sent = bench.refuses(packet)
-    assert told == reason
+    reported, sent = bench.refuses(packet)
+    assert reported == reason
     assert sent == (
         Packet(LINK, 0x602, b"\x80" + packet.payload[1:4].ljust(3, b"\0") + bytes.fromhex("00000008")),
     )
@@ -213,7 +213,7 @@ def test_an_axis_of_speed_with_travel_may_have_its_drive_s_position_limits_set()
     for node, subindex in ((2, 1), (2, 2)):
         for value in (-2_000 - 20_000, 4_000 + 20_000):
             packet = write(node, 0x607D, subindex, raw(value, 4))
-            assert bench.says(packet) == (packet,)
+            assert bench.states(packet) == (packet,)
         for value in (-2_001 - 20_000, 4_001 + 20_000):
             bench.refuses(write(node, 0x607D, subindex, raw(value, 4)))
     bench.refuses(write(1, 0x607D, 1, bytes(4)))
@@ -235,7 +235,7 @@ def test_outputs_that_the_robot_file_lists_may_be_switched_and_no_others(
     bench = Bench(robot_with(axes, outputs=(("two", 1), ("two", 3))))
     for value in may:
         packet = write(2, index, subindex, raw(value, 2))
-        assert bench.says(packet) == (packet,)
+        assert bench.states(packet) == (packet,)
         reason, sent = bench.refuses(write(1, index, subindex, raw(value, 2)))
         assert reason.endswith("is not an object that may be written")
         assert sent == aborted(1, index, subindex)
@@ -267,8 +267,8 @@ def test_the_whole_set_up_of_every_drive_leaves_as_it_is(robot: AnyRobot) -> Non
     bench = Bench(robot)
     for axis in robot.axes:
         outputs = [output for output in robot.outputs if output.settings.axis == axis.name]
-        bench.hears(status(axis.epos2.node, 0x0140))
+        bench.receives(status(axis.epos2.node, 0x0140))
         for row in (*configuration(axis, robot.epos2_link(LINK), outputs), *farewell()):
             packet = write(axis.epos2.node, *row.address, row.raw)
-            assert bench.says(packet) == (packet,), row
+            assert bench.states(packet) == (packet,), row
     assert bench.guard.refused == 0

@@ -34,7 +34,7 @@ class Line(Protocol):
     def writes(self, node: int, address: Address, value: int) -> str | None:
         """Let the bridge write; return why it was refused."""
 
-    def tells(self, node: int, address: Address, value: int) -> None:
+    def reports(self, node: int, address: Address, value: int) -> None:
         """Let a drive tell what it was asked for."""
 
     def wheel(self, rpm: int) -> None:
@@ -52,32 +52,32 @@ class OverCan:
         self.bench = guard_bench.Bench(find("rars"))
         self.now: Nanoseconds = 0
 
-    def _says(self, packet: Packet) -> str | None:
+    def _states(self, packet: Packet) -> str | None:
         self.now += MILLISECOND
         before = self.bench.guard.refused
-        self.bench.says(packet, now=self.now)
+        self.bench.states(packet, now=self.now)
         return None if self.bench.guard.refused == before else self.bench.refusals[-1].reason
 
     def writes(self, node: int, address: Address, value: int) -> str | None:
         raw = guard_bench.raw(value, SIZES[address])
-        return self._says(guard_bench.write(node, address.index, address.subindex, raw))
+        return self._states(guard_bench.write(node, address.index, address.subindex, raw))
 
-    def tells(self, node: int, address: Address, value: int) -> None:
+    def reports(self, node: int, address: Address, value: int) -> None:
         size = SIZES[address]
         head = bytes((0x43 | (4 - size) << 2,)) + address.index.to_bytes(2, "little") + b"\0"
         payload = head + guard_bench.raw(value, size).ljust(4, b"\0")
-        self.bench.hears(Packet(guard_bench.LINK, 0x580 + node, payload), now=self.now)
+        self.bench.receives(Packet(guard_bench.LINK, 0x580 + node, payload), now=self.now)
 
     def wheel(self, rpm: int) -> None:
-        assert self._says(guard_bench.wheel(LEFT, ENABLE, rpm)) is None
+        assert self._states(guard_bench.wheel(LEFT, ENABLE, rpm)) is None
 
     def position(self, word: int, target: int) -> str | None:
-        return self._says(guard_bench.position(LIFT, word, target))
+        return self._states(guard_bench.position(LIFT, word, target))
 
     def resets(self) -> None:
-        self._says(guard_bench.position(LIFT, 0, 0))
+        self._states(guard_bench.position(LIFT, 0, 0))
         self.now += 1000 * MILLISECOND
-        assert self._says(guard_bench.frame(0, f"81 0{LIFT}")) is None
+        assert self._states(guard_bench.frame(0, f"81 0{LIFT}")) is None
 
 
 class OverSerial:
@@ -85,38 +85,38 @@ class OverSerial:
         self.bench = serial_bench.SerialBench()
         self.now: Nanoseconds = 0
 
-    def _says(self, packet: Packet) -> str | None:
+    def _states(self, packet: Packet) -> str | None:
         self.now += MILLISECOND
         before = self.bench.guard.refused
-        self.bench.says(packet, now=self.now)
+        self.bench.states(packet, now=self.now)
         if self.bench.guard.refused == before:
-            self.bench.hears(serial_bench.done(packet), now=self.now)
+            self.bench.receives(serial_bench.done(packet), now=self.now)
             return None
         for sent in self.bench.refusals[-1].sent:
-            self.bench.hears(serial_bench.done(sent), now=self.now)
+            self.bench.receives(serial_bench.done(sent), now=self.now)
         return self.bench.refusals[-1].reason
 
     def writes(self, node: int, address: Address, value: int) -> str | None:
-        return self._says(serial_bench.writing(node, address, guard_bench.raw(value, SIZES[address])))
+        return self._states(serial_bench.writing(node, address, guard_bench.raw(value, SIZES[address])))
 
-    def tells(self, node: int, address: Address, value: int) -> None:
-        asked = serial_bench.reading(node, address)
-        self.bench.says(asked, now=self.now)
+    def reports(self, node: int, address: Address, value: int) -> None:
+        requested = serial_bench.reading(node, address)
+        self.bench.states(requested, now=self.now)
         raw = guard_bench.raw(value, SIZES[address])
-        self.bench.hears(serial_bench.value(asked, raw), now=self.now)
+        self.bench.receives(serial_bench.value(requested, raw), now=self.now)
 
     def wheel(self, rpm: int) -> None:
-        assert self._says(serial_bench.word(LEFT, ENABLE)) is None
-        assert self._says(serial_bench.speed(rpm)) is None
+        assert self._states(serial_bench.word(LEFT, ENABLE)) is None
+        assert self._states(serial_bench.speed(rpm)) is None
 
     def position(self, word: int, target: int) -> str | None:
-        self._says(serial_bench.target(LIFT, target))
-        return self._says(serial_bench.word(LIFT, word))
+        self._states(serial_bench.target(LIFT, target))
+        return self._states(serial_bench.word(LIFT, word))
 
     def resets(self) -> None:
-        self._says(serial_bench.word(LIFT, 0))
+        self._states(serial_bench.word(LIFT, 0))
         self.now += 1000 * MILLISECOND
-        assert self._says(serial_bench.says(SendNmtService(LIFT, NmtCommand.RESET_NODE))) is None
+        assert self._states(serial_bench.states(SendNmtService(LIFT, NmtCommand.RESET_NODE))) is None
 
 
 Made: TypeAlias = Callable[[], Line]
@@ -124,11 +124,11 @@ BOTH: Final = pytest.mark.parametrize("made", [OverCan, OverSerial], ids=["can",
 PLACE: Final = 12_345
 STEPS: Final = (
     ("writes", at.HOME_POSITION, PLACE),
-    ("tells", at.HOME_POSITION, PLACE),
+    ("reports", at.HOME_POSITION, PLACE),
     ("writes", at.HOMING_METHOD, 35),
-    ("tells", at.HOMING_METHOD, 35),
+    ("reports", at.HOMING_METHOD, 35),
     ("writes", at.MODE, 6),
-    ("tells", at.MODE_DISPLAY, 6),
+    ("reports", at.MODE_DISPLAY, 6),
     ("writes", at.CONTROLWORD, ENABLE),
 )
 """All before the word that starts."""
@@ -136,7 +136,7 @@ STEPS: Final = (
 
 def prepared(line: Line, *changed: tuple[str, Address, int], without: int | None = None) -> Line:
     """Do the steps, one left out, and then the changed ones."""
-    line.tells(LIFT, at.STATUSWORD, ENABLED)
+    line.reports(LIFT, at.STATUSWORD, ENABLED)
     line.position(HALT, 0)
     for place, (how, address, value) in enumerate(STEPS):
         if place != without:
@@ -152,14 +152,14 @@ def test_the_whole_of_it_passes(made: Made) -> None:
     assert line.writes(LIFT, at.CONTROLWORD, START) is None
     assert line.writes(LIFT, at.CONTROLWORD, HALT) is None
     assert line.writes(LIFT, at.MODE, 1) is None
-    line.tells(LIFT, at.MODE_DISPLAY, 1)
+    line.reports(LIFT, at.MODE_DISPLAY, 1)
     assert line.position(NEW_POSITION, PLACE) is None
 
 
 @BOTH
 @pytest.mark.parametrize("place", [0, LIFT_TOP])
 def test_both_ends_of_the_travel_are_in_it(made: Made, place: int) -> None:
-    line = prepared(made(), ("writes", at.HOME_POSITION, place), ("tells", at.HOME_POSITION, place))
+    line = prepared(made(), ("writes", at.HOME_POSITION, place), ("reports", at.HOME_POSITION, place))
     assert line.writes(LIFT, at.CONTROLWORD, START) is None
 
 
@@ -169,7 +169,7 @@ def test_what_is_no_order_to_home_leaves_the_drive_in_its_mode(
     made: Made, address: Address, value: int
 ) -> None:
     line = made()
-    line.tells(LIFT, at.STATUSWORD, ENABLED)
+    line.reports(LIFT, at.STATUSWORD, ENABLED)
     line.position(HALT, 0)
     assert line.writes(LIFT, address, value) is None
     assert line.position(NEW_POSITION, PLACE) is None
@@ -179,7 +179,7 @@ def test_what_is_no_order_to_home_leaves_the_drive_in_its_mode(
 @pytest.mark.parametrize("without", [1, 3, 4, 5])
 def test_the_start_needs_each_word_of_the_drives(made: Made, without: int) -> None:
     line = made()
-    line.tells(LIFT, at.STATUSWORD, ENABLED)
+    line.reports(LIFT, at.STATUSWORD, ENABLED)
     line.position(HALT, 0)
     for place, (how, address, value) in enumerate(STEPS):
         if place != without:
@@ -201,7 +201,7 @@ def test_the_start_needs_each_word_of_the_drives(made: Made, without: int) -> No
     ],
 )
 def test_and_it_must_be_the_right_word(made: Made, address: Address, value: int) -> None:
-    line = prepared(made(), ("tells", address, value))
+    line = prepared(made(), ("reports", address, value))
     assert line.writes(LIFT, at.CONTROLWORD, START) is not None
 
 
@@ -259,7 +259,7 @@ def test_a_drive_that_was_reset_has_stated_nothing(made: Made) -> None:
 def test_a_drive_that_was_reset_is_in_its_own_mode(made: Made) -> None:
     line = prepared(made())
     line.resets()
-    line.tells(LIFT, at.STATUSWORD, ENABLED)
+    line.reports(LIFT, at.STATUSWORD, ENABLED)
     line.position(HALT, 0)
     assert line.position(NEW_POSITION, PLACE) is None
 
@@ -305,6 +305,6 @@ def test_after_it_the_lift_rests_where_the_drive_states_now(made: Made) -> None:
     for word in (START, HALT):
         assert line.writes(LIFT, at.CONTROLWORD, word) is None
     assert line.writes(LIFT, at.MODE, 1) is None
-    line.tells(LIFT, at.MODE_DISPLAY, 1)
+    line.reports(LIFT, at.MODE_DISPLAY, 1)
     line.wheel(100)
     assert line.position(NEW_POSITION, LIFT_TOP) is not None, "the lift may not move with the wheels"

@@ -127,7 +127,7 @@ def test_what_was_written_counts_when_the_drive_has_stated_it_again() -> None:
     one.read(at.HOMING_METHOD, 35)
     one.read(at.HOME_POSITION, 0)
     found = []
-    for address, value, says in (
+    for address, value, states in (
         (at.HOMING_METHOD, 35, at.HOMING_METHOD),
         (at.HOME_POSITION, 0, at.HOME_POSITION),
         (at.MODE, HOMING, at.MODE_DISPLAY),
@@ -135,6 +135,6 @@ def test_what_was_written_counts_when_the_drive_has_stated_it_again() -> None:
         before = one.prepared
         one.wrote(address, value)
         since = one.prepared
-        one.read(says, value)
+        one.read(states, value)
         found.append((before, since, one.prepared))
     assert found == [(True, False, True)] * 3

@@ -19,7 +19,7 @@ WEAKEST: Final[Callable[[VirtualRig], None]] = lambda rig: rig.operator.lets_go(
 STRONGER: Final = ("emergency stop", "forced disarm")
 
 
-def says(statusword: int, every_nth: int = 1) -> Callable[[Packet], tuple[Packet, ...]]:
+def states(statusword: int, every_nth: int = 1) -> Callable[[Packet], tuple[Packet, ...]]:
     """Return what makes each so-manieth sample of a drive tell a state."""
     count = 0
 
@@ -51,10 +51,10 @@ def answers_each_third() -> Callable[[Packet], tuple[Packet, ...]]:
 
 LIES: Final = {
     "tells the truth": lambda: lambda packet: (packet,),
-    "says it is off": lambda: says(0x0240),
-    "says now and then it is off": lambda: says(0x0240, 3),
-    "says it is in a quick stop": lambda: says(0x8207),
-    "says it is in fault": lambda: says(0x0208),
+    "says it is off": lambda: states(0x0240),
+    "says now and then it is off": lambda: states(0x0240, 3),
+    "says it is in a quick stop": lambda: states(0x8207),
+    "says it is in fault": lambda: states(0x0208),
     "answers each third request": answers_each_third,
 }
 

@@ -13,7 +13,7 @@ from hil_tests.safety.stop_cases import START
 RARS: Final = find("rars")
 SILENT: Final[Nanoseconds] = RARS.operator.silent_ms * MILLISECOND
 UNWELL: Final[dict[str, dict[str, Any]]] = {
-    "word too old": {"said_at": START - 600 * MILLISECOND - SILENT, "dated": True},
+    "word too old": {"sent_at": START - 600 * MILLISECOND - SILENT, "dated": True},
     "word undated": {"age_limit": AgeLimit(needed=True)},
 }
 
@@ -23,6 +23,6 @@ UNWELL: Final[dict[str, dict[str, Any]]] = {
 def test_at_the_silence_that_stops_the_other_row_gives_way(
     row: str, silence: Nanoseconds, *, silent: bool
 ) -> None:
-    seen = well(RARS, START, intent={"heard_at": START - silence}, **UNWELL[row])
+    seen = well(RARS, START, intent={"received_at": START - silence}, **UNWELL[row])
     held = names(gate_of(RARS).rule(seen))
     assert (row in held, "operator silent" in held) == (not silent, silent)

@@ -44,7 +44,7 @@ axis answers late      warning    200   disarms   blocks arming
 """
 
 
-def told(row: Any) -> list[str]:
+def reported(row: Any) -> list[str]:
     words = [row.name, row.severity.name.lower(), str(row.clear_after // 10**6)]
     words += ["disarms"] * row.disarms + ["blocks arming"] * row.blocks_arming
     words += ["takes power"] * row.takes_power
@@ -59,4 +59,4 @@ def test_each_row_is_as_bad_as_the_table_states() -> None:
     wanted = [
         [word.strip() for word in line.split("  ") if word.strip()] for line in TABLE.strip().split("\n")
     ]
-    assert [told(row) for row in rows] == wanted
+    assert [reported(row) for row in rows] == wanted

@@ -6,7 +6,7 @@ from typing import Any, Final
 import pytest
 
 from firmware_bridge.drivers.driver import Feedback, Reading
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.safety.rules import Rules
 from firmware_bridge.safety.snapshot import Facts, Snapshot
@@ -20,7 +20,7 @@ BOUND: Final = 0.2
 class Slide:
     """A body with one place: a motion is where to go, the state is where it is."""
 
-    def asked(self, motion: float, state: float) -> frozenset[str]:
+    def requested(self, motion: float, state: float) -> frozenset[str]:
         return frozenset({"base"}) if motion != state else frozenset()
 
     def moving(self, _state: object) -> frozenset[str]:
@@ -51,20 +51,20 @@ def seen(
 ) -> Snapshot[Any, Any]:
     """Return a snapshot; the left axis was heard so long ago."""
     axes = {
-        "left": Feedback("left", heard_at=NOW - age, velocity=left),
-        "right": Feedback("right", heard_at=NOW),
+        "left": Feedback("left", received_at=NOW - age, velocity=left),
+        "right": Feedback("right", received_at=NOW),
     }
     facts = Facts(
         now=NOW,
         armed=False,
         emergency_stopped=False,
-        heard_at=NEVER_HEARD,
+        received_at=NEVER_RECEIVED,
         neutral=True,
         axes=axes,
         sensors={"voltage": Reading(24.0, NOW, NOW)},
         links_lost={},
     )
-    return Snapshot(facts=facts, wish=0.0, demanded=demanded, body=place, pose=Pose())
+    return Snapshot(facts=facts, command=0.0, demanded=demanded, body=place, pose=Pose())
 
 
 @pytest.mark.parametrize(

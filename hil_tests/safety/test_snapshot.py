@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from firmware_bridge.drivers.driver import Feedback, Power, Stop, Tells
-from firmware_bridge.intent import NEVER_HEARD, AgeLimit
+from firmware_bridge.drivers.driver import Feedback, Power, Reports, Stop
+from firmware_bridge.intent import NEVER_RECEIVED, AgeLimit
 from firmware_bridge.kinds import find
 from firmware_bridge.safety.common import AXIS_ANSWERS, AXIS_UNMEASURED
 from firmware_bridge.safety.interlock import AxisInterlock
@@ -18,19 +18,26 @@ from firmware_bridge.units import MILLISECOND, SECOND
 
 def test_an_axis_that_was_never_seen_is_commanded_to_stand_and_has_no_backlog() -> None:
     known = Following()
-    assert (known.demand, known.changed_at) == (Stop.REST, NEVER_HEARD)
+    assert (known.demand, known.changed_at) == (Stop.REST, NEVER_RECEIVED)
     times = {known.sampled_at, known.obeyed_at, known.settled_at, known.place_at}
-    assert times == {NEVER_HEARD}
-    assert (known.position, known.velocity, known.low, known.high, known.owes) == (0.0,) * 5
-    assert known.unasked is known.halted is False
+    assert times == {NEVER_RECEIVED}
+    assert (known.position, known.velocity, known.low, known.high, known.backlog) == (0.0,) * 5
+    assert known.uncommanded is known.halted is False
     assert known.idle == 2, "it has not turned for as many samples as count"
 
 
 def test_a_robot_is_whole_and_its_operator_there_where_nothing_else_is_stated() -> None:
     needed: dict[str, Any] = {"axes": {}, "sensors": {}, "links_lost": {}}
-    facts = Facts(now=0, armed=False, emergency_stopped=False, heard_at=NEVER_HEARD, neutral=True, **needed)
+    facts = Facts(
+        now=0, armed=False, emergency_stopped=False, received_at=NEVER_RECEIVED, neutral=True, **needed
+    )
     assert facts.stood_still == 0
-    assert (facts.paused, facts.parted, facts.mode, facts.battery_low_since) == (False, False, "", None)
+    assert (facts.paused, facts.neutral_required, facts.mode, facts.battery_low_since) == (
+        False,
+        False,
+        "",
+        None,
+    )
     assert not any((facts.masters, facts.without, facts.stood, facts.following))
 
 
@@ -66,9 +73,9 @@ def test_a_command_counts_until_it_is_as_old_as_one_may_be(
         now=SECOND,
         armed=True,
         emergency_stopped=False,
-        heard_at=SECOND,
+        received_at=SECOND,
         neutral=False,
-        said_at=None if age_ms is None else SECOND - age_ms * MILLISECOND,
+        sent_at=None if age_ms is None else SECOND - age_ms * MILLISECOND,
         dated=dated,
         age_limit=AgeLimit(most=500 * MILLISECOND, needed=False),
         **needed,
@@ -81,7 +88,7 @@ def test_a_row_that_is_confined_to_some_groups_is_the_same_else() -> None:
         "hot",
         lambda *_: None,
         "let it cool",
-        needs=frozenset({Tells.POWER}),
+        needs=frozenset({Reports.POWER}),
         clear_after=7,
         severity=Severity.EMERGENCY,
         takes_power=True,
@@ -104,7 +111,7 @@ def test_a_weaker_row_states_for_how_long_an_axis_was_not_received(row: AxisInte
     (axis,) = (axis for axis in find("rars").axes if axis.name == "left")
     feedback = Feedback("left", Power.ON, 3 * SECOND, 3 * SECOND, position=0.0, velocity=0.0)
     needed: dict[str, Any] = {"axes": {}, "sensors": {}, "links_lost": {}}
-    facts = Facts(now=5 * SECOND, armed=True, emergency_stopped=False, heard_at=0, neutral=True, **needed)
-    said = str(row.judge(axis, feedback, facts, SECOND))
-    assert said.startswith(f"{axis.called} does not tell ")
-    assert "was last heard 2.00 s ago" in said
+    facts = Facts(now=5 * SECOND, armed=True, emergency_stopped=False, received_at=0, neutral=True, **needed)
+    stated = str(row.judge(axis, feedback, facts, SECOND))
+    assert stated.startswith(f"{axis.called} does not tell ")
+    assert "was last heard 2.00 s ago" in stated

@@ -50,7 +50,7 @@ def whole_stop_s(rig: VirtualRig) -> float:
 
 def ended(rig: VirtualRig) -> bool:
     """Whether every stop is confirmed, or given up."""
-    over = (Progress.CONFIRMED, Progress.GIVEN_UP, Progress.NOT_ASKED)
+    over = (Progress.CONFIRMED, Progress.GIVEN_UP, Progress.NOT_REQUESTED)
     return all(stop.progress in over for stop in rig.bench.bridge.stops.values())
 
 

@@ -7,10 +7,10 @@ from typing import Final, TypeAlias
 import pytest
 
 from firmware_bridge import kinds
-from firmware_bridge.drivers.driver import Feedback, Power, Tells
-from firmware_bridge.drivers.fleets import TELLS
+from firmware_bridge.drivers.driver import Feedback, Power, Reports
+from firmware_bridge.drivers.fleets import REPORTS
 from firmware_bridge.drivers.shield.fleet import over_protocol
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import AnyLink, Axis, RobotFileError
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.robots.rars import KIND
@@ -23,8 +23,8 @@ from hil_tests.scenarios.homed import homed
 
 Well: TypeAlias = Callable[..., Snapshot]
 
-EVERYTHING: Final = frozenset(Tells)
-MUTE: Final = EVERYTHING - {Tells.POWER}
+EVERYTHING: Final = frozenset(Reports)
+SILENT: Final = EVERYTHING - {Reports.POWER}
 """What a device tells that has no word for its power."""
 STRONG, WEAK = "axis not enabled", "axis answers late"
 KNOWN: Final = "axis zero lost"
@@ -39,19 +39,19 @@ RESTARTED: Final = " has restarted, or was not asked about since the bridge bega
 HOME_IT: Final = "; home it (drive --home, or MAV_CMD_USER_1 with NaN)"
 
 
-def tells_of(robot: Rars, **others: frozenset[Tells]) -> dict[str, frozenset[Tells]]:
+def reports_of(robot: Rars, **others: frozenset[Reports]) -> dict[str, frozenset[Reports]]:
     return {axis.name: others.get(axis.name, EVERYTHING) for axis in robot.axes}
 
 
-def mute(robot: Rars) -> Gate:
+def silent(robot: Rars) -> Gate:
     """A gate whose lift has a driver that does not tell its power."""
-    return gate.Gate(robot, KIND.rules(robot), tells_of(robot, lift=MUTE))
+    return gate.Gate(robot, KIND.rules(robot), reports_of(robot, lift=SILENT))
 
 
-def heard(seen: Snapshot, axis: str, at: Nanoseconds) -> Snapshot:
+def received(seen: Snapshot, axis: str, at: Nanoseconds) -> Snapshot:
     """The same, one axis without a word for its power and heard last at this instant."""
     axes = dict(seen.facts.axes)
-    axes[axis] = Feedback(axis, Power.UNKNOWN, heard_at=at, sampled_at=at)
+    axes[axis] = Feedback(axis, Power.UNKNOWN, received_at=at, sampled_at=at)
     return with_facts(seen, axes=axes)
 
 
@@ -66,19 +66,21 @@ def test_the_first_weaker_row_for_which_it_is_enough_stands_in() -> None:
         return None
 
     weakest = AxisInterlock("weakest", judge, "")
-    weaker = AxisInterlock("weaker", judge, "", needs=frozenset({Tells.CURRENT}), instead=weakest)
-    strong = AxisInterlock("strong", judge, "", needs=frozenset({Tells.CURRENT, Tells.POWER}), instead=weaker)
-    alone = AxisInterlock("alone", judge, "", needs=frozenset({Tells.POWER}))
+    weaker = AxisInterlock("weaker", judge, "", needs=frozenset({Reports.CURRENT}), instead=weakest)
+    strong = AxisInterlock(
+        "strong", judge, "", needs=frozenset({Reports.CURRENT, Reports.POWER}), instead=weaker
+    )
+    alone = AxisInterlock("alone", judge, "", needs=frozenset({Reports.POWER}))
     assert strong.fitting(EVERYTHING) is strong
-    assert strong.fitting(frozenset({Tells.CURRENT})) is weaker
-    assert strong.fitting(frozenset({Tells.POWER})) is weakest
+    assert strong.fitting(frozenset({Reports.CURRENT})) is weaker
+    assert strong.fitting(frozenset({Reports.POWER})) is weakest
     assert strong.fitting(frozenset()) is weakest
-    assert alone.fitting(EVERYTHING - {Tells.POWER}) is None
+    assert alone.fitting(EVERYTHING - {Reports.POWER}) is None
 
 
 def weaker(axis: Axis, link: AnyLink) -> list[str]:
     """The rows that stand in for others, by what the driver of a link says that it tells."""
-    rows = [(row, row.fitting(TELLS[link.driver](axis, link))) for row in common.AXIS_ROWS]
+    rows = [(row, row.fitting(REPORTS[link.driver](axis, link))) for row in common.AXIS_ROWS]
     return [fitting.name for row, fitting in rows if fitting is not None and fitting is not row]
 
 
@@ -99,16 +101,17 @@ def test_a_shield_has_no_word_for_power_and_reports_nothing_of_a_motor_that_it_d
 
 def test_a_driver_that_does_not_report_power_gets_the_weaker_row_by_name(robot: Rars) -> None:
     rows = {
-        one.axis.name: [name for name, _ in one.rows] for one in axis_rows(robot, tells_of(robot, lift=MUTE))
+        one.axis.name: [name for name, _ in one.rows]
+        for one in axis_rows(robot, reports_of(robot, lift=SILENT))
     }
     assert rows["lift"] == [f"{row}: lift" for row in (*ALWAYS, WEAK, KNOWN, *WATCHED)]
     assert rows["left"] == [f"{row}: left" for row in (*ALWAYS, STRONG, KNOWN, *WATCHED)]
 
 
-@pytest.mark.parametrize("untold", [Tells.POSITION, Tells.VELOCITY])
-def test_one_weaker_row_stands_in_for_all_that_watch_how_an_axis_moves(robot: Rars, untold: Tells) -> None:
-    told = tells_of(robot, lift=EVERYTHING - {untold})
-    rows = {one.axis.name: [row.name for _, row in one.rows] for one in axis_rows(robot, told)}
+@pytest.mark.parametrize("missing", [Reports.POSITION, Reports.VELOCITY])
+def test_one_weaker_row_stands_in_for_all_that_watch_how_an_axis_moves(robot: Rars, missing: Reports) -> None:
+    reported = reports_of(robot, lift=EVERYTHING - {missing})
+    rows = {one.axis.name: [row.name for _, row in one.rows] for one in axis_rows(robot, reported)}
     assert rows["lift"] == [*ALWAYS, STRONG, KNOWN, UNMEASURED]
     assert rows["left"] == [*ALWAYS, STRONG, KNOWN, *WATCHED]
 
@@ -120,27 +123,29 @@ def test_one_weaker_row_stands_in_for_all_that_watch_how_an_axis_moves(robot: Ra
 def test_who_does_not_report_how_it_moves_answers_within_half_the_silence(
     robot: Rars, well: Well, silence: Nanoseconds, *, holds: bool
 ) -> None:
-    told = tells_of(robot, lift=EVERYTHING - {Tells.POSITION})
-    ruling = gate.Gate(robot, KIND.rules(robot), told).rule(heard(well(SECOND), "lift", SECOND - silence))
+    reported = reports_of(robot, lift=EVERYTHING - {Reports.POSITION})
+    ruling = gate.Gate(robot, KIND.rules(robot), reported).rule(
+        received(well(SECOND), "lift", SECOND - silence)
+    )
     assert (f"{UNMEASURED}: lift" in names(ruling)) is holds
-    never = gate.Gate(robot, KIND.rules(robot), told).rule(heard(well(SECOND), "lift", NEVER_HEARD))
+    never = gate.Gate(robot, KIND.rules(robot), reported).rule(received(well(SECOND), "lift", NEVER_RECEIVED))
     assert f"{UNMEASURED}: lift" not in names(never)
 
 
 def test_it_is_reported_with_the_robot_file(robot: Rars, monkeypatch: pytest.MonkeyPatch) -> None:
     assert list(kinds.weaker_rows(robot)) == []
-    monkeypatch.setattr(kinds, "tells_of", lambda _robot, _axis: MUTE)
-    told = [(axis, strong.name, weak.name) for axis, strong, weak in kinds.weaker_rows(robot)]
-    assert told == [(axis.name, STRONG, WEAK) for axis in robot.axes]
+    monkeypatch.setattr(kinds, "reports_of", lambda _robot, _axis: SILENT)
+    reported = [(axis, strong.name, weak.name) for axis, strong, weak in kinds.weaker_rows(robot)]
+    assert reported == [(axis.name, STRONG, WEAK) for axis in robot.axes]
 
 
 def test_a_driver_that_reports_too_little_is_refused_with_link_and_row(
     robot: Rars, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    needy = AxisInterlock("axis stalls", lambda *_: None, "", needs=frozenset({Tells.CURRENT}))
+    needy = AxisInterlock("axis stalls", lambda *_: None, "", needs=frozenset({Reports.CURRENT}))
     monkeypatch.setattr(gate, "AXIS_ROWS", (*common.AXIS_ROWS, needy))
     with pytest.raises(RobotFileError) as refusal:
-        axis_rows(robot, tells_of(robot, lift=EVERYTHING - {Tells.CURRENT}))
+        axis_rows(robot, reports_of(robot, lift=EVERYTHING - {Reports.CURRENT}))
     (problem,) = refusal.value.problems
     assert problem.key == "links.drives.driver"
     assert "axis stalls" in problem.problem
@@ -153,13 +158,13 @@ def test_a_driver_that_reports_too_little_is_refused_with_link_and_row(
 def test_the_weaker_row_wants_an_answer_within_half_the_silence(
     robot: Rars, well: Well, silence: Nanoseconds, *, holds: bool
 ) -> None:
-    ruling = mute(robot).rule(heard(well(SECOND), "lift", SECOND - silence))
+    ruling = silent(robot).rule(received(well(SECOND), "lift", SECOND - silence))
     assert (f"{WEAK}: lift" in names(ruling)) is holds
     assert "axis silent: lift" not in names(ruling)
 
 
 def test_it_stops_and_disarms_as_the_strong_one(robot: Rars, well: Well) -> None:
-    ruling = mute(robot).rule(heard(well(SECOND), "lift", SECOND - LIMIT // 2))
+    ruling = silent(robot).rule(received(well(SECOND), "lift", SECOND - LIMIT // 2))
     (hold,) = [hold for hold in ruling.holds if hold.name == f"{WEAK}: lift"]
     assert (hold.row.stops, hold.row.disarms, hold.row.blocks_arming) == (None, True, True)
     assert "does not tell its power and was last heard 0.12 s ago" in hold.reason
@@ -169,27 +174,27 @@ def test_it_stops_and_disarms_as_the_strong_one(robot: Rars, well: Well) -> None
 def test_it_lets_go_when_answers_have_been_fresh_for_200_ms(
     robot: Rars, well: Well, clear: int, *, holds: bool
 ) -> None:
-    judge = mute(robot)
-    judge.rule(heard(well(SECOND), "lift", SECOND - LIMIT // 2))
-    judge.rule(heard(well(SECOND + 1), "lift", SECOND + 1))
+    judge = silent(robot)
+    judge.rule(received(well(SECOND), "lift", SECOND - LIMIT // 2))
+    judge.rule(received(well(SECOND + 1), "lift", SECOND + 1))
     now = SECOND + 1 + clear * MILLISECOND
-    assert (f"{WEAK}: lift" in names(judge.rule(heard(well(now), "lift", now)))) is holds
+    assert (f"{WEAK}: lift" in names(judge.rule(received(well(now), "lift", now)))) is holds
 
 
 def test_one_that_was_never_received_is_silent_and_not_late(robot: Rars, well: Well) -> None:
-    held = names(mute(robot).rule(heard(well(SECOND), "lift", NEVER_HEARD)))
+    held = names(silent(robot).rule(received(well(SECOND), "lift", NEVER_RECEIVED)))
     assert "axis silent: lift" in held
     assert f"{WEAK}: lift" not in held
 
 
 def test_the_word_for_power_is_not_requested_from_a_device_that_has_none(robot: Rars, well: Well) -> None:
-    assert names(mute(robot).rule(heard(well(SECOND), "lift", SECOND))) == ()
+    assert names(silent(robot).rule(received(well(SECOND), "lift", SECOND))) == ()
 
 
 def test_a_device_without_a_word_for_its_zero_is_requested_about_when_it_restarts(
     robot: Rars, well: Well
 ) -> None:
-    told = tells_of(robot, lift=EVERYTHING - {Tells.ZERO}, left=EVERYTHING - {Tells.ZERO})
+    reported = reports_of(robot, lift=EVERYTHING - {Reports.ZERO}, left=EVERYTHING - {Reports.ZERO})
     for name, holds in (
         ("lift", {"axis restarted: lift"}),
         ("left", set()),
@@ -197,14 +202,14 @@ def test_a_device_without_a_word_for_its_zero_is_requested_about_when_it_restart
     ):
         axes = dict(well(SECOND).facts.axes)
         axes[name] = replace(axes[name], zero_lost=True)
-        ruling = gate.Gate(robot, KIND.rules(robot), told).rule(with_facts(well(SECOND), axes=axes))
+        ruling = gate.Gate(robot, KIND.rules(robot), reported).rule(with_facts(well(SECOND), axes=axes))
         assert set(names(ruling)) == holds
 
 
 def test_one_that_was_never_received_is_silent_and_has_not_restarted(robot: Rars, well: Well) -> None:
-    told = tells_of(robot, lift=EVERYTHING - {Tells.ZERO})
+    reported = reports_of(robot, lift=EVERYTHING - {Reports.ZERO})
     axes = {**well(SECOND).facts.axes, "lift": Feedback("lift", zero_lost=True)}
-    ruling = gate.Gate(robot, KIND.rules(robot), told).rule(with_facts(well(SECOND), axes=axes))
+    ruling = gate.Gate(robot, KIND.rules(robot), reported).rule(with_facts(well(SECOND), axes=axes))
     assert set(names(ruling)) == {"axis silent: lift"}
 
 
@@ -220,7 +225,7 @@ def test_one_that_was_never_received_is_silent_and_has_not_restarted(robot: Rars
 def test_a_lost_zero_is_reported_with_the_last_known_place_and_the_way_to_home(
     well: Well, axis: Axis, stood: dict[str, str], ending: str
 ) -> None:
-    lost = Feedback("lift", Power.ON, heard_at=SECOND, zero_lost=True)
+    lost = Feedback("lift", Power.ON, received_at=SECOND, zero_lost=True)
     facts = with_facts(well(SECOND), stood=stood).facts
     for row, reason in (
         (ZERO_LOST, ": its zero is lost, nobody knows where it stands"),

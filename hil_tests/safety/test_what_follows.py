@@ -6,7 +6,7 @@ from typing import Any, Final, TypeAlias
 import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
-from firmware_bridge.drivers.driver import Power, Tells
+from firmware_bridge.drivers.driver import Power, Reports
 from firmware_bridge.robots.rars import KIND
 from firmware_bridge.robots.rars.geometry import Geometry
 from firmware_bridge.robots.rars.motion import Motion, State
@@ -110,8 +110,8 @@ def test_the_severities_are_those_of_mavlink() -> None:
 def test_a_link_that_stops_only_some_groups_leaves_the_others_armed(robot: Rars) -> None:
     confined = on_a_link_that_stops(robot, "lift")
     (lost,) = (row for row in whole_robot(confined) if row.name.startswith("link lost"))
-    tells = {axis.name: frozenset(Tells) for axis in robot.axes}
-    rows = [row for one in axis_rows(confined, tells) for _, row in one.rows]
+    reports = {axis.name: frozenset(Reports) for axis in robot.axes}
+    rows = [row for one in axis_rows(confined, reports) for _, row in one.rows]
     assert {row.name for row in rows} == {row.name for row in AXIS_ROWS}
     for row in (lost, *rows):
         taken = ("takes power",) if row.takes_power else ()
@@ -129,8 +129,8 @@ def test_on_such_a_link_the_rest_of_the_robot_goes_on(
     robot: Rars, changes: dict[str, Any], hold: str
 ) -> None:
     confined = on_a_link_that_stops(robot, "lift")
-    wish = {"speed_mps": 0.05}
-    ruling = gate_of(confined).rule(gate_bench.well(confined, SECOND, intent=wish, **changes))
+    command = {"speed_mps": 0.05}
+    ruling = gate_of(confined).rule(gate_bench.well(confined, SECOND, intent=command, **changes))
     assert names(ruling) == (hold,)
     assert (set(ruling.stopped), ruling.allowed.speed_mps) == ({"lift"}, 0.05)
 
@@ -150,7 +150,7 @@ def test_on_such_a_link_the_rest_of_the_robot_goes_on(
 def test_an_axis_that_is_left_out_may_have_no_power_while_it_is_received(
     robot: Rars, well: Well, power: Power, silence: Nanoseconds, *, holds: bool
 ) -> None:
-    seen = well(SECOND, drives={"lift": {"power": power, "heard_at": SECOND - silence}})
+    seen = well(SECOND, drives={"lift": {"power": power, "received_at": SECOND - silence}})
     ruling = gate_of(robot).rule(with_facts(seen, without=frozenset({"lift"})))
     assert [(hold.name, hold.reason) for hold in ruling.holds] == (
         [("axis left out: lift", "node 4 (scissor lift) has power, and this mode does without it")]

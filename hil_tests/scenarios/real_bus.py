@@ -122,28 +122,28 @@ class Client:
         self.texts: list[str] = []
         self.x = 0.0
 
-    def says(self, speed: float, seconds: float, full: float = 0.5) -> None:
+    def states(self, speed: float, seconds: float, full: float = 0.5) -> None:
         """Drive straight at 20 Hz for some time, and listen; `full` is the speed of a full stick, m/s."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             self.link.mav.manual_control_send(1, round(speed / full * 1000), 0x7FFF, 0, 0, 0)
-            self.hears(0.05)
+            self.receives(0.05)
 
-    def says_until(self, speed: float, happens: Callable[[], object], within: float, what: str) -> None:
+    def states_until(self, speed: float, happens: Callable[[], object], within: float, what: str) -> None:
         """Drive straight until something happens."""
 
         def happened() -> object:
-            self.says(speed, 0.1)
+            self.states(speed, 0.1)
             return happens()
 
         until(happened, within, what)
 
-    def hears(self, seconds: float) -> None:
+    def receives(self, seconds: float) -> None:
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
-            self.hears_one(left)
+            self.receives_one(left)
 
-    def hears_one(self, within: float) -> Any:
+    def receives_one(self, within: float) -> Any:
         """Take in the next message, and return it; None where there is none."""
         message = self.link.recv_match(blocking=True, timeout=within)
         if message is not None and message.get_type() == "STATUSTEXT":
@@ -152,24 +152,26 @@ class Client:
             self.x = message.x
         return message
 
-    def asks(self, command: int, *params: float) -> int | None:
+    def requests(self, command: int, *params: float) -> int | None:
         """Send a COMMAND_LONG with the stick let go; return MAV_RESULT, or None without an answer."""
         self.link.mav.heartbeat_send(6, 8, 0, 0, 4)
         self.link.mav.manual_control_send(1, 0, 0x7FFF, 0, 0, 0)
         self.link.mav.command_long_send(1, 1, command, 0, *params, *[0] * (7 - len(params)))
         end = time.monotonic() + 0.5
         while (left := end - time.monotonic()) > 0:
-            message = self.hears_one(left)
+            message = self.receives_one(left)
             if message is not None and message.get_type() == "COMMAND_ACK" and message.command == command:
                 return int(message.result)
         return None
 
     def arms(self) -> None:
         """Arm with the stick let go, as who drives must."""
-        until(lambda: self.asks(ARM, 1) == ACCEPTED, START_WITHIN_S, "armed")
-        self.says(0.0, 0.5)  # between two requests it was silent: who drives on at once is held as deflected
+        until(lambda: self.requests(ARM, 1) == ACCEPTED, START_WITHIN_S, "armed")
+        self.states(
+            0.0, 0.5
+        )  # between two requests it was silent: who drives on at once is held as deflected
 
-    def is_told(self, text: str) -> bool:
+    def is_reported(self, text: str) -> bool:
         return any(text in each for each in self.texts)
 
 
@@ -218,8 +220,8 @@ class Bench:
         """
 
         def drives() -> bool:
-            client.says(0.0, 0.5)
-            client.says(speed, 1.5)
+            client.states(0.0, 0.5)
+            client.states(speed, 1.5)
             if 0.6 * speed < self.eye.speed() < 1.2 * speed:
                 return True
             client.arms()

@@ -51,9 +51,9 @@ def test_a_link_of_half_a_second_is_too_slow_to_drive_on(
         assert "word too old" in ride.holding
         [reason] = ride.held("word too old")
         assert "0.60 s old" in reason
-    told = ride.operator.diary.values
-    assert told["RTT"] == pytest.approx(2 * delay_ms / 1000, abs=0.001)
-    assert told["AGE"] == pytest.approx(delay_ms / 1000, abs=0.005)
+    reported = ride.operator.diary.values
+    assert reported["RTT"] == pytest.approx(2 * delay_ms / 1000, abs=0.001)
+    assert reported["AGE"] == pytest.approx(delay_ms / 1000, abs=0.005)
     assert any("round trip" in text for text in texts(ride)) is (2 * delay_ms >= 500)
 
 

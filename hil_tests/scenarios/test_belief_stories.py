@@ -5,12 +5,12 @@ from typing import Final
 
 import pytest
 
-from emulators.bench.faults.site import Stranger
+from emulators.bench.faults.site import ForeignNode
 from emulators.testing.inherited.scripted import mission_of, scripted
 from firmware_bridge.drivers.driver import Feedback, Position, Power
 from firmware_bridge.drivers.epos2.process_data import SET_POINT, SET_POINT_COB_ID
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
@@ -93,7 +93,7 @@ def test_a_steering_that_ignores_its_target_does_not_follow(rides: Ridden) -> No
 
 def commanded_by_another(ride: Ride, rpm: dict[str, int], began: float, ended: float) -> None:
     """Let a stranger send these speeds to enabled drives, ten times as often as the bridge."""
-    master = ride.rig.world.attach("another master", Stranger(), {CAN: ride.rig.can_wire})
+    master = ride.rig.world.attach("another master", ForeignNode(), {CAN: ride.rig.can_wire})
     nodes = {axis.name: axis.epos2.node for axis in RARS.axes}
     for at in range(from_seconds(began), from_seconds(ended), 5 * MILLISECOND):
         ride.runs_until(to_seconds(at))
@@ -204,11 +204,11 @@ def test_no_ordinary_mission_comes_near_a_bound(
     def measured(self: Followers, axes: Mapping[str, Feedback]) -> dict[str, Following]:
         known = saw(self, axes)
         for axis, one in known.items():
-            if axes[axis].power is not Power.ON or one.changed_at == NEVER_HEARD:
+            if axes[axis].power is not Power.ON or one.changed_at == NEVER_RECEIVED:
                 continue
             by_position = isinstance(one.demand, Position)
             bound = bounds[axis].position if by_position else bounds[axis].speed
-            worst[axis] = max(worst[axis], beside(one) / bound, one.owes / bounds[axis].creep)
+            worst[axis] = max(worst[axis], beside(one) / bound, one.backlog / bounds[axis].creep)
         return known
 
     monkeypatch.setattr(Followers, "saw", measured)

@@ -101,8 +101,8 @@ def test_a_client_drives_a_wheel_and_reads_its_encoder(firmware: str, client: st
         assert two == 0
         assert three < -100
         board.send_signal(signal.SIGINT)
-        said, _ = board.communicate(timeout=HUNG_S)
-        assert board.returncode == 0, said
+        stated, _ = board.communicate(timeout=HUNG_S)
+        assert board.returncode == 0, stated
     assert not link.is_symlink()
     (log,) = tmp_path.glob("*/serial.log")
     assert f" board~{firmware} R " in log.read_text(encoding="utf-8")

@@ -24,12 +24,12 @@ def test_a_board_without_its_shield_is_named_with_the_causes_and_not_armed(proto
     with driven(protocol, "speed_mps = 0.2", 12.0, fault(kind, 0.0), FULL[protocol]) as rig:
         boots_s = 3.3 if protocol == "firmata" else 1.2
         rig.runs(3.0 if protocol in SILENT else boots_s + 1.0)
-        told = " ".join(hold.reason for hold in rig.bridge.holds)
-        found = [told.find(cause) for cause in CAUSES]
+        reported = " ".join(hold.reason for hold in rig.bridge.holds)
+        found = [reported.find(cause) for cause in CAUSES]
         assert found == sorted(found)
-        assert found[0] > 0, told
+        assert found[0] > 0, reported
         if protocol in SILENT:
-            places = [told.find(cause) for cause in ("powered?", "port, at", "flashed with", *CAUSES)]
+            places = [reported.find(cause) for cause in ("powered?", "port, at", "flashed with", *CAUSES)]
             assert places == sorted(places)
             assert places[0] > 0
         rig.runs(7.0)

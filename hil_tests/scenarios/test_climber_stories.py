@@ -27,8 +27,8 @@ class Ridden:
             rig.run(from_seconds(mission.duration_s if until_s is None else until_s))
             order = Order(robot, rehearsal, name, mission, seed, None)  # type: ignore[arg-type] # no files
             self.path = path_error(rig.samples, followed(order), 0.0)
-            told = {key: figure(rig.samples) for key, figure in rehearsal.figures.items()}
-            self.figures = {key: math.nan if it is None else it for key, it in told.items()}
+            reported = {key: figure(rig.samples) for key, figure in rehearsal.figures.items()}
+            self.figures = {key: math.nan if it is None else it for key, it in reported.items()}
             self.held = {hold.name: hold.reason for hold in rig.holds if hold.began > from_seconds(4.0)}
             self.samples = rig.samples
             self.refused = rig.guard.refused

@@ -47,12 +47,12 @@ class Station:
         return self._sent([self._codec.encode(answer) for answer in answers])
 
     def wake(self, now: Nanoseconds) -> Reaction:
-        said: list[Any] = []
+        stated: list[Any] = []
         if now >= self._beat_at:
             self._beat_at = now + SECOND
-            said.append(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 0, 3))
+            stated.append(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 0, 3))
             if now > 2 * SECOND and not self._armed:
-                said.append(dialect.MAVLink_command_long_message(1, 1, 400, 0, 1.0, *(0.0,) * 6))
+                stated.append(dialect.MAVLink_command_long_message(1, 1, 400, 0, 1.0, *(0.0,) * 6))
         at = (now + CLOCK + self.jumped) // MILLISECOND % (1 << 32)
         moves = dialect.MAVLink_set_position_target_local_ned_message(
             at, 1, 1, 8, VELOCITY, *(0.0,) * 3, self.speed_mps, *(0.0,) * 7
@@ -61,7 +61,7 @@ class Station:
         come = [frame for due, frame in self._under_way if due <= now]
         self._under_way = [one for one in self._under_way if one[0] > now]
         self._wake_at = now + EVERY
-        return self._sent([*(self._codec.encode(message) for message in said), *come])
+        return self._sent([*(self._codec.encode(message) for message in stated), *come])
 
     def _sent(self, frames: list[bytes]) -> Reaction:
         return Reaction(tuple(Packet(OPERATOR, 0, frame) for frame in frames), self._wake_at)

@@ -2,8 +2,8 @@
 
 import pytest
 
+from hil_tests.scenarios.foreign_node import ARM, CLEAR, CONTROL, ForeignNode
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
-from hil_tests.scenarios.stranger import ARM, CLEAR, CONTROL, Stranger
 
 ALONE = {"seconds": 120, "seed": 1}
 """With a seed of its own a ride has a bench of its own, on which a stranger may sit down."""
@@ -13,8 +13,8 @@ STANDS = 31010
 FORCE = 21196.0
 
 
-def beside(ride: Ride, **who: int) -> Stranger:
-    return Stranger(**who).joins(ride)
+def beside(ride: Ride, **who: int) -> ForeignNode:
+    return ForeignNode(**who).joins(ride)
 
 
 @pytest.mark.long(keeps=["the same ids"])

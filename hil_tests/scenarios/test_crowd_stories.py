@@ -7,8 +7,8 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.internet import number_of
+from hil_tests.scenarios.foreign_node import ForeignNode
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
-from hil_tests.scenarios.stranger import Stranger
 
 ALONE = {"seconds": 120, "seed": 1}
 
@@ -56,7 +56,7 @@ def crowded(ride: Ride, crowd: Crowd) -> dict[int, int]:
 def test_a_crowd_that_beats_does_not_starve_who_drives(rides: Ridden) -> None:
     ride = rides(step(100.0, speed_mps=0.0), **ALONE)
     gone = crowded(ride, Crowd(beats=True, speaks=True))
-    driver = Stranger().joins(ride)
+    driver = ForeignNode().joins(ride)
     ride.runs_until(3.0)
     driver.talks(ride, 3.0, (400, (1.0,)))
     ride.runs_until(4.0)

@@ -23,7 +23,7 @@ DIES_AT_S: Final = 6.0
 MODE_AT_S: Final = 9.0
 GOES_AT_S: Final = MODE_AT_S + 2.5
 GOAL_M: Final = 5.0
-NARROW_MPS: Final = RARS.geometry.limp.speed_mps
+NARROW_MPS: Final = RARS.geometry.degraded.speed_mps
 DEAD: Final = {
     "left_failed": "left",
     "right_failed": "right",
@@ -68,8 +68,8 @@ def odometry_error(ride: Ride) -> float:
     """How far the bridge's pose is from where the robot has come since the mode was entered, in m."""
     rows = ride.rows(MODE_AT_S + 2.0, 1e6)
     first, last = rows[0], rows[-1]
-    told = ride.operator.diary.odometry
-    began, ended = next(one for one in told if one.heard_at >= first.at), told[-1]
+    reported = ride.operator.diary.odometry
+    began, ended = next(one for one in reported if one.received_at >= first.at), reported[-1]
     true = _from(first["x_m"], first["y_m"], first["heading_rad"], last["x_m"], last["y_m"])
     return math.dist(true, _from(began.x_m, began.y_m, began.heading_rad, ended.x_m, ended.y_m))
 

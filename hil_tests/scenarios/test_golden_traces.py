@@ -93,8 +93,8 @@ def test_a_change_shows_its_first_packet_in_words() -> None:
     end = lines.index(b"\n", begin)
     low = slice(end - 4, end - 2)  # of the current in mA, the last of what is mapped
     other = f"{int(lines[low], 16) ^ 1:02x}".encode()
-    told = TOOL.difference(TOOL.Driven(name, lines[: low.start] + other + lines[low.stop :], {}))
-    head, *context, expected, came = told.splitlines()
+    reported = TOOL.difference(TOOL.Driven(name, lines[: low.start] + other + lines[low.stop :], {}))
+    head, *context, expected, came = reported.splitlines()
     number = lines[:begin].count(b"\n") + 1
     assert head == f"mission {name}: packet {number} is the first that differs"
     assert len(context) == 5
@@ -112,5 +112,5 @@ def test_a_run_that_ends_early_states_what_is_missing() -> None:
     name = TOOL.missions()[0]
     lines = kept(name)
     short = lines[: lines.rindex(b"\n", 0, len(lines) - 1) + 1]
-    told = TOOL.difference(TOOL.Driven(name, short, {}))
-    assert told.endswith("but came  nothing more")
+    reported = TOOL.difference(TOOL.Driven(name, short, {}))
+    assert reported.endswith("but came  nothing more")

@@ -21,16 +21,16 @@ def test_each_drive_is_commanded_and_turns(tmp_path: Path) -> None:
 
 def test_in_a_second_each_drive_reports_ten_times_what_it_sees_and_that_it_lives() -> None:
     many = crowd(127, every=HUNDRED_MS, heartbeat_ms=100, cycle=only_sync)
-    heard: Counter[int] = Counter()
+    received: Counter[int] = Counter()
 
     def count(_now: Nanoseconds, _sender: str, packet: Packet) -> None:
-        heard[packet.address] += 1
+        received[packet.address] += 1
 
     many.wire.observe(count)
     many.runs_a_second()
-    assert heard[SYNC] == 10
+    assert received[SYNC] == 10
     for node in range(1, 128):
-        assert heard[TRANSMIT_PDO[3] + node] == 10
-        assert heard[ERROR_CONTROL + node] == 10
-        assert heard[RECEIVE_PDO[3] + node] == 0
-    assert heard.total() == 10 * (1 + 2 * 127)
+        assert received[TRANSMIT_PDO[3] + node] == 10
+        assert received[ERROR_CONTROL + node] == 10
+        assert received[RECEIVE_PDO[3] + node] == 0
+    assert received.total() == 10 * (1 + 2 * 127)

@@ -50,9 +50,9 @@ def summary(folder: Path) -> dict[str, Any]:
 
 @pytest.mark.long(beside="test_its_missions_drive_without_a_refusal_and_it_ends_without_power")
 def test_an_operator_who_tries_everything_forbidden_gets_no_further(driven: Driven) -> None:
-    told = summary(driven("interlocks"))
-    assert told["max_speed_mps"] <= LARGEST_SPEED_MPS
-    assert told["max_acceleration_mps2"] <= LARGEST_ACCELERATION_MPS2
+    reported = summary(driven("interlocks"))
+    assert reported["max_speed_mps"] <= LARGEST_SPEED_MPS
+    assert reported["max_acceleration_mps2"] <= LARGEST_ACCELERATION_MPS2
 
 
 @pytest.mark.long(beside="test_at_its_threshold_it_stops_the_robot_and_states_why")
@@ -102,10 +102,10 @@ def test_nothing_rolls_while_the_lift_is_extended(driven: Driven) -> None:
 
 @pytest.mark.long(beside="test_a_mission_begins_as_it_always_did")
 def test_the_line_reaches_its_speed_at_its_acceleration(driven: Driven) -> None:
-    told = summary(driven("line"))
-    assert told["max_speed_mps"] == pytest.approx(0.240, rel=0.02)
-    assert told["max_acceleration_mps2"] == pytest.approx(0.024, rel=0.7)
-    assert told["odometry_error_m"] < 0.005
+    reported = summary(driven("line"))
+    assert reported["max_speed_mps"] == pytest.approx(0.240, rel=0.02)
+    assert reported["max_acceleration_mps2"] == pytest.approx(0.024, rel=0.7)
+    assert reported["odometry_error_m"] < 0.005
 
 
 INDEX_FAULTS: Final = 3
@@ -114,26 +114,28 @@ INDEX_FAULTS: Final = 3
 
 @pytest.mark.long(beside="test_a_cause_has_the_outcome_that_was_measured")
 def test_what_goes_wrong_in_the_mission_of_faults_is_held_and_named(driven: Driven) -> None:
-    told = summary(driven("faults"))
-    assert told["max_speed_mps"] <= LARGEST_SPEED_MPS
-    assert told["max_acceleration_mps2"] <= LARGEST_ACCELERATION_MPS2
-    assert len(told["faults"]) == len(missions.find("faults", find("rars"), REHEARSAL).fault)
-    assert all(fault["title"] for fault in told["faults"])
-    reasons = " ".join(hold["reason"] for hold in told["holds"])
+    reported = summary(driven("faults"))
+    assert reported["max_speed_mps"] <= LARGEST_SPEED_MPS
+    assert reported["max_acceleration_mps2"] <= LARGEST_ACCELERATION_MPS2
+    assert len(reported["faults"]) == len(missions.find("faults", find("rars"), REHEARSAL).fault)
+    assert all(fault["title"] for fault in reported["faults"])
+    reasons = " ".join(hold["reason"] for hold in reported["holds"])
     for code in ("0x8110", "0x3220", "0x4210", "0xFF0A", "0x81FD", "0x8130"):
         assert code in reasons
     # Where the index comes first, before or after its turn, hangs on where the wheels stand.
     assert reasons.count("0xFF02") + reasons.count("0xFF03") >= INDEX_FAULTS
-    names = {hold["name"].split(":")[0] for hold in told["holds"]}
+    names = {hold["name"].split(":")[0] for hold in reported["holds"]}
     assert {"operator silent", "axis silent", "axis fault", "axis not enabled", "not armed"} <= names
 
 
 @pytest.mark.long(beside="test_a_cause_has_the_outcome_that_was_measured")
 def test_nothing_but_rolling_out_follows_a_fault_that_stops_the_robot(driven: Driven) -> None:
     """From the titles: until the seventeenth second nobody stops; after each later fault all do."""
-    told = summary(driven("faults"))
-    stopped = [hold["began_s"] for hold in told["holds"] if hold["name"] in {"not armed", "operator silent"}]
-    for fault in told["faults"]:
+    reported = summary(driven("faults"))
+    stopped = [
+        hold["began_s"] for hold in reported["holds"] if hold["name"] in {"not armed", "operator silent"}
+    ]
+    for fault in reported["faults"]:
         soon = [at for at in stopped if fault["began_s"] <= at <= fault["began_s"] + 1.0]
         armed = fault["began_s"] < 110.0
         assert bool(soon) is (fault["began_s"] >= 17.0 and armed), fault["title"]

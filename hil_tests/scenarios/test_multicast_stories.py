@@ -48,7 +48,7 @@ def test_the_robot_is_armed_driven_left_without_power_and_all_of_it_recorded(dat
     client = datagrams.joins()
     client.arms()
     datagrams.gets_under_way(client, 0.3)
-    client.says_until(0.0, lambda: abs(datagrams.eye.speed()) < 0.005, 5.0, "at rest")
+    client.states_until(0.0, lambda: abs(datagrams.eye.speed()) < 0.005, 5.0, "at rest")
     assert bridge.ends() == 0, bridge.printed
     assert "0x8150" not in bridge.printed
     for node in NODES:

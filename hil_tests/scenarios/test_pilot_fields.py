@@ -34,7 +34,7 @@ class Counted:
         self._span = (begin, begin + SECOND)
         self._codec = Codec(0, 0)
         self.came: Counter[str] = Counter()
-        self.said: Counter[str] = Counter()
+        self.sent: Counter[str] = Counter()
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         self._count(self.came, packet, now)
@@ -45,7 +45,7 @@ class Counted:
 
     def _counted(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
         for packet in reaction.sent:
-            self._count(self.said, packet, now)
+            self._count(self.sent, packet, now)
         return reaction
 
     def _count(self, counter: Counter[str], packet: Packet, now: Nanoseconds) -> None:
@@ -60,7 +60,7 @@ def test_every_field_comes_twenty_times_a_second_and_so_often_the_station_speaks
     assert script.pilot is not None
     operator = PilotedMission(ROBOT, script.step, script.pilot)
     target = (ROBOT.operator.system_id, ROBOT.operator.component_id)
-    operator.station = Station(operator.follower, target, asks=PROFILES["cycle"])  # type: ignore[misc]
+    operator.station = Station(operator.follower, target, requests=PROFILES["cycle"])  # type: ignore[misc]
     counted = Counted(operator, 5 * SECOND)
     rig = Rig(ROBOT, REHEARSAL, counted, link=script.conditions)
     try:
@@ -68,7 +68,7 @@ def test_every_field_comes_twenty_times_a_second_and_so_often_the_station_speaks
     finally:
         rig.finish()
     assert {field: counted.came[name] for field, name in FIELDS.items()} == dict.fromkeys(FIELDS, 20)
-    assert counted.said["SET_POSITION_TARGET_LOCAL_NED"] == 20
+    assert counted.sent["SET_POSITION_TARGET_LOCAL_NED"] == 20
     shown = operator.station.shown
     assert shown.battery_v is not None
     assert 20.0 < shown.battery_v < 25.0

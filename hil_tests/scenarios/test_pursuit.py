@@ -13,7 +13,7 @@ from emulators.bench.radial_error import radial_error
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
 from firmware_bridge.kinds import find
-from firmware_bridge.pilot.driver import Driver, Sight, Wish
+from firmware_bridge.pilot.driver import DriveCommand, Driver, Sight
 from firmware_bridge.pilot.link import Link
 from firmware_bridge.pilot.pursuit import critical_delay_s
 from firmware_bridge.pilot.station import Station
@@ -39,10 +39,10 @@ class Watched:
         self._heading = sight.moving.pose.heading_rad
         self._driver.sees(sight)
 
-    def wish(self, link: Link, now: Nanoseconds, *, armed: bool) -> Wish:
-        wish = self._driver.wish(link, now, armed=armed)
-        self.rows.append((to_seconds(now), getattr(wish, "yaw_rate_rad_s", 0.0), self._heading))
-        return wish
+    def command(self, link: Link, now: Nanoseconds, *, armed: bool) -> DriveCommand:
+        command = self._driver.command(link, now, armed=armed)
+        self.rows.append((to_seconds(now), getattr(command, "yaw_rate_rad_s", 0.0), self._heading))
+        return command
 
 
 @dataclass(frozen=True)
@@ -97,10 +97,10 @@ def _bent(part: Floats) -> float:
 
 def _lag(rows: Floats, began: float) -> float:
     """Return by how much the heading that is seen is behind the yaw rate that was said, summed up."""
-    at, said, seen = rows.T
+    at, stated, seen = rows.T
     part = (at > began + 2.0) & (at < began + 9.0)
     grid = np.arange(0.0, at[-1], 0.005)
-    held = said[np.clip(np.searchsorted(at, grid, side="right") - 1, 0, len(at) - 1)]
+    held = stated[np.clip(np.searchsorted(at, grid, side="right") - 1, 0, len(at) - 1)]
     summed = np.concatenate([[0.0], np.cumsum(held[:-1] * 0.005)])
     residues = []
     for lag in np.arange(0.0, 1.2, 0.005):

@@ -19,7 +19,7 @@ from firmware_bridge.recording import candump_line, tlog_records
 from firmware_bridge.units import MILLISECOND, SECOND
 
 GOLDEN = Path(__file__).parents[1] / "golden"
-STRANGER = GOLDEN.parent / "recordings" / "rars" / "canopen-master.log.xz"
+FOREIGN_NODE = GOLDEN.parent / "recordings" / "rars" / "canopen-master.log.xz"
 RARS = find("rars")
 SHORT = SECOND
 LISTENS = 200 * MILLISECOND
@@ -129,7 +129,7 @@ def edited(session: Session, folder: Path, edit: Callable[[list[str]], list[str]
     return file
 
 
-def told(session: Session, file: Path) -> list[str]:
+def reported(session: Session, file: Path) -> list[str]:
     outcome = replay(order(session, Into.DRIVES, file, SHORT))
     assert outcome.difference is not None
     return outcome.difference.splitlines()
@@ -139,7 +139,7 @@ def test_a_frame_that_is_missing_in_the_recording_is_shown_as_the_one_that_came(
     line: Session, tmp_path: Path
 ) -> None:
     number = lines_of(line, lambda sender: sender == "left")[2]
-    head, *_, came = told(line, edited(line, tmp_path, lambda all_: all_[: number - 1] + all_[number:]))
+    head, *_, came = reported(line, edited(line, tmp_path, lambda all_: all_[: number - 1] + all_[number:]))
     assert head.startswith("edited.log, line ")
     assert line.lines[number - 1].split()[2] in came
 
@@ -151,7 +151,7 @@ def test_a_frame_that_does_not_come_is_stated_to_be_missing(line: Session, tmp_p
     def edit(all_: list[str]) -> list[str]:
         return [*all_[: last + 1], line.lines[last].split()[0] + " vcan0 701#7F"]
 
-    head, *_, expected, came = told(line, edited(line, tmp_path, edit))
+    head, *_, expected, came = reported(line, edited(line, tmp_path, edit))
     assert head == f"edited.log, line {last + 2} is the first that differs"
     assert "heartbeat, node 1: pre operational" in expected
     assert came == "but came  nothing more"
@@ -190,7 +190,7 @@ def test_the_drives_of_a_real_bus_are_switched_on_when_they_boot(line: Session, 
 
 
 def test_drives_that_were_there_before_the_recording_boot_unheard(line: Session, tmp_path: Path) -> None:
-    lines = lzma.decompress(STRANGER.read_bytes()).decode().splitlines()
+    lines = lzma.decompress(FOREIGN_NODE.read_bytes()).decode().splitlines()
     assert [text.split()[2] for text in lines[:5]] == [
         "701#00",
         "702#00",
@@ -227,8 +227,8 @@ def test_drives_that_say_nothing_stay_off_the_bus(line: Session, tmp_path: Path)
 @pytest.mark.long(beside="test_a_run_plays_again_into_all_that_took_part")
 def test_a_bridge_that_was_given_where_its_axes_stand_is_informed_again(tmp_path: Path) -> None:
     frames, messages = [], []
-    said = (ConfirmZero("lift", 0.1), ConfirmZero("steer", 10.0))
-    rig = Rig(RARS, REHEARSAL, Player([]), stands=said)
+    stated = (ConfirmZero("lift", 0.1), ConfirmZero("steer", 10.0))
+    rig = Rig(RARS, REHEARSAL, Player([]), stands=stated)
     rig.can_wire.observe(lambda at, _, packet: frames.append(candump_line(at, packet)))
     rig.operator_wire.observe(lambda at, _, packet: messages.append(tlog_records(at, packet.payload)))
     rig.run(2 * SECOND)
@@ -237,7 +237,7 @@ def test_a_bridge_that_was_given_where_its_axes_stand_is_informed_again(tmp_path
     log.write_text("\n".join(frames) + "\n", encoding="ascii")
     tlog.write_bytes(b"".join(messages))
     for one in (Order(RARS, log, into=Into.BRIDGE), Order(RARS, tlog, into=Into.BENCH)):
-        assert replay(replace(one, stands=said)).difference is None
+        assert replay(replace(one, stands=stated)).difference is None
         assert replay(one).difference is not None
     with pytest.raises(RecordingFileError, match=r"can\.log: the drives are told no place, a bridge is"):
-        replay(Order(RARS, log, into=Into.DRIVES, stands=said))
+        replay(Order(RARS, log, into=Into.DRIVES, stands=stated))

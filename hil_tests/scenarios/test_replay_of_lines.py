@@ -89,8 +89,8 @@ def plays_again(title: str, folder: Path) -> None:
     assert outcome.difference is None
     assert outcome.into is Into.BRIDGE
     sent = sum(" T " in line for name in (CHUNKS, SIGHTS) for line in read(folder, name))
-    told = [message for _, message in parse_tlog((folder / WORDS).read_bytes())]
-    own = sum(mavlink_origin(message)[:2] == (1, 1) for message in told)
+    reported = [message for _, message in parse_tlog((folder / WORDS).read_bytes())]
+    own = sum(mavlink_origin(message)[:2] == (1, 1) for message in reported)
     assert outcome.compared == sent + own, "every byte and every message that it has sent"
 
 
@@ -158,8 +158,8 @@ def test_one_changed_bit_of_what_it_has_received_is_another_run(title: str, tmp_
     changed = [*lines[:place], " ".join(words), *lines[place + 1 :]]
     outcome = replay(Order(RUNS[title].robot, with_lines(folder_of(title), changed, tmp_path)))
     assert outcome.difference is not None
-    heard_at = parse_chunk(lines[place])[0]
-    assert heard_at < outcome.until < heard_at + 100 * MILLISECOND, "what it says next is another word"
+    received_at = parse_chunk(lines[place])[0]
+    assert received_at < outcome.until < received_at + 100 * MILLISECOND, "what it says next is another word"
 
 
 @pytest.mark.long(beside="test_one_changed_bit_of_what_the_bridge_has_sent_is_named_by_its_line")
@@ -194,8 +194,8 @@ class Late:
         reaction = self._node.wake(now)
         return self._late(reaction, max(reaction.wake_at, now))
 
-    def _late(self, reaction: Reaction, asked: Nanoseconds) -> Reaction:
-        return Reaction(reaction.sent, asked + MICROSECOND * int(self._chance.integers(20, 4_000)))
+    def _late(self, reaction: Reaction, requested: Nanoseconds) -> Reaction:
+        return Reaction(reaction.sent, requested + MICROSECOND * int(self._chance.integers(20, 4_000)))
 
 
 @pytest.mark.long(keeps=["mw"])

@@ -243,14 +243,14 @@ def test_observers_are_outside_and_receive_everything_again(kept: Kept) -> None:
     rig = kept.one.rig
     rig.restore(kept.moment(500)[1])
     moment = rig.snapshot()
-    heard: list[tuple[Nanoseconds, str]] = []
-    rig.can_wire.observe(lambda now, sender, _: heard.append((now, sender)))
+    received: list[tuple[Nanoseconds, str]] = []
+    rig.can_wire.observe(lambda now, sender, _: received.append((now, sender)))
     rig.runs(0.2)
-    first = list(heard)
+    first = list(received)
     rig.restore(moment)
     rig.runs(0.2)
     assert first
-    assert heard == first * 2
+    assert received == first * 2
     rig.can_wire.unobserved()
 
 

@@ -97,9 +97,9 @@ def test_an_orbit_too_large_for_the_base_takes_its_time_and_states_so() -> None:
     """At 1 m for 1 DU the printed orbit would take 1.02 m/s."""
     with flown(robot=scaled(m_per_du=1.0), lasts=26.0) as (rig, script):
         rig.run(from_seconds(26.0))
-        told = next(record.reason for record in rig.holds if record.name == "time stretched")
-        assert "times its time: the base could not follow it" in told
-        assert float(told.split(" takes ")[1].split(" ")[0]) == pytest.approx(1.95, abs=0.03)
+        reported = next(record.reason for record in rig.holds if record.name == "time stretched")
+        assert "times its time: the base could not follow it" in reported
+        assert float(reported.split(" takes ")[1].split(" ")[0]) == pytest.approx(1.95, abs=0.03)
         assert off(rig, script) < 0.010
         speeds = np.hypot(rig.samples.column("speed_mps"), rig.samples.column("speed_left_mps"))
         assert speeds.max() <= 1.02 * rig.robot.geometry.base.limits.speed_mps

@@ -29,16 +29,16 @@ def test_each_firmware_drives_the_circle_and_the_guard_has_nothing_to_refuse(pro
 
 
 def test_who_takes_control_is_reported_what_the_start_has_shown_of_the_boards_reset() -> None:
-    said: list[bytes] = []
+    stated: list[bytes] = []
 
     def note(_now: int, sender: str, packet: Packet) -> None:
         if sender == BRIDGE:
-            said.append(packet.payload)
+            stated.append(packet.payload)
 
     with driven("mw", "speed_mps = 0.1", 5.0, encoders=3) as rig:
         rig.operator_wire.observe(note)
         rig.runs(3.9)
-        at_start = b"".join(said).count(b"the line's reset works")
+        at_start = b"".join(stated).count(b"the line's reset works")
         rig.runs(0.5)
     assert at_start == 1
-    assert b"the line's reset works" in b"".join(said).partition(b" drives")[2]
+    assert b"the line's reset works" in b"".join(stated).partition(b" drives")[2]

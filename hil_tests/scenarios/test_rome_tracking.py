@@ -21,7 +21,7 @@ MASS, YAW, WHEEL, ROTOR = 3.5, 0.05, 2.5e-4, 5.8e-7
 KP, KI = 2.0, 0.5
 RAMP: Final = 0.8 * 0.6
 CYCLE, FRAME, STEP = 0.05, 0.033, 0.0005
-ASKED, TOLD = 0.010, 0.012
+REQUESTED, REPORTED = 0.010, 0.012
 """From the begin of a cycle to its wish, at which the path's clock begins; and from there to the board."""
 SECONDS: Final = 7.0
 ANGLES: Final = np.array([0.0, 2.0, 4.0]) * math.pi / 3.0
@@ -54,29 +54,29 @@ def integrated() -> Vector:
     """Return the error of each 10 ms, actual less desired, m."""
     pose, rims, turned = np.zeros(3), np.zeros(3), np.zeros(3)
     loops, total, demand, pwm = [Loop() for _ in range(3)], np.zeros(3), np.zeros(3), np.zeros(3)
-    posed = sampled = (pose.copy(), -ASKED)
+    posed = sampled = (pose.copy(), -REQUESTED)
     inertia = (WHEEL + ROTOR * GEAR**2) / R**2
     masses = np.array([MASS + 1.5 * inertia, MASS + 1.5 * inertia, YAW + 3.0 * L**2 * inertia])
     per_tick = COUNTS / (2.0 * math.pi) * FRAME / R
-    errors, wishes_at, words = [], 0.0, None
-    samples_at, frames_at = CYCLE - ASKED, FRAME
+    errors, commands_at, words = [], 0.0, None
+    samples_at, frames_at = CYCLE - REQUESTED, FRAME
     for tick in range(round(SECONDS / STEP)):
         t = tick * STEP
         if t >= samples_at:
             posed, sampled, samples_at = sampled, (pose.copy(), t), samples_at + CYCLE
-        if t >= wishes_at:
+        if t >= commands_at:
             place, _ = circle(posed[1])
             error = posed[0] - place
             total = total + error * CYCLE
             world = circle(t)[1] - KP * error - KI * total
             sine, cosine = math.sin(posed[0][2]), math.cos(posed[0][2])
-            wish = np.array(
+            command = np.array(
                 [world[0] * cosine + world[1] * sine, world[1] * cosine - world[0] * sine, world[2]]
             )
-            change = wish - demand
+            change = command - demand
             needed = np.hypot(*change[:2]) / RAMP
             demand = demand + change * min(1.0, CYCLE / needed if needed else 1.0)
-            words, wishes_at = (t + TOLD, np.round(P @ demand * per_tick)), wishes_at + CYCLE
+            words, commands_at = (t + REPORTED, np.round(P @ demand * per_tick)), commands_at + CYCLE
         if words is not None and t >= words[0]:
             for loop, target in zip(loops, words[1], strict=True):
                 loop.target = int(target)

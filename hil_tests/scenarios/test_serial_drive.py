@@ -101,9 +101,10 @@ def test_every_interlock_holds_as_over_can(driven: Callable[[AnyRobot, str], Pat
     )
     # A line reads the currents one by one: after a hard stop it may keep the power where CAN lets go.
     holds = [
-        [hold for hold in told["holds"] if hold["name"] != "held with power"] for told in (over_can, through)
+        [hold for hold in reported["holds"] if hold["name"] != "held with power"]
+        for reported in (over_can, through)
     ]
-    names, began = ([[hold[key] for hold in told] for told in holds] for key in ("name", "began_s"))
+    names, began = ([[hold[key] for hold in reported] for reported in holds] for key in ("name", "began_s"))
     assert names[0] == names[1]
     # The set-up takes longer; what is wrong then follows it.
     first = ["starting", "not armed", "axis zero lost: steer", "axis zero lost: lift"]
@@ -249,13 +250,13 @@ def test_a_drive_that_does_not_notice_the_bridge_s_silence_is_not_driven(
     rides: Ridden, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A gateway to which a guarding answer is no heartbeat would be stopped by nobody."""
-    hear = Consumer.hear
+    receive = Consumer.receive
 
-    def deaf(self: Consumer, payload: bytes, now: Nanoseconds) -> None:
+    def not_receiving(self: Consumer, payload: bytes, now: Nanoseconds) -> None:
         if self.node != USB.epos2_link("drives").guardian(USB.nodes_on("drives")):
-            hear(self, payload, now)
+            receive(self, payload, now)
 
-    monkeypatch.setattr(Consumer, "hear", deaf)
+    monkeypatch.setattr(Consumer, "receive", not_receiving)
     one = rides(ARMED, seconds=8, robot=USB)
     one.runs_until(3)
     bridge = one.rig.bridge

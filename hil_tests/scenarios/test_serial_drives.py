@@ -35,12 +35,12 @@ def emulated(link: Path, *words: str) -> Iterator[str]:
             yield str(link)
         finally:
             running.send_signal(signal.SIGINT)
-            said, complained = running.communicate(timeout=HUNG_S)
+            stated, complained = running.communicate(timeout=HUNG_S)
     assert running.returncode == 0, complained
-    assert str(link) in said
+    assert str(link) in stated
 
 
-def asked(*words: str) -> str:
+def requested(*words: str) -> str:
     result = CliRunner().invoke(program, ["epos2", *words])
     assert result.exit_code == 0, result.output
     return " ".join(result.stdout.split())
@@ -68,28 +68,28 @@ def test_the_line_reaches_the_drive_on_it_and_the_others(
 ) -> None:
     with emulated(tmp_path / "epos2.tty", "epos2", "--node", "1-4", *words) as link:
         line = ("--serial", link, "--protocol", protocol)
-        assert asked("read", "0x2009", *line, "--gateway", str(near)).endswith(f" {near}")
+        assert requested("read", "0x2009", *line, "--gateway", str(near)).endswith(f" {near}")
         for node in (1, 2, 3, 4):
-            assert asked("read", "0x2009", *line, "--node", str(node)).endswith(f" {node}")
+            assert requested("read", "0x2009", *line, "--node", str(node)).endswith(f" {node}")
         rate = 0 if "--baud" in words else 5
-        assert asked("read", "0x2002", *line).endswith(f" {rate}")
-        assert "operation enabled" in asked("state", "enable", "--yes", *line, "--node", "2")
+        assert requested("read", "0x2002", *line).endswith(f" {rate}")
+        assert "operation enabled" in requested("state", "enable", "--yes", *line, "--node", "2")
 
 
 def test_a_line_and_a_bus_at_once(tmp_path: Path) -> None:
     words = ("epos2", "--node", "1-2", "-i", "virtual", "-c", "serial-drives")
     with emulated(tmp_path / "epos2.tty", *words) as link:
-        assert asked("read", "0x2009", "--serial", link, "--node", "2").endswith(" 2")
+        assert requested("read", "0x2009", "--serial", link, "--node", "2").endswith(" 2")
 
 
 def test_a_robot_s_drive_is_chosen_by_its_node(tmp_path: Path) -> None:
     with emulated(tmp_path / "rars.tty", "rars", "--serial-node", "3") as link:
-        assert asked("read", "0x2009", "--serial", link, "--gateway", "3").endswith(" 3")
-        assert asked("read", "0x2009", "--serial", link, "--node", "1").endswith(" 1")
+        assert requested("read", "0x2009", "--serial", link, "--gateway", "3").endswith(" 3")
+        assert requested("read", "0x2009", "--serial", link, "--node", "1").endswith(" 1")
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         (("epos2", "--serial-node", "1"), "--serial-node 1: there is no serial line; say --serial pty"),
         (("epos2", "--node", "1-2", "--serial", "pty", "--serial-node", "3"), "no such node; there are 1, 2"),
@@ -102,5 +102,5 @@ def test_a_robot_s_drive_is_chosen_by_its_node(tmp_path: Path) -> None:
         (("epos2", "--serial", "/dev/no-such", "--serial-link", "x"), "only a pseudo-terminal wants a link"),
     ],
 )
-def test_mistakes_are_reported_in_one_message(words: tuple[str, ...], told: str) -> None:
-    assert told in refused(*words)
+def test_mistakes_are_reported_in_one_message(words: tuple[str, ...], reported: str) -> None:
+    assert reported in refused(*words)

@@ -55,9 +55,9 @@ def line(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Line]:
         finally:
             program.send_signal(signal.SIGCONT)
             program.send_signal(signal.SIGINT)
-            said, complained = program.communicate(timeout=HUNG_S)
+            stated, complained = program.communicate(timeout=HUNG_S)
     assert program.returncode == 0, complained
-    assert f"{link} ({generation.value})" in said
+    assert f"{link} ({generation.value})" in stated
     assert not link.is_symlink()
 
 
@@ -75,7 +75,7 @@ def ask(
         if beside is not None:
             beside(step)
         clock.wait([client.fileno()], host.due)
-        outcome = host.hear(client.read(client.in_waiting), clock.now()) or host.wake(clock.now())
+        outcome = host.receive(client.read(client.in_waiting), clock.now()) or host.wake(clock.now())
         if outcome is not None:
             client.write(host.taken())
             assert isinstance(outcome, Answered), outcome

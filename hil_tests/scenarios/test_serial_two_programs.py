@@ -37,11 +37,11 @@ class Program:
         )
 
     @property
-    def told(self) -> str:
+    def reported(self) -> str:
         return self._log.read_text(encoding="utf-8")
 
-    def says(self, text: str) -> bool:
-        return text in self.told
+    def states(self, text: str) -> bool:
+        return text in self.reported
 
     def ends(self) -> int:
         self.process.send_signal(signal.SIGINT)
@@ -84,7 +84,7 @@ class Operator:
         self._to = ("127.0.0.1", port)
         self._words: Any = mavlink.MAVLink(None, srcSystem=255, srcComponent=190)
 
-    def _says(self, message: Any) -> None:
+    def _states(self, message: Any) -> None:
         self._socket.sendto(message.pack(self._words), self._to)
 
     @property
@@ -95,20 +95,20 @@ class Operator:
         self._socket.close()
 
     def holds_the_stick(self) -> None:
-        self._says(mavlink.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
+        self._states(mavlink.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
 
     def stands(self) -> None:
         """Say where steering and lift stand."""
         self.holds_the_stick()
         for axis in (3.0, 4.0):
-            self._says(mavlink.MAVLink_command_long_message(1, 1, 31010, 0, axis, 0, 0, 0, 0, 0, 0))
+            self._states(mavlink.MAVLink_command_long_message(1, 1, 31010, 0, axis, 0, 0, 0, 0, 0, 0))
 
     def arms(self) -> None:
         self.holds_the_stick()
         self.orders(400, 1.0)
 
     def orders(self, command: int, first: float) -> None:
-        self._says(mavlink.MAVLink_command_long_message(1, 1, command, 0, first, 0, 0, 0, 0, 0, 0))
+        self._states(mavlink.MAVLink_command_long_message(1, 1, command, 0, first, 0, 0, 0, 0, 0, 0))
 
 
 @pytest.fixture
@@ -130,26 +130,30 @@ def test_the_robot_is_armed_over_the_line_loses_it_and_is_armed_again(
     link = tmp_path / "rars.tty"
     emulation = ("emulate", "rars", "--serial", "pty", "--serial-link", str(link), "--protocol", "v2")
     drives = start(*emulation)
-    until(link.is_symlink, lambda: drives.told, lambda: None)
+    until(link.is_symlink, lambda: drives.reported, lambda: None)
     stands = ("--zero", "lift=0", "--zero", "steer=0", "--state", str(tmp_path / "last.json"))
     mavlink_at = f"udpin:127.0.0.1:{operator.port}"
     bridge = start("drive", "rars", "--serial", str(link), "--mavlink", mavlink_at, *stands)
 
     def comes(text: str, meanwhile: Callable[[], None] = operator.holds_the_stick) -> None:
-        until(lambda: bridge.says(text), lambda: bridge.told, meanwhile)
+        until(lambda: bridge.states(text), lambda: bridge.reported, meanwhile)
 
     comes("  armed", operator.arms)
-    assert bridge.says(f"bridge on {link} (v2, 1000000 Bd), node 1 passes on to the others")
+    assert bridge.states(f"bridge on {link} (v2, 1000000 Bd), node 1 passes on to the others")
     drives.ends()
     comes("link lost: drives: the serial line to the drives is gone (plug the adapter in again, then arm)")
     comes("  disarmed")
     start(*emulation)
     comes("lets go: link lost: drives")
-    until(lambda: bridge.told.count("lets go: axis zero lost") == 4, lambda: bridge.told, operator.stands)
-    armed = bridge.told.count("  armed")
-    until(lambda: bridge.told.count("  armed") > armed, lambda: bridge.told, operator.arms)
-    assert bridge.ends() == 0, bridge.told
-    assert bridge.says("ended: SIGINT")
+    until(
+        lambda: bridge.reported.count("lets go: axis zero lost") == 4,
+        lambda: bridge.reported,
+        operator.stands,
+    )
+    armed = bridge.reported.count("  armed")
+    until(lambda: bridge.reported.count("  armed") > armed, lambda: bridge.reported, operator.arms)
+    assert bridge.ends() == 0, bridge.reported
+    assert bridge.states("ended: SIGINT")
 
 
 @pytest.mark.long(beside="test_a_second_station_takes_nothing_from_who_drives")
@@ -159,7 +163,7 @@ def test_a_second_station_on_another_port_clears_and_arms_nothing_but_may_stop(
     """With the same numbers as the first: it is known by where it speaks from."""
     link = tmp_path / "rars.tty"
     drives = start("emulate", "rars", "--serial", "pty", "--serial-link", str(link), "--protocol", "v2")
-    until(link.is_symlink, lambda: drives.told, lambda: None)
+    until(link.is_symlink, lambda: drives.reported, lambda: None)
     stands = ("--zero", "lift=0", "--zero", "steer=0", "--state", str(tmp_path / "last.json"))
     words = ("--serial", str(link), "--mavlink", f"udpin:127.0.0.1:{operator.port}", *stands)
     bridge = start("drive", "rars", *words)
@@ -175,17 +179,17 @@ def test_a_second_station_on_another_port_clears_and_arms_nothing_but_may_stop(
         clock = Clock()
         until(lambda: clock.now() > seconds * SECOND, lambda: "", meanwhile)
 
-    until(lambda: bridge.says("  armed"), lambda: bridge.told, operator.arms)
+    until(lambda: bridge.states("  armed"), lambda: bridge.reported, operator.arms)
     later(1, both)
-    assert not bridge.says("  disarmed")
+    assert not bridge.states("  disarmed")
     other.orders(185, 1.0)
-    until(lambda: bridge.says("  disarmed"), lambda: bridge.told, operator.holds_the_stick)
+    until(lambda: bridge.states("  disarmed"), lambda: bridge.reported, operator.holds_the_stick)
     later(1, both)
-    assert not bridge.says("lets go: emergency stop")
+    assert not bridge.states("lets go: emergency stop")
     operator.orders(5300, 1.0)
-    until(lambda: bridge.says("lets go: emergency stop"), lambda: bridge.told, operator.holds_the_stick)
+    until(lambda: bridge.states("lets go: emergency stop"), lambda: bridge.reported, operator.holds_the_stick)
     other.leaves()
-    assert bridge.ends() == 0, bridge.told
+    assert bridge.ends() == 0, bridge.reported
 
 
 @pytest.mark.long(keeps=["words3---zero lift=up: say AXIS=VALUE"])
@@ -216,5 +220,5 @@ def test_mistakes_are_reported_in_one_message(
 ) -> None:
     program = start("drive", "rars", *words)
     assert program.process.wait(timeout=HUNG_S) == 2
-    assert program.told.startswith(f"firmware-bridge: {message}")
-    assert program.told.count("\n") == 1
+    assert program.reported.startswith(f"firmware-bridge: {message}")
+    assert program.reported.count("\n") == 1

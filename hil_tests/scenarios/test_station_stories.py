@@ -59,14 +59,14 @@ class Station:
         if now < self._due:
             return Reaction((), self._due)
         self._due = now + PERIOD
-        said = self._orders
+        stated = self._orders
         self._orders = []
         if now >= self._beats_at:
             self._beats_at = now + SECOND
-            said.append(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
+            stated.append(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
         if self.word is not None:
-            said.append(self.word())
-        frames = [self.codec.encode_1(one) if self._old else self.codec.encode(one) for one in said]
+            stated.append(self.word())
+        frames = [self.codec.encode_1(one) if self._old else self.codec.encode(one) for one in stated]
         sent = tuple(Packet(OPERATOR, self.source, frame) for frame in frames if frame is not None)
         return Reaction(sent, self._due)
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 RARS: Final[AnyRobot] = find("rars")
 LINKS: Final = {"can": RARS, "serial": over_serial(RARS)}
 DRIVING: Final = (ARMED, step(4.0, speed_mps=0.3))
-DEAF_S: Final = 6.0
+NOT_RECEIVING_S: Final = 6.0
 UNPOWERED: Final = (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.SWITCHED_ON)
 BEAT: Final = canopen.ERROR_CONTROL + RARS.epos2_link("drives").bridge_node
 
@@ -35,7 +35,9 @@ deafened = pytest.mark.parametrize("command", ["stop", "enter_pre_operational", 
 
 def driven(rides: Ridden, link: str, *steps: Step, command: str | None = None, fresh: bool = False) -> Ride:
     """Drive at 0.3 m/s, where a stranger's network command meets the left wheel's drive."""
-    faults = () if command is None else (fault("nmt_stranger", DEAF_S, command=command, node="left"),)
+    faults = (
+        () if command is None else (fault("nmt_stranger", NOT_RECEIVING_S, command=command, node="left"),)
+    )
     own_bench = {"robot": LINKS[link]} if fresh or link != "can" else {}
     return rides(*DRIVING, *steps, seconds=20, faults=faults, **own_bench)
 
@@ -45,7 +47,7 @@ def states(one: Ride) -> list[State | None]:
     return [state_of(device.store.get(at.STATUSWORD)) for device in one.rig.devices.drives.values()]
 
 
-def told(one: Ride) -> set[str]:
+def reported(one: Ride) -> set[str]:
     return {hold.name for hold in one.rig.holds if "unconfirmed" in hold.name}
 
 
@@ -53,7 +55,7 @@ def unpowered(one: Ride) -> bool:
     return not any(axis.powered for axis in one.rig.devices.bank.axes)
 
 
-def hears_only(one: Ride, *addresses: int) -> None:
+def receives_only(one: Ride, *addresses: int) -> None:
     """From now on the left wheel's drive takes only frames with these identifiers."""
     station = one.rig.world._stations["left"]  # noqa: SLF001 - no fault of a mission is as selective
     listens = station.listens
@@ -79,7 +81,7 @@ def test_a_drive_that_a_foreign_node_made_unable_to_receive_comes_to_rest(
 ) -> None:
     one = driven(rides, link, command=command)
     one.runs_until(10.0)
-    assert one.stands_from(DEAF_S, slower_than=0.01) < DEAF_S + 1.5
+    assert one.stands_from(NOT_RECEIVING_S, slower_than=0.01) < NOT_RECEIVING_S + 1.5
     assert one.fastest(8.5, 10.0) < 0.003
     assert not one.now["armed"]
     assert one.rig.guard.refused == 0
@@ -92,7 +94,7 @@ def test_an_emergency_stop_stops_a_drive_that_receives_nothing_and_blocks_arming
 ) -> None:
     one = driven(rides, "can", step(6.05, emergency_stop=True), step(7.5, arm=True), command=command)
     one.runs_until(10.0)
-    assert one.stands_from(DEAF_S, slower_than=0.01) < DEAF_S + 1.5
+    assert one.stands_from(NOT_RECEIVING_S, slower_than=0.01) < NOT_RECEIVING_S + 1.5
     assert one.rig.bridge.seen.facts.emergency_stopped
     assert not one.now["armed"]
 
@@ -104,7 +106,7 @@ def test_a_forced_disarm_takes_the_power_of_a_drive_that_receives_nothing(
     rides: Ridden, link: str, command: str
 ) -> None:
     one = driven(rides, link, step(6.05, force_disarm=True), command=command)
-    one.runs_until(DEAF_S + 1.5)
+    one.runs_until(NOT_RECEIVING_S + 1.5)
     assert unpowered(one)
     assert not set(states(one)) & {State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE}
 
@@ -116,7 +118,7 @@ def test_an_orderly_end_leaves_no_drive_with_power_that_receives_nothing(
     rides: Ridden, link: str, command: str
 ) -> None:
     one = driven(rides, link, command=command)
-    one.runs_until(DEAF_S + 0.02)
+    one.runs_until(NOT_RECEIVING_S + 0.02)
     ended(one, 8.0)
     assert unpowered(one)
     assert one.rig.bridge.unconfirmed == ()
@@ -126,35 +128,35 @@ def test_an_orderly_end_leaves_no_drive_with_power_that_receives_nothing(
 
 def test_a_drive_that_receives_only_the_heartbeat_stops_when_it_is_withheld(rides: Ridden) -> None:
     one = driven(rides, "can", fresh=True)
-    one.runs_until(DEAF_S)
-    hears_only(one, BEAT)
+    one.runs_until(NOT_RECEIVING_S)
+    receives_only(one, BEAT)
     one.runs_until(9.0)
     left = one.rig.devices.drives["left"]
     assert state_of(left.store.get(at.STATUSWORD)) is State.FAULT
     assert left.store.get(at.Address(0x1003, 1)) == 0x8130
-    assert "power off by SDO unconfirmed: left" in told(one)
-    assert "silence unconfirmed: left" not in told(one), "it was enough"
+    assert "power off by SDO unconfirmed: left" in reported(one)
+    assert "silence unconfirmed: left" not in reported(one), "it was enough"
 
 
 def test_a_drive_without_a_watch_that_receives_only_the_network_is_reset_at_last(rides: Ridden) -> None:
     """Reset communication has taken its watch over the bridge: silence does not stop it."""
     one = driven(rides, "can", command="reset_communication", fresh=True)
-    one.runs_until(DEAF_S + 0.01)
-    hears_only(one, canopen.NMT)
+    one.runs_until(NOT_RECEIVING_S + 0.01)
+    receives_only(one, canopen.NMT)
     one.runs_until(10.0)
     assert states(one)[0] is State.SWITCH_ON_DISABLED
     assert unpowered(one)
     one.runs_until(14.0)
     assert one.fastest(13.5, 14.0) < 0.003, "it rolls out"
-    assert "silence unconfirmed: left" in told(one)
+    assert "silence unconfirmed: left" in reported(one)
     assert "the drive's zero is lost" in one.held("silence unconfirmed: left")[0]
     assert one.rig.guard.refused == 0
 
 
 def test_where_nothing_helps_the_operator_and_the_program_say_so(rides: Ridden) -> None:
     one = driven(rides, "can", command="reset_communication", fresh=True)
-    one.runs_until(DEAF_S + 0.01)
-    hears_only(one)
+    one.runs_until(NOT_RECEIVING_S + 0.01)
+    receives_only(one)
     one.runs_until(12.0)
     assert one.held("reset unconfirmed: left") == [
         "node 1 (left rear wheel): reset unconfirmed; nothing is left to try; it may go on moving"
@@ -191,11 +193,11 @@ def test_a_second_bridge_that_is_ended_at_once_leaves_the_first_one_s_robot_alon
     rides: Ridden, after_s: float
 ) -> None:
     one = driven(rides, "can", fresh=True)
-    one.runs_until(DEAF_S)
+    one.runs_until(NOT_RECEIVING_S)
     second, sent = second_bridge(one)
     one.runs(after_s)
     one.rig.world.stop("second")
-    one.runs_until(DEAF_S + 1.0)
+    one.runs_until(NOT_RECEIVING_S + 1.0)
     assert second.finished
     assert sent == []
     assert one.now["armed"]
@@ -204,9 +206,9 @@ def test_a_second_bridge_that_is_ended_at_once_leaves_the_first_one_s_robot_alon
 
 def test_a_second_bridge_refuses_to_start_and_states_why(rides: Ridden) -> None:
     one = driven(rides, "can", fresh=True)
-    one.runs_until(DEAF_S)
+    one.runs_until(NOT_RECEIVING_S)
     second, sent = second_bridge(one)
-    one.runs_until(DEAF_S + 1.0)
+    one.runs_until(NOT_RECEIVING_S + 1.0)
     assert second.phase is Phase.FAILED
     assert second.failure is not None
     assert second.failure.startswith("link 'drives': somebody else sends ")
@@ -220,7 +222,7 @@ def test_a_second_bridge_refuses_to_start_and_states_why(rides: Ridden) -> None:
 
 @pytest.mark.long(keeps=["heartbeat"])
 @pytest.mark.parametrize(
-    ("frame", "told"),
+    ("frame", "reported"),
     [
         (Packet(CAN, BEAT, b"\x05"), "somebody else sends the heartbeat of this bridge, node 100: 764#05"),
         (Packet(CAN, canopen.SYNC, b""), "somebody else sends SYNC: 080#"),
@@ -233,17 +235,17 @@ def test_a_second_bridge_refuses_to_start_and_states_why(rides: Ridden) -> None:
     ids=["heartbeat", "sync", "network command", "set-point"],
 )
 def test_another_master_stops_the_robot_and_blocks_arming_while_it_is_received(
-    rides: Ridden, frame: Packet, told: str
+    rides: Ridden, frame: Packet, reported: str
 ) -> None:
     one = driven(rides, "can", step(6.5, speed_mps=0.0), step(8.0, arm=True), step(10.5, arm=True))
-    one.runs_until(DEAF_S)
+    one.runs_until(NOT_RECEIVING_S)
     sender = one.rig.world._stations["left"]  # noqa: SLF001 - a stranger's word
     while to_seconds(one.rig.world.now) < 8.5:
         one.rig.can_wire.carry(sender, frame)
         one.runs(0.25)
-    assert one.stands_from(DEAF_S, slower_than=0.01) < DEAF_S + 0.8
+    assert one.stands_from(NOT_RECEIVING_S, slower_than=0.01) < NOT_RECEIVING_S + 0.8
     assert not one.now["armed"]
-    assert one.held("another master: drives") == [told]
+    assert one.held("another master: drives") == [reported]
     one.runs_until(11.0)
     assert "another master: drives" not in one.holding
     assert one.now["armed"]
@@ -261,15 +263,15 @@ def test_a_drive_that_someone_else_has_written_to_stops_and_is_set_up_again(
         rides, "can", step(6.5, speed_mps=0.0), *(step(8.0 + second, arm=True) for second in range(4))
     )
     drive = one.rig.devices.drives["left"]
-    one.runs_until(DEAF_S)
+    one.runs_until(NOT_RECEIVING_S)
     watched = drive.store.get(at.CONSUMER_HEARTBEAT_1)
     sender = one.rig.world._stations["steer"]  # noqa: SLF001 - a stranger's word
     one.rig.can_wire.carry(sender, Packet(CAN, 0x601, bytes.fromhex(frame)))
     one.runs_until(8.0)
-    assert one.stands_from(DEAF_S, slower_than=0.01) < DEAF_S + 1.2
+    assert one.stands_from(NOT_RECEIVING_S, slower_than=0.01) < NOT_RECEIVING_S + 1.2
     assert not one.now["armed"]
-    (told,) = one.held("axis rewritten: left")
-    assert f"601#{frame}" in told
+    (reported,) = one.held("axis rewritten: left")
+    assert f"601#{frame}" in reported
     assert states(one)[0] in UNPOWERED, "nobody knows what it would do"
     one.runs_until(12.5)
     assert "axis rewritten: left" not in one.holding

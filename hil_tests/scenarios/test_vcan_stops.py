@@ -38,9 +38,9 @@ def test_a_drive_that_was_made_unable_to_receive_stops_and_an_end_leaves_it_with
 ) -> None:
     bench.gets_under_way(client, 0.3)
     bench.eye.sends(NMT, bytes((PRE_OPERATIONAL, 1)))
-    client.says(0.3, 1.0)
+    client.states(0.3, 1.0)
     comes_to_rest(bench, 3.0)
-    client.says(0.3, 1.0)
+    client.states(0.3, 1.0)
     assert abs(bench.eye.speed()) < 0.005
     bridge = bench.programs["drive"]
     assert bridge.ends() == 0, bridge.printed
@@ -52,27 +52,27 @@ def test_a_raised_lift_that_was_reset_is_not_driven_with(bench: Bench, client: C
     def height_qc() -> int:
         return bench.eye.ask(LIFT, 0x6064) or 0
 
-    until(lambda: client.asks(ACTUATOR, RAISED) == ACCEPTED, 5.0, "the lift goes up")
-    client.says_until(0.0, lambda: height_qc() > 10_000, 20.0, "the lift is up")
+    until(lambda: client.requests(ACTUATOR, RAISED) == ACCEPTED, 5.0, "the lift goes up")
+    client.states_until(0.0, lambda: height_qc() > 10_000, 20.0, "the lift is up")
     bench.eye.sends(NMT, bytes((RESET_NODE, LIFT)))
-    client.says_until(0.0, lambda: client.is_told("lost"), 10.0, "the zero is lost")
+    client.states_until(0.0, lambda: client.is_reported("lost"), 10.0, "the zero is lost")
     for _ in range(6):
-        assert client.asks(ARM, 1) != ACCEPTED, client.texts
+        assert client.requests(ARM, 1) != ACCEPTED, client.texts
     before = bench.eye.metres()
-    client.says(0.3, 1.0)
+    client.states(0.3, 1.0)
     assert bench.eye.metres() == pytest.approx(before, abs=0.001), "it believes no 0 m that nobody has seen"
 
 
 def test_another_master_drives_the_disarmed_robot_no_further(bench: Bench, client: Client) -> None:
-    until(lambda: client.asks(ARM, 0) == ACCEPTED, 5.0, "disarmed")
-    client.hears(0.5)
+    until(lambda: client.requests(ARM, 0) == ACCEPTED, 5.0, "disarmed")
+    client.receives(0.5)
     frame = (0x000F).to_bytes(2, "little") + (2000).to_bytes(4, "little", signed=True)
     for _ in range(200):
         for node in WHEELS:
             bench.eye.sends(SET_POINT + node, frame)
         sleep(0.01)
-    client.says(0.0, 0.2)
-    assert client.is_told("somebody else sends"), client.texts
+    client.states(0.0, 0.2)
+    assert client.is_reported("somebody else sends"), client.texts
     comes_to_rest(bench, 3.0)
     for node in WHEELS:
         assert bench.eye.state(node) in DISABLED, "what moves unasked loses its power"
@@ -87,9 +87,9 @@ def test_a_second_bridge_leaves_the_first_one_s_robot_alone(
     before = len(first.printed)
     second = bench.drives("second", bench.port + 1000, before=("nice", "-n", "19"))
     if at_once:
-        client.says_until(0.0, lambda: second.printed, 40.0, "the second one has begun")
+        client.states_until(0.0, lambda: second.printed, 40.0, "the second one has begun")
         second.process.send_signal(signal.SIGINT)
-    client.says_until(0.0, lambda: second.process.poll() is not None, 40.0, "its end")
+    client.states_until(0.0, lambda: second.process.poll() is not None, 40.0, "its end")
     for word in ("another master", "axis fault", "axis restarted", "axis not enabled"):
         assert f"holds: {word}" not in first.printed[before:], first.printed
     client.arms()  # who was silent for long

@@ -24,7 +24,7 @@ def test_a_client_drives_is_killed_and_the_robot_stops_then_ctrl_c(bench: Bench)
     client = bench.joins()
     client.arms()
     bench.gets_under_way(client, 0.1)
-    client.says(0.1, 0.3)
+    client.states(0.1, 0.3)
     assert client.x > 0.05
     client.link.close()
     sleep(0.6)
@@ -54,8 +54,8 @@ def test_the_climber_climbs_on_a_bus_too(bench: Bench) -> None:
     client = bench.joins()
     client.arms()
     began = [bench.eye.ask(node, 0x6064) or 0 for node in (1, 2)]
-    client.says(0.04, 4.0, full=0.06)
-    client.says(0.0, 1.0)
+    client.states(0.04, 4.0, full=0.06)
+    client.states(0.0, 1.0)
     rolled = [(bench.eye.ask(node, 0x6064) or 0) - first for node, first in zip((1, 2), began, strict=True)]
     counts_per_m = 2000 * 84 / (2 * 3.141592653589793 * 0.05)
     assert all(0.05 < way / counts_per_m < 0.2 for way in rolled), (rolled, client.texts, bridge.printed)
@@ -88,11 +88,11 @@ def test_a_drive_that_falls_silent_stops_the_robot_and_is_named(bench: Bench) ->
     bench.gets_under_way(client, 0.2)
     assert time.monotonic() - began < 24, "the bench was too slow to get under way"
     while bench.eye.ask(3, 0x1000) is not None:
-        client.says(0.2, 0.2)
-    client.says(0.2, 1.0)
+        client.states(0.2, 0.2)
+    client.states(0.2, 1.0)
     assert any("3" in text and "steering" in text for text in client.texts), (client.texts, emulator.printed)
     at_rest = bench.eye.metres()
-    client.says(0.2, 0.3)
+    client.states(0.2, 0.3)
     assert bench.eye.metres() == pytest.approx(at_rest, abs=0.001)
 
 
@@ -102,6 +102,6 @@ def test_the_kernel_s_broadcast_manager_sends_a_master_s_heartbeat(bench: Bench)
     heartbeat = can.Message(arbitration_id=0x77F, data=[5], is_extended_id=False)
     with can.Bus(interface=SOCKETCAN[0], channel=SOCKETCAN[1]) as listener:
         task = bench.eye.bus.send_periodic(heartbeat, 0.05)
-        heard = [listener.recv(5.0) for _ in range(3)]
+        received = [listener.recv(5.0) for _ in range(3)]
         task.stop()
-    assert [message and message.arbitration_id for message in heard] == [0x77F] * 3
+    assert [message and message.arbitration_id for message in received] == [0x77F] * 3

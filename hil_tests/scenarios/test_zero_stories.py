@@ -40,7 +40,7 @@ def kept_back(one: Ride) -> list[str]:
     return [refusal.reason for refusal in one.rig.guard.refusals if refusal.packet is not None]
 
 
-def told(one: Ride) -> str:
+def reported(one: Ride) -> str:
     return " | ".join(entry.text for entry in one.operator.diary.entries)
 
 
@@ -137,7 +137,7 @@ def test_a_robot_that_starts_with_its_lift_up_is_not_armed_unseen(rides: Ridden,
     one.runs_until(7.0)
     assert {"axis zero lost: steer", "axis zero lost: lift"} <= one.holding
     assert one.fastest() < 0.002
-    assert "look where it stands, and say so" in told(one)
+    assert "look where it stands, and say so" in reported(one)
 
 
 @pytest.mark.long(beside="test_a_stop_in_the_middle_leaves_it_lost_and_the_drive_is_set_up_again")

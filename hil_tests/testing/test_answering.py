@@ -11,9 +11,9 @@ import pytest
 from emulators.arduino_omni.board import FIRMWARES
 from emulators.testing.answering import (
     ARM,
-    ASKED_AGAIN,
     BOOTS,
     QUESTIONS,
+    REQUESTED_AGAIN,
     BoardCall,
     LineCall,
     RollCall,
@@ -23,7 +23,7 @@ from emulators.testing.emulated import Drives
 from emulators.testing.errors import RigError
 from firmware_bridge.wire.maxon.frame import Generation
 
-ASKED: Final = bytes.fromhex("90 02 10 02 00 10 00 02 DF F2")
+REQUESTED: Final = bytes.fromhex("90 02 10 02 00 10 00 02 DF F2")
 """ReadObject 0x1000 of node 2, and its answer: EPOS2 Application Notes Collection, April 2013, p. 11-164."""
 ANSWERED: Final = bytes.fromhex("90 02 00 04 00 00 00 00 92 01 02 00 9A ED")
 TIMED_OUT: Final = bytes.fromhex("90 02 00 04 00 00 04 05 00 00 00 00 32 67")
@@ -36,7 +36,7 @@ class Line(NamedTuple):
     device: int
     port: str
 
-    def heard(self) -> bytes:
+    def received(self) -> bytes:
         try:
             return os.read(self.device, 64)
         except BlockingIOError:
@@ -59,9 +59,9 @@ def test_a_board_is_left_alone_in_its_boot_loader_and_then_requested_until_it_ha
     with BoardCall(line.port, "ros-arduino-bridge") as call:
         os.write(line.device, b"57600 from before the question\r\n")
         assert not any(call.complete() for _ in range(BOOTS))
-        assert line.heard() == b""
+        assert line.received() == b""
         assert not call.complete()
-        assert line.heard() == b"b\r"
+        assert line.received() == b"b\r"
         os.write(line.device, b"57600\r\n")
         assert not call.complete(), "more may follow"
         assert call.complete()
@@ -71,17 +71,17 @@ def test_a_board_is_left_alone_in_its_boot_loader_and_then_requested_until_it_ha
 def test_a_drive_on_a_line_is_requested_again_until_it_answers_without_an_error(line: Line) -> None:
     with LineCall(line.port, "2", Generation.V2) as call:
         assert not call.complete()
-        assert line.heard() == ASKED
+        assert line.received() == REQUESTED
         os.write(line.device, TIMED_OUT)
-        assert not any(call.complete() for _ in range(ASKED_AGAIN - 1))
-        assert line.heard() == b""
+        assert not any(call.complete() for _ in range(REQUESTED_AGAIN - 1))
+        assert line.received() == b""
         assert not call.complete()
-        assert line.heard() == ASKED
+        assert line.received() == REQUESTED
         os.write(line.device, ANSWERED)
         assert call.complete()
 
 
-class Asked:
+class Requested:
     """A port to a bus on which node 2 has answered, and node 3 refuses."""
 
     name = "a bus"
@@ -108,7 +108,7 @@ class Asked:
         os.close(self._writable)
 
 
-class Busy(Asked):
+class Busy(Requested):
     """A bus on which another node never stops to speak."""
 
     def __init__(self) -> None:
@@ -133,7 +133,7 @@ def test_on_a_bus_that_is_never_silent_those_who_are_not_there_are_not_waited_fo
 def test_who_answers_before_anybody_was_started_is_named(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("emulators.testing.answering.open_can", lambda *_: Asked())
+    monkeypatch.setattr("emulators.testing.answering.open_can", lambda *_: Requested())
     with RollCall(Bus("socketcan", "vcan0"), "1-3") as call:
         assert call.answering(within=0.0) == [2]
 

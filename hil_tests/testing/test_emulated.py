@@ -49,7 +49,7 @@ def test_two_tests_at_once_are_on_two_buses_and_one_that_is_given_back_is_taken_
 
 
 @every(
-    ("wrong", "said"),
+    ("wrong", "stated"),
     [
         (lambda _: buses.buses("virtual:x"), "inside one process"),
         (
@@ -68,8 +68,8 @@ def test_two_tests_at_once_are_on_two_buses_and_one_that_is_given_back_is_taken_
     ],
 )
 def test_what_cannot_be_is_stated_in_one_line(
-    tmp_path: Path, wrong: Callable[[Path], object], said: str
+    tmp_path: Path, wrong: Callable[[Path], object], stated: str
 ) -> None:
-    with pytest.raises(RigError, match=said) as error:
+    with pytest.raises(RigError, match=stated) as error:
         wrong(tmp_path)
     assert "\n" not in str(error.value)

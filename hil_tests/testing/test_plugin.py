@@ -32,7 +32,7 @@ STORIES = """
     def test_begins_where_the_first_test_began(rig, recording):
         assert rig.holds == {}
         assert rig.body.speed == pytest.approx(0.0, abs=1e-3)
-        assert rig.operator.told[-1] == "armed"
+        assert rig.operator.texts[-1] == "armed"
         assert rig.now < 3.1
 
     def test_a_fault(rig, fault, recording):

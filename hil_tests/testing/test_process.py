@@ -30,7 +30,7 @@ MASTER = f"""
 
     def test_one_that_hangs(under_test):
         master = under_test([{sys.executable!r}, "-c", {HANGS!r}])
-        master.says("here", within=60)
+        master.prints("here", within=60)
         master.ends(within=0.1)
 """
 
@@ -54,13 +54,13 @@ def python(tmp_path: Path) -> Iterator[Starts]:
 def test_one_that_ends_too_soon_states_what_it_printed(python: Starts) -> None:
     one = python("print('no bus'); raise SystemExit(3)")
     with pytest.raises(AssertionError, match=r"ended with 3, not 'ready' printed; it printed:\nno bus"):
-        one.says("ready", within=60)
+        one.prints("ready", within=60)
     assert one.ends() == 3
 
 
 def test_one_that_hangs_is_ended(python: Starts) -> None:
     one = python(HANGS)
-    one.says("here", within=60)
+    one.prints("here", within=60)
     with pytest.raises(AssertionError, match=r"still runs after 0.1 s; it printed:\nhere"):
         one.ends(within=0.1)
     one.stop()

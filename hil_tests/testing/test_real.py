@@ -59,17 +59,17 @@ class Program:
     """What stands for `firmware-bridge`: it notes its words, and says what drives do."""
 
     def __init__(self, folder: Path) -> None:
-        self.said: list[tuple[str, ...]] = []
+        self.commands: list[tuple[str, ...]] = []
         self.rpm = 0
-        self.deaf: tuple[str, ...] = ()
+        self.not_receiving: tuple[str, ...] = ()
         self._folder = folder
 
     def __call__(self, words: Sequence[str]) -> Process:
-        self.said.append(tuple(words))
-        status = int(words[1:3] == self.deaf or words[1:5] == self.deaf)
+        self.commands.append(tuple(words))
+        status = int(words[1:3] == self.not_receiving or words[1:5] == self.not_receiving)
         answer = json.dumps({"objects": [{"value": self.rpm}]})
-        says = f"print({answer!r}); raise SystemExit({status})"
-        return Process([sys.executable, "-S", "-c", says], self._folder / f"{len(self.said)}.txt")
+        states = f"print({answer!r}); raise SystemExit({status})"
+        return Process([sys.executable, "-S", "-c", states], self._folder / f"{len(self.commands)}.txt")
 
 
 @pytest.fixture
@@ -83,7 +83,7 @@ def test_who_only_reads_leaves_nothing_written(program: Program) -> None:
     assert real("3") == "/dev/ttyUSB0"
     real.finish()
     line = ("--serial", "/dev/ttyUSB0", "--protocol", "v2")
-    assert program.said == [
+    assert program.commands == [
         ("epos2", "state", "--node", "1", *PLACE),
         ("epos2", "state", "--node", "2", *PLACE),
         ("epos2", "state", "--node", "3", *line),
@@ -95,9 +95,9 @@ def test_who_moves_them_leaves_them_at_rest_and_all_are_stopped_before_one_loses
 ) -> None:
     real = RealDrives(program, None, moved=True)
     real("1-2", on=BUS)
-    program.said.clear()
+    program.commands.clear()
     real.finish()
-    assert [words[1:5] for words in program.said] == [
+    assert [words[1:5] for words in program.commands] == [
         ("state", "quick-stop", "--node", "1"),
         ("state", "quick-stop", "--node", "2"),
         ("read", "0x2028", "--json", "--node"),
@@ -112,27 +112,27 @@ def test_one_that_goes_on_turning_keeps_its_power_and_one_that_is_silent_holds_u
 ) -> None:
     real = RealDrives(program, None, moved=True)
     real("1-2", on=BUS)
-    program.said.clear()
-    program.rpm, program.deaf = -6, ("state", "quick-stop", "--node", "1")
+    program.commands.clear()
+    program.rpm, program.not_receiving = -6, ("state", "quick-stop", "--node", "1")
     with pytest.raises(AssertionError, match="ended with 1"):
         real.finish()
-    assert ("state", "quick-stop", "--node", "2") in [words[1:5] for words in program.said]
-    assert sum(words[1] == "read" for words in program.said) == 2 * LOOKS
-    assert not any("disable" in words for words in program.said)
+    assert ("state", "quick-stop", "--node", "2") in [words[1:5] for words in program.commands]
+    assert sum(words[1] == "read" for words in program.commands) == 2 * LOOKS
+    assert not any("disable" in words for words in program.commands)
 
 
 def test_what_no_one_can_do_to_them_is_left_out(program: Program) -> None:
     real = RealDrives(program, None, moved=True)
-    for wrong, said in (
+    for wrong, commands in (
         (lambda: real("1", "--load", "2e-5,0.001"), "take no --load"),
         (lambda: real("1"), "needs a line to real drives"),
         (lambda: real.lose_power("1"), "nobody here can take the power"),
     ):
-        with pytest.raises(SkipTest, match=said):
+        with pytest.raises(SkipTest, match=commands):
             wrong()
     with pytest.raises(RigError, match="--serial-line /dev/ttyUSB0: say PROTOCOL:DEVICE"):
         RealDrives(program, "/dev/ttyUSB0", moved=True)
-    assert program.said == []
+    assert program.commands == []
 
 
 @pytest.fixture
@@ -140,7 +140,7 @@ def line(tmp_path: Path) -> Iterator[str]:
     port = tmp_path / "real.tty"
     words = ("emulate", "epos2", "--node", "1-2", "--serial", "pty", "--serial-link", str(port))
     process = Process((*PROGRAM, *words), tmp_path / "emulated.txt")
-    process.says("Ctrl-C ends it", within=60)
+    process.prints("Ctrl-C ends it", within=60)
     yield f"v1:{port}"
     process.stop()
 

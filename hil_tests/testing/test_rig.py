@@ -29,7 +29,7 @@ def traces(rig: VirtualRig) -> tuple[object, ...]:
         rig.bench.world.trace_sha256,
         rig.recording.chunks,
         rig.held,
-        rig.operator.told,
+        rig.operator.texts,
         rig.bench.samples.csv(),
     )
 
@@ -86,7 +86,7 @@ def test_the_operator_falls_silent_and_comes_back(rig: VirtualRig) -> None:
 
 
 @every(
-    ("wrong", "said"),
+    ("wrong", "stated"),
     [
         (lambda rig: rig.body.wings, "rome has no 'wings'; it has x_m, y_m"),
         (lambda rig: rig.operator.drives(forwards=1), "forwards"),
@@ -97,8 +97,8 @@ def test_the_operator_falls_silent_and_comes_back(rig: VirtualRig) -> None:
         (lambda rig: rig.fault("node_silent", node="x"), "cannot have the fault 'node_silent': .*rome"),
     ],
 )
-def test_what_cannot_be_is_stated_in_one_line(rig: VirtualRig, wrong: object, said: str) -> None:
+def test_what_cannot_be_is_stated_in_one_line(rig: VirtualRig, wrong: object, stated: str) -> None:
     assert callable(wrong)
-    with pytest.raises(RigError, match=said) as error:
+    with pytest.raises(RigError, match=stated) as error:
         wrong(rig)
     assert "\n" not in str(error.value)

@@ -22,13 +22,13 @@ def golden(exchange: Exchange, generation: Generation) -> tuple[bytes, bytes]:
 
 def dialogue(exchange: Exchange, generation: Generation) -> list[tuple[str, bytes]]:
     """Write down who says what: H the host, D the device."""
-    asked, answered = golden(exchange, generation)
+    requested, answered = golden(exchange, generation)
     if generation is Generation.V2:
-        return [("H", asked), ("D", answered)]
-    said = [("H", asked[:1]), ("D", b"O"), ("H", asked[1:]), ("D", b"O")]
+        return [("H", requested), ("D", answered)]
+    stated = [("H", requested[:1]), ("D", b"O"), ("H", requested[1:]), ("D", b"O")]
     if answered:
-        said += [("D", answered[:1]), ("H", b"O"), ("D", answered[1:]), ("H", b"O")]
-    return said
+        stated += [("D", answered[:1]), ("H", b"O"), ("D", answered[1:]), ("H", b"O")]
+    return stated
 
 
 CASES = [

@@ -17,6 +17,6 @@ def device(generation: Generation = Generation.V1) -> DeviceEnd:
 
 
 READ = Frame(0x10, bytes.fromhex("41600001"))
-ASKED_V1 = bytes.fromhex("1001 41600001 ABF0")
-ASKED_V2 = bytes.fromhex("9002 1002 41600001 64CF")
-ASKED = {Generation.V1: ASKED_V1, Generation.V2: ASKED_V2}
+REQUESTED_V1 = bytes.fromhex("1001 41600001 ABF0")
+REQUESTED_V2 = bytes.fromhex("9002 1002 41600001 64CF")
+REQUESTED = {Generation.V1: REQUESTED_V1, Generation.V2: REQUESTED_V2}

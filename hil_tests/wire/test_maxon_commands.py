@@ -48,11 +48,11 @@ TABLE: tuple[tuple[int, Request, str, Answer, str], ...] = (
 """Opcode, request, its data, answer, its data."""
 
 
-@pytest.mark.parametrize(("opcode", "request_", "asked", "answer", "answered"), TABLE)
+@pytest.mark.parametrize(("opcode", "request_", "requested", "answer", "answered"), TABLE)
 def test_each_command_both_ways(
-    opcode: int, request_: Request, asked: str, answer: Answer, answered: str
+    opcode: int, request_: Request, requested: str, answer: Answer, answered: str
 ) -> None:
-    frame = Frame(opcode, bytes.fromhex(asked))
+    frame = Frame(opcode, bytes.fromhex(requested))
     assert encode_request(request_) == frame
     assert decode_request(frame) == request_
     assert encode_answer(request_, answer) == bytes.fromhex(answered)
@@ -74,29 +74,29 @@ def test_only_what_is_known_by_name_has_no_layout() -> None:
     assert nameless == [row.opcode for row in ROWS if row.provenance is Provenance.ASSUMED] == [0x16, 0x22]
 
 
-@pytest.mark.parametrize(("opcode", "request_", "asked", "answer", "answered"), TABLE)
+@pytest.mark.parametrize(("opcode", "request_", "requested", "answer", "answered"), TABLE)
 def test_a_refusal_has_the_whole_layout_of_the_answer(
-    opcode: int, request_: Request, asked: str, answer: Answer, answered: str
+    opcode: int, request_: Request, requested: str, answer: Answer, answered: str
 ) -> None:
     body = encode_refusal(opcode, 0x0602_0000)
     assert body[:4] == bytes.fromhex("00000206")
     assert not any(body[4:])
-    told = decode_answer(request_, body)
-    assert type(told) is type(answer)
-    assert told is not None
-    assert told.error == 0x0602_0000
+    reported = decode_answer(request_, body)
+    assert type(reported) is type(answer)
+    assert reported is not None
+    assert reported.error == 0x0602_0000
     if opcode != 0x14:  # whose length is that of the data
         assert len(body) == len(bytes.fromhex(answered))
-    del asked
+    del requested
 
 
-@pytest.mark.parametrize(("opcode", "request_", "asked", "answer", "answered"), TABLE)
+@pytest.mark.parametrize(("opcode", "request_", "requested", "answer", "answered"), TABLE)
 def test_what_is_too_short_is_nothing_and_what_is_too_long_is_cut(
-    opcode: int, request_: Request, asked: str, answer: Answer, answered: str
+    opcode: int, request_: Request, requested: str, answer: Answer, answered: str
 ) -> None:
     if opcode != 0x15:  # a segment may be empty, but not without its control byte
-        assert decode_request(Frame(opcode, bytes.fromhex(asked)[:-2])) is None
-        assert decode_request(Frame(opcode, bytes.fromhex(asked) + b"xy")) == request_
+        assert decode_request(Frame(opcode, bytes.fromhex(requested)[:-2])) is None
+        assert decode_request(Frame(opcode, bytes.fromhex(requested) + b"xy")) == request_
     assert decode_answer(request_, bytes.fromhex(answered)[:2]) is None
     # An error code alone is what a line says to any frame that it does not take.
     assert decode_answer(request_, bytes.fromhex("04000405")) == Done(0x0504_0004)
@@ -139,10 +139,10 @@ def read_v2(raw: bytes) -> list[Frame | Damaged]:
 @pytest.mark.parametrize("exchange", [each for each in EXCHANGES if each.v1], ids=str)
 def test_golden_frames_v1(exchange: Exchange) -> None:
     assert exchange.v1 is not None
-    asked, answered = map(bytes.fromhex, exchange.v1)
+    requested, answered = map(bytes.fromhex, exchange.v1)
     frame = encode_request(exchange.request)
-    assert encode_v1(frame) == asked
-    assert read_v1(asked) == frame
+    assert encode_v1(frame) == requested
+    assert read_v1(requested) == frame
     if Generation.V1 not in row_of(exchange.request).answered:
         assert answered == b""
         return
@@ -155,12 +155,12 @@ def test_golden_frames_v1(exchange: Exchange) -> None:
 @pytest.mark.parametrize("exchange", [each for each in EXCHANGES if each.v2], ids=str)
 def test_golden_frames_v2(exchange: Exchange) -> None:
     assert exchange.v2 is not None
-    asked, answered = map(bytes.fromhex, exchange.v2)
+    requested, answered = map(bytes.fromhex, exchange.v2)
     frame = encode_request(exchange.request)
     reply = Frame(ANSWER, encode_answer(exchange.request, exchange.answer))
-    assert encode_v2(frame) == asked
+    assert encode_v2(frame) == requested
     assert encode_v2(reply) == answered
-    assert read_v2(asked + answered) == [frame, reply]
+    assert read_v2(requested + answered) == [frame, reply]
     assert decode_request(frame) == exchange.request
     assert decode_answer(exchange.request, reply.body) == exchange.answer
 

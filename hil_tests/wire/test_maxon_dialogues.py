@@ -16,7 +16,7 @@ def serve(
     end: DeviceEnd, exchange: Exchange, generation: Generation, chunk: bytes, now: Nanoseconds
 ) -> bytes:
     """Give the device bytes and answer what comes out; return what it says."""
-    frame = end.hear(chunk, now)
+    frame = end.receive(chunk, now)
     while frame is not None:
         assert frame == encode_request(exchange.request)
         silent = generation not in row_of(exchange.request).answered
@@ -29,12 +29,12 @@ def serve(
 def test_the_device_states_its_part(exchange: Exchange, generation: Generation, cut: Cut) -> None:
     end = device(generation)
     for _ in range(2):  # the second time shows that the first has left nothing behind
-        said = dialogue(exchange, generation)
-        while said:
-            asked = b"".join(raw for who, raw in _turn(said, "H"))
-            expected = b"".join(raw for who, raw in _turn(said, "D"))
-            heard = b"".join(serve(end, exchange, generation, chunk, 0) for chunk in cut(asked))
-            assert heard == expected
+        stated = dialogue(exchange, generation)
+        while stated:
+            requested = b"".join(raw for who, raw in _turn(stated, "H"))
+            expected = b"".join(raw for who, raw in _turn(stated, "D"))
+            received = b"".join(serve(end, exchange, generation, chunk, 0) for chunk in cut(requested))
+            assert received == expected
         assert end.due == NEVER
 
 
@@ -45,12 +45,12 @@ def test_the_host_states_its_part(exchange: Exchange, generation: Generation, cu
     answered = generation in row_of(exchange.request).answered
     for _ in range(2):
         end.ask(encode_request(exchange.request), 0, answered=answered)
-        said, outcome = dialogue(exchange, generation), None
-        while said:
-            assert end.taken() == b"".join(raw for _, raw in _turn(said, "H"))
-            for chunk in cut(b"".join(raw for _, raw in _turn(said, "D"))):
+        stated, outcome = dialogue(exchange, generation), None
+        while stated:
+            assert end.taken() == b"".join(raw for _, raw in _turn(stated, "H"))
+            for chunk in cut(b"".join(raw for _, raw in _turn(stated, "D"))):
                 assert outcome is None
-                outcome = end.hear(chunk, 0)
+                outcome = end.receive(chunk, 0)
         assert end.taken() == b""
         body = encode_answer(exchange.request, exchange.answer) if answered else b""
         assert outcome == Answered(body)
@@ -58,10 +58,10 @@ def test_the_host_states_its_part(exchange: Exchange, generation: Generation, cu
         assert (end.due, end.ready_at) == (NEVER, 0)
 
 
-def _turn(said: list[tuple[str, bytes]], who: str) -> list[tuple[str, bytes]]:
+def _turn(stated: list[tuple[str, bytes]], who: str) -> list[tuple[str, bytes]]:
     turn = []
-    while said and said[0][0] == who:
-        turn.append(said.pop(0))
+    while stated and stated[0][0] == who:
+        turn.append(stated.pop(0))
     return turn
 
 
@@ -79,18 +79,18 @@ def test_garbage_before_and_between_commands(exchange: Exchange, generation: Gen
     end, now = device(generation), 0
     for _ in range(3):
         for chunk in cut(GARBAGE[generation]):
-            said = serve(end, exchange, generation, chunk, now)
-            assert said in {b"", b"F" * len(chunk)}
+            stated = serve(end, exchange, generation, chunk, now)
+            assert stated in {b"", b"F" * len(chunk)}
         now += TIMEOUT
         end.wake(now)
         for chunk in cut(golden(exchange, generation)[0]):
-            said = serve(end, exchange, generation, chunk, now)
-        assert said[:1] == (b"O" if generation is Generation.V1 else said[:1])
-        assert said
+            stated = serve(end, exchange, generation, chunk, now)
+        assert stated[:1] == (b"O" if generation is Generation.V1 else stated[:1])
+        assert stated
         answered = generation in row_of(exchange.request).answered
         if generation is Generation.V1 and answered:
-            said = serve(end, exchange, generation, b"O", now)
-            assert said == golden(exchange, generation)[1][1:]
+            stated = serve(end, exchange, generation, b"O", now)
+            assert stated == golden(exchange, generation)[1][1:]
             assert serve(end, exchange, generation, b"O", now) == b""
 
 
@@ -100,15 +100,15 @@ def join(
     """Carry bytes between the two ends until nobody says anything."""
     outcome = None
     for _ in range(1000):
-        asked = host.taken()
-        frame = drive.hear(asked, 0) if asked else None
+        requested = host.taken()
+        frame = drive.receive(requested, 0) if requested else None
         if frame is not None:
             drive.answer(body, 0)
-        said = spoil(drive.taken())
-        if not asked and not said:
+        stated = spoil(drive.taken())
+        if not requested and not stated:
             return outcome
-        if said:
-            outcome = host.hear(said, 0) or outcome
+        if stated:
+            outcome = host.receive(stated, 0) or outcome
     raise AssertionError("they never stop")
 
 

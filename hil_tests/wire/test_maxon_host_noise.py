@@ -24,7 +24,7 @@ def test_the_host_states_its_part_through_noise(exchange: Exchange, generation: 
     answered = generation in row_of(exchange.request).answered
     for _ in range(2):
         for chunk in cut(NOISE[generation]):
-            assert host.hear(chunk, 0) is None, "nobody has asked"
+            assert host.receive(chunk, 0) is None, "nobody has asked"
         host.ask(encode_request(exchange.request), 0, answered=answered)
         outcome, in_frame = None, False
         for who, turn in groupby(dialogue(exchange, generation), key=lambda part: part[0]):
@@ -37,6 +37,6 @@ def test_the_host_states_its_part_through_noise(exchange: Exchange, generation: 
                 noisy = raw if in_frame else NOISE[generation] + raw
                 for chunk in cut(noisy):
                     assert outcome is None
-                    outcome = host.hear(chunk, 0)
+                    outcome = host.receive(chunk, 0)
         assert outcome == Answered(encode_answer(exchange.request, exchange.answer) if answered else b"")
         assert not host.busy

@@ -39,9 +39,9 @@ def test_on_rs232_a_reset_has_no_end_acknowledge(
     for command in commands:
         drive, frame = device(Generation.V1), nmt(command, node)
         raw = encode_v1(frame)
-        assert drive.hear(raw[:1], 0) is None
+        assert drive.receive(raw[:1], 0) is None
         assert drive.taken() == b"O"
-        assert drive.hear(raw[1:], 0) == frame
+        assert drive.receive(raw[1:], 0) == frame
         assert drive.taken() == end
         assert drive.answer(None, 0) is None
         assert (drive.taken(), drive.due, drive.idle) == (b"", NEVER, True)
@@ -49,16 +49,16 @@ def test_on_rs232_a_reset_has_no_end_acknowledge(
 
 def test_a_damaged_reset_is_refused_on_rs232() -> None:
     drive, raw = device(Generation.V1), encode_v1(nmt(NmtCommand.RESET_NODE))
-    assert drive.hear(raw[:-1] + bytes((raw[-1] ^ 1,)), 0) is None
+    assert drive.receive(raw[:-1] + bytes((raw[-1] ^ 1,)), 0) is None
     assert drive.taken() == b"OF"
 
 
-def asked(generation: Generation, command: int) -> tuple[Outcome | None, int]:
+def requested(generation: Generation, command: int) -> tuple[Outcome | None, int]:
     """Ask a host for a command that nobody ends; return the outcome, and when it came."""
     host = host_end(generation, TIMEOUT)
     host.ask(nmt(command), 0, answered=generation is Generation.V2)
     if generation is Generation.V1:
-        assert host.hear(b"O", 0) is None
+        assert host.receive(b"O", 0) is None
     due = host.due
     assert host.wake(due - 1) is None
     return host.wake(due), due
@@ -66,8 +66,8 @@ def asked(generation: Generation, command: int) -> tuple[Outcome | None, int]:
 
 @pytest.mark.parametrize("generation", Generation)
 def test_the_host_takes_silence_for_success_of_a_reset_alone(generation: Generation) -> None:
-    assert [asked(generation, command) for command in RESETS] == [(Answered(b""), RESETS_WITHIN)] * 2
-    assert {asked(generation, command) for command in OTHERS} == {(Failure.SILENCE, TIMEOUT)}
+    assert [requested(generation, command) for command in RESETS] == [(Answered(b""), RESETS_WITHIN)] * 2
+    assert {requested(generation, command) for command in OTHERS} == {(Failure.SILENCE, TIMEOUT)}
 
 
 @pytest.mark.parametrize("generation", Generation)
@@ -75,7 +75,7 @@ def test_a_device_that_ends_a_reset_all_the_same_is_understood(generation: Gener
     host, body = host_end(generation, TIMEOUT), encode_answer(SendNmtService(1, 129), Done(0))
     host.ask(nmt(NmtCommand.RESET_NODE), 0, answered=generation is Generation.V2)
     end = b"OO" if generation is Generation.V1 else encode_v2(Frame(0, body))
-    assert host.hear(end, MILLISECOND) == Answered(b"" if generation is Generation.V1 else body)
+    assert host.receive(end, MILLISECOND) == Answered(b"" if generation is Generation.V1 else body)
     assert (host.busy, host.ready_at, host.due) == (False, MILLISECOND, NEVER)
 
 
@@ -85,4 +85,4 @@ def test_a_reset_that_no_one_begins_to_take_has_failed() -> None:
     assert host.wake(host.due) is Failure.SILENCE
     host = host_end(Generation.V1, TIMEOUT)
     host.ask(nmt(NmtCommand.RESET_NODE), 0, answered=False)
-    assert host.hear(b"OF", 0) is Failure.DAMAGED
+    assert host.receive(b"OF", 0) is Failure.DAMAGED

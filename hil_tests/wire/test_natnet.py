@@ -72,8 +72,8 @@ def test_a_glance_sees_what_the_whole_frame_reports(
     whole = SEEN._replace(bodies=seen, other_markers=others, params=2, precise=(0, 0))
     payload = frames.encoded(whole, version)
     found, frame = glance(payload, version), frames.decoded(payload, version)
-    told = (found.timestamp_s, found.exposed, found.sent, found.params)
-    assert told == (frame.timestamp_s, frame.exposed, frame.sent, frame.params)
+    reported = (found.timestamp_s, found.exposed, found.sent, found.params)
+    assert reported == (frame.timestamp_s, frame.exposed, frame.sent, frame.params)
     assert [found.body(number) for number in (1, 7, 8)] == [
         {body.id: body for body in frame.bodies}.get(number) for number in (1, 7, 8)
     ]
@@ -250,7 +250,7 @@ def test_a_damaged_frame_is_read_or_refused(data: st.DataObject) -> None:
 
 
 @pytest.mark.parametrize(
-    ("payload", "said"),
+    ("payload", "stated"),
     [
         ("ffffffff", "marker_sets"),
         ("b0040000 ffffffff", "-1 of them do not fit"),
@@ -258,8 +258,8 @@ def test_a_damaged_frame_is_read_or_refused(data: st.DataObject) -> None:
         ("b0040000 01000000 616263", "name at byte 8 has no end"),
     ],
 )
-def test_a_refusal_states_where(payload: str, said: str) -> None:
-    with pytest.raises(NatNetError, match=said):
+def test_a_refusal_states_where(payload: str, stated: str) -> None:
+    with pytest.raises(NatNetError, match=stated):
         frames.decoded(bytes.fromhex(payload), Version(3, 1))
 
 

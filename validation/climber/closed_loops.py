@@ -94,10 +94,12 @@ def _driven(name: str, loop: str) -> _Driven:
         samples = rig.samples
         begin = next(step.at_s for step in mission.step if step.guide)
         path = path_error(samples, [Followed(begin, PATHS[loop](robot))], 0.0)
-        told = {key: figure(samples) for key, figure in rehearsal.figures.items()}
+        numbers = {key: figure(samples) for key, figure in rehearsal.figures.items()}
     finally:
         rig.finish()
-    return _Driven(name, loop, samples, path, 1e3 * (told["closure_m"] or 0.0), told["max_joint_deg"] or 0.0)
+    return _Driven(
+        name, loop, samples, path, 1e3 * (numbers["closure_m"] or 0.0), numbers["max_joint_deg"] or 0.0
+    )
 
 
 def _compared(run: _Driven) -> tuple[Compared, ...]:

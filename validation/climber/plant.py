@@ -54,15 +54,15 @@ class Way:
     @classmethod
     def of(cls, rows: list[Mapping[str, float]], tank: float) -> Self:
         """Make it from readings by name; arcs may be told within half a turn of the tank."""
-        told = {name: np.array([row[name] for row in rows]) for name in NAMES}
-        turns = {side: tank * np.unwrap(told[f"arc_{side}"] / tank) for side in ("left", "right")}
-        psi = {side: np.unwrap(told[f"psi_{side}"]) for side in ("left", "right")}
+        table = {name: np.array([row[name] for row in rows]) for name in NAMES}
+        turns = {side: tank * np.unwrap(table[f"arc_{side}"] / tank) for side in ("left", "right")}
+        psi = {side: np.unwrap(table[f"psi_{side}"]) for side in ("left", "right")}
         return cls(
             (turns["left"] + turns["right"]) / 2.0,
-            (told["height_left"] + told["height_right"]) / 2.0,
+            (table["height_left"] + table["height_right"]) / 2.0,
             (psi["left"] + psi["right"]) / 2.0 - UP,
-            told["joint"],
-            (turns["right"] - turns["left"], told["height_right"] - told["height_left"]),
+            table["joint"],
+            (turns["right"] - turns["left"], table["height_right"] - table["height_left"]),
         )
 
     def aside(self) -> Floats:

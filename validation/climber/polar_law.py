@@ -132,9 +132,9 @@ def _pushed(robot: Robot[Geometry], seconds: float) -> tuple[Floats, Floats]:
         facts = Facts(now, True, False, now, True, axes, {}, {})  # noqa: FBT003 - in the order of its fields
         pose = Pose(ahead, left, heading)
         seen: Snapshot[Motion, State] = Snapshot(
-            facts=facts, wish=kind.rest, demanded=demanded, body=body, pose=pose
+            facts=facts, command=kind.rest, demanded=demanded, body=body, pose=pose
         )
-        demanded = guide.wished(seen, CYCLE)
+        demanded = guide.command(seen, CYCLE)
         step = to_seconds(CYCLE)
         middle = heading + 0.5 * demanded.turn_rad_s * step
         ahead += demanded.speed_mps * math.cos(middle) * step

@@ -39,7 +39,7 @@ Tests = Mapping[int, Sequence[str]]
 
 def cells(row: Emergency, tests: Tests) -> tuple[str, ...]:
     """Return the texts of one line, as `HEADINGS` names them."""
-    told_only = row.reaction is FaultReaction.NONE
+    reported_only = row.reaction is FaultReaction.NONE
     powered = _ENABLED[row.reaction]
     if row.code == CONNECTION:
         powered = "as 0x6007 says, by default ramp with 0x6085; power off, Fault"
@@ -47,9 +47,9 @@ def cells(row: Emergency, tests: Tests) -> tuple[str, ...]:
         f"0x{row.code:04X}",
         row.cause,
         f"0x{row.register:02X}",
-        "told only" if told_only else "Fault",
+        "told only" if reported_only else "Fault",
         powered,
-        "none needed" if told_only else _RECOVERY[row.recovery],
+        "none needed" if reported_only else _RECOVERY[row.recovery],
         row.provenance.value,
         ", ".join(tests.get(row.code, ())) or UNTESTED,
     )

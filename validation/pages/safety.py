@@ -6,9 +6,9 @@ from typing import Final, TypeAlias
 
 import firmware_bridge
 from firmware_bridge import kinds
-from firmware_bridge.drivers.driver import Tells
+from firmware_bridge.drivers.driver import Reports
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.drivers.fleets import STOP_STEPS, tells_of
+from firmware_bridge.drivers.fleets import STOP_STEPS, reports_of
 from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.drivers.stop_steps import StopStep, sums, way
 from firmware_bridge.kind import AnyKind
@@ -83,11 +83,11 @@ def limits(kind: AnyKind, robot: AnyRobot) -> Iterator[Cells]:
 
 def axis_rows() -> Iterator[Cells]:
     """Yield what is judged of each axis, every weaker row behind the first one that it stands in for."""
-    told: set[AxisInterlock] = set()
+    named: set[AxisInterlock] = set()
     for row in (*AXIS_ROWS, LEFT_OUT_ROW):
         standing: AxisInterlock | None = row
-        while standing is not None and standing not in told:
-            told.add(standing)
+        while standing is not None and standing not in named:
+            named.add(standing)
             needs = ", ".join(sorted(one.value for one in standing.needs)) or "-"
             weaker = "-" if not standing.needs else _instead(standing)
             takes_power = _yes(standing.takes_power)
@@ -209,9 +209,9 @@ def spoken(robot: AnyRobot, name: str) -> str:
 
 def _fitting(robot: AnyRobot, axis: Axis) -> Iterator[str]:
     for row in AXIS_ROWS:
-        if Tells.ZERO in row.needs and not axis.zero_confirmed:
+        if Reports.ZERO in row.needs and not axis.zero_confirmed:
             continue
-        fitting = row.fitting(tells_of(robot, axis))
+        fitting = row.fitting(reports_of(robot, axis))
         yield "none: refused" if fitting is None else fitting.name
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Final
 
-from firmware_bridge.bridge.bridge import ASKED_AGAIN_WITHIN
+from firmware_bridge.bridge.bridge import SECOND_REQUEST_WITHIN
 from firmware_bridge.bridge.letting_go import LOOKS_FOR, WATCHED_FOR
 from firmware_bridge.bridge.permission import BRAKED_WITHIN
 from firmware_bridge.bridge.stops import RAMPED_WITHIN
@@ -125,7 +125,7 @@ def power_text(robot: AnyRobot) -> str:
         looks=LOOKS_FOR // MILLISECOND,
         watched=WATCHED_FOR // SECOND,
         braked=BRAKED_WITHIN // SECOND,
-        again=ASKED_AGAIN_WITHIN // SECOND,
+        again=SECOND_REQUEST_WITHIN // SECOND,
         dead=dead_text(robot),
     )
     arms = [STEPPER_POWER_TEXT.format(move_ms=link.move_ms) for link in robot.ar2_links.values()]
@@ -159,8 +159,8 @@ def dead_text(robot: AnyRobot) -> str:
     for name, link in robot.links.items():
         if isinstance(link, ShieldLink):
             lines += [f"  * `{name}`, {_spoken(protocol)}" for protocol in _protocols(robot, name)]
-        elif says := alone(robot, name):
-            lines.append(f"  * `{name}`: {says}.")
+        elif states := alone(robot, name):
+            lines.append(f"  * `{name}`: {states}.")
     return "\n".join(lines)
 
 
@@ -183,5 +183,5 @@ def _over(robot: AnyRobot, name: str, protocol: ShieldProtocol) -> str:
 
 
 def _spoken(row: tuple[str, str]) -> str:
-    protocol, says = row
-    return f"{protocol}: {says or '**nothing: the motors run on as commanded**'}."
+    protocol, states = row
+    return f"{protocol}: {states or '**nothing: the motors run on as commanded**'}."

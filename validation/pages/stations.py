@@ -83,10 +83,10 @@ def _buttons(station: AnyStation) -> Iterator[tuple[int, str]]:
 def streams() -> Iterator[Cells]:
     """Yield what is told and how often, of the first robot that is shipped."""
     usual, slow = streams_of(_robot(None), _station()), streams_of(_robot(RADIO_BIT_S), _station())
-    narrow = {(row.number, row.tells): row.period for row in slow}
+    narrow = {(row.number, row.title): row.period for row in slow}
     for row in usual:
         name = dialect.mavlink_map[row.number].msgname
-        yield (name, _each(row.period), _each(narrow[row.number, row.tells]), row.tells)
+        yield (name, _each(row.period), _each(narrow[row.number, row.title]), row.title)
 
 
 def loads() -> tuple[float, float]:
@@ -122,7 +122,7 @@ def _talker() -> tuple[AnyKind, AnyRobot]:
 
 def _robot(bandwidth_bit_s: int | None) -> AnyRobot:
     _, robot = _talker()
-    return robot.told_by(bandwidth_bit_s)
+    return robot.discriminated_by(bandwidth_bit_s)
 
 
 def _station() -> AnyStation:

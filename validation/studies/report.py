@@ -41,11 +41,11 @@ def page(made: Sequence[tuple[Study, Findings]]) -> str:
     """Return one page of HTML that needs no other file."""
     contents = "".join(f'<li><a href="#{one.name}">{html.escape(one.title)}</a></li>' for one, _ in made)
     body = "".join(part for study, findings in made for part in _section(study, findings))
-    said = (
+    stated = (
         "Each says what its source has printed, what an independent way gives, what ours gives, and why they "
         "differ. A bound is how far ours may be from the independent value."
     )
-    return document("Studies", f"<h1>Studies</h1><p>{said}</p><ol>{contents}</ol>{body}")
+    return document("Studies", f"<h1>Studies</h1><p>{stated}</p><ol>{contents}</ol>{body}")
 
 
 def _section(study: Study, findings: Findings) -> Iterator[str]:

@@ -31,11 +31,11 @@ class Joints(Shafts):
         self,
         load: Weight = weight,
         places: Sequence[int] | None = None,
-        told: Callable[[int, int, Nanoseconds], None] | None = None,
+        on_count: Callable[[int, int, Nanoseconds], None] | None = None,
     ) -> None:
         """Stand at `places`, in steps from the least, or at rest; `load` in N m by angles in degrees.
 
-        `told` hears of each pulse: which axis, 1 for ahead or -1, and when.
+        `on_count` hears of each pulse: which axis, 1 for ahead or -1, and when.
         """
         super().__init__(())
         self.places: Final = [axis.rest for axis in AXES] if places is None else list(places)
@@ -49,7 +49,7 @@ class Joints(Shafts):
         self.powered = True
         """Whether the drivers have their current."""
         self._load: Final = load
-        self._told: Final = told
+        self._on_count: Final = on_count
         self._pulsed_at: Final = [deque([-SECOND], FIELD) for _ in AXES]
 
     @property
@@ -75,8 +75,8 @@ class Joints(Shafts):
         speed = len(pulsed_at) * SECOND / HALF_STEPS / max(at - pulsed_at[0], 1)
         pulsed_at.append(at)
         self.pulses[axis] += 1
-        if self._told is not None:
-            self._told(axis, ahead, at)
+        if self._on_count is not None:
+            self._on_count(axis, ahead, at)
         place = self.places[axis] + ahead
         if self._moves(axis, ahead, speed) and -OVERDRIVE <= place <= row.steps + OVERDRIVE:
             self.places[axis] = place

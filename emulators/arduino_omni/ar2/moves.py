@@ -45,7 +45,7 @@ class Move(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class MoveRequest:
     """What a line asks for: a direction's digit and steps for each axis, and percentages."""
 
     steps: tuple[int, ...]
@@ -75,17 +75,17 @@ def pulse_us(multiplier: float, speed: float) -> int:
 class Pace:
     """How long MJ waits in each turn: faster, steady, slower; it slows down from the steady pace by `+=`."""
 
-    def __init__(self, asked: Asked, multiplier: float) -> None:
-        self._active: Final = len(asked.moving)
-        high = float(max(asked.steps, default=0))
-        share = single(asked.speed / HUNDRED)
-        self._steady: Final = pulse_us(multiplier, asked.speed)
+    def __init__(self, requested: MoveRequest, multiplier: float) -> None:
+        self._active: Final = len(requested.moving)
+        high = float(max(requested.steps, default=0))
+        share = single(requested.speed / HUNDRED)
+        self._steady: Final = pulse_us(multiplier, requested.speed)
         begin, end = (
             divided(single(multiplier + divided(multiplier, single(percent / HUNDRED))), share)
-            for percent in (asked.acceleration[1], asked.deceleration[1])
+            for percent in (requested.acceleration[1], requested.deceleration[1])
         )
-        self._until: Final = single(high * single(asked.acceleration[0] / HUNDRED))
-        self._from: Final = single(high - single(high * single(asked.deceleration[0] / HUNDRED)))
+        self._until: Final = single(high * single(requested.acceleration[0] / HUNDRED))
+        self._from: Final = single(high - single(high * single(requested.deceleration[0] / HUNDRED)))
         self._faster: Final = divided(single(self._steady - begin), self._until)
         self._slower: Final = divided(single(self._steady + end), self._from)
         self._begin = begin
@@ -151,10 +151,10 @@ class Thinned:
 class JointMove:
     """MJ: all axes in the turns of the longest, each pulse by itself."""
 
-    def __init__(self, asked: Asked, multiplier: float) -> None:
-        high = max(asked.steps)
-        self._pace: Final = Pace(asked, multiplier)
-        self._axes: Final = tuple((axis, Thinned(asked.steps[axis], high)) for axis in asked.moving)
+    def __init__(self, requested: MoveRequest, multiplier: float) -> None:
+        high = max(requested.steps)
+        self._pace: Final = Pace(requested, multiplier)
+        self._axes: Final = tuple((axis, Thinned(requested.steps[axis], high)) for axis in requested.moving)
 
     def turn(self, reached: Sequence[bool]) -> Beats:
         """Return the next turn: the axes that are due, one after the other."""
@@ -169,10 +169,10 @@ class JointMove:
 class SwitchMove:
     """LL: each joint to its switch or to the end of its steps, then all of them somewhat further."""
 
-    def __init__(self, asked: Asked, multiplier: float) -> None:
-        self.commanded: Final = tuple(axis for axis in asked.moving if axis < len(JOINTS))
-        self._delay: Final = waited(pulse_us(single(WAYPOINT_MULTIPLE * multiplier), asked.speed))
-        self._left: Final = list(asked.steps)
+    def __init__(self, requested: MoveRequest, multiplier: float) -> None:
+        self.commanded: Final = tuple(axis for axis in requested.moving if axis < len(JOINTS))
+        self._delay: Final = waited(pulse_us(single(WAYPOINT_MULTIPLE * multiplier), requested.speed))
+        self._left: Final = list(requested.steps)
         self._overdrive = OVERDRIVE
         self._searching = True
         self._settled = False
@@ -206,11 +206,11 @@ class SwitchMove:
 class WaypointMove:
     """ML: one point; every joint a pulse in each turn until its steps are done."""
 
-    def __init__(self, asked: Asked, multiplier: float) -> None:
-        width = pulse_us(single(WAYPOINT_MULTIPLE * multiplier), asked.speed)
+    def __init__(self, requested: MoveRequest, multiplier: float) -> None:
+        width = pulse_us(single(WAYPOINT_MULTIPLE * multiplier), requested.speed)
         self._delay: Final = waited(quotient(width, WAYPOINT_PARTS))
-        self._left: Final = list(asked.steps[: len(JOINTS)])
-        self._never_ends: Final = asked.steps[len(AXES) - 1] > 0
+        self._left: Final = list(requested.steps[: len(JOINTS)])
+        self._never_ends: Final = requested.steps[len(AXES) - 1] > 0
 
     def turn(self, reached: Sequence[bool]) -> Beats:
         """Return the next turn."""

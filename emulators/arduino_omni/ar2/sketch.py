@@ -18,10 +18,10 @@ from emulators.arduino_omni.ar2.axes import AXES, JOINTS
 from emulators.arduino_omni.ar2.firmwares import Firmware
 from emulators.arduino_omni.ar2.joints import Joints
 from emulators.arduino_omni.ar2.moves import (
-    Asked,
     Beat,
     JointMove,
     Move,
+    MoveRequest,
     SwitchMove,
     WaypointMove,
 )
@@ -196,12 +196,12 @@ class Ar2Sketch:
 
     def _joint_move(self, line: bytes) -> None:
         self._say(words.MOVING)
-        self._begin(JointMove(self._asked(line, "G"), self._firmware.multiplier), self._ended)
+        self._begin(JointMove(self._requested(line, "G"), self._firmware.multiplier), self._ended)
 
     def _switches(self, line: bytes) -> None:
-        asked = self._asked(line, "", LETTERS[: len(JOINTS)])
-        self._searched = asked.moving
-        self._begin(SwitchMove(asked, self._firmware.multiplier), self._found)
+        requested = self._requested(line, "", LETTERS[: len(JOINTS)])
+        self._searched = requested.moving
+        self._begin(SwitchMove(requested, self._firmware.multiplier), self._found)
 
     def _found(self, _: Nanoseconds) -> None:
         reached = self._reached()
@@ -211,14 +211,14 @@ class Ar2Sketch:
     def _ended(self, _: Nanoseconds) -> None:
         """Say nothing."""
 
-    def _asked(self, line: bytes, after_speed: str, letters: str = LETTERS) -> Asked:
+    def _requested(self, line: bytes, after_speed: str, letters: str = LETTERS) -> MoveRequest:
         """Turn the direction pins, and return what is asked for beside them."""
         found = []
         for letter, following, axis in zip(letters, letters[1:] + "S", AXES, strict=False):
             digit, count = steps(line, letter, following)
             self._mega.pins.write(axis.direction_pin, int(digit != axis.ahead_digit))
             found.append(count)
-        return Asked(
+        return MoveRequest(
             tuple(found),
             real(line, "S", after_speed),
             (number(line, "G", "H"), number(line, "H", "I")),
@@ -279,7 +279,7 @@ class Ar2Sketch:
             return
         line = self._points[self._point]
         self._line[:] = line
-        self._begin(WaypointMove(self._asked(line, "G"), self._firmware.multiplier), self._next_point)
+        self._begin(WaypointMove(self._requested(line, "G"), self._firmware.multiplier), self._next_point)
 
 
 _STEP_PINS: Final = {axis.step_pin: place for place, axis in enumerate(AXES)}

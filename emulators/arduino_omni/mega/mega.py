@@ -31,7 +31,7 @@ KEPT: Final[Nanoseconds] = 9_000 * MILLISECOND
 """After its last byte a loader that has heard one starts the sketch."""
 CONVERSION: Final[Nanoseconds] = 112 * MICROSECOND
 """One analogRead."""
-_UNASKED: Final = -1
+_NOT_REQUESTED: Final = -1
 STEPS_AT_ONCE: Final = 10_000
 """Things done at one instant. Rings that are full of commands give some hundreds, before they take time."""
 
@@ -91,7 +91,7 @@ class Mega:
         self._jobs: deque[Job] = deque()
         self._running: OnBus | None = None
         self._free_at: Nanoseconds = 0
-        self._wakes_at: Nanoseconds = _UNASKED
+        self._wakes_at: Nanoseconds = _NOT_REQUESTED
         """When the sketch wants to be called, where nothing arrives; asked for when it has done something."""
         self._powered = False
         self._held = False
@@ -170,9 +170,9 @@ class Mega:
     def clock(self, clock: Clock) -> None:
         """Give it another one, or one that was set: what it waits for may come earlier by it."""
         self._clock = clock
-        self._wakes_at = _UNASKED
+        self._wakes_at = _NOT_REQUESTED
 
-    def hear(self, byte: int, now: Nanoseconds) -> None:
+    def receive(self, byte: int, now: Nanoseconds) -> None:
         """Take a byte whose stop bit has passed."""
         self.advance(now)
         if self._sketch is not None:
@@ -192,7 +192,7 @@ class Mega:
             return self.bus.due
         if self._jobs or self.serial.available:
             return self._free_at
-        if self._wakes_at == _UNASKED:
+        if self._wakes_at == _NOT_REQUESTED:
             self._wakes_at = self._sketch.due(self._free_at)
         return max(self._free_at, self._wakes_at)
 
@@ -209,7 +209,7 @@ class Mega:
                 )
             begun = max(begun, at)
             self.shafts.reach(at)
-            self._wakes_at = _UNASKED
+            self._wakes_at = _NOT_REQUESTED
             if self._sketch is None:
                 self._start(at)
             elif self._running is not None:
@@ -278,7 +278,7 @@ class MegaOnPins:
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take bytes that have wholly arrived."""
         for byte in packet.payload:
-            self.mega.hear(byte, now)
+            self.mega.receive(byte, now)
         return self._reaction(now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -291,5 +291,5 @@ class MegaOnPins:
 
     def _reaction(self, now: Nanoseconds) -> Reaction:
         # The wire spaces the bytes, at the rate that the board says: all that was written may go.
-        said = self.mega.serial.taken(NEVER)
-        return Reaction((Packet(SERIAL, 0, said),) if said else (), max(now, self.mega.due))
+        written = self.mega.serial.taken(NEVER)
+        return Reaction((Packet(SERIAL, 0, written),) if written else (), max(now, self.mega.due))

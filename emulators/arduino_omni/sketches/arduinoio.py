@@ -81,11 +81,11 @@ class ArduinoIoSketch:
         """Read up to the end of a command, and obey it."""
         del now
         while (byte := self._mega.serial.read()) >= 0:
-            asked = self._commands.take(byte)
-            if asked is not None:
-                handler = self._handlers.get(asked.row.letter)
+            requested = self._commands.take(byte)
+            if requested is not None:
+                handler = self._handlers.get(requested.row.letter)
                 if handler is not None:
-                    handler(*asked.values)
+                    handler(*requested.values)
                 return
 
     def _say(self, number: int) -> None:

@@ -82,7 +82,7 @@ class FirmataSketch:
         self._i2c = False
         self._delay = 0
         self._queries: list[_Query] = []
-        self._asked: list[_Query] = []
+        self._pending: list[_Query] = []
         self._counters: dict[int, Counter] = {}
         self._reports_encoders = False
         self._commands: Final[dict[int, _Command]] = {
@@ -174,12 +174,12 @@ class FirmataSketch:
         self._say_exclusive(words.MAPPING, bytes(channels))
 
     def _say_capabilities(self, _data: bytes = b"") -> None:
-        said = bytearray()
+        answer = bytearray()
         for pin in range(PINS):
             for mode in modes(pin, encoders=self._has_encoders):
-                said += bytes((mode, RESOLUTIONS[mode]))
-            said.append(NO_CHANNEL)
-        self._say_exclusive(words.CAPABILITY, bytes(said))
+                answer += bytes((mode, RESOLUTIONS[mode]))
+            answer.append(NO_CHANNEL)
+        self._say_exclusive(words.CAPABILITY, bytes(answer))
 
     def _say_state(self, data: bytes) -> None:
         if not data:
@@ -346,7 +346,7 @@ class FirmataSketch:
         count = min(query.count, WIRE_BUFFER)
         if not count:
             return
-        self._asked.append(query)
+        self._pending.append(query)
         if query.register is None:
             self._mega.do(OnBus(read(query.address, count), self._reply))
             return
@@ -359,7 +359,7 @@ class FirmataSketch:
         self._mega.do(OnBus(read(query.address, count), self._reply))
 
     def _reply(self, result: Result, _now: Nanoseconds) -> None:
-        query = self._asked.pop(0)
+        query = self._pending.pop(0)
         if len(result.read) < query.count:
             self._complain("I2C: Too few bytes received")
         values = (query.address, query.register or 0, *result.read)
@@ -384,9 +384,9 @@ class FirmataSketch:
             self._counters.pop(number, None)
 
     def _say_encoders(self, numbers: list[int]) -> None:
-        said = bytearray()
+        answer = bytearray()
         for number in numbers:
             count = self._counters[number].count
-            said.append((count < 0) << 6 | number)
-            said += bytes(abs(count) >> 7 * place & words.SEVEN for place in range(4))
-        self._say_exclusive(words.ENCODER, bytes(said))
+            answer.append((count < 0) << 6 | number)
+            answer += bytes(abs(count) >> 7 * place & words.SEVEN for place in range(4))
+        self._say_exclusive(words.ENCODER, bytes(answer))

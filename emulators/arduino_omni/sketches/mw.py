@@ -47,7 +47,7 @@ class MwSketch:
         self._mega: Final = mega
         self._libraries: Final = libraries
         self._encoders: Final = encoders
-        self._requests: Final = mw.AskedReader()
+        self._requests: Final = mw.RequestReader()
         self._late_at: Nanoseconds = NEVER
         self._code = 0
         self._now: Nanoseconds = 0
@@ -96,18 +96,18 @@ class MwSketch:
             self._requests.forget()
             self._late_at = NEVER
         while (byte := self._mega.serial.read()) >= 0:
-            asked = self._requests.take(byte)
+            frame = self._requests.take(byte)
             self._late_at = now + READ_TIMEOUT if self._requests.waits else NEVER
-            if asked is not None and self._obey(asked):
+            if frame is not None and self._obey(frame):
                 return
 
-    def _obey(self, asked: mw.Asked) -> bool:
+    def _obey(self, frame: mw.RequestFrame) -> bool:
         """Obey a request, where it is known; return whether there is something to do now."""
-        row = mw.row_asked(asked, self._libraries)
-        request = None if row is None or row.request is None else row.request.decode(asked.data)
+        row = mw.row_of_frame(frame, self._libraries)
+        request = None if row is None or row.request is None else row.request.decode(frame.data)
         if request is None:
             return False
-        self._code = asked.code
+        self._code = frame.code
         self._handlers[type(request)](request)
         return True
 

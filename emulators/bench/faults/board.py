@@ -201,12 +201,12 @@ class LineGarbage(_OfBoards, Lasting):
         """Begin to disturb."""
         self._disturb((site, chance))
 
-    def _disturb(self, told: tuple[Site, Generator]) -> None:
-        site, chance = told
+    def _disturb(self, sites: tuple[Site, Generator]) -> None:
+        site, chance = sites
         if site.world.now < self.end:
             for name in self.on(site.robot):
                 site.disturb(name, chance.bytes(BURST))
-            site.world.call_at(site.world.now + self.every_ms * MILLISECOND, self._disturb, told)
+            site.world.call_at(site.world.now + self.every_ms * MILLISECOND, self._disturb, sites)
 
 
 class _OnMotor(Lasting, ABC):

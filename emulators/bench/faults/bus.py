@@ -140,7 +140,7 @@ class CanSwapped(_Station):
 
     def take_off(self, site: Site) -> None:
         """Put them right, and send what waited."""
-        site.cans[self.on(site.robot)].mend()
+        site.cans[self.on(site.robot)].repair()
 
 
 class CanCut(OnBus, Lasting):
@@ -175,7 +175,7 @@ class CanCut(OnBus, Lasting):
 
     def take_off(self, site: Site) -> None:
         """Mend it, and send what waited."""
-        site.cans[self.on(site.robot)].mend()
+        site.cans[self.on(site.robot)].repair()
 
 
 class BabblingNode(OnBus, Lasting):
@@ -201,7 +201,7 @@ class BabblingNode(OnBus, Lasting):
             world.call_at(world.now + self.every_us * MICROSECOND, self._babble, site)
 
 
-class NmtStranger(OnBus):
+class NmtForeignNode(OnBus):
     """A stranger sends a network command."""
 
     kind: ClassVar = "nmt_stranger"

@@ -26,7 +26,7 @@ class BridgeEnds(Lasting):
     ] = None
 
     @model_validator(mode="after")
-    def _the_dead_are_not_asked(self) -> Self:
+    def _a_dead_station_has_no_orders(self) -> Self:
         if self.how == "killed" and self.again_after_s is not None:
             raise ValueError("again_after_s: what was killed is not asked again")
         return self

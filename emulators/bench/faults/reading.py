@@ -33,8 +33,8 @@ def read(table: Any) -> Fault:
         fault: Fault = kind.fault.model_validate(rest)
     except ValidationError as error:
         # One line for a key: of a value that is neither a name nor a number pydantic would say two things.
-        said = {each["loc"][:1]: _said(kind, each) for each in reversed(error.errors())}
-        raise ValidationError.from_exception_data(WRONG, list(reversed(said.values()))) from None
+        stated = {each["loc"][:1]: _text_of(kind, each) for each in reversed(error.errors())}
+        raise ValidationError.from_exception_data(WRONG, list(reversed(stated.values()))) from None
     return fault
 
 
@@ -66,7 +66,7 @@ def _collision(one: Fault, other: Fault, robot: AnyRobot) -> str | None:
     return thing if together else None
 
 
-def _said(kind: Kind, error: ErrorDetails) -> InitErrorDetails:
+def _text_of(kind: Kind, error: ErrorDetails) -> InitErrorDetails:
     """Say in one sentence what pydantic found, with a near name for a key that is not there."""
     location = error["loc"]
     key = str(location[0]) if location else ""

@@ -24,7 +24,7 @@ from fmu.plant import FmuPlant
 
 BRIDGE: Final = "bridge"
 OPERATOR_STATION: Final = "operator"
-STRANGER: Final = "stranger"
+FOREIGN_NODE: Final = "stranger"
 SECOND_BRIDGE: Final = "second bridge"
 SECOND_STATION: Final = "second station"
 
@@ -43,7 +43,7 @@ class Bridges(Protocol):
         """Start one beside it, as `SECOND_BRIDGE`."""
 
 
-class Stranger:
+class ForeignNode:
     """A node on the CAN bus that hears nothing, and sends what a fault has it send."""
 
     def listens(self, packet: Packet) -> bool:
@@ -84,7 +84,7 @@ class Site:
     plant: FmuPlant | None = None
     stations: list[SecondStation] = field(default_factory=list)
     """All that have joined the operator's link, the newest last."""
-    _strangers: dict[str, Station] = field(default_factory=dict)
+    _foreign_nodes: dict[str, Station] = field(default_factory=dict)
     """By the link on whose bus or line they are."""
     _unplugged: dict[str, Mapping[str, Wire]] = field(default_factory=dict)
 
@@ -97,25 +97,27 @@ class Site:
 
     def send(self, link: str, address: int, payload: bytes) -> None:
         """Have a stranger queue a frame on a link's bus; he is there from the first one on."""
-        name = STRANGER if len(self.cans) == 1 else f"{STRANGER} on {link}"
+        name = FOREIGN_NODE if len(self.cans) == 1 else f"{FOREIGN_NODE} on {link}"
         wire = self.cans[link]
-        wire.carry(self._stranger(link, name, {CAN: wire}), Packet(CAN, address, payload))
+        wire.carry(self._foreign_node(link, name, {CAN: wire}), Packet(CAN, address, payload))
 
     def disturb(self, link: str, data: bytes) -> None:
         """Let both ends of a serial line hear bytes that neither has said."""
         wire = self.lines[link]
-        wire.carry(self._stranger(link, f"{STRANGER} on {link}", {SERIAL: wire}), Packet(SERIAL, 0, data))
+        wire.carry(
+            self._foreign_node(link, f"{FOREIGN_NODE} on {link}", {SERIAL: wire}), Packet(SERIAL, 0, data)
+        )
 
-    def _stranger(self, link: str, name: str, wires: Mapping[str, Wire]) -> Station:
-        found = self._strangers.get(link)
+    def _foreign_node(self, link: str, name: str, wires: Mapping[str, Wire]) -> Station:
+        found = self._foreign_nodes.get(link)
         if found is None:
-            found = self._strangers[link] = self.world.attach(name, Stranger(), wires)
+            found = self._foreign_nodes[link] = self.world.attach(name, ForeignNode(), wires)
         return found
 
     def waiting(self, link: str) -> int:
         """Return how many frames of the stranger's on this link wait or are under way."""
-        stranger = self._strangers.get(link)
-        return 0 if stranger is None else self.cans[link].waiting(stranger)
+        foreign_node = self._foreign_nodes.get(link)
+        return 0 if foreign_node is None else self.cans[link].waiting(foreign_node)
 
     def switch_off(self, name: str) -> None:
         """Take the supply from a drive, logic included: it is off its wires, its motor without power."""

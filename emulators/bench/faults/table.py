@@ -78,7 +78,7 @@ _ROWS: Final = (
         "the stranger",
     ),
     Kind(
-        bus.NmtStranger,
+        bus.NmtForeignNode,
         "Another master, or a tool that somebody has plugged in, sends a network command. An instant: no"
         " end.",
         "Obeys. Stopped or pre-operational it takes no set-point and sends no process data, and by"

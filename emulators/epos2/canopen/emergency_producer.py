@@ -33,9 +33,9 @@ _FORBIDDEN: Final = (
 class EmergencyProducer:
     """Keeps the errors of one drive and writes its emergency messages."""
 
-    def __init__(self, store: ObjectStore, *, tells_cured: bool) -> None:
+    def __init__(self, store: ObjectStore, *, reports_reset: bool) -> None:
         self._store = store
-        self._tells_cured = tells_cured
+        self._reports_reset = reports_reset
         self._standing: tuple[int, ...] = ()
         store.on_write(at.ERROR_HISTORY_COUNT, self._clear_history)
         store.on_write(at.COB_ID_EMERGENCY, self._check_cob_id)
@@ -64,7 +64,7 @@ class EmergencyProducer:
         if code == NO_ERROR:
             self._standing = ()
             self._publish()
-            return encode_emergency(EmergencyMessage(code, 0)) if self._tells_cured else None
+            return encode_emergency(EmergencyMessage(code, 0)) if self._reports_reset else None
         if code not in self._standing:
             self._standing = (*self._standing, code)
         self._publish()

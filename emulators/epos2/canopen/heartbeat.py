@@ -71,7 +71,7 @@ class Consumer:
         self._time = time_ms * MILLISECOND
         self.due = NEVER
 
-    def hear(self, payload: bytes, now: Nanoseconds) -> None:
+    def receive(self, payload: bytes, now: Nanoseconds) -> None:
         """Take a heartbeat; the first one starts the watch."""
         if decode_heartbeat(payload) not in (None, NmtState.BOOT_UP):
             self.due = now + self._time
@@ -153,11 +153,11 @@ class ErrorControl:
         touched, self._touched = self._touched, False
         return touched
 
-    def hear(self, node: int, payload: bytes, now: Nanoseconds) -> None:
+    def receive(self, node: int, payload: bytes, now: Nanoseconds) -> None:
         """Take another node's heartbeat."""
         for consumer in self.consumers:
             if consumer.node == node:
-                consumer.hear(payload, now)
+                consumer.receive(payload, now)
 
     def lost(self, now: Nanoseconds) -> bool:
         """Whether a watch has just ended in silence; each silence is reported once."""

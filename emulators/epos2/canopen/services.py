@@ -45,7 +45,7 @@ class Services:
         self._send = send
         self.state = NmtState.BOOT_UP
         """The network state."""
-        self.emergency: Final = EmergencyProducer(store, tells_cured=profile.tells_cured)
+        self.emergency: Final = EmergencyProducer(store, reports_reset=profile.reports_reset)
         self._sdo = SdoServer(store)
         self._clock = HighResolutionClock(store)
         self.errors: Final = ErrorControl(store, toggles=profile.heartbeat_toggles)
@@ -95,26 +95,26 @@ class Services:
         services, node = SERVICES[self.state], self._identity.node
         routes: dict[int, FrameHandler] = {}
         if NodeService.PDO in services:
-            routes = self.pdo.routes(self._hear_collision, self._hear_request, self._hear_pdo)
+            routes = self.pdo.routes(self._receive_collision, self._receive_request, self._receive_pdo)
         if NodeService.ERROR_CONTROL in services:
-            routes[canopen.ERROR_CONTROL + node | REMOTE] = self._hear_guarding
+            routes[canopen.ERROR_CONTROL + node | REMOTE] = self._receive_guarding
             for watched in sorted(self.errors.watched):
-                routes[canopen.ERROR_CONTROL + watched] = partial(self._hear_heartbeat, watched)
+                routes[canopen.ERROR_CONTROL + watched] = partial(self._receive_heartbeat, watched)
         if NodeService.SYNC in services:
-            routes[canopen.SYNC] = self._hear_sync
+            routes[canopen.SYNC] = self._receive_sync
         if NodeService.SDO in services:
-            routes[canopen.SDO_REQUEST + node] = self._hear_sdo
-        return routes | {report: partial(self._hear_controller, report) for report in REPORTS}
+            routes[canopen.SDO_REQUEST + node] = self._receive_sdo
+        return routes | {report: partial(self._receive_controller, report) for report in REPORTS}
 
     # Service and process data
 
-    def _hear_sdo(self, payload: bytes, now: Nanoseconds) -> None:
+    def _receive_sdo(self, payload: bytes, now: Nanoseconds) -> None:
         answer = self._sdo.answer(payload)
         if answer is not None:
             self._transmit.answer(answer, now)
         self.motion.refresh(now)
 
-    def _hear_pdo(self, sharing: tuple[ReceivePdo, ...], payload: bytes, now: Nanoseconds) -> None:
+    def _receive_pdo(self, sharing: tuple[ReceivePdo, ...], payload: bytes, now: Nanoseconds) -> None:
         for pdo in sharing:
             if len(payload) < pdo.size:
                 self.motion.communication_fault(emergency.PDO_TOO_SHORT)
@@ -122,7 +122,7 @@ class Services:
                 pdo.take(payload)
         self.motion.refresh(now)
 
-    def _hear_sync(self, _payload: bytes, now: Nanoseconds) -> None:
+    def _receive_sync(self, _payload: bytes, now: Nanoseconds) -> None:
         self._clock.latch(now)
         if self.state is NmtState.OPERATIONAL:
             for address, payload in self.pdo.sync():
@@ -130,11 +130,11 @@ class Services:
             if self.pdo.waits_for_sync:
                 self.motion.refresh(now)
 
-    def _hear_request(self, pdo: TransmitPdo, _payload: bytes, _now: Nanoseconds) -> None:
+    def _receive_request(self, pdo: TransmitPdo, _payload: bytes, _now: Nanoseconds) -> None:
         # The answer has the PDO's own length whatever the request says (recorded from an EPOS2).
         self._send(pdo.address, pdo.requested())
 
-    def _hear_collision(self, _payload: bytes, _now: Nanoseconds) -> None:
+    def _receive_collision(self, _payload: bytes, _now: Nanoseconds) -> None:
         self.motion.communication_fault(emergency.COB_ID_COLLISION)
 
     # Errors
@@ -144,18 +144,18 @@ class Services:
         if self.errors.lost(until):
             self.motion.connection_lost()
 
-    def _hear_heartbeat(self, node: int, payload: bytes, now: Nanoseconds) -> None:
+    def _receive_heartbeat(self, node: int, payload: bytes, now: Nanoseconds) -> None:
         # On a real bus a wake may be late: a heartbeat after its deadline must not hide the silence.
         self.watch(now - 1)
-        self.errors.hear(node, payload, now)
+        self.errors.receive(node, payload, now)
 
-    def _hear_guarding(self, _payload: bytes, now: Nanoseconds) -> None:
+    def _receive_guarding(self, _payload: bytes, now: Nanoseconds) -> None:
         if not self.errors.producer.active:
             self.watch(now - 1)
             answer = self.errors.guard.answer(self.state, now)
             self._send(canopen.ERROR_CONTROL + self._identity.node, answer)
 
-    def _hear_controller(self, address: int, payload: bytes, _now: Nanoseconds) -> None:
+    def _receive_controller(self, address: int, payload: bytes, _now: Nanoseconds) -> None:
         for code in emergencies_of(address, payload):
             self.motion.communication_fault(code)
 

@@ -60,7 +60,7 @@ class MotionControl:
         self._store = store
         self._axis = axis
         self._recorder = DataRecorder(store, axis)
-        self._tell = report
+        self._report_to = report
         self.pins: Final = Pins(store, axis)
         self._modes = ModeSelector(store, axis, self.pins.inputs)
         self._power = PowerSequence(store, axis, self._modes, self.pins, delays or Delays())
@@ -127,7 +127,7 @@ class MotionControl:
     def _report(self, code: int) -> None:
         if code != emergency.NO_ERROR:
             self._recorder.error()
-        self._tell(code)
+        self._report_to(code)
 
     # Objects
 
@@ -161,7 +161,7 @@ class MotionControl:
     def _take_controlword(self, word: int) -> None:
         if self.hung:
             return
-        self._control.command(word, written=self._each_write_counts and self._store.asked)
+        self._control.command(word, written=self._each_write_counts and self._store.requested)
         self._publish()
 
     def _take_mode(self, mode: int) -> None:

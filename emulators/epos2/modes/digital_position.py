@@ -13,7 +13,7 @@ from typing import ClassVar, Final
 from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.shaft import Shaft
 from emulators.servo.axis import ELECTRONIC_GEAR
-from emulators.servo.commands import judge_anew
+from emulators.servo.commands import judge_again
 from emulators.servo.profile import stopping_distance
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -70,7 +70,7 @@ class DigitalPosition(ModeOfOperation):
         axis.stopping_distance = stopping_distance(axis.cruise, axis.deceleration)
         axis.target_position = axis.position_demand + (store.get(OFFSET) << axis.fraction)
         axis.profile = ELECTRONIC_GEAR
-        judge_anew(axis, there=False)
+        judge_again(axis, there=False)
 
     def _gear(self, numerator: int, denominator: int, polarity: int) -> None:
         axis = self.shaft.axis

@@ -23,7 +23,7 @@ from emulators.servo.axis import (
     TRAPEZOID,
     ServoAxis,
 )
-from emulators.servo.commands import brake, judge_anew, regulate_position
+from emulators.servo.commands import brake, judge_again, regulate_position
 from emulators.servo.profile import stopping_distance
 from emulators.servo.scaling import acceleration_units, speed_units
 from firmware_bridge.wire.epos2 import address as at
@@ -121,7 +121,7 @@ class Shaft:
         axis.deceleration = self.acceleration(deceleration)
         axis.stopping_distance = stopping_distance(axis.cruise, axis.deceleration)
         axis.profile = MOVE
-        judge_anew(axis, there=False)
+        judge_again(axis, there=False)
         self._shape()
 
     def ramp(self, velocity: int, acceleration: Address, deceleration: Address) -> None:
@@ -129,7 +129,7 @@ class Shaft:
         axis = self.axis
         before = self._ramp() if axis.shape == SINE else ()
         if velocity != axis.target_velocity or axis.profile != RAMP:
-            judge_anew(axis, there=velocity == axis.velocity_demand)
+            judge_again(axis, there=velocity == axis.velocity_demand)
         axis.target_velocity = velocity
         axis.profile = RAMP
         axis.acceleration = self.acceleration(acceleration)

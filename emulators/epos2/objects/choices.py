@@ -11,6 +11,7 @@ from types import MappingProxyType
 from typing import Any, Final, get_args, get_type_hints
 
 from emulators.epos2.objects.device_profile import DeviceProfile, Known
+from firmware_bridge import renamed
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND
 from firmware_bridge.wire.abort import AbortCode
 
@@ -135,6 +136,7 @@ def chosen(profile: DeviceProfile, texts: Iterable[str]) -> DeviceProfile:
     changes = {}
     for text in texts:
         name, _, value = text.partition("=")
+        name = renamed.current(name, renamed.CHOICES, "--choice")
         choice = CHOICES.get(name)
         if choice is None:
             near = get_close_matches(name, CHOICES, 1)

@@ -146,7 +146,7 @@ class DeviceProfile:
     """Whether a receive PDO with more bytes than mapped is taken; its other bytes do not count."""
     sends_on_start: Annotated[bool, _ASSUMED] = True
     """Whether a transmit PDO on change is sent once on entering Operational."""
-    tells_cured: Annotated[bool, Known(Provenance.ASSUMED, f"{CIA_301}, error reset")] = True
+    reports_reset: Annotated[bool, Known(Provenance.ASSUMED, f"{CIA_301}, error reset")] = True
     """Whether an emergency with code 0 is sent when the errors are gone."""
     heartbeat_toggles: Annotated[
         bool, Known(Provenance.BY_ANALOGY, f"{FIRMWARE_SPECIFICATION}; {APPLICATION_NOTES}, p. 158, differ")

@@ -55,7 +55,7 @@ class ObjectStore:
         self._bounds = MappingProxyType({**own, **bounds})
         self.changes = 0
         """How often the drive itself has given a number another value."""
-        self.asked = False
+        self.requested = False
         """Whether the value that is being taken was written by a request, by SDO or serial: no part of a
         PDO.
         """
@@ -90,11 +90,11 @@ class ObjectStore:
         if not kind.size:
             self._texts[address] = bytes(raw)
             return
-        self.asked = True
+        self.requested = True
         try:
             self._accept(address, kind.decode(raw))
         finally:
-            self.asked = False
+            self.requested = False
 
     def check_writable(self, address: Address, size: int | None) -> ObjectRow:
         """Refuse a write to come, or return the object's row; `size` in bytes, None while it is not known."""

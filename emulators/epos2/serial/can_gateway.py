@@ -27,13 +27,13 @@ class DriveOnBus:
     """The drive's own node number."""
     send: Callable[[int, bytes], None]
     """Put a frame on the bus."""
-    hear: Callable[[int, bytes], None]
+    receive: Callable[[int, bytes], None]
     """Let the drive hear a frame as if it came from the bus: a command to all is one to itself, too."""
     written: Callable[[], None]
     """Tell the drive that an object has a new value."""
 
 
-NOBODY: Final = -1
+NO_NODE: Final = -1
 Result: TypeAlias = Answer | int | None
 """An answer, an error code, or nothing yet."""
 
@@ -42,7 +42,7 @@ class CanGateway:
     """Carries out requests on the bus."""
 
     def __init__(self, profile: DeviceProfile, drive: DriveOnBus) -> None:
-        self.awaits = NOBODY
+        self.awaits = NO_NODE
         """The identifier of the frame that the request waits for."""
         self.due: Nanoseconds = NEVER
         """When to call `wake`."""
@@ -52,11 +52,11 @@ class CanGateway:
         self._request: Request | None = None
         self._leaving: tuple[int, bytes] | None = None
         self._lss: bytes | None = None
-        self._hears_lss = False
+        self._receives_lss = False
 
     def listens(self, address: int) -> bool:
         """Tell whether a frame of this identifier is of interest."""
-        return address == self.awaits or (address == canopen.LSS_RESPONSE and self._hears_lss)
+        return address == self.awaits or (address == canopen.LSS_RESPONSE and self._receives_lss)
 
     def ask(self, request: Request, now: Nanoseconds) -> Result:
         """Begin to ask another node; its answer where that is here already; SdoAbort."""
@@ -76,20 +76,20 @@ class CanGateway:
             raise SdoAbort(AbortCode.LENGTH)
         self._begin(request, request.identifier, now + self._profile.gateway_timeout)
         self._drive.send(request.identifier | REMOTE, bytes(request.length))
-        # What this very drive answers, it hears at once, through `hear`.
-        self._drive.hear(request.identifier | REMOTE, bytes(request.length))
+        # What this very drive answers, it hears at once, through `receive`.
+        self._drive.receive(request.identifier | REMOTE, bytes(request.length))
         return None
 
     def send_lss(self, payload: bytes) -> None:
         """Speak to the slaves of the layer setting services; forget what they said before."""
-        self._lss, self._hears_lss = None, True
+        self._lss, self._receives_lss = None, True
         self._drive.send(canopen.LSS_REQUEST, payload)
 
     def read_lss(self, request: messages.ReadLssFrame, now: Nanoseconds) -> Result:
         """Return what a slave has said since, or wait for it."""
-        said, self._lss = self._lss, None
-        if said is not None:
-            return _frame(said)
+        frame, self._lss = self._lss, None
+        if frame is not None:
+            return _frame(frame)
         self._begin(request, canopen.LSS_RESPONSE, now + request.timeout * MILLISECOND)
         return self.wake(now)
 
@@ -105,7 +105,7 @@ class CanGateway:
         self._drive.send(*leaving)
         return None
 
-    def hear(self, address: int, payload: bytes) -> Result:
+    def receive(self, address: int, payload: bytes) -> Result:
         """Take a frame of the bus that `listens` has let through."""
         request = self._request
         if address != self.awaits or request is None or self._leaving is not None:
@@ -139,7 +139,7 @@ class CanGateway:
 
     def _end(self) -> None:
         self._request = self._leaving = None
-        self.awaits, self.due = NOBODY, NEVER
+        self.awaits, self.due = NO_NODE, NEVER
 
 
 def _frame(payload: bytes) -> FrameRead:

@@ -57,7 +57,7 @@ class Remote:
     def __init__(self, profile: DeviceProfile) -> None:
         self._profile = profile
         self._transfer: _RemoteTransfer | None = None
-        self._asked: _Asking = {
+        self._requested: _Asking = {
             messages.ReadObject: self._upload,
             messages.WriteObject: self._download,
             messages.InitiateSegmentedRead: self._upload,
@@ -90,7 +90,7 @@ class Remote:
 
     def ask(self, request: Request) -> NodeFrame:
         """Return the frame for a request; SdoAbort where there can be none."""
-        node, payload = self._asked[type(request)](request)
+        node, payload = self._requested[type(request)](request)
         if not canopen.FIRST_NODE <= node <= canopen.LAST_NODE:
             raise SdoAbort(AbortCode.WRONG_NODE)
         return node, payload

@@ -51,12 +51,12 @@ class SerialEpos2(Epos2):
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take one frame of the bus, or bytes of the serial line."""
         if packet.link == SERIAL:
-            return self._hear_bytes(packet.payload, now) if self._powered else self.wake(now)
+            return self._receive_bytes(packet.payload, now) if self._powered else self.wake(now)
         if not self._powered or not self._port.listens(packet.address):
             return super().receive(packet, now)
         reaction = super().receive(packet, now)
         self._now = now
-        self._port.hear_frame(packet.address, packet.payload, now)
+        self._port.receive_frame(packet.address, packet.payload, now)
         more = self._settle()
         return Reaction(reaction.sent + more.sent, more.wake_at)
 
@@ -68,27 +68,27 @@ class SerialEpos2(Epos2):
             self._port.wake(now)
         return super().wake(now)
 
-    def _hear_bytes(self, chunk: bytes, now: Nanoseconds) -> Reaction:
+    def _receive_bytes(self, chunk: bytes, now: Nanoseconds) -> Reaction:
         self._now = now
         self.motion.refresh(now)
         if self.nmt_state is not NmtState.BOOT_UP:  # deaf until it has started
-            self._port.hear(chunk, now)
+            self._port.receive(chunk, now)
         return self._settle()
 
     def _settle(self) -> Reaction:
         reaction = super()._settle()
-        said = self._port.taken()
+        sent = self._port.taken()
         wake_at = min(reaction.wake_at, self._port.due)
         if wake_at != reaction.wake_at:
             self._transmit.idle = Reaction((), wake_at)
-        if not said:
+        if not sent:
             return Reaction(reaction.sent, wake_at)
-        return Reaction((*reaction.sent, Packet(SERIAL, 0, said)), wake_at)
+        return Reaction((*reaction.sent, Packet(SERIAL, 0, sent)), wake_at)
 
     def _send(self, address: int, payload: bytes) -> None:
         super()._send(address, payload)
         if self._port.listens(address):  # the host wants to know what this very drive says on the bus
-            self._port.hear_frame(address, payload, self._now)
+            self._port.receive_frame(address, payload, self._now)
 
     def _boot(self, command: NmtCommand) -> None:
         super()._boot(command)

@@ -40,7 +40,7 @@ class SerialPort:
         self.generation = generation or Generation.V1
         """What is spoken; where that was left open, what the host was heard to speak."""
         self._open: Final = generation is None
-        self._heard_at: Nanoseconds = 0
+        self._received_at: Nanoseconds = 0
         self.baud = USB_BAUD
         """Bits a second on the line; on RS232 as 0x2002 was at the last start."""
         self._store = store
@@ -77,16 +77,16 @@ class SerialPort:
         """Return what is to be sent to the host, once."""
         return self._line.taken()
 
-    def hear(self, chunk: bytes, now: Nanoseconds) -> None:
+    def receive(self, chunk: bytes, now: Nanoseconds) -> None:
         """Take bytes from the host; what is due is not late while they are still being fetched."""
         self._change_rate(now)
         if self._open and chunk:
             self._choose(Generation.V2 if chunk[0] == DLE else Generation.V1, now)
-        self._serve(self._line.hear(chunk, now), now)
+        self._serve(self._line.receive(chunk, now), now)
 
-    def hear_frame(self, address: int, payload: bytes, now: Nanoseconds) -> None:
+    def receive_frame(self, address: int, payload: bytes, now: Nanoseconds) -> None:
         """Take a frame of the bus that `listens` has let through."""
-        body = self._server.hear(address, payload)
+        body = self._server.receive(address, payload)
         if self._serving:  # the drive itself has answered, before the command was done
             self._early = body
         else:
@@ -102,8 +102,8 @@ class SerialPort:
 
     def _choose(self, spoken: Generation, now: Nanoseconds) -> None:
         """Take up another protocol where the host begins a command in it."""
-        quiet = now - self._heard_at >= self._timeout()
-        self._heard_at = now
+        quiet = now - self._received_at >= self._timeout()
+        self._received_at = now
         if spoken is not self.generation and self._line.idle and (quiet or spoken is Generation.V2):
             self.generation = spoken
             self._line = device_end(spoken, self._timeout, self._bad_checksum)

@@ -26,7 +26,7 @@ _Carried: TypeAlias = Mapping[type[Request], Callable[[Any, Nanoseconds], Result
 
 
 class SerialServer:
-    """Takes one command at a time; what it has to say comes from `begin`, `hear` or `wake`."""
+    """Takes one command at a time; what it has to say comes from `begin`, `receive` or `wake`."""
 
     def __init__(self, store: ObjectStore, profile: DeviceProfile, drive: DriveOnBus) -> None:
         self.gateway = CanGateway(profile, drive)
@@ -61,9 +61,9 @@ class SerialServer:
             result = abort.code
         return self._body(result)
 
-    def hear(self, address: int, payload: bytes) -> bytes | None:
+    def receive(self, address: int, payload: bytes) -> bytes | None:
         """Take a frame of the bus; return the answer that it completes."""
-        return self._body(self.gateway.hear(address, payload))
+        return self._body(self.gateway.receive(address, payload))
 
     def wake(self, now: Nanoseconds) -> bytes | None:
         """Do what is due; return the answer where waiting has ended."""
@@ -143,7 +143,7 @@ class SerialServer:
         if request.node != own:
             self._drive.send(canopen.NMT, payload)
         if request.node in {ALL_NODES, own}:
-            self._drive.hear(canopen.NMT, payload)
+            self._drive.receive(canopen.NMT, payload)
         return Done(0)
 
     def _send_frame(self, request: messages.SendCanFrame, _now: Nanoseconds) -> Result:
@@ -159,5 +159,5 @@ class SerialServer:
 
     def _send_lss(self, request: messages.SendLssFrame, _now: Nanoseconds) -> Result:
         self.gateway.send_lss(request.raw)
-        self._drive.hear(canopen.LSS_REQUEST, request.raw)
+        self._drive.receive(canopen.LSS_REQUEST, request.raw)
         return Done(0)

@@ -84,7 +84,7 @@ def _counted_speed(seen: Seen) -> float:
 
 
 def _path_offset(seen: Seen) -> float:
-    along = seen.wish.path_s
+    along = seen.command.path_s
     return math.nan if along is None else along - to_seconds(seen.facts.now)
 
 

@@ -46,8 +46,8 @@ def cases(robot: Robot[Geometry]) -> Iterator[Case]:
     step = limits.acceleration_mps2 * robot.cycle_ms / 1000.0
     yield Case(
         "acceleration limit",
-        trips=Situation(wish=upwards(1.2 * step), body=BENT),
-        spares=Situation(wish=upwards(step), body=BENT),
+        trips=Situation(command=upwards(1.2 * step), body=BENT),
+        spares=Situation(command=upwards(step), body=BENT),
         reason=f"asked to change by {1200.0 * step:.0f} mm/s at once",
     )
 
@@ -59,7 +59,7 @@ def upwards(speed: float) -> Motion:
 
 def _moving(motion: Motion, body: State) -> Situation:
     """Return the situation of an arm that moves so already."""
-    return Situation(wish=motion, demanded=motion, body=body)
+    return Situation(command=motion, demanded=motion, body=body)
 
 
 def _beyond(row: str, axis: int, high: float, reason: str) -> Case:
@@ -69,8 +69,8 @@ def _beyond(row: str, axis: int, high: float, reason: str) -> Case:
     demanded = motion_of(within)
     return Case(
         row,
-        trips=Situation(wish=motion_of(beyond), demanded=demanded, body=BENT),
-        spares=Situation(wish=demanded, demanded=demanded, body=BENT),
+        trips=Situation(command=motion_of(beyond), demanded=demanded, body=BENT),
+        spares=Situation(command=demanded, demanded=demanded, body=BENT),
         reason=reason,
     )
 

@@ -68,7 +68,7 @@ def _measured_joint(seen: Seen) -> float:
 
 
 def _path_offset(seen: Seen) -> float:
-    along = seen.wish.path_s
+    along = seen.command.path_s
     return math.nan if along is None else along - to_seconds(seen.facts.now)
 
 

@@ -42,16 +42,20 @@ def _at_the_joint(robot: Robot[Geometry], side: float) -> Iterator[Case]:
     slow, bound = math.radians(joint.slow_deg), math.radians(joint.bound_deg)
     half = side * 0.5 * (slow + bound)
     for angle, spared, allowed in (
-        (half, Situation(wish=ahead, demanded=ahead, body=replace(WELL, joint_rad=side * slow)), 0.5 * speed),
+        (
+            half,
+            Situation(command=ahead, demanded=ahead, body=replace(WELL, joint_rad=side * slow)),
+            0.5 * speed,
+        ),
         (
             side * bound,
-            Situation(wish=Motion(-side * speed), body=replace(WELL, joint_rad=side * bound)),
+            Situation(command=Motion(-side * speed), body=replace(WELL, joint_rad=side * bound)),
             0.0,
         ),
     ):
         yield Case(
             "joint limit",
-            trips=Situation(wish=ahead, demanded=ahead, body=replace(WELL, joint_rad=angle)),
+            trips=Situation(command=ahead, demanded=ahead, body=replace(WELL, joint_rad=angle)),
             spares=spared,
             reason=(
                 f"the joint's angle is {math.degrees(angle):.1f} deg: asked for {speed:.3f} m/s "
@@ -61,8 +65,8 @@ def _at_the_joint(robot: Robot[Geometry], side: float) -> Iterator[Case]:
     for unknown, known in ((None, "not known"), (math.nan, "nan deg")):
         yield Case(
             "joint limit",
-            trips=Situation(wish=ahead, demanded=ahead, body=replace(WELL, joint_rad=unknown)),
-            spares=Situation(wish=Motion(turn_rad_s=0.01), body=replace(WELL, joint_rad=unknown)),
+            trips=Situation(command=ahead, demanded=ahead, body=replace(WELL, joint_rad=unknown)),
+            spares=Situation(command=Motion(turn_rad_s=0.01), body=replace(WELL, joint_rad=unknown)),
             reason=(
                 f"the joint's angle is {known}: asked for {speed:.3f} m/s {first} first, allowed is 0.000 m/s"
             ),
@@ -91,14 +95,14 @@ def _lost() -> Iterator[Case]:
     lost = replace(SEEN, source=Source.LOST, uncertain_m=0.051)
     yield Case(
         "pose lost",
-        trips=Situation(wish=guided, located=lost),
+        trips=Situation(command=guided, located=lost),
         spares=Situation(located=lost),
         reason="the place is off by 0.051 m at most without the cameras: they do not see it",
     )
     yield Case(
         "pose lost",
-        trips=Situation(wish=guided, located=replace(SEEN, source=Source.UNSEEN)),
-        spares=Situation(wish=guided, located=SEEN),
+        trips=Situation(command=guided, located=replace(SEEN, source=Source.UNSEEN)),
+        spares=Situation(command=guided, located=SEEN),
         reason="the cameras have not seen the robot yet",
     )
     under_cameras = find("climber+cameras")
@@ -126,8 +130,8 @@ def _bounded(robot: Robot[Geometry]) -> Iterator[Case]:
         ahead = Motion(limits.speed_mps)
         yield Case(
             row,
-            trips=Situation(wish=ahead, demanded=ahead, located=there),
-            spares=Situation(wish=ahead, demanded=ahead, located=gone),
+            trips=Situation(command=ahead, demanded=ahead, located=there),
+            spares=Situation(command=ahead, demanded=ahead, located=gone),
             reason=(
                 f"{bound:.2f} m of the cable are drawn, it is {bound:.2f} m long"
                 if why is None
@@ -154,8 +158,8 @@ def _coupled(robot: Robot[Geometry]) -> Iterator[Case]:
     back = Motion(-robot.geometry.limits.speed_mps)
     yield Case(
         "coupled wheels",
-        trips=Situation(wish=Motion(turn_rad_s=0.1), demanded=Motion(turn_rad_s=0.1)),
-        spares=Situation(wish=back, demanded=back),
+        trips=Situation(command=Motion(turn_rad_s=0.1), demanded=Motion(turn_rad_s=0.1)),
+        spares=Situation(command=back, demanded=back),
         reason="asked to turn with 0.10 rad/s: one shaft turns both wheels",
         robot=machine,
     )

@@ -48,21 +48,21 @@ def _interlocks(robot: Robot[Geometry]) -> Iterator[Case]:
         yield Case(
             "lift refused",
             trips=Situation(
-                wish=Motion(lift_rate_mps=0.05),
+                command=Motion(lift_rate_mps=0.05),
                 body=replace(WELL, speed_mps=side * math.nextafter(0.010, 1.0)),
             ),
-            spares=Situation(wish=Motion(lift_rate_mps=0.05), body=replace(WELL, speed_mps=side * 0.010)),
+            spares=Situation(command=Motion(lift_rate_mps=0.05), body=replace(WELL, speed_mps=side * 0.010)),
             reason=f"the robot drives with {side * 0.01:.2f} m/s",
         )
         # Each wheel turns against the other: 10 mm/s at 0.2 m from the middle are 0.05 rad/s.
         yield Case(
             "lift refused",
             trips=Situation(
-                wish=Motion(lift_rate_mps=0.05),
+                command=Motion(lift_rate_mps=0.05),
                 body=replace(WELL, yaw_rate_rad_s=side * math.nextafter(0.05, 1.0)),
             ),
             spares=Situation(
-                wish=Motion(lift_rate_mps=0.05),
+                command=Motion(lift_rate_mps=0.05),
                 body=replace(WELL, yaw_rate_rad_s=side * math.nextafter(0.05, 0.0)),
             ),
             reason="the robot drives with 0.01 m/s",
@@ -106,8 +106,8 @@ def _limits(robot: Robot[Geometry]) -> Iterator[Case]:
         )
         yield Case(
             "acceleration limit",
-            trips=Situation(wish=Motion(side * 2.0 * step)),
-            spares=Situation(wish=Motion(side * step)),
+            trips=Situation(command=Motion(side * 2.0 * step)),
+            spares=Situation(command=Motion(side * step)),
             reason=f"asked to go from 0.00 to {side * 2.0 * step:.2f} m/s at once, "
             f"limit {limits.acceleration_mps2:.2f} m/s2",
         )
@@ -120,14 +120,14 @@ def _limits(robot: Robot[Geometry]) -> Iterator[Case]:
     yield _tipping(robot, tightest)
 
 
-def _limited(row: str, within: Motion, beyond: Motion, said: tuple[float, float, str]) -> Case:
+def _limited(row: str, within: Motion, beyond: Motion, values: tuple[float, float, str]) -> Case:
     """Return the case of a limit that is passed at the pace that the robot has already."""
-    asked, allowed, unit = said
+    requested, allowed, unit = values
     return Case(
         row,
-        trips=Situation(wish=beyond, demanded=within),
-        spares=Situation(wish=within, demanded=within),
-        reason=f"asked for {asked:.2f} {unit}, allowed is {allowed:.2f} {unit}",
+        trips=Situation(command=beyond, demanded=within),
+        spares=Situation(command=within, demanded=within),
+        reason=f"asked for {requested:.2f} {unit}, allowed is {allowed:.2f} {unit}",
     )
 
 
@@ -139,8 +139,8 @@ def _tipping(robot: Robot[Geometry], steer_rad: float) -> Case:
     within, beyond = Motion(top), Motion(JUST * top)
     return Case(
         "tipping limit",
-        trips=Situation(wish=beyond, demanded=within, body=turning),
-        spares=Situation(wish=within, demanded=within, body=turning),
+        trips=Situation(command=beyond, demanded=within, body=turning),
+        spares=Situation(command=within, demanded=within, body=turning),
         reason=f"asked for {JUST * top:.2f} m/s, allowed is {top:.2f} m/s",
         robot=robot.model_copy(update={"geometry": robot.geometry.model_copy(update={"limits": limits})}),
     )

@@ -44,8 +44,8 @@ def cases(robot: Robot[Geometry]) -> Iterator[Case]:
     step = 0.8 * limits.acceleration_mps2 * robot.cycle_ms / 1000.0
     yield Case(
         "acceleration limit",
-        trips=Situation(wish=Motion(left_mps=2.0 * step)),
-        spares=Situation(wish=Motion(left_mps=step)),
+        trips=Situation(command=Motion(left_mps=2.0 * step)),
+        spares=Situation(command=Motion(left_mps=step)),
         reason=(
             "asked to go from (0.00, 0.00) m/s and 0.00 rad/s to "
             f"(0.00, {2.0 * step:.2f}) m/s and 0.00 rad/s at once"
@@ -60,15 +60,15 @@ def _lost() -> Iterator[Case]:
     lost = replace(seen, source=Source.LOST, uncertain_m=0.051)
     off = "the place is off by 0.051 m at most without the cameras: they "
     for trips, spares, reason in (
-        (unseen, Situation(wish=guided, located=seen), "the cameras have not seen the robot yet"),
-        (lost, Situation(wish=Motion(), located=lost), off + "do not see it"),
+        (unseen, Situation(command=guided, located=seen), "the cameras have not seen the robot yet"),
+        (lost, Situation(command=Motion(), located=lost), off + "do not see it"),
         (
             replace(lost, refused=1, off_m=0.3, off_rad=-0.35),
-            Situation(wish=guided, located=replace(seen, source=Source.ODOMETRY, uncertain_m=0.05)),
+            Situation(command=guided, located=replace(seen, source=Source.ODOMETRY, uncertain_m=0.05)),
             off + "show it 0.30 m and 20 degrees off",
         ),
     ):
-        yield Case("pose lost", trips=Situation(wish=guided, located=trips), spares=spares, reason=reason)
+        yield Case("pose lost", trips=Situation(command=guided, located=trips), spares=spares, reason=reason)
     # By hand, too, where only the cameras tell what a wheel does.
     yield Case(
         "pose lost",
@@ -108,19 +108,20 @@ def _limited(robot: Robot[Geometry], side: float) -> Iterator[Case]:
     left = limits.rim_mps - distance * turning
     yield Case(
         "rim limit",
-        trips=Situation(wish=Motion(0.0, side * JUST * left, side * JUST * turning)),
+        trips=Situation(command=Motion(0.0, side * JUST * left, side * JUST * turning)),
         spares=Situation(
-            wish=Motion(0.0, side * left, side * turning), demanded=Motion(0.0, side * left, side * turning)
+            command=Motion(0.0, side * left, side * turning),
+            demanded=Motion(0.0, side * left, side * turning),
         ),
         reason=(f"asked for {JUST * limits.rim_mps:.2f} m/s at a wheel, allowed is {limits.rim_mps:.2f} m/s"),
     )
 
 
-def _beyond(row: str, within: Motion, beyond: Motion, asked: str, allowed: str) -> Case:
+def _beyond(row: str, within: Motion, beyond: Motion, requested: str, allowed: str) -> Case:
     """Return the case of a limit that is passed at the pace that the base has already."""
     return Case(
         row,
-        trips=Situation(wish=beyond, demanded=within),
-        spares=Situation(wish=within, demanded=within),
-        reason=f"asked for {asked}, allowed is {allowed}",
+        trips=Situation(command=beyond, demanded=within),
+        spares=Situation(command=within, demanded=within),
+        reason=f"asked for {requested}, allowed is {allowed}",
     )

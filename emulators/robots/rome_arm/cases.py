@@ -54,7 +54,7 @@ def _whole(half: Half, case: bench.Case[Any, Any], robot: Robot[Geometry] | None
 
 def _both(half: Half, of_half: bench.Situation[Any, Any]) -> Situation:
     """Return the situation of both, in which the other half rests."""
-    put = {"wish": of_half.wish, "demanded": of_half.demanded}
+    put = {"command": of_half.command, "demanded": of_half.demanded}
     body = WHOLE if of_half.body is None else replace(WHOLE, **{half.name: of_half.body})
     motions = {key: None if it is None else half.put(Motion(), it) for key, it in put.items()}
     return Situation(body=body, located=of_half.located, **motions)
@@ -94,14 +94,14 @@ def _between(robot: Robot[Geometry]) -> Iterator[Case]:
     ahead, back = (Motion(arm=arm.Motion(ahead_mps=speed)) for speed in (slow, -slow))
     yield Case(
         "tool balance",
-        trips=Situation(wish=ahead, demanded=ahead, body=WHOLE),
-        spares=Situation(wish=back, demanded=back, body=WHOLE),
+        trips=Situation(command=ahead, demanded=ahead, body=WHOLE),
+        spares=Situation(command=back, demanded=back, body=WHOLE),
         reason=f"the centre of gravity would be {kept} inside the wheels",
         robot=_balanced(robot, margin_m=room),
     )
     yield Case(
         "time stretched",
-        trips=Situation(wish=Motion(path_rate=1.0 / 1.5), body=WHOLE),
-        spares=Situation(wish=Motion(), body=WHOLE),
+        trips=Situation(command=Motion(path_rate=1.0 / 1.5), body=WHOLE),
+        spares=Situation(command=Motion(), body=WHOLE),
         reason="the path takes 1.50 times its time: the base could not follow it",
     )

@@ -112,7 +112,7 @@
 #define WIDEST_STEP INT64_C(2147483648)
 
 #define ENDED_REACHED 0
-#define ENDED_TOLD 1
+#define ENDED_EVENT 1
 #define ENDED_CURRENT 2
 #define ENDED_ANGLE 3
 #define ENDED_SPEED 4
@@ -246,7 +246,7 @@ typedef struct {
     int64_t turning;
     int64_t back_emf;
     int64_t ending;
-    int64_t evening;
+    int64_t balance_voltage;
     int64_t learning;
     int64_t raised;
     int64_t braking;
@@ -262,7 +262,7 @@ typedef struct {
     int64_t thermal;
     int64_t window_ms;
     int64_t still_ms;
-    int64_t told;
+    int64_t event;
     int64_t pins_before;
     int64_t index_position;
     int64_t index_passes;

@@ -64,9 +64,9 @@ static int64_t milliseconds(servo_bank *bank, const double *outputs, double *inp
             return refuse(bank, ENDED_CURRENT, k, current);
         if (!counted(axis, angle * ((const double *)bank->counts_per_radian)[k], &encoder))
             return refuse(bank, ENDED_ANGLE, k, angle);
-        axis->told = servo_millisecond(axis, encoder);
-        if (axis->told)
-            ended = ENDED_TOLD;
+        axis->event = servo_millisecond(axis, encoder);
+        if (axis->event)
+            ended = ENDED_EVENT;
         if (!axis->powered) {
             if (!reading(speed, &milliradians))
                 return refuse(bank, ENDED_SPEED, k, speed);
@@ -110,12 +110,12 @@ int64_t servo_run(servo_bank *bank, int64_t last)
     plant_calls *plant = bank->plant;
     const double *outputs = plant->outputs;
     double *inputs = plant->inputs;
-    int64_t told = ENDED_REACHED, ended, k;
+    int64_t event = ENDED_REACHED, ended, k;
     if (bank->tick >= last)
         return ENDED_REACHED;
-    while (bank->tick < last && !told) {
-        if (bank->tick % TICKS_PER_MILLISECOND == 0 && (told = milliseconds(bank, outputs, inputs)) > ENDED_TOLD)
-            return told;
+    while (bank->tick < last && !event) {
+        if (bank->tick % TICKS_PER_MILLISECOND == 0 && (event = milliseconds(bank, outputs, inputs)) > ENDED_EVENT)
+            return event;
         if ((ended = tick(bank, outputs, inputs)) != ENDED_REACHED)
             return ended;
         if ((ended = servo_plant_step(plant, bank->sampled, &bank->fault_status)) != ENDED_REACHED)
@@ -127,5 +127,5 @@ int64_t servo_run(servo_bank *bank, int64_t last)
         return ENDED_READ;
     for (k = 0; k < bank->count; k++)
         axis_at(bank, k)->now = bank->tick * TICK;
-    return told;
+    return event;
 }

@@ -6,7 +6,7 @@ from typing import Any, Final, TypeAlias
 
 from emulators.bench.cases import Case, Situation
 from emulators.bench.rehearsal import rehearsal_of
-from firmware_bridge.drivers.driver import Demand, Feedback, Position, Power, Reading, Speed, Tells
+from firmware_bridge.drivers.driver import Demand, Feedback, Position, Power, Reading, Reports, Speed
 from firmware_bridge.kind import AnyKind
 from firmware_bridge.kinds import find, kind_of
 from firmware_bridge.motion.pose import Pose
@@ -23,8 +23,8 @@ WELL: Final[AnySituation] = Situation()
 
 def gate_of(robot: AnyRobot) -> Gate[Any, Any, Any]:
     """Return the robot's gate; its drives tell everything."""
-    tells = {axis.name: frozenset(Tells) for axis in robot.axes}
-    return Gate(robot, kind_of(robot).rules(robot), tells)
+    reports = {axis.name: frozenset(Reports) for axis in robot.axes}
+    return Gate(robot, kind_of(robot).rules(robot), reports)
 
 
 def axes_of(robot: AnyRobot, now: Nanoseconds) -> dict[str, Feedback]:
@@ -38,7 +38,7 @@ def axes_of(robot: AnyRobot, now: Nanoseconds) -> dict[str, Feedback]:
 
     return {
         axis.name: Feedback(
-            axis.name, position=place(axis.role), power=Power.ON, heard_at=now, sampled_at=now
+            axis.name, position=place(axis.role), power=Power.ON, received_at=now, sampled_at=now
         )
         for axis in robot.axes
     }
@@ -58,21 +58,21 @@ def seen(
 ) -> Snapshot[Any, Any]:
     """Return the robot armed and well, but for what is told."""
     kind = kind_of(robot)
-    told = dict(axes_of(robot, now) if axes is None else axes)
-    body = kind.body(robot).sensed(told, well(robot, now)) if situation.body is None else situation.body
+    feedback = dict(axes_of(robot, now) if axes is None else axes)
+    body = kind.body(robot).sensed(feedback, well(robot, now)) if situation.body is None else situation.body
     known: dict[str, Any] = {
         "now": now,
         "armed": True,
         "emergency_stopped": False,
-        "heard_at": now,
+        "received_at": now,
         "neutral": True,
-        "axes": told,
+        "axes": feedback,
         "sensors": {},
         "links_lost": {},
     }
     return Snapshot(
         facts=Facts(**(known | facts)),
-        wish=kind.rest if situation.wish is None else situation.wish,
+        command=kind.rest if situation.command is None else situation.command,
         demanded=kind.rest if situation.demanded is None else situation.demanded,
         body=body,
         pose=Pose(),
@@ -111,12 +111,12 @@ class Paper:
         self.demands: Mapping[str, Demand] = {}
         self.now: Nanoseconds = START
 
-    def cycle(self, wish: Any, **facts: Any) -> Ruling[Any]:
+    def cycle(self, command: Any, **facts: Any) -> Ruling[Any]:
         """Do one cycle of the bridge, as `firmware_bridge.bridge.pipeline` does it."""
         self.now += self.robot.cycle
         for name, axis in self.axes.items():
-            self.axes[name] = replace(axis, heard_at=self.now, sampled_at=self.now)
-        situation: AnySituation = Situation(wish=wish, demanded=self.demanded)
+            self.axes[name] = replace(axis, received_at=self.now, sampled_at=self.now)
+        situation: AnySituation = Situation(command=command, demanded=self.demanded)
         known = seen(self.robot, self.now, situation, self.axes, **facts)
         ruling = self.gate.rule(known)
         self.demanded = self.rules.body.ramped(self.demanded, ruling.allowed, known.body, self.robot.cycle)

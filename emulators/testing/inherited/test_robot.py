@@ -28,7 +28,7 @@ from emulators.testing.inherited.paper import (
 )
 from emulators.testing.inherited.scripted import mission_of, scripted
 from firmware_bridge.drivers.driver import Position, Power, Speed
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.kinds import find, kind_of, names
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.common import AXIS_ROWS
@@ -111,7 +111,7 @@ def test_at_its_threshold_a_row_holds_and_states_why(name: str, case: AnyCase) -
         groups = frozenset(kind_of(robot).groups)
         stopped = groups if row.stops is None else row.stops
         assert stopped <= ruling.stopped
-        assert not ruling.asked & stopped
+        assert not ruling.requested & stopped
 
 
 def test_just_within_its_threshold_a_row_does_not_hold(name: str, case: AnyCase) -> None:
@@ -139,8 +139,8 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
     silent = robot.operator.silent_ms * MILLISECOND
     yield "emergency stop", {"emergency_stopped": True}
     yield "not armed", {"armed": False}
-    yield "operator silent", {"heard_at": START - silent}
-    yield "operator silent", {"heard_at": NEVER_HEARD}
+    yield "operator silent", {"received_at": START - silent}
+    yield "operator silent", {"received_at": NEVER_RECEIVED}
     for link in robot.links:
         yield f"link lost: {link}", {"links_lost": {link: "it is gone"}}
         yield f"another master: {link}", {"masters": {link: "somebody else sends SYNC: 080#"}}
@@ -148,8 +148,8 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
     for axis in robot.axes:
         limit = silence_of(robot, axis.link)
         for row, changes in (
-            ("axis silent", {"heard_at": START - limit}),
-            ("axis silent", {"heard_at": NEVER_HEARD, "power": Power.UNKNOWN}),
+            ("axis silent", {"received_at": START - limit}),
+            ("axis silent", {"received_at": NEVER_RECEIVED, "power": Power.UNKNOWN}),
             ("axis fault", {"fault": "0x8611"}),
             ("axis fault", {"power": Power.FAULT}),
             ("axis rewritten", {"rewritten": "601#2316100100000000"}),
@@ -159,13 +159,13 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
         ):
             changed = replace(well[axis.name], **changes)
             yield f"{row}: {axis.name}", {"axes": {**well, axis.name: changed}}
-        said = axis.belief.within_ms
-        long = limit if said is None else said * MILLISECOND
-        strays = Following(sampled_at=START, obeyed_at=START - long)
-        repeats = replace(strays, obeyed_at=START, settled_at=START - long)
+        stated = axis.belief.within_ms
+        long = limit if stated is None else stated * MILLISECOND
+        deviates = Following(sampled_at=START, obeyed_at=START - long)
+        repeats = replace(deviates, obeyed_at=START, settled_at=START - long)
         for row, following in (
-            ("axis does not follow", strays),
-            ("axis moves unasked", replace(strays, unasked=True)),
+            ("axis does not follow", deviates),
+            ("axis moves unasked", replace(deviates, uncommanded=True)),
             ("axis position repeats", repeats),
         ):
             yield f"{row}: {axis.name}", {"following": {axis.name: following}}
@@ -176,25 +176,25 @@ def test_the_common_rows_stop_all_of_it_whatever_it_is_requested(name: str) -> N
     kind = kind_of(robot)
     tripped = set()
     for hold, facts in common_trips(robot):
-        for wish in full_motions(kind, robot):
-            ruling = gate_of(robot).rule(seen(robot, START, Situation(wish=wish), **facts))
+        for command in full_motions(kind, robot):
+            ruling = gate_of(robot).rule(seen(robot, START, Situation(command=command), **facts))
             assert hold in held(ruling), hold
             if not hold.startswith(("link lost", "another master")):
                 assert ruling.stopped == frozenset(kind.groups), hold
-            assert not ruling.asked & ruling.stopped, hold
+            assert not ruling.requested & ruling.stopped, hold
         tripped.add(hold.split(":")[0])
-    untold = set() if any(axis.zero_confirmed for axis in robot.axes) else {"axis zero lost"}
-    assert {row.name for row in AXIS_ROWS} - untold <= tripped
+    unsent = set() if any(axis.zero_confirmed for axis in robot.axes) else {"axis zero lost"}
+    assert {row.name for row in AXIS_ROWS} - unsent <= tripped
 
 
 def test_a_word_just_in_time_stops_nothing(name: str) -> None:
     robot = find(name)
     silent = robot.operator.silent_ms * MILLISECOND
     axes = {
-        axis.name: replace(one, heard_at=START - silence_of(robot, axis.link) + 1)
+        axis.name: replace(one, received_at=START - silence_of(robot, axis.link) + 1)
         for axis, one in zip(robot.axes, axes_of(robot, START).values(), strict=True)
     }
-    assert held(gate_of(robot).rule(seen(robot, heard_at=START - silent + 1, axes=axes))) == {}
+    assert held(gate_of(robot).rule(seen(robot, received_at=START - silent + 1, axes=axes))) == {}
 
 
 def spoiled(motion: Any, value: float) -> Iterator[Any]:
@@ -212,13 +212,13 @@ def test_a_command_that_is_no_number_stops_all_of_it(name: str, value: float) ->
     robot = find(name)
     kind = kind_of(robot)
     named = set()
-    for wish in spoiled(kind.rest, value):
-        titles = [title for title, read in kind.numbers.items() if read(wish) is value]
+    for command in spoiled(kind.rest, value):
+        titles = [title for title, read in kind.numbers.items() if read(command) is value]
         if titles:
-            ruling = gate_of(robot).rule(seen(robot, START, Situation(wish=wish)))
+            ruling = gate_of(robot).rule(seen(robot, START, Situation(command=command)))
             assert held(ruling)["wish unusable"] == f"the {titles[0]} asked for is {value}"
             assert ruling.stopped == frozenset(kind.groups)
-            assert not ruling.asked
+            assert not ruling.requested
             named.update(titles)
     assert named == set(kind.numbers), "every number of the motion is judged"
 
@@ -276,11 +276,11 @@ def within_bounds(paper: Paper) -> None:
             assert axis.travel is not None
             low, high = axis.travel
             assert low - 1e-6 * abs(low) <= demand.value <= high + 1e-6 * abs(high)
-    asked = paper.speeds()
+    requested = paper.speeds()
     for axis in paper.robot.axes:
-        assert abs(asked.get(axis.name, 0.0)) <= axis.top_speed * ROUNDING
+        assert abs(requested.get(axis.name, 0.0)) <= axis.top_speed * ROUNDING
     for row in paper.robot.guard.sums:
-        total = sum(factor * asked.get(axis, 0.0) for axis, factor in row.of.items())
+        total = sum(factor * requested.get(axis, 0.0) for axis, factor in row.of.items())
         assert abs(total) <= row.bound * ROUNDING, row.name
     for pair in paper.robot.guard.exclusive:
         assert not (moves(paper, pair.one) and moves(paper, pair.other)), pair.name
@@ -298,43 +298,43 @@ def moves(paper: Paper, axes: tuple[str, ...]) -> bool:
     return False
 
 
-def says(paper: Paper, word: Stick | Velocity, wish: Any) -> Any:
+def states(paper: Paper, word: Stick | Velocity, command: Any) -> Any:
     """Return the wish after a word of the operator; one that the robot cannot mean changes nothing."""
     station = paper.kind.station
     if isinstance(word, Stick):
-        return station.stick(word, wish, paper.robot)
-    meant = station.target(word, wish, paper.robot)
-    return wish if isinstance(meant, Unusable) else meant
+        return station.stick(word, command, paper.robot)
+    meant = station.target(word, command, paper.robot)
+    return command if isinstance(meant, Unusable) else meant
 
 
 @settings(max_examples=examples(60), deadline=None)
-@given(said=words)
+@given(stated=words)
 def test_whatever_is_stated_the_guards_bounds_hold(
-    name: str, said: list[tuple[Stick | Velocity, int, bool]]
+    name: str, stated: list[tuple[Stick | Velocity, int, bool]]
 ) -> None:
     paper = Paper(find(name))
-    wish = paper.kind.rest
-    for word, cycles, armed in said:
-        wish = says(paper, word, wish)
+    command = paper.kind.rest
+    for word, cycles, armed in stated:
+        command = states(paper, word, command)
         for _ in range(cycles):
-            paper.cycle(wish, armed=armed)
+            paper.cycle(command, armed=armed)
             within_bounds(paper)
 
 
 def test_nothing_moves_before_it_is_armed(name: str) -> None:
     robot = find(name)
-    for wish in full_motions(kind_of(robot), robot):
+    for command in full_motions(kind_of(robot), robot):
         paper = Paper(robot)
         for _ in range(20):
-            paper.cycle(wish, armed=False)
+            paper.cycle(command, armed=False)
             assert not moves(paper, tuple(paper.axes))
 
 
-def settled(paper: Paper, wish: Any, **facts: Any) -> Ruling[Any]:
+def settled(paper: Paper, command: Any, **facts: Any) -> Ruling[Any]:
     """Go on until a cycle asks the same as the one before, of axes that are as fast; return its ruling."""
     for _ in range(CYCLES):
         before = paper.demanded, turning(paper)
-        ruling: Ruling[Any] = paper.cycle(wish, **facts)
+        ruling: Ruling[Any] = paper.cycle(command, **facts)
         if (paper.demanded, turning(paper)) == before:
             return ruling
     holds = "; ".join(f"{hold.name}: {hold.reason}" for hold in ruling.holds) or "nothing holds it"
@@ -348,13 +348,13 @@ def turning(paper: Paper) -> list[float]:
 
 def test_a_stop_brings_every_axis_to_rest(name: str) -> None:
     robot = find(name)
-    for wish in full_motions(kind_of(robot), robot):
+    for command in full_motions(kind_of(robot), robot):
         paper = Paper(robot)
-        settled(paper, wish)
-        ruling = settled(paper, wish, emergency_stopped=True)
+        settled(paper, command)
+        ruling = settled(paper, command, emergency_stopped=True)
         assert ruling.stopped == frozenset(paper.kind.groups)
         assert not moves(paper, tuple(paper.axes))
-        assert not paper.rules.body.asked(paper.demanded, paper.kind.body(robot).sensed(paper.axes, {}))
+        assert not paper.rules.body.requested(paper.demanded, paper.kind.body(robot).sensed(paper.axes, {}))
 
 
 def test_its_missions_drive_without_a_refusal_and_it_ends_without_power(name: str, mission: str) -> None:

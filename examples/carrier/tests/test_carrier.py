@@ -18,13 +18,13 @@ def driven(name: str, folder: Path) -> Summary:
 
 
 def test_it_drives_the_line(tmp_path: Path) -> None:
-    told = driven("line", tmp_path)
-    assert 0.0 < told.max_speed_mps <= find("carrier").geometry.limits.speed_mps
-    assert told.path_length_m > 0.0
-    assert told.odometry_error_m < 0.05 * told.path_length_m
+    summary = driven("line", tmp_path)
+    assert 0.0 < summary.max_speed_mps <= find("carrier").geometry.limits.speed_mps
+    assert summary.path_length_m > 0.0
+    assert summary.odometry_error_m < 0.05 * summary.path_length_m
 
 
 def test_the_guide_comes_back_to_where_the_circles_touch(tmp_path: Path) -> None:
-    told = driven("figure_eight", tmp_path)
-    assert not [hold for hold in told.holds if hold.name == "turns too fast"]
-    assert told.odometry_error_m < 0.05 * told.path_length_m
+    summary = driven("figure_eight", tmp_path)
+    assert not [hold for hold in summary.holds if hold.name == "turns too fast"]
+    assert summary.odometry_error_m < 0.05 * summary.path_length_m

@@ -32,11 +32,11 @@ def value_text(reading: Reading, address: Address) -> str:
     value = reading.value(address)
     if raw is None or value is None:
         return "-"
-    said = words(address, value, reading.mode)
-    if not said:
+    decoded = words(address, value, reading.mode)
+    if not decoded:
         return f"{value}{_unit(address)}"
     number = f"{value}" if address in _PLAIN else f"0x{int.from_bytes(raw, 'little'):0{2 * len(raw)}X}"
-    return f"{number}  {', '.join(said)}"
+    return f"{number}  {', '.join(decoded)}"
 
 
 def object_record(reading: Reading, address: Address) -> dict[str, Any]:
@@ -51,8 +51,8 @@ def object_record(reading: Reading, address: Address) -> dict[str, Any]:
     raw = reading.found.get(address)
     if isinstance(raw, bytes):
         value = reading.value(address)
-        said = () if value is None else words(address, value, reading.mode)
-        found |= {"value": value, "raw": raw.hex(), "unit": unit_of(address), "words": list(said)}
+        decoded = () if value is None else words(address, value, reading.mode)
+        found |= {"value": value, "raw": raw.hex(), "unit": unit_of(address), "words": list(decoded)}
     elif isinstance(raw, RefusedError):
         found["error"] = {"code": f"0x{raw.code:08X}", "text": meaning_of(raw.code)}
     elif raw is not None:

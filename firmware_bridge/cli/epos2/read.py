@@ -105,7 +105,7 @@ def _watch(
             drive.converse(reading.again_and_again(period, redraw), end)
     else:
         changes = Changes(reading)
-        drive.converse(reading.again_and_again(period, changes.tell), end)
+        drive.converse(reading.again_and_again(period, changes.show), end)
 
 
 def _redraw(shown: Live, reading: Reading) -> None:
@@ -117,12 +117,12 @@ class Changes:
 
     def __init__(self, reading: Reading) -> None:
         self._reading = reading
-        self._told: dict[str, str] = {}
+        self._shown: dict[str, str] = {}
 
-    def tell(self) -> None:
+    def show(self) -> None:
         """Print what has changed."""
         for address in self._reading.addresses:
-            said = object_line(self._reading, address)
-            if self._told.get(str(address)) != said:
-                self._told[str(address)] = said
-                say(said)
+            line = object_line(self._reading, address)
+            if self._shown.get(str(address)) != line:
+                self._shown[str(address)] = line
+                say(line)

@@ -65,7 +65,7 @@ def scan(
     """
     nodes = numbers(node)
     if isinstance(drive.link, CanAccess):
-        drive.link.asks_once(from_seconds(timeout / 1000.0))
+        drive.link.requests_once(from_seconds(timeout / 1000.0))
     found = Scan(drive.link, nodes, from_seconds(listen))
     client = drive.converse(found.script(), overhear=found.overhear)
     say(json.dumps(_record(found), indent=2) if as_json else _text(found))
@@ -138,7 +138,7 @@ def _record(scan: Scan) -> dict[str, Any]:
                 "hardware": found.value(HARDWARE),
                 "serial_number": found.value(SERIAL_NUMBER if found.maxon else at.SERIAL_NUMBER),
                 "network": [each.title for each in found.network],
-                "network_heard": found.heard is not None,
+                "network_heard": found.received is not None,
                 "state": None if found.state is None else found.state.title,
                 "statusword": found.value(at.STATUSWORD),
             }

@@ -32,10 +32,10 @@ def version(drive: OneDrive, *, as_json: JsonOption = False) -> None:
         say(json.dumps(found, indent=2))
         return
     for address in IDENTITY:
-        say(f"{name_of(address):<26}  {_told(reading, address)}")
+        say(f"{name_of(address):<26}  {_text_of(reading, address)}")
 
 
-def _told(reading: Reading, address: Address) -> str:
+def _text_of(reading: Reading, address: Address) -> str:
     """Return a version or a number as maxon prints them, in hexadecimal digits."""
     value = reading.value(address)
     return f"0x{value:04X}" if isinstance(value, int) else value_text(reading, address)

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 from firmware_bridge.drivers.ar2.joint import Ar2Joint
 from firmware_bridge.drivers.ar2.slices import Slice, slice_of
 from firmware_bridge.drivers.driver import STOPPING, Stop, Task
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.settings.ar2 import Ar2Link
@@ -31,7 +31,7 @@ SILENT: Final = (
 MISSED: Final[Nanoseconds] = 2_900 * MILLISECOND
 """A board that has not answered by then is reported as missing."""
 FOUND: Final = (Task.FIND, Task.IDENTIFY, Task.CONFIGURE)
-ASKS: Final = frozenset({Task.FIND, Task.IDENTIFY, Task.LEAVE, Task.DISABLE})
+REQUESTS: Final = frozenset({Task.FIND, Task.IDENTIFY, Task.LEAVE, Task.DISABLE})
 """Tasks that are a question, and over when it is answered."""
 
 
@@ -66,11 +66,11 @@ class Ar2Board:
         self._table: Final = table
         self._silent_after: Final = table.silent_ms * MILLISECOND
         self._gone = self._dirty = self._found_once = False
-        self._heard_at: Nanoseconds = NEVER_HEARD
-        self._heard = b""
-        self._asked = 0
+        self._received_at: Nanoseconds = NEVER_RECEIVED
+        self._received = b""
+        self._requested = 0
         self._question: Question | None = None
-        self._asked_at: Nanoseconds = 0
+        self._requested_at: Nanoseconds = 0
         self._until: Nanoseconds = NEVER
         self._tries = 0
         self._move: Slice | None = None
@@ -86,7 +86,7 @@ class Ar2Board:
         """Before this nothing is said: it may be booting."""
         self._found_until: Nanoseconds = 0
         self._starts_until: Nanoseconds = NEVER
-        self._cycle_at: Nanoseconds = NEVER_HEARD
+        self._cycle_at: Nanoseconds = NEVER_RECEIVED
         self._opens: Final = {
             Task.FIND: self._find,
             Task.CONFIGURE: self._configure,
@@ -117,8 +117,8 @@ class Ar2Board:
             return self._until
         if self._gone:
             return NEVER
-        says = bool(self._places) or (self._dirty and self._may_move) or self._asks
-        return self._speaks_at if says else self._starts_until
+        has_more = bool(self._places) or (self._dirty and self._may_move) or self._requests
+        return self._speaks_at if has_more else self._starts_until
 
     @property
     def stops(self) -> bool:
@@ -149,7 +149,7 @@ class Ar2Board:
 
     def placed(self, joint: Ar2Joint, steps: int, now: Nanoseconds) -> tuple[Packet, ...]:
         """Say on the line where a joint stands; it counts from there once the board has echoed it."""
-        joint.told = steps
+        joint.reported = steps
         self._places.append(Question(words.place(joint.number, steps), joint))
         return self._go_on(now)
 
@@ -157,7 +157,7 @@ class Ar2Board:
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Ask whether it is there, and has done its move, unless it is being asked."""
-        if self.configured and now - self._heard_at >= self._silent_after:
+        if self.configured and now - self._received_at >= self._silent_after:
             self._forget(now)
         if self._question is not None:
             self.late += 1
@@ -176,7 +176,7 @@ class Ar2Board:
         """Say nothing."""
         return ()
 
-    def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
+    def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take bytes, or what became of the line; what answers no question is ignored."""
         if packet.address == LINE_LOST and not packet.payload:
             self._gone = True
@@ -188,10 +188,10 @@ class Ar2Board:
             self._gone = False
             self._speaks_at = now + self._boots
         else:
-            self._heard = (self._heard + bytes(packet.payload))[-KEPT:]
+            self._received = (self._received + bytes(packet.payload))[-KEPT:]
             question = self._question
-            if question is not None and words.echo(question.text) in self._heard:
-                self._heard = b""
+            if question is not None and words.echo(question.text) in self._received:
+                self._received = b""
                 self._answered(question, now)
         return self._go_on(now)
 
@@ -211,9 +211,9 @@ class Ar2Board:
         return self._table.boots_ms * MILLISECOND
 
     @property
-    def _asks(self) -> bool:
+    def _requests(self) -> bool:
         """Whether the task under way is a question that has not been said."""
-        return bool(self.under_way) and self.under_way[0] in ASKS
+        return bool(self.under_way) and self.under_way[0] in REQUESTS
 
     @property
     def _may_move(self) -> bool:
@@ -223,7 +223,7 @@ class Ar2Board:
         """Say what is to be said next, where the line is free: a task's question, a place, a move."""
         if self._question is not None or self._gone or now < self._speaks_at:
             return ()
-        if self._asks:
+        if self._requests:
             return (self._ask(Question(self._next_text()), now),)
         if self._places:
             return (self._ask(self._places.pop(0), now),)
@@ -233,12 +233,12 @@ class Ar2Board:
 
     def _next_text(self) -> str:
         """Return a text that no answer which is still under way can have."""
-        self._asked += 1
-        return f"q{self._asked}"
+        self._requested += 1
+        return f"q{self._requested}"
 
     def _ask(self, question: Question, now: Nanoseconds) -> Packet:
         self.commands += 1
-        self._question, self._asked_at, self._heard = question, now, b""
+        self._question, self._requested_at, self._received = question, now, b""
         finding = self.under_way[:1] == (Task.FIND,)
         moves = 0 if self._move is None else self._table.move
         self._until = now + (FOUND_EVERY if finding else self.answers_within + moves)
@@ -262,13 +262,13 @@ class Ar2Board:
     # What is answered
 
     def _answered(self, question: Question, now: Nanoseconds) -> None:
-        self._question, self._heard_at, self._tries = None, now, 0
-        self.busy += now - self._asked_at
+        self._question, self._received_at, self._tries = None, now, 0
+        self.busy += now - self._requested_at
         self._prove()
         if question.joint is not None:
-            question.joint.count, question.joint.told = question.joint.told, None
+            question.joint.count, question.joint.reported = question.joint.reported, None
             self._placed = True
-        elif self._asks:
+        elif self._requests:
             self._close_task(now)
         elif self.configured:
             self._sampled(now)
@@ -291,11 +291,11 @@ class Ar2Board:
 
     def _unanswered(self, question: Question, now: Nanoseconds) -> tuple[Packet, ...]:
         """Ask once more what has no answer, or give it up: the next cycle asks anew."""
-        self.busy += now - self._asked_at
+        self.busy += now - self._requested_at
         self._question = None
         if question.joint is not None:
-            question.joint.told = None
-        elif self._asks:
+            question.joint.reported = None
+        elif self._requests:
             self._tries += 1
             finding = self.under_way[0] is Task.FIND
             if now < self._found_until if finding else self._tries < TRIES:
@@ -319,7 +319,7 @@ class Ar2Board:
             opens = self._opens.get(task)
             if opens is not None:
                 opens(now)
-            if task in ASKS or task is Task.START or not self.under_way:
+            if task in REQUESTS or task is Task.START or not self.under_way:
                 break
             self.under_way = self.under_way[1:]
         return ()
@@ -331,7 +331,7 @@ class Ar2Board:
         self._open_task(now)
 
     def _find(self, now: Nanoseconds) -> None:
-        if now - self._heard_at >= self._silent_after:
+        if now - self._received_at >= self._silent_after:
             # To open its port may have reset it.
             self._speaks_at = max(self._speaks_at, now + self._boots)
         self.configured = False

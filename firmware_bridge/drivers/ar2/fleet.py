@@ -1,8 +1,8 @@
 """The board of an AR2 arm as one link of the robot."""
 
 from firmware_bridge.drivers.ar2.board import Ar2Board
-from firmware_bridge.drivers.ar2.joint import TELLS, Ar2Joint
-from firmware_bridge.drivers.driver import Tells
+from firmware_bridge.drivers.ar2.joint import REPORTS, Ar2Joint
+from firmware_bridge.drivers.driver import Reports
 from firmware_bridge.drivers.fleet import Fleet
 from firmware_bridge.robot import AnyLink, AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.units import MICROSECOND, MILLISECOND
@@ -11,9 +11,9 @@ LINE_US = 12_000
 """What the longest line, its question, and both chips take beside the move itself."""
 
 
-def tells(_axis: Axis, _link: AnyLink) -> frozenset[Tells]:
+def reports(_axis: Axis, _link: AnyLink) -> frozenset[Reports]:
     """Return what is told of a joint."""
-    return TELLS
+    return REPORTS
 
 
 def ar2_fleet(robot: AnyRobot, name: str) -> Fleet:

@@ -12,17 +12,17 @@ from firmware_bridge.drivers.driver import (
     Feedback,
     Position,
     Power,
+    Reports,
     StartupError,
     Stop,
     Task,
-    Tells,
 )
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.units import NEVER, Nanoseconds, to_seconds
 
-TELLS: Final = frozenset({Tells.STOP})
+REPORTS: Final = frozenset({Reports.STOP})
 """The board's answer to what was said behind a move proves that its steps are done; more it does not tell."""
 MOVES_AT_ONCE: Final = 1
 """Steps beside those of its top speed: what is told is rounded."""
@@ -80,11 +80,11 @@ class Ar2Joint:
         """Whether the board has proved that nothing moves since it may not."""
         self.count: int | None = None
         """Steps from the end of its way; None while nobody knows."""
-        self.told: int | None = None
+        self.reported: int | None = None
         """The count that was said to the board, which has not answered."""
         self._position = self._velocity = 0.0
-        self._heard_at: Nanoseconds = NEVER_HEARD
-        self._sampled_at: Nanoseconds = NEVER_HEARD
+        self._received_at: Nanoseconds = NEVER_RECEIVED
+        self._sampled_at: Nanoseconds = NEVER_RECEIVED
 
     @property
     def axis(self) -> Axis:
@@ -92,24 +92,24 @@ class Ar2Joint:
         return self._axis
 
     @property
-    def tells(self) -> frozenset[Tells]:
+    def reports(self) -> frozenset[Reports]:
         """What it can tell."""
-        return TELLS
+        return REPORTS
 
     @property
     def feedback(self) -> Feedback:
         """What is known of it; the power is what was said here, and its current is never the bridge's."""
         power = Power.UNKNOWN
-        if self._board.configured and self._heard_at != NEVER_HEARD:
+        if self._board.configured and self._received_at != NEVER_RECEIVED:
             power = Power.ON if self.enabled else Power.OFF
         return Feedback(
             axis=self._axis.name,
             power=power,
-            heard_at=self._heard_at,
+            received_at=self._received_at,
             sampled_at=self._sampled_at,
             position=self._position,
             velocity=self._velocity,
-            says="" if power is Power.UNKNOWN else "counted" if self.enabled else "counted, not moved",
+            text="" if power is Power.UNKNOWN else "counted" if self.enabled else "counted, not moved",
             zero_lost=self.count is None,
         )
 
@@ -121,7 +121,7 @@ class Ar2Joint:
     @property
     def busy(self) -> bool:
         """Whether the board has tasks to do, or is being told where the joint stands."""
-        return bool(self._board.under_way) or self.told is not None
+        return bool(self._board.under_way) or self.reported is not None
 
     @property
     def stopping(self) -> bool:
@@ -204,7 +204,7 @@ class Ar2Joint:
 
     def lost(self) -> None:
         """Learn that nobody knows any more where it stands, and that it may not be moved."""
-        self.count = self.told = None
+        self.count = self.reported = None
         self.enabled = self.released = False
         self.demand = Stop.REST
 
@@ -213,7 +213,7 @@ class Ar2Joint:
         before, count = self._position, self.count
         if count is not None:
             self._position = self._axis.ar2.origin + self._axis.direction * count / self._per_unit
-        known = self._sampled_at != NEVER_HEARD and count is not None and not placed
+        known = self._sampled_at != NEVER_RECEIVED and count is not None and not placed
         elapsed = to_seconds(cycle_at - self._sampled_at)
         self._velocity = (self._position - before) / elapsed if known and elapsed > 0.0 else 0.0
-        self._sampled_at, self._heard_at = cycle_at, now
+        self._sampled_at, self._received_at = cycle_at, now

@@ -29,7 +29,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             Stop.REST,
             within,
             at_once=True,
-            heard=True,
+            received=True,
         ),
         StopStep(
             "question",

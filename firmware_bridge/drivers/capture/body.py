@@ -50,8 +50,10 @@ class SeenBody:
     def reading(self) -> Reading | None:
         """What was seen in the newest frame; None where the body was not tracked in it."""
         if self._reading is None and self._newest is not None:
-            error_m, at, heard_at, position, attitude, heading = self._newest
-            self._reading = Reading(error_m, at, heard_at, SeenPose(position, attitude, heading, self.jumps))
+            error_m, at, received_at, position, attitude, heading = self._newest
+            self._reading = Reading(
+                error_m, at, received_at, SeenPose(position, attitude, heading, self.jumps)
+            )
         return self._reading
 
     def measure(self, now: Nanoseconds) -> tuple[Packet, ...]:
@@ -69,7 +71,7 @@ class SeenBody:
         attitude: Quaternion,
         error_m: float,
         at: Nanoseconds,
-        heard_at: Nanoseconds,
+        received_at: Nanoseconds,
     ) -> None:
         """Take a pose in the stream's axes, m and x, y, z, w, and the instant that it shows.
 
@@ -89,7 +91,7 @@ class SeenBody:
         heading = heading_of(turned)
         self._watch(place, heading, at)
         self.sighting = Sighting.SEEN
-        self._newest, self._reading = (error_m, at, heard_at, place, turned, heading), None
+        self._newest, self._reading = (error_m, at, received_at, place, turned, heading), None
 
     def _robot(self, position: Point, attitude: Quaternion) -> tuple[Point, Quaternion]:
         """Return where the robot is whose mounted body is there."""

@@ -7,7 +7,7 @@ slowly. The way's best time itself cannot be known, and counts as none: on a wir
 
 from typing import Final
 
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.units import SECOND, Nanoseconds
 
 _SKEW: Final = 10_000
@@ -22,16 +22,16 @@ class StampClock:
     def __init__(self) -> None:
         self._least: Nanoseconds | None = None
         """The least difference between arrival and stamp."""
-        self._heard_at: Nanoseconds = NEVER_HEARD
+        self._received_at: Nanoseconds = NEVER_RECEIVED
 
-    def left_at(self, stamp: Nanoseconds, heard_at: Nanoseconds) -> Nanoseconds:
+    def left_at(self, stamp: Nanoseconds, received_at: Nanoseconds) -> Nanoseconds:
         """Return when something with this stamp left, by our clock; never after it was heard."""
-        apart = heard_at - stamp
+        apart = received_at - stamp
         least = self._least
         if least is None or abs(apart - least) > _RESTARTED:
             least = apart
         else:
             # What was least creeps up with the time that passes, and no further than what is seen.
-            least = min(least + (heard_at - self._heard_at) // _SKEW, apart)
-        self._least, self._heard_at = least, heard_at
-        return min(stamp + least, heard_at)
+            least = min(least + (received_at - self._received_at) // _SKEW, apart)
+        self._least, self._received_at = least, received_at
+        return min(stamp + least, received_at)

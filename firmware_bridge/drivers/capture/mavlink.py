@@ -56,7 +56,7 @@ class MavlinkPoses:
         del now
         return ()
 
-    def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
+    def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take the poses of a datagram; one of another host is left."""
         if same_host(packet.address, self._place):
             for pose in poses(packet.payload):

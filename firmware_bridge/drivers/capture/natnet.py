@@ -62,7 +62,7 @@ class NatNetLink:
         self._numbers: dict[str, int] = {}
         """Of the bodies that are named in the robot file, by name."""
         self._silent: Final = table.silent_ms * MILLISECOND
-        self._heard_at: Nanoseconds = -self._silent
+        self._received_at: Nanoseconds = -self._silent
         """When the newest frame was heard."""
         self._clock = StampClock()
 
@@ -89,11 +89,11 @@ class NatNetLink:
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Connect where nothing is heard, and ask for names that are not known."""
         self.wake_at = now + AGAIN
-        if now - self._heard_at >= self._silent:
+        if now - self._received_at >= self._silent:
             return (self._sent(CONNECT),)
         return (self._sent(_WHICH),) if self._wanted() else ()
 
-    def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
+    def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take a packet; one of another host is left."""
         if not same_host(packet.address, self._place):
             return ()
@@ -119,7 +119,7 @@ class NatNetLink:
             self._numbers = {name: models.body_named(found, name) for name in self._names()}
         elif message is MessageId.FRAMEOFDATA:
             frame = glance(payload, version)
-            self._heard_at = now
+            self._received_at = now
             ticks_per_s = self.server.ticks_per_s if version >= V3_0 else 0
             self._look(frame, self._exposed_at(frame, ticks_per_s, now), now)
             if frame.params & _MODELS_CHANGED and any(self._names()):

@@ -48,7 +48,7 @@ class CanAccess:
         """When the answer is late."""
         return self._client.wake_at
 
-    def asks_once(self, timeout: Nanoseconds) -> None:
+    def requests_once(self, timeout: Nanoseconds) -> None:
         """Wait so long for an answer from now on, and do not ask again."""
         self._timeout, self._tries = timeout, 1
 
@@ -64,11 +64,11 @@ class CanAccess:
         raw = job.raw if isinstance(job, WriteJob) else None
         return self._requests(self._client.start(Transfer(job.address, raw, attempts(job, self._tries)), now))
 
-    def hear(self, packet: Packet, now: Nanoseconds) -> Sent:
+    def receive(self, packet: Packet, now: Nanoseconds) -> Sent:
         """Take a frame of the bus; all but those of the drive's SDO server are somebody else's."""
         if (packet.link, packet.address) != (CAN, canopen.SDO_RESPONSE + self.node):
             return ()
-        return self._requests(self._client.hear(packet.payload, now))
+        return self._requests(self._client.receive(packet.payload, now))
 
     def wake(self, now: Nanoseconds) -> Sent:
         """Ask again, or give up, where an answer is late."""

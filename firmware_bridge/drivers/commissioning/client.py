@@ -64,7 +64,7 @@ class JobClient:
         self._link = link
         self._overhear = overhear
         self._rest = script
-        self._asked: Ask | None = None
+        self._requested: Ask | None = None
         self._paused_until: Nanoseconds = NEVER
         self._started = False
         self._stopped = False
@@ -72,13 +72,13 @@ class JobClient:
     @property
     def finished(self) -> bool:
         """Whether the script has been done, or has failed."""
-        return self._started and self._asked is None and self._paused_until == NEVER and not self._rest
+        return self._started and self._requested is None and self._paused_until == NEVER and not self._rest
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take what arrives on the link."""
         if self._overhear is not None:
             self._overhear(packet)
-        return self._go_on(self._link.hear(packet, now), now)
+        return self._go_on(self._link.receive(packet, now), now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
         """Begin at the first call; act on the time."""
@@ -98,7 +98,7 @@ class JobClient:
             self._advance(outbox, now)
         except (JobError, CommissioningError) as failure:
             self.failure = failure
-            self._rest, self._asked, self._paused_until = (), None, NEVER
+            self._rest, self._requested, self._paused_until = (), None, NEVER
         wake_at = NEVER if self.finished else min(self._link.wake_at, self._paused_until)
         return Reaction(tuple(outbox), wake_at)
 
@@ -109,7 +109,7 @@ class JobClient:
             self._rest = tuple(rest)
             match step:
                 case Ask(job):
-                    self._asked = step
+                    self._requested = step
                     outbox += self._link.begin(job, now)
                 case Pause(duration):
                     self._paused_until = now + duration
@@ -118,12 +118,12 @@ class JobClient:
 
     def _come_true(self, now: Nanoseconds) -> bool:
         """Tell whether what the newest step waits for has come."""
-        if self._asked is not None:
+        if self._requested is not None:
             outcome = self._link.take()
             if outcome is None:
                 return False
-            asked, self._asked = self._asked, None
-            self._rest = asked.then(outcome) + self._rest
+            requested, self._requested = self._requested, None
+            self._rest = requested.then(outcome) + self._rest
         if now < self._paused_until != NEVER:
             return False
         self._paused_until = NEVER

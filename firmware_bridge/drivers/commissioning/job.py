@@ -118,7 +118,7 @@ class DriveAccess(Protocol):
     def begin(self, job: Job, now: Nanoseconds) -> Sent:
         """Begin a job, and return what to send."""
 
-    def hear(self, packet: Packet, now: Nanoseconds) -> Sent:
+    def receive(self, packet: Packet, now: Nanoseconds) -> Sent:
         """Take a packet, whosever it is, and return what to send."""
 
     def wake(self, now: Nanoseconds) -> Sent:

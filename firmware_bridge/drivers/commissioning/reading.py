@@ -21,7 +21,7 @@ class Reading:
         self.addresses: Final = tuple(dict.fromkeys(addresses))
         self.found: dict[Address, Outcome] = {}
         needs_mode = BY_MODE.intersection(self.addresses) and at.MODE_DISPLAY not in self.addresses
-        self._asked = (*self.addresses, at.MODE_DISPLAY) if needs_mode else self.addresses
+        self._requested = (*self.addresses, at.MODE_DISPLAY) if needs_mode else self.addresses
 
     @property
     def mode(self) -> Mode | None:
@@ -36,7 +36,7 @@ class Reading:
 
     def once(self) -> Script:
         """Read each object once. A refusal is kept; a drive that does not answer ends the script."""
-        return tuple(Ask(ReadJob(address), partial(self._keep, address)) for address in self._asked)
+        return tuple(Ask(ReadJob(address), partial(self._keep, address)) for address in self._requested)
 
     def again_and_again(self, period: Nanoseconds, changed: Callable[[], None]) -> Script:
         """Read them for ever, with a pause in between; call `changed` after each round that brought news."""

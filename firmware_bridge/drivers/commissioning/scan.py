@@ -45,7 +45,7 @@ class Found:
         self._alone = alone
         self.outcomes: dict[Address, Outcome] = {}
         """What came of each question, in the order of the questions."""
-        self.heard: NmtState | None = None
+        self.received: NmtState | None = None
         """What it has said of its state without being asked, or asked by somebody else."""
 
     @property
@@ -84,8 +84,8 @@ class Found:
     def network(self) -> tuple[NmtState, ...]:
         """Network states that it may be in: the one that was heard, or, of an EPOS2, by its word."""
         word = self.number(at.STATUSWORD)
-        if self.heard is not None:
-            return (self.heard,)
+        if self.received is not None:
+            return (self.received,)
         return network_states(word, alone=self._alone) if self.maxon and word is not None else ()
 
     def next_question(self) -> Address | None:
@@ -111,7 +111,7 @@ class Scan:
 
     def __init__(self, link: CanAccess | SerialAccess, nodes: Sequence[int], listen: Nanoseconds = 0) -> None:
         """`listen` is for how long nobody is asked, so that heartbeats are heard."""
-        self.asked: list[int] = []
+        self.requested: list[int] = []
         self.own: int | None = None
         """The number of the drive on a serial line."""
         self._link = link
@@ -127,7 +127,7 @@ class Scan:
     @property
     def silent(self) -> tuple[int, ...]:
         """Who was asked and has not answered, nor was heard."""
-        return tuple(node for node in sorted(self.asked) if node not in self._found)
+        return tuple(node for node in sorted(self.requested) if node not in self._found)
 
     def script(self) -> Script:
         """Listen, and ask everybody. A drive on a serial line comes first; one that is silent ends it."""
@@ -144,7 +144,7 @@ class Scan:
             return
         state = canopen.decode_heartbeat(packet.payload)
         if state is not None:
-            self._of(node).heard = state
+            self._of(node).received = state
 
     def _begin(self, raw: bytes) -> Script:
         """Go on from the drive on the line, whose number is in the identifier of its SDO server."""
@@ -157,16 +157,18 @@ class Scan:
 
     def _begin_with(self, node: int) -> Script:
         self._link.node = OWN if node == self.own else node
-        self.asked.append(node)
-        return (Ask(ReadJob(at.DEVICE_TYPE), partial(self._told, node, at.DEVICE_TYPE)),)
+        self.requested.append(node)
+        return (Ask(ReadJob(at.DEVICE_TYPE), partial(self._on_answer, node, at.DEVICE_TYPE)),)
 
-    def _told(self, node: int, address: Address, outcome: Outcome) -> Script:
+    def _on_answer(self, node: int, address: Address, outcome: Outcome) -> Script:
         if isinstance(outcome, JobError) and outcome.unheard:
             return ()  # nor would it answer the next one
         found = self._of(node)
         found.outcomes[address] = outcome
         following = found.next_question()
-        return () if following is None else (Ask(ReadJob(following), partial(self._told, node, following)),)
+        return (
+            () if following is None else (Ask(ReadJob(following), partial(self._on_answer, node, following)),)
+        )
 
     def _of(self, node: int) -> Found:
         return self._found.setdefault(node, Found(node, alone=node == self.own))

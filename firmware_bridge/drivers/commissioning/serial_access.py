@@ -73,11 +73,11 @@ class SerialAccess:
         self._attempts_left = ATTEMPTS
         return self._try(job, now)
 
-    def hear(self, packet: Packet, now: Nanoseconds) -> Sent:
+    def receive(self, packet: Packet, now: Nanoseconds) -> Sent:
         """Take bytes of the line."""
         if packet.link != SERIAL:
             return ()
-        return self._ended(self._host.hear(packet.payload, now), now)
+        return self._ended(self._host.receive(packet.payload, now), now)
 
     def wake(self, now: Nanoseconds) -> Sent:
         """Give up a step that is late, or begin what had to wait for the line."""
@@ -117,20 +117,20 @@ class SerialAccess:
         self._request, self._begin_at = request, NEVER
         answered = self.generation in row_of(request).answered
         self._host.ask(encode_request(request), now, answered=answered)
-        return self._said()
+        return self._taken()
 
     def _ended(self, outcome: LineOutcome | None, now: Nanoseconds) -> Sent:
         """Act on the end of a command, if this is one."""
         job, request = self._job, self._request
-        said = self._said()
+        sent = self._taken()
         if outcome is None or job is None or request is None:
-            return said
+            return sent
         if isinstance(outcome, Failure):
-            return said + self._failed(job, outcome, now)
+            return sent + self._failed(job, outcome, now)
         if not outcome.body and isinstance(job, NetworkJob):
             self._end(b"")
-            return said
-        return said + self._answered(job, request, outcome.body, now)
+            return sent
+        return sent + self._answered(job, request, outcome.body, now)
 
     def _answered(self, job: Job, request: Request, body: bytes, now: Nanoseconds) -> Sent:
         answer = decode_answer(request, body)
@@ -178,7 +178,7 @@ class SerialAccess:
         self._job = self._request = self._gathered = None
         self._outcome = outcome
 
-    def _said(self) -> Sent:
+    def _taken(self) -> Sent:
         raw = self._host.taken()
         return (Packet(SERIAL, 0, raw),) if raw else ()
 

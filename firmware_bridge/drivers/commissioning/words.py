@@ -69,23 +69,23 @@ def title(mode: Mode | None) -> str:
 
 def _statusword(value: int, mode: Mode | None) -> Words:
     state = state_of(value)
-    said = ["no state of the drive" if state is None else state.title]
-    said += [text for bit, text in _BITS.items() if value & bit]
+    decoded = ["no state of the drive" if state is None else state.title]
+    decoded += [text for bit, text in _BITS.items() if value & bit]
     for bit, by_mode in ((Status.SETPOINT_ACKNOWLEDGED, _BIT_12), (Status.FOLLOWING_ERROR, _BIT_13)):
         if value & bit:
             number = bit.bit_length() - 1
-            said.append(f"bit {number}" if mode is None else by_mode.get(mode, f"bit {number}"))
-    return tuple(said)
+            decoded.append(f"bit {number}" if mode is None else by_mode.get(mode, f"bit {number}"))
+    return tuple(decoded)
 
 
 def _controlword(value: int, mode: Mode | None) -> Words:
-    said = [command_of(value).value]
+    decoded = [command_of(value).value]
     if value & Control.FAULT_RESET:
-        said.append("fault reset")
+        decoded.append("fault reset")
     if value & Control.HALT:
-        said.append("halt")
+        decoded.append("halt")
     by_mode = {} if mode is None else _CONTROL.get(mode, {})
-    return (*said, *(text for bit, text in by_mode.items() if value & bit))
+    return (*decoded, *(text for bit, text in by_mode.items() if value & bit))
 
 
 def _register(value: int, _mode: Mode | None) -> Words:

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from typing import Final, Generic, TypeVar
 
-from firmware_bridge.drivers.driver import Feedback, StartupError, Tells
-from firmware_bridge.drivers.epos2.feedback import TELLS, DriveFeedback
+from firmware_bridge.drivers.driver import Feedback, Reports, StartupError
+from firmware_bridge.drivers.epos2.feedback import REPORTS, DriveFeedback
 from firmware_bridge.drivers.epos2.set_point import set_point
 from firmware_bridge.drivers.epos2.setup import Row
 from firmware_bridge.drivers.epos2.task_runner import TaskRunner
@@ -42,9 +42,9 @@ class Epos2Drive(Generic[F]):
         return self._axis
 
     @property
-    def tells(self) -> frozenset[Tells]:
+    def reports(self) -> frozenset[Reports]:
         """What it can tell."""
-        return TELLS
+        return REPORTS
 
     @property
     def feedback(self) -> Feedback:

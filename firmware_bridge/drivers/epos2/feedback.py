@@ -7,15 +7,15 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Final
 
-from firmware_bridge.drivers.driver import Feedback, Power, Tells
+from firmware_bridge.drivers.driver import Feedback, Power, Reports
 from firmware_bridge.drivers.epos2.scale import Scale, wrapped
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds, to_seconds
 from firmware_bridge.wire.cia402 import State, Status, state_of
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 
-TELLS: Final = frozenset(Tells)
+REPORTS: Final = frozenset(Reports)
 """An EPOS2 tells all that there is."""
 POWERED: Final = (
     State.REFRESH,
@@ -68,14 +68,14 @@ class DriveFeedback:
         """What somebody else has written to its objects since it was set up: its set-up may be lost."""
         self.expected = False
         """What is sent in every cycle counts only once this bridge has said what it is."""
-        self.heard_at: Nanoseconds = NEVER_HEARD
-        self.sampled_at: Nanoseconds = NEVER_HEARD
+        self.received_at: Nanoseconds = NEVER_RECEIVED
+        self.sampled_at: Nanoseconds = NEVER_RECEIVED
         self.position_qc = 0
         """Counted on across the wrap of the drive's counter."""
         self.velocity = 0.0
         """In the axis's unit a second, the mean between the last two samples."""
         self.current_ma = 0
-        self.current_at: Nanoseconds = NEVER_HEARD
+        self.current_at: Nanoseconds = NEVER_RECEIVED
         """When it arrived."""
         self.fault = 0
         """Code of the newest emergency; 0 where there is none, or it was reset."""
@@ -89,7 +89,7 @@ class DriveFeedback:
         self.seeking = False
         """Whether it moves to find its zero; its counter is set when it says that it has attained it."""
 
-    def told(self, statusword: int) -> State | None:
+    def on_statusword(self, statusword: int) -> State | None:
         """Take a statusword, by whatever way it came and whether the drive listens to set-points or not.
 
         Return the state that it tells.
@@ -115,7 +115,7 @@ class DriveFeedback:
 
     def forget_motion(self) -> None:
         """Count anew from the next sample on: no way and no velocity from before to after."""
-        self.sampled_at = NEVER_HEARD
+        self.sampled_at = NEVER_RECEIVED
         self.velocity = 0.0
 
     def restart(self) -> None:
@@ -138,18 +138,18 @@ class DriveFeedback:
     def published(self) -> Feedback:
         """Return what everybody may know of it."""
         fault = self.fault
-        power, says = _SHOWN[self.state]
+        power, text = _SHOWN[self.state]
         return Feedback(
             axis=self._axis,
             power=power,
-            heard_at=self.heard_at,
+            received_at=self.received_at,
             sampled_at=self.sampled_at,
             position=self._scale.position(self.position_qc),
             velocity=self.velocity,
             current_a=self.current_ma / MILLIAMPERES,
             current_at=self.current_at,
             fault=in_words(fault) if fault else "",
-            says=says,
+            text=text,
             zero_lost=self.zero_lost,
             rewritten=self.rewritten,
         )

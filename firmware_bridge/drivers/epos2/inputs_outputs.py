@@ -10,7 +10,7 @@ from typing import Final, Protocol
 from firmware_bridge.drivers.driver import Level, Reading
 from firmware_bridge.drivers.epos2.setup import general_purpose
 from firmware_bridge.drivers.sdo_client import Outcome, SdoError, SdoTimeoutError, Transfer
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis, Output, Sensor
 from firmware_bridge.units import Nanoseconds
@@ -31,7 +31,7 @@ class ObjectRequest:
     transfer: Transfer
     over: bool = False
     outcome: Outcome | None = None
-    ended_at: Nanoseconds = NEVER_HEARD
+    ended_at: Nanoseconds = NEVER_RECEIVED
 
     def end(self, outcome: Outcome, now: Nanoseconds) -> None:
         """Take the outcome."""
@@ -69,7 +69,7 @@ class AnalogueInput:
         self._drive: Final = drive
         self._address: Final = Address(at.ANALOGUE_INPUT_1.index, sensor.analogue.input)
         self._per_volt: Final = sensor.analogue.per_volt
-        self._asked_at: Nanoseconds = NEVER_HEARD
+        self._requested_at: Nanoseconds = NEVER_RECEIVED
         self._request: ObjectRequest | None = None
         self._reading: Reading | None = None
 
@@ -84,7 +84,7 @@ class AnalogueInput:
         self._take()
         if self._request is not None:
             return ()
-        self._asked_at, self._request = now, ObjectRequest(Transfer(self._address, attempts=1))
+        self._requested_at, self._request = now, ObjectRequest(Transfer(self._address, attempts=1))
         return self._drive.request(self._request, now)
 
     def _take(self) -> None:
@@ -95,7 +95,7 @@ class AnalogueInput:
         outcome = request.outcome
         if isinstance(outcome, bytes) and len(outcome) == _VOLTAGE.size:
             value = _VOLTAGE.decode(outcome) * self._per_volt / MILLIVOLTS
-            self._reading = Reading(value, self._asked_at, request.ended_at)
+            self._reading = Reading(value, self._requested_at, request.ended_at)
         elif outcome is not None and not isinstance(outcome, SdoTimeoutError):
             self._reading = None
 

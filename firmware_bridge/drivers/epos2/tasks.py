@@ -75,13 +75,13 @@ def configure(axis: Axis, feedback: DriveFeedback, rows: tuple[Row, ...]) -> Scr
 
 def start(axis: Axis, feedback: DriveFeedback) -> Script:
     """Let process data flow; wait for the first state and position."""
-    before = feedback.heard_at
+    before = feedback.received_at
     feedback.state = None
     feedback.expected = True
     return (
         nmt(axis, NmtCommand.START),
         Until(
-            lambda: feedback.heard_at != before and feedback.state is not None,
+            lambda: feedback.received_at != before and feedback.state is not None,
             SAMPLE_WITHIN,
             lambda: StartupError(
                 axis, f"no statusword and position within {SAMPLE_WITHIN // MILLISECOND} ms after NMT start"
@@ -160,7 +160,7 @@ def _statusword(
     """Read the statusword, whether the drive listens to set-points or not."""
 
     def judge(statusword: int) -> Script:
-        feedback.told(statusword)
+        feedback.on_statusword(statusword)
         return then(statusword)
 
     return read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge, attempts)
@@ -217,7 +217,7 @@ def _restarted(axis: Axis, feedback: DriveFeedback, polls: int) -> Ask:
 
     def judge(outcome: Outcome) -> Script:
         if not isinstance(outcome, SdoError):
-            feedback.told(DataType.UNSIGNED16.decode(outcome))
+            feedback.on_statusword(DataType.UNSIGNED16.decode(outcome))
         elif polls > 1:
             return (pause(POLL), _restarted(axis, feedback, polls - 1))
         return ()

@@ -129,7 +129,7 @@ def _sets_out(axis: Axis, feedback: DriveFeedback) -> Ask:
 
     def judge(statusword: int) -> Script:
         feedback.zeroing, feedback.seeking = False, True
-        feedback.told(statusword)
+        feedback.on_statusword(statusword)
         return ()
 
     return read(axis, at.STATUSWORD, DataType.UNSIGNED16, judge)
@@ -139,7 +139,7 @@ def _found(axis: Axis, feedback: DriveFeedback) -> Ask:
     """Look how the homing has ended; one that did not come to its end is halted at once."""
 
     def judge(statusword: int) -> Script:
-        feedback.told(statusword)
+        feedback.on_statusword(statusword)
         if statusword & _ATTAINED == _ATTAINED and not statusword & _FAILED:
             return ()
         why = "it gave its homing up" if statusword & _FAILED else "it has not found its zero in time"
@@ -165,7 +165,7 @@ def _attained(axis: Axis, feedback: DriveFeedback, polls: int) -> Ask:
     """Wait until the drive says that its position is referenced; so many polls are left."""
 
     def judge(statusword: int) -> Script:
-        feedback.told(statusword)
+        feedback.on_statusword(statusword)
         if statusword & _ATTAINED == _ATTAINED and not statusword & _FAILED:
             return ()
         if polls > 1 and not statusword & _FAILED:

@@ -14,7 +14,7 @@ from firmware_bridge.drivers.shield.dialects import Dialect, Numbers, Say
 from firmware_bridge.drivers.shield.expressed import expressed
 from firmware_bridge.drivers.shield.releasing import Releasing
 from firmware_bridge.drivers.shield.waiting import Part, Waiting
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.settings.shield import ShieldLink
@@ -57,9 +57,9 @@ class Board:
         self._patience: Final = table.answers_within_ms * MILLISECOND
         self._booting: Final = Booting(name, table, dialect.begins)
         self._gone = self._dirty = self._set_up_once = False
-        self._heard_at: Nanoseconds = NEVER_HEARD
+        self._received_at: Nanoseconds = NEVER_RECEIVED
         self._question: Say | None = None
-        self._asked_at: Nanoseconds = 0
+        self._requested_at: Nanoseconds = 0
         self._until: Nanoseconds = NEVER
         self._tries = 0
         self._questions = 0
@@ -68,7 +68,7 @@ class Board:
         self._misses = 0
         """Words of the task under way that were not answered."""
         self._starts_until: Nanoseconds = NEVER
-        self._cycle_at: Nanoseconds = NEVER_HEARD
+        self._cycle_at: Nanoseconds = NEVER_RECEIVED
         self._restores = False
         """Whether no demand ends the tasks under way: nobody has asked for them, or a stop has."""
         self._scripts: Final[Mapping[Task, Callable[[], Iterator[Say] | None]]] = {
@@ -143,7 +143,7 @@ class Board:
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Ask for all counts, unless the questions of the cycle before are not answered."""
         self.clock = now
-        if self.configured and now - self._heard_at >= self._silent_after:
+        if self.configured and now - self._received_at >= self._silent_after:
             self._forget()
         waiting = self._waiting
         if waiting.samples or (self._question is not None and waiting.part is Part.SAMPLE):
@@ -164,7 +164,7 @@ class Board:
         """Say nothing."""
         return ()
 
-    def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
+    def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take bytes, or what became of the line; what answers no question is ignored."""
         self.clock = now
         self._booting.receives(now)
@@ -175,8 +175,8 @@ class Board:
             self._booting.begun(now)
         else:
             if not self.configured:
-                self._booting.hears(packet.payload)
-            for answer in self._reader.hear(packet.payload):
+                self._booting.take_bytes(packet.payload)
+            for answer in self._reader.receive(packet.payload):
                 question = self._question
                 numbers = None if question is None or question.reads is None else question.reads(answer)
                 if question is not None and numbers is not None:
@@ -189,7 +189,7 @@ class Board:
         question = self._question
         sent: tuple[Packet, ...] = ()
         if question is not None and now >= self._until:
-            self.busy += now - self._asked_at
+            self.busy += now - self._requested_at
             self._question, self._reader = None, self._dialect.reader()
             self._releasing.forget()
             sent = self._again(question, now)
@@ -207,7 +207,7 @@ class Board:
             say = self._taken()
             if say is None:
                 break
-            sent += self._said(say, now)
+            sent += self._encoded(say, now)
         return tuple(sent)
 
     def _taken(self) -> Say | None:
@@ -225,17 +225,17 @@ class Board:
         elif self._waiting.last and self.under_way[0] in _LETTING_GO:
             self._releasing.begin(self.motors, self._questions)
 
-    def _said(self, say: Say, now: Nanoseconds) -> tuple[Packet, ...]:
+    def _encoded(self, say: Say, now: Nanoseconds) -> tuple[Packet, ...]:
         self.commands += 1
         before: Iterable[Say] = ()
         if say.reads is not None:
-            self._question, self._asked_at = say, now
+            self._question, self._requested_at = say, now
             finding = self.under_way[:1] == (Task.FIND,)
             self._until = now + (FOUND_EVERY if finding else self._patience)
             self._questions += 1
             if finding and self._restores and not self._dialect.on_board:
                 # Its shield drives on until it is told, and its answers may not come through.
-                before = self._dialect.release_anew(motor.number for motor in self.motors)
+                before = self._dialect.release_again(motor.number for motor in self.motors)
         return tuple([Packet(self.name, 0, word.data) for word in (*before, say)])
 
     def _express(self, now: Nanoseconds) -> None:
@@ -249,12 +249,12 @@ class Board:
     # What is answered
 
     def _end(self, question: Say, numbers: Numbers, now: Nanoseconds) -> None:
-        self._question, self._heard_at = None, now
-        self.busy += now - self._asked_at
+        self._question, self._received_at = None, now
+        self.busy += now - self._requested_at
         self._releasing.answered(self._questions, self.motors)
         if question.wanted is not None and numbers != question.wanted:
-            said, wanted = (", ".join(map(str, them)) for them in (numbers, question.wanted))
-            self._fail(f"{question.what}: it says {said}, expected {wanted}")
+            expected, wanted = (", ".join(map(str, them)) for them in (numbers, question.wanted))
+            self._fail(f"{question.what}: it says {expected}, expected {wanted}")
             return
         self._count(question, numbers)
         if self._waiting.part is Part.TASK:
@@ -271,7 +271,7 @@ class Board:
         for number, count in zip(question.counts, numbers, strict=False):
             for motor in self.motors:
                 if motor.number == number and motor.measured:
-                    motor.counted(count, self._dialect.bits, self._asked_at, self._cycle_at)
+                    motor.counted(count, self._dialect.bits, self._requested_at, self._cycle_at)
 
     def _sampled(self, now: Nanoseconds) -> None:
         """Learn that a question of the cycle is answered; with the last of them the sample is whole."""
@@ -305,7 +305,7 @@ class Board:
             self._waiting.later(question)
             return ()
         if now < self._booting.found_until if finding else self._tries < TRIES:
-            return self._said(question, now)
+            return self._encoded(question, now)
         self._fail(self._booting.unanswered(question.what, found=not finding))
         return ()
 
@@ -328,7 +328,7 @@ class Board:
 
     def _find(self) -> Iterator[Say]:
         self._booting.looked_for(self.clock)
-        if self.clock - self._heard_at >= self._silent_after:
+        if self.clock - self._received_at >= self._silent_after:
             # To open its port may have reset it.
             self._booting.begun(self.clock)
         self.configured = False
@@ -354,7 +354,7 @@ class Board:
         """Yield what releases all motors, and a question whose answer says that it has come."""
         for motor in self.motors:
             motor.enabled, motor.demand = False, Stop.POWER_OFF
-        release = self._dialect.release if self.configured else self._dialect.release_anew
+        release = self._dialect.release if self.configured else self._dialect.release_again
         yield from release(motor.number for motor in self.motors)
         yield self._dialect.find()
 
@@ -367,7 +367,7 @@ class Board:
             self._restores = False
             self.remark = self._booting.released(self.clock)
             for motor in self.motors:
-                motor.begin_anew()
+                motor.begin_again()
             self._releasing.begin(self.motors, self._questions)
         self._open_task()
 

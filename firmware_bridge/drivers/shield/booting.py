@@ -47,7 +47,7 @@ class Booting:
         """When a board that is lost is reset, whoever asks for it."""
         self._begins: Final = begins
         self._pulsed_at: Nanoseconds | None = None
-        self._heard = b""
+        self._received = b""
         """Since the last reset, as long as it is not set up."""
         self._answers_after: Nanoseconds | None = None
         """From the first reset of the bridge's until its motors were released."""
@@ -64,7 +64,7 @@ class Booting:
     def pulse(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Return what resets it."""
         self.begun(now)
-        self._pulsed_at, self._heard, self._shown = now, b"", False
+        self._pulsed_at, self._received, self._shown = now, b"", False
         return Packet(self._name, DTR_DOWN, b""), Packet(self._name, DTR_UP, b"")
 
     def identified(self, now: Nanoseconds) -> None:
@@ -76,10 +76,10 @@ class Booting:
         if now < self.quiet_until:
             self.quiet_until = min(now + QUIET, self._quiet_at_most)
 
-    def hears(self, data: bytes) -> None:
+    def take_bytes(self, data: bytes) -> None:
         """Take what it says while it is not set up."""
-        self._heard = self._heard[-KEPT:] + data
-        self._shown = self._shown or (bool(self._begins) and self._begins in self._heard)
+        self._received = self._received[-KEPT:] + data
+        self._shown = self._shown or (bool(self._begins) and self._begins in self._received)
 
     def released(self, now: Nanoseconds) -> str:
         """Learn that it has been set up, which begins by releasing its motors.

@@ -88,7 +88,7 @@ class Dialect(ABC):
     def release(self, motors: Iterable[int]) -> Iterator[Say]:
         """Yield what takes the power of motors."""
 
-    def release_anew(self, motors: Iterable[int]) -> Iterator[Say]:
+    def release_again(self, motors: Iterable[int]) -> Iterator[Say]:
         """Yield what takes the power of motors of a board that may have forgotten its set-up."""
         return self.release(motors)
 
@@ -203,15 +203,15 @@ class Mw(Dialect):
 
     def _ask(self, what: str, request: Any, **more: Any) -> Say:
         def reads(answered: mw.Answered | mw.Traced) -> Numbers | None:
-            told = mw.decode_answer(request, answered) if isinstance(answered, mw.Answered) else None
-            if isinstance(told, messages.ServerInfo):
-                names = tuple(name.decode("ascii", "replace") for name in told.libraries)
+            decoded = mw.decode_answer(request, answered) if isinstance(answered, mw.Answered) else None
+            if isinstance(decoded, messages.ServerInfo):
+                names = tuple(name.decode("ascii", "replace") for name in decoded.libraries)
                 missing = {mw.SHIELD, mw.ENCODER} - set(names)
                 self._libraries = self._libraries if missing else names
                 return (int(not missing),)
-            if isinstance(told, messages.Count):
-                return (told.count,)
-            return None if told is None else ()
+            if isinstance(decoded, messages.Count):
+                return (decoded.count,)
+            return None if decoded is None else ()
 
         self._sequence = (self._sequence + 1) % mw.SEQUENCES
         frame = mw.encode_request(request, self._sequence, self._libraries)
@@ -247,7 +247,7 @@ class Mw(Dialect):
             request = messages.StopMotor(SHIELD, number - 1)
             yield self._ask(f"release of M{number}", request, writes=2)
 
-    def release_anew(self, motors: Iterable[int]) -> Iterator[Say]:
+    def release_again(self, motors: Iterable[int]) -> Iterator[Say]:
         """Release what is made still, then make shield and motors, and release again; wait for no answer."""
         numbers = tuple(motors)
         for word in (*self.release(numbers), *self._made(numbers)):
@@ -322,7 +322,7 @@ class Firmata(Dialect):
             for pin in Pin:
                 yield _channel(number, pin, 0)
 
-    def release_anew(self, motors: Iterable[int]) -> Iterator[Say]:
+    def release_again(self, motors: Iterable[int]) -> Iterator[Say]:
         """Open the I2C bus first: a stray FF resets the firmware, which takes no I2C then."""
         yield self._bus()
         yield from self.release(motors)

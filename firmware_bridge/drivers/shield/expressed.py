@@ -18,16 +18,16 @@ def expressed(
     if not configured:
         if all(motor.released for motor in motors):
             return [], None
-        return list(dialect.release_anew(motor.number for motor in motors)), motors
+        return list(dialect.release_again(motor.number for motor in motors)), motors
     outputs = {motor.number: motor.output(now) for motor in motors}
-    told = outputs if dialect.on_board else {it.number: outputs[it.number] for it in motors if it.enabled}
-    words = list(dialect.drive(told, {motor.number: motor.way for motor in motors}))
+    driven = outputs if dialect.on_board else {it.number: outputs[it.number] for it in motors if it.enabled}
+    words = list(dialect.drive(driven, {motor.number: motor.way for motor in motors}))
     if dialect.on_board and not any(outputs.values()):
         # Speed 0 for all releases them all: said again to motors that are released, it drives none.
         return words, motors
     for motor in motors:
         if motor.enabled:
-            motor.told(outputs[motor.number])
+            motor.on_output(outputs[motor.number])
     if dialect.on_board:
         return words, None
     off = [motor for motor in motors if motor.demand is Stop.POWER_OFF]

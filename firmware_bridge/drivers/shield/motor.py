@@ -10,24 +10,24 @@ from firmware_bridge.drivers.driver import (
     Demand,
     Feedback,
     Power,
+    Reports,
     Speed,
     StartupError,
     Stop,
     Task,
-    Tells,
 )
 from firmware_bridge.drivers.shield.regulator import Pwm, Ticks
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyLink, AnyRobot, Axis
 from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import NEVER, Nanoseconds, to_seconds
 
-COUNTED: Final = frozenset({Tells.POSITION, Tells.VELOCITY, Tells.STOP})
+COUNTED: Final = frozenset({Reports.POSITION, Reports.VELOCITY, Reports.STOP})
 """What an encoder tells; a shield has no word for power or current."""
 
 
-def tells(axis: Axis, link: AnyLink) -> frozenset[Tells]:
+def reports(axis: Axis, link: AnyLink) -> frozenset[Reports]:
     """Return what is told of a motor: nothing, where the firmware does not read its encoder."""
     counted = isinstance(link, ShieldLink) and axis.shield.port <= link.counted
     return COUNTED if counted else frozenset()
@@ -71,9 +71,9 @@ class ShieldMotor:
         link = robot.shield_link(axis.link)
         self._axis: Final = axis
         self._board: Final = board
-        self._tells: Final = tells(axis, link)
+        self._reports: Final = reports(axis, link)
         self.number: Final = axis.shield.port
-        self.measured: Final = bool(self._tells)
+        self.measured: Final = bool(self._reports)
         cycle = robot.cycle * link.every
         self.regulator: Final = Ticks(axis, cycle) if link.stops_itself else Pwm(axis, cycle)
         self._per_count: Final = axis.direction / axis.shield.counts_per_unit(axis.ratio)
@@ -84,14 +84,14 @@ class ShieldMotor:
         """Whether it may be driven."""
         self.released = False
         """Whether the board has confirmed that it is released."""
-        self._regulated_at: Nanoseconds = NEVER_HEARD
+        self._regulated_at: Nanoseconds = NEVER_RECEIVED
         self._count: int | None = None
         self._counted_at: Nanoseconds = 0
         self._position = 0.0
         self._velocity = 0.0
-        self._heard_at: Nanoseconds = NEVER_HEARD
-        self._sampled_at: Nanoseconds = NEVER_HEARD
-        self._estimated_at: Nanoseconds = NEVER_HEARD
+        self._received_at: Nanoseconds = NEVER_RECEIVED
+        self._sampled_at: Nanoseconds = NEVER_RECEIVED
+        self._estimated_at: Nanoseconds = NEVER_RECEIVED
 
     @property
     def axis(self) -> Axis:
@@ -99,24 +99,24 @@ class ShieldMotor:
         return self._axis
 
     @property
-    def tells(self) -> frozenset[Tells]:
+    def reports(self) -> frozenset[Reports]:
         """What it can tell."""
-        return self._tells
+        return self._reports
 
     @property
     def feedback(self) -> Feedback:
         """What is known of it; the power is what was said to the board, and answered."""
         power = Power.UNKNOWN
-        if self._board.configured and self._heard_at != NEVER_HEARD:
+        if self._board.configured and self._received_at != NEVER_RECEIVED:
             power = Power.ON if self.enabled else Power.OFF
         return Feedback(
             axis=self._axis.name,
             power=power,
-            heard_at=self._heard_at,
+            received_at=self._received_at,
             sampled_at=self._sampled_at,
             position=self._position,
             velocity=self._velocity,
-            says="" if power is Power.UNKNOWN else "driven" if self.enabled else "released",
+            text="" if power is Power.UNKNOWN else "driven" if self.enabled else "released",
             zero_lost=False,
         )
 
@@ -199,7 +199,7 @@ class ShieldMotor:
 
     def output(self, now: Nanoseconds) -> int:
         """Return what it shall be told now: ticks or PWM; one step of its regulator."""
-        elapsed = 0 if self._regulated_at == NEVER_HEARD else now - self._regulated_at
+        elapsed = 0 if self._regulated_at == NEVER_RECEIVED else now - self._regulated_at
         self._regulated_at = now
         wanted = self.demand.value if isinstance(self.demand, Speed) and self.enabled else 0.0
         if not self.enabled or self.demand is Stop.QUICK_STOP:
@@ -207,31 +207,31 @@ class ShieldMotor:
             return 0
         return self.regulator.next(wanted, self._velocity if self.measured else None, elapsed)
 
-    def told(self, output: int) -> None:
+    def on_output(self, output: int) -> None:
         """Note what the board was told; 0 keeps the way, until it is released."""
         self.way = (output > 0) - (output < 0) or self.way or 1
         self.released = False
 
-    def begin_anew(self) -> None:
+    def begin_again(self) -> None:
         """Count from the next sample on, released and not to be driven: the board was set up."""
         self.regulator.reset()
         self._count = None
         self._velocity = 0.0
-        self._estimated_at = self._sampled_at = NEVER_HEARD
+        self._estimated_at = self._sampled_at = NEVER_RECEIVED
         self.demand, self.way, self.enabled = Stop.REST, 0, False
 
-    def counted(self, count: int, bits: int, asked_at: Nanoseconds, cycle_at: Nanoseconds) -> None:
+    def counted(self, count: int, bits: int, requested_at: Nanoseconds, cycle_at: Nanoseconds) -> None:
         """Take its encoder's count, which wraps at so many bits."""
         before, self._count = self._count, count
-        elapsed = asked_at - self._counted_at
-        self._counted_at = asked_at
+        elapsed = requested_at - self._counted_at
+        self._counted_at = requested_at
         if before is None or elapsed <= 0:
             self._velocity = 0.0
         else:
             half = 1 << bits - 1
             way = self._per_count * ((count - before + half) % (2 * half) - half)
             # Read a little after the others, it is shifted to the instant that all samples share.
-            shift = way * (asked_at - cycle_at) / elapsed
+            shift = way * (requested_at - cycle_at) / elapsed
             self._position += way - shift + self._shifted
             self._shifted = shift
             self._velocity = way / to_seconds(elapsed)
@@ -242,8 +242,8 @@ class ShieldMotor:
     def sampled(self, cycle_at: Nanoseconds, now: Nanoseconds) -> None:
         """Learn that the board has answered all questions of a cycle; where nothing is counted, believe."""
         if not self.measured:
-            told = self.demand.value if isinstance(self.demand, Speed) and self.enabled else 0.0
-            if self._estimated_at != NEVER_HEARD:
+            on_output = self.demand.value if isinstance(self.demand, Speed) and self.enabled else 0.0
+            if self._estimated_at != NEVER_RECEIVED:
                 self._position += self._velocity * to_seconds(cycle_at - self._estimated_at)
-            self._velocity, self._estimated_at = told, cycle_at
-        self._sampled_at, self._heard_at = cycle_at, now
+            self._velocity, self._estimated_at = on_output, cycle_at
+        self._sampled_at, self._received_at = cycle_at, now

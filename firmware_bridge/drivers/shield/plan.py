@@ -88,8 +88,8 @@ def fitting_plan(robot: AnyRobot, name: str) -> ShieldPlan:
     )
 
 
-def _entries(link: ShieldLink, says: Iterable[Say]) -> tuple[Entry, ...]:
-    return tuple(Entry(say.what, len(say.data) + say.answer, takes(link, say)) for say in says)
+def _entries(link: ShieldLink, orders: Iterable[Say]) -> tuple[Entry, ...]:
+    return tuple(Entry(say.what, len(say.data) + say.answer, takes(link, say)) for say in orders)
 
 
 def takes(link: ShieldLink, say: Say) -> Nanoseconds:

@@ -17,19 +17,19 @@ class Releasing:
         self._proved_by: int | None = None
         """The question, counted from 1, whose answer proves it; None where none does."""
 
-    def begin(self, motors: Sequence[ShieldMotor], asked: int, words: Sequence[Say] = ()) -> None:
+    def begin(self, motors: Sequence[ShieldMotor], requested: int, words: Sequence[Say] = ()) -> None:
         """Note that motors are being released by these words; so many questions were asked before them."""
         for motor in motors:
             motor.way = 0
         questions = [word.reads is not None for word in words]
-        self._proved_by = asked + sum(questions) + (not any(questions[-1:]))
+        self._proved_by = requested + sum(questions) + (not any(questions[-1:]))
 
     def forget(self) -> None:
         """Learn that words may not have come."""
         self._proved_by = None
 
-    def answered(self, asked: int, motors: Sequence[ShieldMotor]) -> None:
+    def answered(self, requested: int, motors: Sequence[ShieldMotor]) -> None:
         """Learn that the newest of so many questions was answered."""
-        if self._proved_by is not None and asked >= self._proved_by:
+        if self._proved_by is not None and requested >= self._proved_by:
             for motor in motors:
                 motor.released = motor.way == 0

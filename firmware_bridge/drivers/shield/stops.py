@@ -33,10 +33,10 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
     # Each motor may be released with a word of its own, and none of them may be answered; nor any at all of
     # those to a board that may have forgotten its set-up, which take their time on the line.
     axes = [it.shield for it in robot.axes_on(axis.link)]
-    anew = DIALECTS[link.protocol](link, axes).release_anew(motor.port for motor in axes)
-    said = sum(takes(link, word) for word in anew)
-    asked = link.answers_within_ms * MILLISECOND
-    words = max(len(axes) * asked, said + asked)
+    again = DIALECTS[link.protocol](link, axes).release_again(motor.port for motor in axes)
+    lasts = sum(takes(link, word) for word in again)
+    requested = link.answers_within_ms * MILLISECOND
+    words = max(len(axes) * requested, lasts + requested)
     board = link.stops_itself
     runs_on = "the motors run on while it boots: the shield has no wire to the board's reset"
     if board:
@@ -49,7 +49,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             max(CREEPS, within),
             axis.shield.acceleration,
             slows_within=within,
-            heard=True,
+            received=True,
         ),
         StopStep(
             "brake",
@@ -57,7 +57,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             Stop.QUICK_STOP,
             within,
             axis.shield.acceleration,
-            heard=True,
+            received=True,
         ),
         StopStep(
             "release",

@@ -133,7 +133,7 @@ class Epos2Link(LinkTable):
         times = self.stop_confirmed_ms
         cycles_ms = UNCONFIRMED_CYCLES * self.every * cycle // MILLISECOND
         silent_ms = self.bridge_silent_ms + (times.silence or cycles_ms)
-        told = (
+        given = (
             times.ramp or cycles_ms,
             times.quick_stop or cycles_ms,
             times.power_off or cycles_ms,
@@ -141,7 +141,7 @@ class Epos2Link(LinkTable):
             silent_ms,
             times.reset,
         )
-        return Confirmed(*(time * MILLISECOND for time in told))
+        return Confirmed(*(time * MILLISECOND for time in given))
 
     def guardian(self, nodes: Sequence[int]) -> int:
         """Return the node on a serial link whose answers to node guarding the gateway watches."""
@@ -158,13 +158,13 @@ class Epos2Link(LinkTable):
 
     def over_serial(self, gateway: int, protocol: Generation | None, baud: int | None) -> Self:
         """Return this bus as it is reached over the serial port of the drive `gateway`."""
-        said = {
+        settings = {
             "driver": Epos2Driver.SERIAL,
             "gateway": gateway,
             "protocol": protocol or self.protocol,
             "baud": baud if protocol or baud else self.baud,
         }
-        return self.model_validate(self.model_dump() | said)
+        return self.model_validate(self.model_dump() | settings)
 
 
 class Gains(Table):

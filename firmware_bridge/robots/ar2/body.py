@@ -60,10 +60,10 @@ class Body:
 
     def sensed(self, axes: Mapping[str, Feedback], _sensors: Mapping[str, Reading]) -> State:
         """Return where the joints are, as they are counted."""
-        told = [axes[name] for name in self._names]
-        return State(tuple(it.position for it in told), tuple(it.velocity for it in told))
+        feedback = [axes[name] for name in self._names]
+        return State(tuple(it.position for it in feedback), tuple(it.velocity for it in feedback))
 
-    def asked(self, motion: Motion, _state: State) -> frozenset[str]:
+    def requested(self, motion: Motion, _state: State) -> frozenset[str]:
         """Return the arm where the motion asks it to move."""
         return NOTHING if motion.twist == STILL else frozenset({TOOL})
 

@@ -80,7 +80,7 @@ class Follower:
         """Let the course wait: the arm was held back."""
         self._waits = True
 
-    def wished(self, seen: Snapshot[Motion, State], elapsed: Nanoseconds) -> Motion:
+    def command(self, seen: Snapshot[Motion, State], elapsed: Nanoseconds) -> Motion:
         """Return the motion towards where the course is now."""
         actual = AR2.pose(self._body.begin(seen.demanded, seen.body))
         if self._start is None:

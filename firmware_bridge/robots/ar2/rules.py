@@ -149,13 +149,16 @@ def _joints(view: View) -> tuple[Motion, str | None]:
 
 def _acceleration(view: View) -> tuple[Motion, str | None]:
     """Clip nothing, the ramp does; say where it will take more than one cycle."""
-    asked, limits, cycle_s = view.allowed, view.geometry.limits, to_seconds(view.robot.cycle)
+    requested, limits, cycle_s = view.allowed, view.geometry.limits, to_seconds(view.robot.cycle)
     before = view.seen.demanded
-    speed = changed(before.speed, asked.speed, limits.acceleration_mps2 * cycle_s)
-    turn = changed(before.turn, asked.turn, limits.turn_acceleration_rad_s2 * cycle_s)
-    if math.dist((*speed, *turn), asked.twist) <= TOLERANCE:
-        return asked, None
-    return asked, f"asked to change by {1000.0 * math.dist(before.speed, asked.speed):.0f} mm/s at once"
+    speed = changed(before.speed, requested.speed, limits.acceleration_mps2 * cycle_s)
+    turn = changed(before.turn, requested.turn, limits.turn_acceleration_rad_s2 * cycle_s)
+    if math.dist((*speed, *turn), requested.twist) <= TOLERANCE:
+        return requested, None
+    return (
+        requested,
+        f"asked to change by {1000.0 * math.dist(before.speed, requested.speed):.0f} mm/s at once",
+    )
 
 
 def _limit(

@@ -27,7 +27,7 @@ from firmware_bridge.teleop.station import (
 from firmware_bridge.units import SECOND
 
 
-def of_stick(stick: Stick, _wish: Motion, robot: Robot[Geometry]) -> Motion:
+def of_stick(stick: Stick, _command: Motion, robot: Robot[Geometry]) -> Motion:
     """Return the wish for a stick."""
     limits = robot.geometry.limits
     speed = limits.speed_mps
@@ -39,7 +39,7 @@ def of_stick(stick: Stick, _wish: Motion, robot: Robot[Geometry]) -> Motion:
     )
 
 
-def of_target(velocity: Velocity, _wish: Motion, _robot: Robot[Geometry]) -> Motion:
+def of_target(velocity: Velocity, _command: Motion, _robot: Robot[Geometry]) -> Motion:
     """Return the wish for a velocity on the level, and a turn rate."""
     return Motion(velocity.forward_mps, velocity.left_mps, yaw_rad_s=velocity.yaw_rate_rad_s or 0.0)
 
@@ -71,14 +71,14 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
     stick=of_stick,
     target=of_target,
     twist=_still,
-    forgotten=lambda wish: wish,
+    forgotten=lambda command: command,
     largest=_largest,
     stop_button=2,
     up_button=3,
     axes=(*USUAL_AXES, StickAxis.UP),
     values=(
         *(_coordinate(axis, letter) for axis, letter in enumerate("XYZ")),
-        Value("PATH", SECOND // 5, lambda seen: seen.wish.path_s, "s on the course that a guide follows"),
+        Value("PATH", SECOND // 5, lambda seen: seen.command.path_s, "s on the course that a guide follows"),
     ),
     parameters=(
         Fixed("SPD_MAX", lambda robot: robot.geometry.limits.speed_mps, "m/s"),

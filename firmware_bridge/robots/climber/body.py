@@ -13,15 +13,15 @@ from firmware_bridge.robots.climber.surface import placed, track_on
 
 def _state(robot: Robot[Geometry], speed_mps: float, turn_rad_s: float, sensors: Sensors) -> State:
     """Return speed, turn rate, the joint's angle and whether it is on the wall."""
-    told = sensors.get(robot.geometry.wall.sensor)
-    return State(speed_mps, turn_rad_s, _joint(robot, sensors), None if told is None else told.value)
+    reading = sensors.get(robot.geometry.wall.sensor)
+    return State(speed_mps, turn_rad_s, _joint(robot, sensors), None if reading is None else reading.value)
 
 
 def _joint(robot: Robot[Geometry], sensors: Sensors) -> float | None:
     """Return the joint's angle from flat in rad."""
     joint = robot.geometry.joint
-    told = sensors.get(joint.sensor)
-    return None if told is None else joint.read(told.value)
+    reading = sensors.get(joint.sensor)
+    return None if reading is None else joint.read(reading.value)
 
 
 def _track(robot: Robot[Geometry], pose: Pose, sensors: Sensors) -> float:

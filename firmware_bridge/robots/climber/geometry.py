@@ -75,9 +75,9 @@ class Joint(Table):
             raise ValueError("turns_round_deg, slow_deg, bound_deg, sensor_bound_deg must grow in this order")
         return self
 
-    def read(self, told_rad: float) -> float | None:
+    def read(self, reading_rad: float) -> float | None:
         """Return the angle that a sensor has told; None where it cannot be that."""
-        angle = told_rad - self.rest
+        angle = reading_rad - self.rest
         return angle if abs(angle) <= math.radians(self.sensor_bound_deg) else None
 
     def share(self, joint_rad: float | None, way: float) -> float:

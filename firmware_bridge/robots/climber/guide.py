@@ -74,7 +74,7 @@ class Follower:
         """Begin from rest again: the robot was held back."""
         self._rate = 0.0
 
-    def wished(self, seen: Snapshot[Motion, State], elapsed: Nanoseconds) -> Motion:
+    def command(self, seen: Snapshot[Motion, State], elapsed: Nanoseconds) -> Motion:
         """Return the motion towards where the path is now."""
         located, age = seen.located, self._age(seen)
         self._demanded = seen.demanded.speed_mps, seen.demanded.turn_rad_s
@@ -94,9 +94,9 @@ class Follower:
         if stops and self._rate == 0.0:
             self._tail, self._turning = not self._tail, True
         if self._turning:
-            wish = self._turned(leg, pose)
-            if wish is not None:
-                return wish
+            command = self._turned(leg, pose)
+            if command is not None:
+                return command
         self._go_on(leg, to_seconds(elapsed), stops=stops)
         return self._driven(leg, pose, self._begin, to_seconds(age))
 
@@ -182,9 +182,9 @@ class Follower:
     def _motion(self, speed: float, turn: float) -> Motion:
         """Return the motion, which is no faster than the robot may be, nor sooner than its ramp allows."""
         limits = self._limits
-        wish = (
+        command = (
             min(max(speed, -limits.speed_mps), limits.speed_mps),
             min(max(turn, -limits.turn_rate_rad_s), limits.turn_rate_rad_s),
         )
-        speed, turn = self._ramp.step(self._demanded, wish, self._ramp.longest_step)
+        speed, turn = self._ramp.step(self._demanded, command, self._ramp.longest_step)
         return Motion(speed, turn, path_s=(self._done_m + self._way) / self._control.speed_mps)

@@ -26,7 +26,7 @@ ON_WALL: Final = 0.9
 def _pose_lost(view: View) -> str | None:
     """Judge where a guide needs the pose: an operator sees himself where the robot is."""
     located = view.seen.located
-    if located is None or located.reason is None or view.seen.wish.path_s is None:
+    if located is None or located.reason is None or view.seen.command.path_s is None:
         return None
     return located.reason
 

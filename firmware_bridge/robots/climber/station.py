@@ -23,14 +23,14 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
     stick=CLIMBER.stick,
     target=CLIMBER.target,
     twist=CLIMBER.twist,
-    forgotten=lambda wish: wish,
+    forgotten=lambda command: command,
     largest=CLIMBER.largest,
     metres_rolled=CLIMBER.metres_rolled,
     stop_button=2,
     values=(
         CLIMBER.turn_value,
         Value("JOINT", SECOND // 10, _joint_deg, "deg, the right half against the left"),
-        Value("PATH", SECOND // 5, lambda seen: seen.wish.path_s, "s on the path that a guide follows"),
+        Value("PATH", SECOND // 5, lambda seen: seen.command.path_s, "s on the path that a guide follows"),
     ),
     parameters=(
         *CLIMBER.parameters,

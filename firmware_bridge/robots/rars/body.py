@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Final
 
 from firmware_bridge.drivers.driver import Demand, Feedback, Position, Reading, Speed
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.motion import davis, scissor
 from firmware_bridge.motion.odometry import moved
 from firmware_bridge.motion.pose import Pose
@@ -71,17 +71,17 @@ class Rars:
         left = axes[self._left].velocity * self._base.wheel_radius_m
         right = axes[self._right].velocity * self._base.wheel_radius_m
         steer = lift = turning = None
-        if steering.heard_at != NEVER_HEARD:
+        if steering.received_at != NEVER_RECEIVED:
             steer = davis.steer_from_pinion(self._base, steering.position)
-        if screw.heard_at != NEVER_HEARD:
+        if screw.received_at != NEVER_RECEIVED:
             lift = scissor.height_from_screw(self._lift, screw.position)
             turning = screw.velocity
         return State(steer, lift, turning, (left + right) / 2.0, (right - left) / self._base.rear_track_m)
 
-    def asked(self, motion: Motion, state: State) -> frozenset[str]:
+    def requested(self, motion: Motion, state: State) -> frozenset[str]:
         """Return the groups that the motion asks to move; a base that shall only steer stands."""
         base = BASE if motion.speed_mps != 0.0 else ""
-        lift = LIFT if _lift_asked(motion, state.lift_m) else ""
+        lift = LIFT if _lift_requested(motion, state.lift_m) else ""
         return frozenset(group for group in (base, lift) if group)
 
     def moving(self, state: State) -> frozenset[str]:
@@ -164,7 +164,7 @@ def reach(robot: Robot[Geometry]) -> Iterator[tuple[Motion, State]]:
                 yield Motion(speed, steer, height), state
 
 
-def _lift_asked(motion: Motion, height_m: float | None) -> bool:
+def _lift_requested(motion: Motion, height_m: float | None) -> bool:
     if motion.lift_m is None:
         return motion.lift_rate_mps != 0.0
     return height_m is None or not abs(motion.lift_m - height_m) <= LIFT_TOLERANCE_M

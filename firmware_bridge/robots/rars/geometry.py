@@ -32,7 +32,7 @@ class Limits(Table):
         return math.radians(self.steer_angle_deg)
 
 
-class Limp(Table):
+class Degraded(Table):
     """What narrows the limits once an actuator has failed, for the way home."""
 
     speed_mps: Positive
@@ -47,15 +47,15 @@ class Geometry(Table):
     base: DavisBase
     lift: ScissorLift
     limits: Limits
-    limp: Limp
+    degraded: Degraded
 
     @property
     def narrowed(self) -> Limits:
         """The limits after a failure."""
-        limp, whole = self.limp, self.limits
+        degraded, whole = self.degraded, self.limits
         changed = {
-            "speed_mps": min(limp.speed_mps, whole.speed_mps),
-            "acceleration_g": min(limp.acceleration_g, whole.acceleration_g),
+            "speed_mps": min(degraded.speed_mps, whole.speed_mps),
+            "acceleration_g": min(degraded.acceleration_g, whole.acceleration_g),
         }
         return whole.model_copy(update=changed)
 

@@ -145,7 +145,7 @@ class RightFailed(OneWheel):
 
 
 def _little_steer(view: View) -> tuple[Motion, str | None]:
-    return clip_steer(view, math.radians(view.geometry.limp.steer_angle_deg))
+    return clip_steer(view, math.radians(view.geometry.degraded.steer_angle_deg))
 
 
 def _steering_stays(view: View) -> tuple[Motion, str | None]:

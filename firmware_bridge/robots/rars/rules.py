@@ -54,7 +54,7 @@ def _lift_extended(view: View) -> str | None:
 
 
 def _lift_moves(view: View) -> str | None:
-    if view.before is not None and LIFT in view.before.asked:
+    if view.before is not None and LIFT in view.before.requested:
         return "the lift has been told to move"
     limit = LIFT_RESTS_RAD_S if view.holding else LIFT_MOVES_RAD_S
     turning = view.body.screw_rad_s
@@ -65,7 +65,7 @@ def _lift_moves(view: View) -> str | None:
 
 def _base_drives(view: View) -> str | None:
     """Judge a lift that is asked to move, once it is known how fast the base may drive now."""
-    if LIFT not in view.asked:
+    if LIFT not in view.requested:
         return None
     speed = rolls(view.geometry.base, view.body)
     if not abs(speed) <= (BASE_RESTS_MPS if view.holding else BASE_MOVES_MPS):
@@ -134,11 +134,11 @@ def _clip(
     motion: Motion, field: str, high: float, unit: str, *, low: float | None = None, scale: float = 1.0
 ) -> tuple[Motion, str | None]:
     """Return the motion with one of its numbers within bounds, the same where it is; see `bounded`."""
-    asked: float | None = getattr(motion, field)
-    if asked is None:
+    requested: float | None = getattr(motion, field)
+    if requested is None:
         return motion, None
-    allowed, reason = bounded(asked, high, unit, low=low, scale=scale)
-    clipped: dict[str, Any] = {} if allowed == asked else {field: allowed}
+    allowed, reason = bounded(requested, high, unit, low=low, scale=scale)
+    clipped: dict[str, Any] = {} if allowed == requested else {field: allowed}
     return (replace(motion, **clipped) if clipped else motion), reason
 
 

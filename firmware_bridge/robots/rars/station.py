@@ -42,36 +42,36 @@ def steer_for(speed_mps: float, yaw_rate_rad_s: float, base: DavisBase) -> float
     return steer_from_curvature(base, yaw_rate_rad_s / speed_mps)
 
 
-def of_stick(stick: Stick, wish: Motion, robot: Robot[Geometry]) -> Motion:
+def of_stick(stick: Stick, command: Motion, robot: Robot[Geometry]) -> Motion:
     """Return the wish for a stick; an axis that is not used leaves steering and lift target as they are."""
     limits = robot.geometry.limits
     side = stick.left if stick.turn is None else stick.turn
     return replace(
-        wish,
+        command,
         speed_mps=(stick.forward or 0.0) * limits.speed_mps,
-        steer_rad=wish.steer_rad if side is None else side * limits.steer_angle_rad,
-        lift_m=wish.lift_m if stick.up is None else None,
+        steer_rad=command.steer_rad if side is None else side * limits.steer_angle_rad,
+        lift_m=command.lift_m if stick.up is None else None,
         lift_rate_mps=(stick.up or 0.0) * limits.lift_rate_mps,
     )
 
 
-def of_target(velocity: Velocity, wish: Motion, robot: Robot[Geometry]) -> Motion | Unusable:
+def of_target(velocity: Velocity, command: Motion, robot: Robot[Geometry]) -> Motion | Unusable:
     """Return the wish for a velocity: forward speed, and the steering that gives the yaw rate."""
     if velocity.left_mps != 0.0:
         return Unusable("sideways", "this robot moves forward and backward only")
     speed, yaw_rate = velocity.forward_mps, velocity.yaw_rate_rad_s
     steer = 0.0 if yaw_rate is None else steer_for(speed, yaw_rate, robot.geometry.base)
     return replace(
-        wish, speed_mps=speed, steer_rad=wish.steer_rad if steer is None else steer, lift_rate_mps=0.0
+        command, speed_mps=speed, steer_rad=command.steer_rad if steer is None else steer, lift_rate_mps=0.0
     )
 
 
-def _lifted(wish: Motion, share: float, robot: Robot[Geometry]) -> Motion:
-    return replace(wish, lift_m=share * highest(robot.geometry.lift), lift_rate_mps=0.0)
+def _lifted(command: Motion, share: float, robot: Robot[Geometry]) -> Motion:
+    return replace(command, lift_m=share * highest(robot.geometry.lift), lift_rate_mps=0.0)
 
 
-def _forgotten(wish: Motion) -> Motion:
-    return replace(wish, lift_m=None, lift_rate_mps=0.0)
+def _forgotten(command: Motion) -> Motion:
+    return replace(command, lift_m=None, lift_rate_mps=0.0)
 
 
 def _twist(state: State) -> Twist:
@@ -100,16 +100,16 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
     switches=(
         Switch(
             "detector",
-            read=lambda wish: wish.detector,
-            write=lambda wish, on: replace(wish, detector=on),
+            read=lambda command: command.detector,
+            write=lambda command, on: replace(command, detector=on),
             relay=0,
             button=0,
             telemetry="DETECT",
         ),
         Switch(
             "headlamp",
-            read=lambda wish: wish.headlamp,
-            write=lambda wish, on: replace(wish, headlamp=on),
+            read=lambda command: command.headlamp,
+            write=lambda command, on: replace(command, headlamp=on),
             relay=1,
             button=1,
             illuminates=True,

@@ -49,7 +49,7 @@ class Body:
         """Return how the base moves."""
         return State(*self._twist([axes[name].velocity for name in self.rolling]))
 
-    def asked(self, motion: Motion, _state: State) -> frozenset[str]:
+    def requested(self, motion: Motion, _state: State) -> frozenset[str]:
         """Return the base where the motion asks it to move."""
         return NOTHING if motion.twist == (0.0, 0.0, 0.0) else frozenset({BASE})
 

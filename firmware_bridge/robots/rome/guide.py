@@ -43,7 +43,7 @@ class Follower:
         """Forget the integral, and let the path wait: the base was held back."""
         self._sum, self._waits = (0.0, 0.0, 0.0), True
 
-    def wished(self, seen: Snapshot[Motion, State], elapsed: Nanoseconds) -> Motion:
+    def command(self, seen: Snapshot[Motion, State], elapsed: Nanoseconds) -> Motion:
         """Return the motion towards where the path is now."""
         pose = seen.pose
         if seen.located is not None and seen.located.source is Source.UNSEEN:
@@ -62,10 +62,10 @@ class Follower:
         ahead = self._path(seconds)
         feed = _turned((ahead.x_rate, ahead.y_rate), self._start.heading_rad)
         added = tuple(it + one * to_seconds(elapsed) for it, one in zip(self._sum, error, strict=True))
-        wish = self._law((*feed, ahead.turn_rate), error, added, pose.heading_rad)
-        if max(map(abs, rims(wish, self._distance))) <= self._rim:
+        command = self._law((*feed, ahead.turn_rate), error, added, pose.heading_rad)
+        if max(map(abs, rims(command, self._distance))) <= self._rim:
             self._sum = (added[0], added[1], added[2])
-        return Motion(wish.ahead, wish.left, wish.turn, path_s=seconds)
+        return Motion(command.ahead, command.left, command.turn, path_s=seconds)
 
     def _error(self, pose: Pose, start: Pose, seconds: float) -> tuple[float, float, float]:
         first, place = self._path(0.0), self._path(seconds)

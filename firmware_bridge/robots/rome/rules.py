@@ -40,7 +40,7 @@ def _pose_lost(view: View) -> str | None:
     located = view.seen.located
     if located is None or located.reason is None:
         return None
-    return located.reason if view.seen.wish.path_s is not None or _uncounted(view.robot) else None
+    return located.reason if view.seen.command.path_s is not None or _uncounted(view.robot) else None
 
 
 def _uncounted(robot: Robot[Geometry]) -> bool:
@@ -112,14 +112,14 @@ def _rim(view: View) -> tuple[Motion, str | None]:
 
 def _acceleration(view: View) -> tuple[Motion, str | None]:
     """Clip nothing, the ramp does; say where it will take more than one cycle."""
-    demanded, asked = view.seen.demanded, view.allowed
-    near = ramp_of(view.robot).step(demanded.twist, asked.twist, view.robot.cycle)
-    if max(abs(new - old) for old, new in zip(near, asked.twist, strict=True)) <= TOLERANCE:
-        return asked, None
-    return asked, f"asked to go from {_said(demanded)} to {_said(asked)} at once"
+    demanded, requested = view.seen.demanded, view.allowed
+    near = ramp_of(view.robot).step(demanded.twist, requested.twist, view.robot.cycle)
+    if max(abs(new - old) for old, new in zip(near, requested.twist, strict=True)) <= TOLERANCE:
+        return requested, None
+    return requested, f"asked to go from {_text_of(demanded)} to {_text_of(requested)} at once"
 
 
-def _said(motion: Motion) -> str:
+def _text_of(motion: Motion) -> str:
     return f"({motion.ahead_mps:.2f}, {motion.left_mps:.2f}) m/s and {motion.turn_rad_s:.2f} rad/s"
 
 

@@ -15,21 +15,21 @@ from firmware_bridge.teleop.station import Fixed, Station, Stick, Twist, Value, 
 from firmware_bridge.units import SECOND
 
 
-def of_stick(stick: Stick, wish: Motion, robot: Robot[Geometry]) -> Motion:
+def of_stick(stick: Stick, command: Motion, robot: Robot[Geometry]) -> Motion:
     """Return the wish for a stick."""
     limits = robot.geometry.limits
     return replace(
-        wish,
+        command,
         ahead_mps=(stick.forward or 0.0) * limits.speed_mps,
         left_mps=(stick.left or 0.0) * limits.speed_mps,
         turn_rad_s=(stick.turn or 0.0) * limits.turn_rate_rad_s,
     )
 
 
-def of_target(velocity: Velocity, wish: Motion, _robot: Robot[Geometry]) -> Motion:
+def of_target(velocity: Velocity, command: Motion, _robot: Robot[Geometry]) -> Motion:
     """Return the wish for a velocity and a turn rate."""
     return replace(
-        wish,
+        command,
         ahead_mps=velocity.forward_mps,
         left_mps=velocity.left_mps,
         turn_rad_s=velocity.yaw_rate_rad_s or 0.0,
@@ -49,13 +49,13 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
     stick=of_stick,
     target=of_target,
     twist=lambda state: Twist(state.ahead_mps, state.left_mps, state.turn_rad_s),
-    forgotten=lambda wish: wish,
+    forgotten=lambda command: command,
     largest=_largest,
     metres_rolled=lambda robot: robot.geometry.base.wheel_radius_m,
     stop_button=2,
     values=(
         Value("TURN", SECOND // 10, _turn_deg_s, "deg/s, left positive"),
-        Value("PATH", SECOND // 5, lambda seen: seen.wish.path_s, "s on the path that a guide follows"),
+        Value("PATH", SECOND // 5, lambda seen: seen.command.path_s, "s on the path that a guide follows"),
     ),
     parameters=(
         Fixed("WHEEL_R", lambda robot: robot.geometry.base.wheel_radius_m, "m"),

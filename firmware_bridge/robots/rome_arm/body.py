@@ -36,9 +36,9 @@ class Body:
         """Return how the base moves, and where the joints are."""
         return State(self._base.sensed(axes, sensors), self._arm.sensed(axes, sensors))
 
-    def asked(self, motion: Motion, state: State) -> frozenset[str]:
+    def requested(self, motion: Motion, state: State) -> frozenset[str]:
         """Return what the motion asks to move."""
-        return self._base.asked(motion.base, state.base) | self._arm.asked(motion.arm, state.arm)
+        return self._base.requested(motion.base, state.base) | self._arm.requested(motion.arm, state.arm)
 
     def moving(self, state: State) -> frozenset[str]:
         """Return what is seen to move."""

@@ -36,12 +36,12 @@ class Flyer:
         self._base.reset()
         self._arm.reset()
 
-    def wished(self, seen: Seen, elapsed: Nanoseconds) -> Motion:
+    def command(self, seen: Seen, elapsed: Nanoseconds) -> Motion:
         """Return the motion towards where the path is now."""
-        base = self._base.wished(BASE.seen(seen), elapsed)
+        base = self._base.command(BASE.seen(seen), elapsed)
         if seen.located is not None and seen.located.source is Source.UNSEEN:
             return Motion(base, path_rate=self._rate)
-        return Motion(base, self._arm.wished(ARM.seen(seen), elapsed), self._rate)
+        return Motion(base, self._arm.command(ARM.seen(seen), elapsed), self._rate)
 
 
 GUIDES: Final[Mapping[str, Callable[[Robot[Geometry]], Any]]] = MappingProxyType(

@@ -27,11 +27,11 @@ Clip: TypeAlias = Callable[[Any], tuple[Any, str | None]]
 class Half:
     """One half, by the name that it has in geometry, motion and state."""
 
-    def __init__(self, name: str, roles: Collection[str], said: str = "") -> None:
-        """`roles` are its axes'; `said` stands before the names of its rows that the other half has, too."""
+    def __init__(self, name: str, roles: Collection[str], label: str = "") -> None:
+        """`roles` are its axes'; `label` stands before the names of its rows that the other half has, too."""
         self.name: Final = name
         self._roles: Final = frozenset(roles)
-        self._said: Final = said
+        self._label: Final = label
 
     def robot(self, whole: Robot[Geometry]) -> Robot[Any]:
         """Return the robot with this half's geometry and axes alone."""
@@ -52,7 +52,7 @@ class Half:
         """Return what this half knows at that instant."""
         return Snapshot(
             facts=seen.facts,
-            wish=self.of(seen.wish),
+            command=self.of(seen.command),
             demanded=self.of(seen.demanded),
             body=self.of(seen.body),
             pose=seen.pose,
@@ -65,7 +65,7 @@ class Half:
             self.robot(view.robot),
             self.seen(view.seen),
             self.of(view.allowed),
-            view.asked,
+            view.requested,
             None,
             holding=view.holding,
         )
@@ -98,7 +98,7 @@ class Half:
     def limits(self, kind: AnyKind) -> Iterator[Limit]:
         """Yield its limits; they clip its own motion."""
         for row in kind.limits:
-            name = row.name if row.name.startswith(self._said) else f"{self._said} {row.name}"
+            name = row.name if row.name.startswith(self._label) else f"{self._label} {row.name}"
             clip = self.clipping(row.clip)
             yield interlock.Limit(name, clip, row.remedy, clear_after=row.clear_after, severity=row.severity)
 

@@ -111,7 +111,7 @@ LIMITS: Final[tuple[Limit, ...]] = (
 
 def slowed(view: View, share: float) -> tuple[Motion, str | None]:
     """Clip both halves to a share of their top speeds."""
-    base, said = rome.rules.slowed(BASE.view(view), share)
-    arm, told = ar2.rules.slowed(ARM.view(view), share)
+    base, base_text = rome.rules.slowed(BASE.view(view), share)
+    arm, arm_text = ar2.rules.slowed(ARM.view(view), share)
     motion = ARM.put(BASE.put(view.allowed, base), arm)
-    return motion, " and ".join(filter(None, (said, told))) or None
+    return motion, " and ".join(filter(None, (base_text, arm_text))) or None

@@ -26,17 +26,17 @@ from firmware_bridge.teleop.station import (
 from firmware_bridge.units import SECOND
 
 
-def of_stick(stick: Stick, wish: Motion, robot: Robot[Geometry]) -> Motion:
+def of_stick(stick: Stick, command: Motion, robot: Robot[Geometry]) -> Motion:
     """Return the wish for a stick: it drives the base, and the tool up and down."""
-    base = bases.of_stick(stick, wish.base, BASE.robot(robot))
+    base = bases.of_stick(stick, command.base, BASE.robot(robot))
     upwards = Stick(forward=None, left=None, turn=None, up=stick.up)
-    arm = arms.of_stick(upwards, wish.arm, ARM.robot(robot))
+    arm = arms.of_stick(upwards, command.arm, ARM.robot(robot))
     return Motion(base, arm)
 
 
-def of_target(velocity: Velocity, wish: Motion, robot: Robot[Geometry]) -> Motion:
+def of_target(velocity: Velocity, command: Motion, robot: Robot[Geometry]) -> Motion:
     """Return the wish for a velocity and a turn rate of the base; the tool stays."""
-    return Motion(bases.of_target(velocity, wish.base, BASE.robot(robot)), ArmMotion())
+    return Motion(bases.of_target(velocity, command.base, BASE.robot(robot)), ArmMotion())
 
 
 def _largest(robot: Robot[Geometry]) -> Twist:
@@ -74,7 +74,7 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
     stick=of_stick,
     target=of_target,
     twist=lambda state: bases.STATION.twist(state.base),
-    forgotten=lambda wish: wish,
+    forgotten=lambda command: command,
     largest=_largest,
     metres_rolled=lambda robot: robot.geometry.base.base.wheel_radius_m,
     stop_button=2,
@@ -83,7 +83,9 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
     values=(
         *_values(BASE, bases.STATION.values),
         *_values(ARM, _TOOL),
-        Value("PATH_RATE", SECOND, lambda seen: seen.wish.path_rate, "of a guide's path, 1 as it is meant"),
+        Value(
+            "PATH_RATE", SECOND, lambda seen: seen.command.path_rate, "of a guide's path, 1 as it is meant"
+        ),
     ),
     parameters=(
         *_parameters(BASE, bases.STATION.parameters),

@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import Final
 
 from firmware_bridge.robot import AnyRobot, GuardExclusive, GuardSum
-from firmware_bridge.safety.guard.in_force import Asked, InForce
+from firmware_bridge.safety.guard.in_force import InForce, Requested
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, from_seconds
 
 HALTED_WITHIN: Final[Nanoseconds] = SECOND
@@ -32,7 +32,7 @@ class AxesRule(ABC):
     """When all its axes must be stopped; NEVER while the rule is kept."""
 
     @abstractmethod
-    def refuses(self, asked: Mapping[InForce, Asked], now: Nanoseconds) -> str | None:
+    def refuses(self, requested: Mapping[InForce, Requested], now: Nanoseconds) -> str | None:
         """Return why set-points that come into force together may not, or None."""
 
     @abstractmethod
@@ -70,17 +70,17 @@ class SpeedSum(AxesRule):
         """The integral of what the sum is beyond its bound, to each side; within it falls, down to 0."""
         self._summed_at: Nanoseconds = 0
 
-    def refuses(self, asked: Mapping[InForce, Asked], now: Nanoseconds) -> str | None:
+    def refuses(self, requested: Mapping[InForce, Requested], now: Nanoseconds) -> str | None:
         """Refuse what passes the bound when nobody is left to mend it; rest is never refused."""
-        if not any(one.speed for one in asked.values()):
+        if not any(one.speed for one in requested.values()):
             return None
         value = 0.0
         for one, factor in self._terms:
-            own = asked.get(one)
+            own = requested.get(one)
             value += factor * (one.speed if own is None else own.speed)
         if abs(value) <= self._bound:
             return None
-        if self._others(asked, now) and self._excess(value) < self._most_excess:
+        if self._others(requested, now) and self._excess(value) < self._most_excess:
             return None
         return f"{self.name} of {value:.4f} is beyond {math.copysign(self._bound, value):.4f}"
 
@@ -135,14 +135,14 @@ class Exclusion(AxesRule):
         self.members = frozenset(self.axes)
         self._against: Final = {**dict.fromkeys(row.one, other), **dict.fromkeys(row.other, one)}
 
-    def refuses(self, asked: Mapping[InForce, Asked], now: Nanoseconds) -> str | None:
+    def refuses(self, requested: Mapping[InForce, Requested], now: Nanoseconds) -> str | None:
         """Refuse motion while the other side is told to move; rest is never refused."""
         del now
-        for axis in _movers(asked, self.members):
+        for axis in _movers(requested, self.members):
             moving = [
                 other.axis.title
                 for other in self._against[axis.axis.name]
-                if (asked[other].moves if other in asked else other.moving)
+                if (requested[other].moves if other in requested else other.moving)
             ]
             if moving:
                 return f"{self.name}: {axis.axis.title} may not move while {', '.join(moving)} may"
@@ -167,10 +167,10 @@ class OneHomes(AxesRule):
         self.members = frozenset(self.axes)
         self.due = NEVER
 
-    def refuses(self, asked: Mapping[InForce, Asked], now: Nanoseconds) -> str | None:
+    def refuses(self, requested: Mapping[InForce, Requested], now: Nanoseconds) -> str | None:
         """Refuse motion while another axis homes."""
         del now
-        for axis in _movers(asked, self.members):
+        for axis in _movers(requested, self.members):
             homing = next((it.axis.title for it in self.axes if it is not axis and it.homes), None)
             if homing is not None:
                 return f"{self.name}: {axis.axis.title} may not move while {homing} finds its zero"
@@ -189,9 +189,9 @@ class OneHomes(AxesRule):
             self.due = NEVER
 
 
-def _movers(asked: Mapping[InForce, Asked], axes: Collection[InForce]) -> list[InForce]:
+def _movers(requested: Mapping[InForce, Requested], axes: Collection[InForce]) -> list[InForce]:
     """Return who of these would move."""
-    return [axis for axis, one in asked.items() if one.moves and axis in axes]
+    return [axis for axis, one in requested.items() if one.moves and axis in axes]
 
 
 def rules_across(robot: AnyRobot, axes: Mapping[str, InForce]) -> tuple[AxesRule, ...]:

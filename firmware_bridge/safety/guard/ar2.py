@@ -16,7 +16,7 @@ from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.safety.guard.bounds import ROUNDING
-from firmware_bridge.safety.guard.in_force import Asked, InForce
+from firmware_bridge.safety.guard.in_force import InForce, Requested
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
@@ -28,7 +28,7 @@ MOVE: Final = re.compile(
     rb"MJA([01])(\d{1,4})B([01])(\d{1,4})C([01])(\d{1,4})D([01])(\d{1,4})E([01])(\d{1,4})F([01])(\d{1,4})"
     rb"T00S(\d{1,3}(?:\.\d{1,6})?)G0H100I0K100\n"
 )
-HEARD: Final = 256
+RECEIVED: Final = 256
 """Bytes that are looked through for an echo."""
 STEPS_PER_TURN: Final = 400
 FULL_MS: Final = 20.0
@@ -138,7 +138,7 @@ class Ar2Rules(WireRules):
         """Whether the end of a move is not proved."""
         self._proves: bytes | None = None
         """The echo that would prove it: of the newest line that was said after it."""
-        self._heard = b""
+        self._received = b""
 
     @property
     def waiting(self) -> bool:
@@ -151,10 +151,10 @@ class Ar2Rules(WireRules):
         is_word = packet.address == 0 and (QUESTION.fullmatch(line) or MOVE.fullmatch(line))
         return self.axes if is_word else ()
 
-    def asked_by(self, packet: Packet) -> Mapping[InForce, Asked]:
+    def requested_by(self, packet: Packet) -> Mapping[InForce, Requested]:
         """Return which joints a line moves."""
         steps = self._steps(packet)
-        return {joint: Asked(moves=bool(steps.get(joint.number)), speed=0.0) for joint in self._all}
+        return {joint: Requested(moves=bool(steps.get(joint.number)), speed=0.0) for joint in self._all}
 
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Look into the list, and at what is under way."""
@@ -166,9 +166,9 @@ class Ar2Rules(WireRules):
             return f"address {packet.address} is none of a line's"
         if QUESTION.fullmatch(line):
             return None
-        said = PLACE.fullmatch(line)
-        if said is not None:
-            return self._refuses_place(said[1][0] - ord("A") + 1, int(said[2]))
+        position = PLACE.fullmatch(line)
+        if position is not None:
+            return self._refuses_place(position[1][0] - ord("A") + 1, int(position[2]))
         move = move_of(line)
         return f"the line {line!r} is not listed" if move is None else self._refuses_move(move)
 
@@ -206,9 +206,9 @@ class Ar2Rules(WireRules):
         del packet
         return (Packet(self.link, 0, HALT),)
 
-    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> tuple[InForce, ...]:
+    def sends(self, packet: Packet, now: Nanoseconds, *, requested: bool) -> tuple[InForce, ...]:
         """Note a line that leaves."""
-        del now, asked
+        del now, requested
         if packet.address != 0:
             self._forget()
             return self.axes
@@ -220,11 +220,11 @@ class Ar2Rules(WireRules):
                 if joint.place is not None:
                     joint.place += steps.get(joint.number, 0)
             return self.axes
-        said = PLACE.fullmatch(packet.payload)
-        if said is not None:
-            self._joints[said[1][0] - ord("A") + 1].place = int(said[2])
+        position = PLACE.fullmatch(packet.payload)
+        if position is not None:
+            self._joints[position[1][0] - ord("A") + 1].place = int(position[2])
         self._proves = packet.payload[2:] + b"\r\n"
-        self._heard = b""
+        self._received = b""
         return ()
 
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:
@@ -233,8 +233,8 @@ class Ar2Rules(WireRules):
         if packet.address in {LINE_LOST, LINE_BACK} and not packet.payload:
             self._forget()
             return True
-        self._heard = (self._heard + bytes(packet.payload))[-HEARD:]
-        if self._proves is not None and self._proves in self._heard:
+        self._received = (self._received + bytes(packet.payload))[-RECEIVED:]
+        if self._proves is not None and self._proves in self._received:
             self._under_way, self._proves = False, None
             for joint in self._all:
                 joint.moving = False

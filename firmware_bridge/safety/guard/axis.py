@@ -16,7 +16,7 @@ from firmware_bridge.safety.guard.epos2_words import (
     START_HOMING,
     SetPoint,
 )
-from firmware_bridge.safety.guard.in_force import Asked, InForce
+from firmware_bridge.safety.guard.in_force import InForce, Requested
 from firmware_bridge.safety.guard.zeroing import READ, WRITTEN, Zeroing
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 from firmware_bridge.wire.cia402 import State, Status, state_of
@@ -146,9 +146,9 @@ class GuardedAxis:
             return 0.0
         return set_point.target / self._rpm_per_unit
 
-    def asked_by(self, set_point: SetPoint) -> Asked:
+    def requested_by(self, set_point: SetPoint) -> Requested:
         """Return what the axis would do by this set-point."""
-        return Asked(self.moves_with(set_point), self.speed_with(set_point))
+        return Requested(self.moves_with(set_point), self.speed_with(set_point))
 
     def keeps_from_reset(self, now: Nanoseconds) -> str | None:
         """Return why its drive may not be reset, or None: only one that does not give up its power may.
@@ -189,7 +189,7 @@ class GuardedAxis:
         self.target = target
         self.speed = self.speed_with(self.set_point)
 
-    def deaf(self) -> None:
+    def not_receiving(self) -> None:
         """Note that nothing is in force any more: the drive does not hear set-points, and keeps none."""
         self._word = None
         self._has_goal = False
@@ -197,7 +197,7 @@ class GuardedAxis:
 
     def restarted(self) -> None:
         """Note that the drive starts anew, without power."""
-        self.deaf()
+        self.not_receiving()
         self.reported = None
         self._confirmed_off = False
         self._rests_at = None

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.safety.guard.in_force import Asked, InForce
+from firmware_bridge.safety.guard.in_force import InForce, Requested
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.units import Nanoseconds
 
@@ -36,7 +36,7 @@ class CaptureRules(WireRules):
         del packet
         return ()
 
-    def asked_by(self, packet: Packet) -> Mapping[InForce, Asked]:
+    def requested_by(self, packet: Packet) -> Mapping[InForce, Requested]:
         """Return nothing."""
         del packet
         return {}
@@ -60,9 +60,9 @@ class CaptureRules(WireRules):
         del packet
         return ()
 
-    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> tuple[InForce, ...]:
+    def sends(self, packet: Packet, now: Nanoseconds, *, requested: bool) -> tuple[InForce, ...]:
         """Note nothing."""
-        del packet, now, asked
+        del packet, now, requested
         return ()
 
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:

@@ -18,7 +18,7 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Command
 from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, TARGET_UNIT, SetPoint
-from firmware_bridge.safety.guard.in_force import Asked, InForce
+from firmware_bridge.safety.guard.in_force import InForce, Requested
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.safety.guard.writes import SAMPLE_PDO, STATUS_PDO, Writes, writes_on_can
 from firmware_bridge.units import Nanoseconds
@@ -139,10 +139,10 @@ class Epos2CanRules(WireRules):
         axis = self._by_set_point.get(packet.address)
         return () if axis is None else (axis,)
 
-    def asked_by(self, packet: Packet) -> Mapping[InForce, Asked]:
+    def requested_by(self, packet: Packet) -> Mapping[InForce, Requested]:
         """Return what the frame has its axis do."""
         axis = self._by_set_point[packet.address]
-        return {axis: axis.asked_by(SetPoint(*_SET_POINT.unpack(packet.payload)))}
+        return {axis: axis.requested_by(SetPoint(*_SET_POINT.unpack(packet.payload)))}
 
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Look into the list, and at what is in force."""
@@ -188,9 +188,9 @@ class Epos2CanRules(WireRules):
         abort = bytes((_ABORT,)) + address + _GENERAL_ERROR.to_bytes(4, "little")
         return (Packet(self.link, packet.address, abort),)
 
-    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> tuple[GuardedAxis, ...]:
+    def sends(self, packet: Packet, now: Nanoseconds, *, requested: bool) -> tuple[GuardedAxis, ...]:
         """Note what a frame does to the drives."""
-        del asked
+        del requested
         axis = self._by_set_point.get(packet.address)
         if axis is not None:
             axis.sent(SetPoint(*_SET_POINT.unpack(packet.payload)), now)
@@ -223,7 +223,7 @@ class Epos2CanRules(WireRules):
                 axis.restarted()
             elif command != NmtCommand.START:
                 # In pre-operational a drive hears no set-points, and keeps none.
-                axis.deaf()
+                axis.not_receiving()
 
     def _addressed(self, node: int) -> Iterable[GuardedAxis]:
         return self.axes if node == canopen.ALL_NODES else (self._by_node[node],)
@@ -262,10 +262,10 @@ def _read_sample(axis: GuardedAxis, payload: bytes, now: Nanoseconds) -> None:
 
 
 def _read_answer(axis: GuardedAxis, payload: bytes, now: Nanoseconds) -> None:
-    told = _uploaded(payload)
-    if told is None:
+    uploaded = _uploaded(payload)
+    if uploaded is None:
         return
-    address, raw = told
+    address, raw = uploaded
     if address == STATUSWORD:
         axis.reports(_STATUSWORD.unpack_from(raw)[0], now)
     else:

@@ -16,7 +16,7 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, START_HOMING, TARGET, SetPoint
-from firmware_bridge.safety.guard.in_force import Asked, InForce
+from firmware_bridge.safety.guard.in_force import InForce, Requested
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.safety.guard.writes import Values, Writes, writes_over_serial
 from firmware_bridge.units import Nanoseconds
@@ -72,7 +72,7 @@ class Epos2SerialRules(WireRules):
     @property
     def waiting(self) -> bool:
         """Whether words of the guard itself still wait for the line."""
-        return not all(asked for _, asked in self._unanswered)
+        return not all(requested for _, requested in self._unanswered)
 
     def axes_of(self, packet: Packet) -> tuple[GuardedAxis, ...]:
         """Return the axis whose controlword or target this writes."""
@@ -85,11 +85,11 @@ class Epos2SerialRules(WireRules):
         axis = self._by_node.get(request.node)
         return axis if axis is not None and address_of(request) in (CONTROLWORD, _target(axis)) else None
 
-    def asked_by(self, packet: Packet) -> Mapping[InForce, Asked]:
+    def requested_by(self, packet: Packet) -> Mapping[InForce, Requested]:
         """Return what its axis does with what the command writes."""
         request = request_of(packet)
         return {
-            axis: axis.asked_by(_written(request, axis))
+            axis: axis.requested_by(_written(request, axis))
             for axis in self.axes_of(packet)
             if isinstance(request, WriteObject)
         }
@@ -111,10 +111,10 @@ class Epos2SerialRules(WireRules):
     def instead_of(self, packet: Packet) -> None:
         """Stop every axis, whatever command it is."""
 
-    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> tuple[GuardedAxis, ...]:
+    def sends(self, packet: Packet, now: Nanoseconds, *, requested: bool) -> tuple[GuardedAxis, ...]:
         """Note what a command does to the drives, and whether the node waits for the answer."""
         request = request_of(packet)
-        self._unanswered.append((request, asked))
+        self._unanswered.append((request, requested))
         if isinstance(request, SendNmtService):
             if request.command in {NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION}:
                 for addressed in self.addressed(request.node):
@@ -139,10 +139,10 @@ class Epos2SerialRules(WireRules):
             return True
         if not self._unanswered:
             return False
-        request, asked = self._unanswered.popleft()
+        request, requested = self._unanswered.popleft()
         if isinstance(request, ReadObject):
             self._reads(request, packet, now)
-        return asked
+        return requested
 
     def addressed(self, node: int) -> Iterable[GuardedAxis]:
         """Return whom a network command is for."""

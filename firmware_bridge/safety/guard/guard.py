@@ -159,31 +159,31 @@ class Guarded:
         reason = rules.refuses(packet, now)
         if not axes:
             if reason is None:
-                return self._sent((packet,), now, asked=packet)
+                return self._sent((packet,), now, requested=packet)
             instead = rules.instead_of(packet)
             return self._replaced(packet, reason, self._all_safe() if instead is None else instead, now)
         for axis in axes:
             axis.commanded_at = now
         others: tuple[InForce, ...] = ()
         if reason is None:
-            asked = rules.asked_by(packet)
+            requested = rules.requested_by(packet)
             for rule in self._across_all(axes):
-                reason = rule.refuses(asked, now)
+                reason = rule.refuses(requested, now)
                 if reason is not None:
                     others = rule.stops_with(axes)
                     break
             else:
-                return self._sent((packet,), now, asked=packet)
+                return self._sent((packet,), now, requested=packet)
         safe = self._joined((*others, *axes))
         # The node goes on when its set-point is answered, whatever became of it; other words it misses.
-        return self._replaced(packet, reason, safe, now, asked=safe[-1])
+        return self._replaced(packet, reason, safe, now, requested=safe[-1])
 
     def _sent(
-        self, packets: tuple[Packet, ...], now: Nanoseconds, asked: Packet | None = None
+        self, packets: tuple[Packet, ...], now: Nanoseconds, requested: Packet | None = None
     ) -> tuple[Packet, ...]:
-        """Note what leaves; to `asked`, which is one of them, the node waits for an answer."""
+        """Note what leaves; to `requested`, which is one of them, the node waits for an answer."""
         for packet in packets:
-            axes = self.links[packet.link].sends(packet, now, asked=packet is asked)
+            axes = self.links[packet.link].sends(packet, now, requested=packet is requested)
             for axis in axes:
                 for rule in self._across_of[axis.axis.name]:
                     rule.sent(axis, now)
@@ -195,14 +195,14 @@ class Guarded:
         reason: str,
         safe: tuple[Packet, ...],
         now: Nanoseconds,
-        asked: Packet | None = None,
+        requested: Packet | None = None,
     ) -> tuple[Packet, ...]:
         refusal = Refusal(now, packet, reason, safe)
         self.refused += 1
         self._refusals.append(refusal)
         if self._listener is not None:
             self._listener(refusal)
-        return self._sent(safe, now, asked)
+        return self._sent(safe, now, requested)
 
     def _across_all(self, axes: tuple[InForce, ...]) -> tuple[AxesRule, ...]:
         """Return the rules over any of these axes, each once."""
@@ -212,12 +212,12 @@ class Guarded:
         """Return the safe words of these axes; what is one word for several of them, once."""
         return tuple(dict.fromkeys(safe for axis in axes for safe in self.links[axis.axis.link].safe(axis)))
 
-    def _all_safe(self, *, heard: bool = False) -> tuple[Packet, ...]:
-        """Return the safe words of every axis with power; `heard`: on links where none of them wait still."""
+    def _all_safe(self, *, received: bool = False) -> tuple[Packet, ...]:
+        """Return the safe words of every axis with power; `received`: on links where none of them wait."""
         return self._joined(
             axis
             for rules in self.links.values()
-            if not (heard and rules.waiting)
+            if not (received and rules.waiting)
             for axis in rules.axes
             if axis.powered
         )
@@ -249,7 +249,7 @@ class Guarded:
             return ()
         self._speak_at = self._deadline = now + min(axis.cycle for axis in self._axes)
         if alarmed:
-            return self._sent(self._all_safe(heard=True), now)
+            return self._sent(self._all_safe(received=True), now)
         silent = [axis for axis in self._axes if now >= self._overdue_at((axis,))]
         patience = SILENT_CYCLES * min(axis.cycle for axis in silent) // MILLISECOND
         titles = ", ".join(axis.axis.title for axis in silent)

@@ -6,7 +6,7 @@ from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
 
 
-class Asked(NamedTuple):
+class Requested(NamedTuple):
     """What an axis would do by a set-point."""
 
     moves: bool

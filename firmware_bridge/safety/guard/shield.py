@@ -17,7 +17,7 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot.settings.shield import FULL_PWM, ShieldProtocol
 from firmware_bridge.safety.guard.bounds import ROUNDING
-from firmware_bridge.safety.guard.in_force import Asked, InForce
+from firmware_bridge.safety.guard.in_force import InForce, Requested
 from firmware_bridge.safety.guard.shield_words import (
     READERS,
     Board,
@@ -94,10 +94,10 @@ class GuardedMotor:
             old.in2 if inputs.in2 is None else inputs.in2,
         )
 
-    def asked_by(self, inputs: Inputs) -> Asked:
+    def requested_by(self, inputs: Inputs) -> Requested:
         """Return what the motor would do by a word."""
         duty = self.duty(self.with_(inputs))
-        return Asked(duty != 0, duty * self._per_step)
+        return Requested(duty != 0, duty * self._per_step)
 
     def refuses(self, inputs: Inputs, now: Nanoseconds) -> str | None:
         """Return why a word may not come into force, or None."""
@@ -151,11 +151,11 @@ class ShieldRules(WireRules):
         word = self._word(packet)
         return () if word is None else tuple(self._motors[number] for number in word.drives)
 
-    def asked_by(self, packet: Packet) -> Mapping[InForce, Asked]:
+    def requested_by(self, packet: Packet) -> Mapping[InForce, Requested]:
         """Return what a command has its motors do."""
         word = self._word(packet) or Word()
         motors = ((self._motors[number], inputs) for number, inputs in word.drives.items())
-        return {motor: motor.asked_by(inputs) for motor, inputs in motors}
+        return {motor: motor.requested_by(inputs) for motor, inputs in motors}
 
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Look into the list, and at what is in force."""
@@ -177,9 +177,9 @@ class ShieldRules(WireRules):
     def instead_of(self, packet: Packet) -> None:
         """Stop every axis, whatever command it is."""
 
-    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> tuple[InForce, ...]:
+    def sends(self, packet: Packet, now: Nanoseconds, *, requested: bool) -> tuple[InForce, ...]:
         """Note what a command does to the motors."""
-        del asked
+        del requested
         word = self._word(packet) or Word()
         for number, inputs in word.drives.items():
             self._motors[number].sent(inputs, now)
@@ -189,7 +189,7 @@ class ShieldRules(WireRules):
         """Let everything in; MWProtocol's libraries are known when it has told them."""
         del now
         if self._answers is not None and packet.address not in {LINE_LOST, LINE_BACK}:
-            libraries = libraries_in(self._answers.hear(packet.payload))
+            libraries = libraries_in(self._answers.receive(packet.payload))
             if libraries is not None:
                 self._board = self._board._replace(libraries=libraries)
         return True

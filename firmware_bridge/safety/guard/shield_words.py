@@ -125,18 +125,18 @@ def _request(data: bytes, board: Board) -> object:
     """Return MWProtocol's request in one whole frame; None where there is none that is known."""
     counted = data[1:3]
     size = 3 + int.from_bytes(counted, "little")
-    asked = mw.decode_asked(counted, data[3:size]) if data[:1] == bytes((mw.HOST_START,)) else None
-    if asked is None or len(data) < size or any(data[size:]):
+    requested = mw.decode_frame(counted, data[3:size]) if data[:1] == bytes((mw.HOST_START,)) else None
+    if requested is None or len(data) < size or any(data[size:]):
         return None
     name = mw.CORE
-    if asked.library is not None:
-        name = board.libraries[asked.library] if asked.library < len(board.libraries) else "?"
-    row = mw.COMMANDS.get((name, asked.code))
-    return None if row is None or row.request is None else row.request.decode(asked.data)
+    if requested.library is not None:
+        name = board.libraries[requested.library] if requested.library < len(board.libraries) else "?"
+    row = mw.COMMANDS.get((name, requested.code))
+    return None if row is None or row.request is None else row.request.decode(requested.data)
 
 
 def _firmata(data: bytes, board: Board) -> Word | None:
-    found = list(firmata.Parser().hear(data))
+    found = list(firmata.Parser().receive(data))
     if len(found) != 1 or firmata.encode(found[0]) != data:
         return None
     message = found[0]
@@ -200,7 +200,9 @@ def no_motion(motor: int, board: Board) -> Iterator[bytes]:
 def libraries_in(answers: Iterator[mw.Answered | mw.Traced]) -> tuple[str, ...] | None:
     """Return the libraries that MWProtocol's answers name; None where none does."""
     for answer in answers:
-        told = mw.decode_answer(messages.GetServerInfo(), answer) if isinstance(answer, mw.Answered) else None
-        if isinstance(told, messages.ServerInfo):
-            return tuple(name.decode("ascii", "replace") for name in told.libraries)
+        answer_of = (
+            mw.decode_answer(messages.GetServerInfo(), answer) if isinstance(answer, mw.Answered) else None
+        )
+        if isinstance(answer_of, messages.ServerInfo):
+            return tuple(name.decode("ascii", "replace") for name in answer_of.libraries)
     return None

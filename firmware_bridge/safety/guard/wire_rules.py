@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from firmware_bridge.packet import Packet
-from firmware_bridge.safety.guard.in_force import Asked, InForce
+from firmware_bridge.safety.guard.in_force import InForce, Requested
 from firmware_bridge.units import Nanoseconds
 
 
@@ -25,7 +25,7 @@ class WireRules(ABC):
         """Return the axes whose set-points, or parts of them, this is."""
 
     @abstractmethod
-    def asked_by(self, packet: Packet) -> Mapping[InForce, Asked]:
+    def requested_by(self, packet: Packet) -> Mapping[InForce, Requested]:
         """Return what such a packet, which is not refused, would have its axes do."""
 
     @abstractmethod
@@ -41,10 +41,10 @@ class WireRules(ABC):
         """Return what leaves instead of a refused packet that is no set-point; None to stop every axis."""
 
     @abstractmethod
-    def sends(self, packet: Packet, now: Nanoseconds, *, asked: bool) -> tuple[InForce, ...]:
+    def sends(self, packet: Packet, now: Nanoseconds, *, requested: bool) -> tuple[InForce, ...]:
         """Note a packet that leaves; return the axes for which it put something in force.
 
-        `asked`: the node waits for what comes back.
+        `requested`: the node waits for what comes back.
         """
 
     @abstractmethod

@@ -71,7 +71,7 @@ def _up_to(value: float) -> range:
 class Zeroing:
     """What one drive was told, and has said, of its homing."""
 
-    __slots__ = ("_own", "_said", "_ways", "homes", "in_homing", "within_s")
+    __slots__ = ("_own", "_reported", "_ways", "homes", "in_homing", "within_s")
 
     def __init__(self, axis: Axis) -> None:
         """Take the axis; one without travel has no zero to be set."""
@@ -91,21 +91,21 @@ class Zeroing:
         self._own: Final = int(OWN_MODE[axis.command])
         self.in_homing = False
         """Whether it was sent to homing mode, and has not said since that it is in its own."""
-        self._said: dict[Address, int] = {}
+        self._reported: dict[Address, int] = {}
 
     @property
     def prepared(self) -> bool:
         """Whether the drive has said that to start its homing moves nothing, or what the robot file says."""
-        said = self._said
-        homes = self.in_homing and said.get(at.MODE_DISPLAY) == Mode.HOMING
+        reported = self._reported
+        homes = self.in_homing and reported.get(at.MODE_DISPLAY) == Mode.HOMING
         return homes and any(
-            all(said.get(address) in allowed for address, allowed in way.items()) for way in self._ways
+            all(reported.get(address) in allowed for address, allowed in way.items()) for way in self._ways
         )
 
     @property
     def turns(self) -> bool:
         """Whether to start its homing would turn its shaft, as far as it has said."""
-        return self._said.get(at.HOMING_METHOD) != ACTUAL_POSITION
+        return self._reported.get(at.HOMING_METHOD) != ACTUAL_POSITION
 
     def refuses_write(self, address: Address, value: int, word: int | None, moving: str | None) -> str | None:
         """Return why one of `WRITTEN` may not be written now; `word` is in force, `moving` says who moves."""
@@ -130,16 +130,16 @@ class Zeroing:
 
     def wrote(self, address: Address, value: int) -> None:
         """Note that one of `WRITTEN` was: what the drive has said of it before counts no more."""
-        self._said.pop(_SAME.get(address, address), None)
+        self._reported.pop(_SAME.get(address, address), None)
         self.in_homing = self.in_homing or (address == at.MODE and value == Mode.HOMING)
 
     def read(self, address: Address, value: int) -> None:
         """Note what the drive has said."""
-        self._said[address] = value
+        self._reported[address] = value
         if address in {at.MODE, at.MODE_DISPLAY} and value == self._own:
             self.in_homing = False
 
     def restarted(self) -> None:
         """Note that the drive starts anew, in the mode that was saved, and with any method."""
-        self._said.clear()
+        self._reported.clear()
         self.in_homing = False

@@ -36,7 +36,7 @@ def open_can(
     found = python_can.configuration({key: value for key, value in given.items() if value is not None})
     found.setdefault("bitrate", default_bit_rate)
     interface = found["interface"]
-    for key, value in python_can.UNLESS_SAID.get(interface, {}).items():
+    for key, value in python_can.DEFAULTS.get(interface, {}).items():
         if found.get(key) is None:
             found[key] = value
     channel = found["channel"]

@@ -32,46 +32,46 @@ class LoopbackMulticastBus(can.BusABC):
         is_msgpack_installed()
         group = _group(channel)
         self._place: Final = (group, FIRST_PORT + int(group.rpartition(".")[2]))
-        self._heard: Final = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._said: Final = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._received: Final = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._outgoing: Final = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             self._join(group)
         except OSError as error:
-            self._heard.close()
-            self._said.close()
+            self._received.close()
+            self._outgoing.close()
             raise can.CanInitializationError(
                 f"cannot join the group {group} on the loopback interface: {error.strerror}; is lo up?"
             ) from error
         self.channel_info = f"{NAME} {group}, port {self._place[1]}"
-        self._own: Final = self._said.getsockname()
+        self._own: Final = self._outgoing.getsockname()
         super().__init__(group, *args, **more)
 
     def fileno(self) -> int:
         """Return the socket that can be read when frames have arrived."""
-        return self._heard.fileno()
+        return self._received.fileno()
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """Give a frame to all others; CanOperationError."""
         del timeout
         try:
-            self._said.sendto(pack_message(msg), self._place)
+            self._outgoing.sendto(pack_message(msg), self._place)
         except OSError as error:
             raise can.CanOperationError(f"cannot send: {error.strerror}", error.errno) from error
 
     def shutdown(self) -> None:
         """Leave it; may be called again."""
         super().shutdown()
-        self._heard.close()
-        self._said.close()
+        self._received.close()
+        self._outgoing.close()
 
     def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
         until = None if timeout is None else time.monotonic() + timeout
         while True:
             left = None if until is None else max(0.0, until - time.monotonic())
             try:
-                if not select.select([self._heard], [], [], left)[0]:
+                if not select.select([self._received], [], [], left)[0]:
                     return None, False
-                data, sender = self._heard.recvfrom(ROOM)
+                data, sender = self._received.recvfrom(ROOM)
             except OSError as error:
                 raise can.CanOperationError(f"cannot receive: {error.strerror}", error.errno) from error
             # Where another program has joined the group elsewhere, the system lets in what comes from there.
@@ -82,14 +82,14 @@ class LoopbackMulticastBus(can.BusABC):
 
     def _join(self, group: str) -> None:
         here = socket.inet_aton(LOOPBACK)
-        self._heard.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self._received.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         # Windows binds to no group; elsewhere that keeps other groups on this port out.
-        self._heard.bind(("" if os.name == "nt" else group, self._place[1]))
-        self._heard.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(group) + here)
-        self._said.bind((LOOPBACK, 0))
-        self._said.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, here)
-        self._said.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_LOOP, 1)
-        self._said.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+        self._received.bind(("" if os.name == "nt" else group, self._place[1]))
+        self._received.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, socket.inet_aton(group) + here)
+        self._outgoing.bind((LOOPBACK, 0))
+        self._outgoing.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, here)
+        self._outgoing.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_LOOP, 1)
+        self._outgoing.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
 
 
 def _group(channel: str) -> str:

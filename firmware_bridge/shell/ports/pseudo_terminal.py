@@ -56,8 +56,8 @@ class PseudoTerminal(ByteFile):
 
     def read(self, now: Nanoseconds) -> list[tuple[int, bytes]]:
         """Return the bytes that have arrived, at the device's rate; LostPort."""
-        heard = super().read(now)
-        return heard if self._understood() else []
+        received = super().read(now)
+        return received if self._understood() else []
 
     def write(self, address: int, payload: bytes, now: Nanoseconds) -> None:
         """Send bytes; LostPort. At another rate than the client's they make no sense to it."""

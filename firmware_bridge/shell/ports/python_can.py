@@ -25,7 +25,7 @@ _LISTEN_S: Final = 0.02
 """How long a reader thread listens before it looks whether it shall end, in seconds."""
 MULTICAST: Final = "udp_multicast"
 """A bus of datagrams: every process of one machine, or of one network, that has joined a group."""
-UNLESS_SAID: Final[dict[str, dict[str, Any]]] = {
+DEFAULTS: Final[dict[str, dict[str, Any]]] = {
     loopback_multicast.NAME: {"channel": loopback_multicast.GROUP},
     # A hop limit of 0 never leaves the machine (RFC 1112, 6.1); python-can's own 1 reaches the local network.
     MULTICAST: {"channel": "239.74.163.2", "hop_limit": 0},
@@ -184,7 +184,7 @@ class _Reader:
 
     def __init__(self, bus: can.BusABC, name: str) -> None:
         self._bus = bus
-        self._heard: deque[can.Message] = deque()
+        self._received: deque[can.Message] = deque()
         self._failure: can.CanError | OSError | None = None
         self._ending = threading.Event()
         self._bell, self._rope = socket.socketpair()
@@ -203,8 +203,8 @@ class _Reader:
             while len(self._bell.recv(4096)) == 4096:  # noqa: PLR2004 - more rings than one read takes
                 pass
         messages = []
-        while self._heard:
-            messages.append(self._heard.popleft())
+        while self._received:
+            messages.append(self._received.popleft())
         if not messages and self._failure is not None:
             raise self._failure
         return messages
@@ -225,7 +225,7 @@ class _Reader:
             else:
                 if message is None:
                     continue
-                self._heard.append(message)
+                self._received.append(message)
             with contextlib.suppress(BlockingIOError):
                 self._rope.send(b"\0")
 

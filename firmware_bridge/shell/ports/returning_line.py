@@ -39,14 +39,14 @@ class ReturningLine:
     def read(self, now: Nanoseconds) -> list[tuple[int, bytes]]:
         """Return what has arrived, or what became of the line."""
         if self._news:
-            return self._told(now)
+            return self._events(now)
         if self._line is None:
             return []
         try:
             return self._line.read(now)
         except LostPort:
             self._lose(now)
-            return self._told(now)
+            return self._events(now)
 
     def write(self, address: int, payload: bytes, now: Nanoseconds) -> None:
         """Send bytes; without a line they are dropped."""
@@ -102,10 +102,10 @@ class ReturningLine:
         os.dup2(self._quiet.fileno(), self._fileno)
         self._bell.send(b"\0")
 
-    def _told(self, _now: Nanoseconds) -> list[tuple[int, bytes]]:
-        told = [(news, b"") for news in self._news]
-        self._quiet.recv(len(told))
+    def _events(self, _now: Nanoseconds) -> list[tuple[int, bytes]]:
+        events = [(news, b"") for news in self._news]
+        self._quiet.recv(len(events))
         self._news.clear()
         if self._line is not None:
             os.dup2(self._line.fileno(), self._fileno)
-        return told
+        return events

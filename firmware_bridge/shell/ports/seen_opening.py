@@ -36,19 +36,19 @@ class SeenOpening(PseudoTerminal):
         baud: int | None = None,
         say: Callable[[str], None] | None = None,
         *,
-        tells_dtr: bool = True,
+        reports_dtr: bool = True,
     ) -> None:
-        """Make it; PortError. Without `tells_dtr` it says nothing of who comes and goes."""
+        """Make it; PortError. Without `reports_dtr` it says nothing of who comes and goes."""
         self._watch = -1
         self._both: select.epoll | None = None
         super().__init__(link, baud, say)
-        self._tells_dtr: Final = tells_dtr
+        self._reports_dtr: Final = reports_dtr
         self._clients = 0
         self._look()
 
     def _look(self) -> None:
         """See who opens it from now on; PortError."""
-        if self._tells_dtr:
+        if self._reports_dtr:
             _drop_at_close(self._other)
         self._clients = 0
         try:
@@ -88,8 +88,8 @@ class SeenOpening(PseudoTerminal):
     def read(self, now: Nanoseconds) -> list[tuple[int, bytes]]:
         """Return bytes, and before them what became of DTR."""
         ready = {fileno for fileno, _ in self._both.poll(0)} if self._both is not None else set()
-        told = [(it, b"") for it in self._told()] if self._watch in ready else []
-        return told + (super().read(now) if self._fileno in ready else [])
+        news = [(it, b"") for it in self._news()] if self._watch in ready else []
+        return news + (super().read(now) if self._fileno in ready else [])
 
     def close(self) -> None:
         """Close all; never fails, and may be called again."""
@@ -104,7 +104,7 @@ class SeenOpening(PseudoTerminal):
             os.close(self._watch)
             self._watch = -1
 
-    def _told(self) -> list[int]:
+    def _news(self) -> list[int]:
         events = os.read(self._watch, _ROOM)
         # A client that wants the port for itself leaves that behind, since this end is never closed.
         fcntl.ioctl(self._other, termios.TIOCNXCL)
@@ -116,7 +116,7 @@ class SeenOpening(PseudoTerminal):
                 found.append(DTR_UP)
             elif before and not self._clients and self._drops():
                 found.append(DTR_DOWN)
-        return found if self._tells_dtr else []
+        return found if self._reports_dtr else []
 
     def _drops(self) -> bool:
         """Tell whether the last close drops DTR, as it does unless the client has said otherwise."""

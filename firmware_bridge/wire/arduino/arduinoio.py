@@ -102,7 +102,7 @@ def encode(letter: str, *values: int) -> bytes:
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class Requested:
     """A command as it came: its row, and what followed."""
 
     row: Command
@@ -116,7 +116,7 @@ class CommandReader:
         self._row: Command | None = None
         self._values: list[int] = []
 
-    def take(self, byte: int) -> Asked | None:
+    def take(self, byte: int) -> Requested | None:
         """Take one byte; return the command that it completes."""
         row = self._row
         if row is None:
@@ -132,7 +132,7 @@ class CommandReader:
             return None
         values = tuple(self._values)
         self._forget()
-        return Asked(row, values)
+        return Requested(row, values)
 
     def _forget(self) -> None:
         self._row = None

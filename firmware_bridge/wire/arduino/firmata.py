@@ -13,7 +13,7 @@ START: Final = 0xF0
 END: Final = 0xF7
 MAX_DATA: Final = 64
 """Bytes of a system-exclusive message that a board keeps."""
-LONGEST_TOLD: Final = 2_048
+LONGEST_FROM_BOARD: Final = 2_048
 """... and that a host does: more than all pins' modes."""
 CHANNELLED: Final = 0xF0
 """Below it a command's low four bits are a pin or a port."""
@@ -67,7 +67,7 @@ EXCLUSIVE: Final[Mapping[int, str]] = MappingProxyType(
 )
 """What each system-exclusive command is about."""
 
-ENCODER_ASKS: Final[Mapping[int, str]] = MappingProxyType(
+ENCODER_REQUESTS: Final[Mapping[int, str]] = MappingProxyType(
     {
         0x00: "attach",
         0x01: "report",
@@ -95,9 +95,9 @@ class Command:
 
     code: int
     name: str
-    asked: int
+    bytes_to_board: int
     """From the host."""
-    told: int = 0
+    bytes_from_board: int = 0
     """From the board; a board tells some of them only."""
 
 
@@ -204,14 +204,14 @@ class Parser:
 
     def __init__(self, *, from_board: bool = False) -> None:
         self._from_board: Final = from_board
-        self._room: Final = LONGEST_TOLD if from_board else MAX_DATA
+        self._room: Final = LONGEST_FROM_BOARD if from_board else MAX_DATA
         self._exclusive = False
         self._command: Command | None = None
         self._channel = 0
         self._missing = 0
         self._data = bytearray()
 
-    def hear(self, chunk: bytes) -> Iterator[Message]:
+    def receive(self, chunk: bytes) -> Iterator[Message]:
         """Take bytes; yield what they complete."""
         for byte in chunk:
             found = self.take(byte)
@@ -247,6 +247,6 @@ class Parser:
         if row is None:
             return None
         self._channel = byte & 0x0F if byte < CHANNELLED else 0
-        self._command, self._missing = row, row.told if self._from_board else row.asked
+        self._command, self._missing = row, row.bytes_from_board if self._from_board else row.bytes_to_board
         self._data.clear()
         return None if self._missing else Message(row.code, channel=self._channel)

@@ -170,7 +170,7 @@ def checksum(data: bytes) -> int:
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class RequestFrame:
     """A request as it was framed: its number in the host's sequence, its library, its code, its data."""
 
     sequence: int
@@ -179,16 +179,18 @@ class Asked:
     data: bytes
 
 
-def encode_asked(asked: Asked) -> bytes:
+def encode_frame(request: RequestFrame) -> bytes:
     """Return a frame of the host; ValueError for what is no byte, struct.error for too much data."""
-    is_library = asked.library is not None
-    head = bytes((asked.sequence % SEQUENCES | (_IS_LIBRARY if is_library else 0),))
-    body = head + (bytes((asked.library or 0,)) if is_library else b"") + bytes((asked.code,)) + asked.data
+    is_library = request.library is not None
+    head = bytes((request.sequence % SEQUENCES | (_IS_LIBRARY if is_library else 0),))
+    body = (
+        head + (bytes((request.library or 0,)) if is_library else b"") + bytes((request.code,)) + request.data
+    )
     counted = Struct("<H").pack(len(body) + 1) + body
     return bytes((HOST_START,)) + counted + bytes((checksum(counted),))
 
 
-def decode_asked(size: bytes, body: bytes) -> Asked | None:
+def decode_frame(size: bytes, body: bytes) -> RequestFrame | None:
     """Return what is in the two bytes of size and the bytes that they count; None for damage."""
     if not body or checksum(size + body[:-1]) != body[-1]:
         return None
@@ -197,7 +199,7 @@ def decode_asked(size: bytes, body: bytes) -> Asked | None:
     if len(body) <= head:
         return None
     library = body[1] if is_library else None
-    return Asked(body[0] % SEQUENCES, library, body[head - 1], body[head:-1])
+    return RequestFrame(body[0] % SEQUENCES, library, body[head - 1], body[head:-1])
 
 
 def apart(frame: bytes, *, line_rate: int, milliseconds: int) -> bytes:
@@ -208,7 +210,7 @@ def apart(frame: bytes, *, line_rate: int, milliseconds: int) -> bytes:
     return frame + bytes(line_rate * milliseconds // BITS // 1000)
 
 
-class AskedReader:
+class RequestReader:
     """The board's end: it takes bytes and finds requests. It refuses to know of time: see `forget`."""
 
     def __init__(self) -> None:
@@ -219,7 +221,7 @@ class AskedReader:
         """Whether a frame has begun that is not whole."""
         return bool(self._frame)
 
-    def take(self, byte: int) -> Asked | None:
+    def take(self, byte: int) -> RequestFrame | None:
         """Take one byte; return the request that it completes. Damage, and what is too large, is dropped."""
         if not self._frame and byte != HOST_START:
             return None
@@ -232,20 +234,20 @@ class AskedReader:
             return None
         body = bytes(self._frame[3:])
         self.forget()
-        return None if count > LARGEST else decode_asked(size, body)
+        return None if count > LARGEST else decode_frame(size, body)
 
     def forget(self) -> None:
         """Drop half a frame: its next byte has not come in time."""
         self._frame.clear()
 
 
-def row_asked(asked: Asked, libraries: Sequence[str] = LIBRARIES) -> Command | None:
+def row_of_frame(request: RequestFrame, libraries: Sequence[str] = LIBRARIES) -> Command | None:
     """Return the row that a request names, on a board with these libraries; None for one that has none."""
-    if asked.library is None:
-        return COMMANDS.get((CORE, asked.code))
-    if asked.library >= len(libraries):
+    if request.library is None:
+        return COMMANDS.get((CORE, request.code))
+    if request.library >= len(libraries):
         return None
-    return COMMANDS.get((libraries[asked.library], asked.code))
+    return COMMANDS.get((libraries[request.library], request.code))
 
 
 def encode_request(request: Message, sequence: int, libraries: Sequence[str] = LIBRARIES) -> bytes:
@@ -257,7 +259,7 @@ def encode_request(request: Message, sequence: int, libraries: Sequence[str] = L
         )
     library = list(libraries).index(row.library) if row.library else None
     assert row.request is not None  # noqa: S101 - it was found by its request
-    return encode_asked(Asked(sequence, library, row.code, row.request.encode(request)))
+    return encode_frame(RequestFrame(sequence, library, row.code, row.request.encode(request)))
 
 
 def encode_answer(code: int, data: bytes) -> bytes:
@@ -289,7 +291,7 @@ class AnswerReader:
         """Frames with a wrong check sum."""
         self._waiting = bytearray()
 
-    def hear(self, chunk: bytes) -> Iterator[Answered | Traced]:
+    def receive(self, chunk: bytes) -> Iterator[Answered | Traced]:
         """Take bytes; yield what they complete."""
         self._waiting += chunk
         while True:

@@ -110,7 +110,7 @@ class LineReader:
         """What has come of a line that has no end yet."""
         return bytes(self._waiting)
 
-    def hear(self, chunk: bytes) -> Iterator[bytes]:
+    def receive(self, chunk: bytes) -> Iterator[bytes]:
         """Take bytes; yield lines without their ends."""
         for byte in chunk:
             self._waiting.append(byte)

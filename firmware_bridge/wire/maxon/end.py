@@ -33,7 +33,7 @@ class DeviceEnd(Protocol):
     def taken(self) -> bytes:
         """Return what is to be sent, once."""
 
-    def hear(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
+    def receive(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
         """Take bytes; return the command that they complete, if any."""
 
     def answer(self, body: bytes | None, now: Nanoseconds) -> Frame | None:
@@ -62,7 +62,7 @@ class HostEnd(Protocol):
     def ask(self, frame: Frame, now: Nanoseconds, *, answered: bool = True) -> None:
         """Begin a command; `answered` as its row says for this protocol."""
 
-    def hear(self, chunk: bytes, now: Nanoseconds) -> Outcome | None:
+    def receive(self, chunk: bytes, now: Nanoseconds) -> Outcome | None:
         """Take bytes; return how the command ended, once."""
 
     def wake(self, now: Nanoseconds) -> Outcome | None:

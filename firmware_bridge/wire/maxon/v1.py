@@ -65,7 +65,7 @@ class _DevicePhase(Enum):
 
 
 class V1Device(LineEnd):
-    """The drive's end. `hear` returns a command, and each command wants one call of `answer`."""
+    """The drive's end. `receive` returns a command, and each command wants one call of `answer`."""
 
     def __init__(self, timeout: Callable[[], Nanoseconds], known: Container[int] = COMMANDS) -> None:
         """Take the time of a phase from `timeout` each time one begins."""
@@ -82,7 +82,7 @@ class V1Device(LineEnd):
         """Whether no command is under way, nor has one begun."""
         return self._phase is _DevicePhase.IDLE
 
-    def hear(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
+    def receive(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
         """Take bytes; return the command that they complete, if any.
 
         A phase ends by `wake` alone: bytes that a busy machine hands over late have arrived in time.
@@ -205,7 +205,7 @@ class V1Host(LineEnd):
         self._sent.append(frame.opcode)
         self._enter(_HostPhase.OPCODE, now)
 
-    def hear(self, chunk: bytes, now: Nanoseconds) -> Outcome | None:
+    def receive(self, chunk: bytes, now: Nanoseconds) -> Outcome | None:
         """Take bytes; return how the command ended, once. What follows in the same bytes is dropped."""
         for byte in chunk:
             outcome = self._take(byte, now) if self.busy else None

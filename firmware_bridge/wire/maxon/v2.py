@@ -98,7 +98,7 @@ class FrameReader:
 
 
 class V2Device(LineEnd):
-    """The drive's end. `hear` returns a command, and each command wants one call of `answer`."""
+    """The drive's end. `receive` returns a command, and each command wants one call of `answer`."""
 
     def __init__(self, timeout: Callable[[], Nanoseconds], bad_checksum: int) -> None:
         """Answer damaged frames with this error code; take the time of a frame from `timeout`."""
@@ -114,7 +114,7 @@ class V2Device(LineEnd):
         """Whether no command is under way, nor has one begun."""
         return not self._working and not self._reader.inside
 
-    def hear(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
+    def receive(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
         """Take bytes; return the command that they complete, if any; as in V1, one ends by `wake` alone."""
         free = not self._working
         self._waiting.extend(chunk if free else chunk[: max(ROOM - len(self._waiting), 0)])
@@ -193,7 +193,7 @@ class V2Host(LineEnd):
         self._sent += encode_v2(frame)
         self.due = now + (self._timeout if self._acknowledged else RESETS_WITHIN)
 
-    def hear(self, chunk: bytes, now: Nanoseconds) -> Outcome | None:
+    def receive(self, chunk: bytes, now: Nanoseconds) -> Outcome | None:
         """Take bytes; return how the command ended, once. What follows in the same bytes is dropped."""
         for byte in chunk if self._busy else b"":
             frame = self._reader.take(byte)

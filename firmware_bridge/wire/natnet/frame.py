@@ -183,7 +183,9 @@ _BODY: Final = Record(
     Row("mean_error_m", _FLOAT),
     Row("params", _SHORT),
 )
-_DEVICES: Final = Items(Record(Device, Row("id", _INT), Row("channels", Items(Items(_FLOAT)))), told=True)
+_DEVICES: Final = Items(
+    Record(Device, Row("id", _INT), Row("channels", Items(Items(_FLOAT)))), announced=True
+)
 _TAIL: Final = 14
 """Bytes of what follows the time stamps, where the precise one is there: itself, params, end."""
 
@@ -191,11 +193,12 @@ FRAME: Final = Record(
     Frame,
     Row("number", _INT),
     Row(
-        "marker_sets", Items(Record(MarkerSet, Row("name", Text()), Row("markers", Items(_POINT))), told=True)
+        "marker_sets",
+        Items(Record(MarkerSet, Row("name", Text()), Row("markers", Items(_POINT))), announced=True),
     ),
-    Row("other_markers", Items(_POINT, told=True)),
-    Row("bodies", Items(_BODY, told=True)),
-    Row("skeletons", Items(Record(Skeleton, Row("id", _INT), Row("bones", Items(_BODY))), told=True)),
+    Row("other_markers", Items(_POINT, announced=True)),
+    Row("bodies", Items(_BODY, announced=True)),
+    Row("skeletons", Items(Record(Skeleton, Row("id", _INT), Row("bones", Items(_BODY))), announced=True)),
     Row(
         "assets",
         Items(
@@ -217,7 +220,7 @@ FRAME: Final = Record(
                     ),
                 ),
             ),
-            told=True,
+            announced=True,
         ),
         since=V4_1,
     ),
@@ -232,7 +235,7 @@ FRAME: Final = Record(
                 Row("params", _SHORT),
                 Row("residual", _FLOAT, since=V3_0),
             ),
-            told=True,
+            announced=True,
         ),
     ),
     Row("force_plates", _DEVICES),

@@ -204,16 +204,18 @@ def _count(reader: Reader, name: str) -> int:
 
 
 class Items:
-    """A count and so many items of a kind; a `told` list has its size in bytes between them, from 4.1 on."""
+    """A count and so many items of a kind; a `announced` list has its size between them, from 4.1."""
 
-    def __init__(self, item: Kind, *, told: bool = False) -> None:
+    def __init__(self, item: Kind, *, announced: bool = False) -> None:
         self._item: Final = item
-        self._told: Final = told
+        self._announced: Final = announced
 
     def read(self, reader: Reader, name: str) -> tuple[Value, ...]:
         """Return the items."""
         count = _count(reader, name)
-        size = _SIZE.read(reader, f"the size of {name}") if self._told and reader.version >= V4_1 else None
+        size = (
+            _SIZE.read(reader, f"the size of {name}") if self._announced and reader.version >= V4_1 else None
+        )
         begun = reader.at
         found = tuple([self._item.read(reader, name) for _ in range(count)])
         if size is not None and reader.at - begun != size:
@@ -224,7 +226,7 @@ class Items:
         """Return count, size and items."""
         items = b"".join([self._item.write(item, version, name) for item in value])
         count = _COUNT.write(len(value), version, name)
-        if self._told and version >= V4_1:
+        if self._announced and version >= V4_1:
             return count + _SIZE.write(len(items), version, name) + items
         return count + items
 

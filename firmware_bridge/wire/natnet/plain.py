@@ -30,16 +30,16 @@ class Plain:
         between = [empty] * (2 if sized else 1)
         lists = [empty, empty, (_BODY, bodies), *between, (_MARKER, markers), empty, empty]
         code = "i"
-        told: list[tuple[int, ...]] = []
+        announced: list[tuple[int, ...]] = []
         for item, count in lists:
             code += ("iI" if sized else "i") + item * count
-            told.append((count, count * Struct(f"<{item}").size) if sized else (count,))
+            announced.append((count, count * Struct(f"<{item}").size) if sized else (count,))
         self._layout: Final = Struct(f"<{code}IIdQQQ{'2I' if sized else ''}hI")
         self.size: Final = self._layout.size
         seen, labelled = lists.index((_BODY, bodies)) + 1, lists.index((_MARKER, markers)) + 1
-        self._before: Final = tuple(chain(*told[:seen]))
-        self._between: Final = tuple(chain(*told[seen:labelled]))
-        self._behind: Final = tuple(chain(*told[labelled:]))
+        self._before: Final = tuple(chain(*announced[:seen]))
+        self._between: Final = tuple(chain(*announced[seen:labelled]))
+        self._behind: Final = tuple(chain(*announced[labelled:]))
         self.bodies: Final = slice(1 + len(self._before), 1 + len(self._before) + BODY_VALUES * bodies)
         first = self.bodies.stop + len(self._between)
         self.markers: Final = slice(first, first + MARKER_VALUES * markers)
@@ -50,12 +50,12 @@ class Plain:
         if len(payload) != self.size:
             return None
         values = self._layout.unpack(payload)
-        as_told = (
+        as_announced = (
             values[1 : self.bodies.start] == self._before
             and values[self.bodies.stop : self.markers.start] == self._between
             and values[self.markers.stop : self.tail.start] == self._behind
         )
-        return values if as_told and values[-1] == 0 else None
+        return values if as_announced and values[-1] == 0 else None
 
     def pack(
         self, number: int, bodies: Iterable[float], markers: Iterable[float], tail: Iterable[float]
@@ -71,12 +71,12 @@ class Plain:
 
 def shown(payload: bytes, version: Version) -> Plain | None:
     """Return the layout that a payload has if it is such a frame."""
-    told = 8 if version >= V4_1 else 4
-    at = 4 + 2 * told
+    announced = 8 if version >= V4_1 else 4
+    at = 4 + 2 * announced
     bodies = int.from_bytes(payload[at : at + 4], "little")
     if bodies > MOST:
         return None
-    at += told + _BODY_SIZE * bodies + told * (2 if version >= V4_1 else 1)
+    at += announced + _BODY_SIZE * bodies + announced * (2 if version >= V4_1 else 1)
     return plain(version, bodies, int.from_bytes(payload[at : at + 4], "little"))
 
 

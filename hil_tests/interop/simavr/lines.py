@@ -73,7 +73,7 @@ class Dice:
         return bytes(self.one(*SIGNS) for _ in range(count))
 
 
-SAID: Final[tuple[tuple[int, Callable[[Dice], str]], ...]] = (
+STATED: Final[tuple[tuple[int, Callable[[Dice], str]], ...]] = (
     (8, lambda it: f"m {it.numbers(WHEELS)}"),
     (2, lambda _: "m 0 0 0"),
     (4, lambda it: f"o {it.numbers(WHEELS)}"),
@@ -89,15 +89,15 @@ SAID: Final[tuple[tuple[int, Callable[[Dice], str]], ...]] = (
     (1, lambda it: f"p {it.pin()}"),
     (1, lambda it: f"{chr(it.one(*b'stzE~'))} {it.numbers(2)}"),
 )
-WEIGHED: Final = tuple(place for place, (weight, _) in enumerate(SAID) for _ in range(weight))
+WEIGHED: Final = tuple(place for place, (weight, _) in enumerate(STATED) for _ in range(weight))
 
 
 def line(dice: Dice) -> bytes:
     """Return one, with its end."""
     if dice.chance(0.12):
         return dice.noise() + b"\r"
-    _, said = SAID[dice.one(*WEIGHED)]
-    return said(dice).encode() + b"\r"
+    _, stated = STATED[dice.one(*WEIGHED)]
+    return stated(dice).encode() + b"\r"
 
 
 def around(dice: Dice) -> Iterator[Event]:
@@ -114,8 +114,8 @@ def around(dice: Dice) -> Iterator[Event]:
 def happening(seed: int, lines: int) -> Iterator[Event]:
     """Yield as many lines, and all that happens between them."""
     dice = Dice(seed)
-    millis = said = 0
-    while said < lines:
+    millis = stated = 0
+    while stated < lines:
         yield from around(dice)
         if dice.chance(0.6):
             millis += dice.one(*STEPS)
@@ -126,5 +126,5 @@ def happening(seed: int, lines: int) -> Iterator[Event]:
             together = b"p 30\r" + b"e\r" * dice.between(20, 45)
         elif len(together) > RING:
             continue
-        said += together.count(b"\r")
+        stated += together.count(b"\r")
         yield Bytes(together)

@@ -20,8 +20,8 @@ from hil_tests.interop.simavr.twin import (
     Edges,
     Emulated,
     Event,
-    Heard,
     Level,
+    Received,
     Time,
     built,
     differences,
@@ -91,14 +91,14 @@ def test_the_sketch_releases_the_motors_before_it_sets_the_shield_up(made: tuple
         writes = [it.segments[0].written for it in jobs]
         assert writes[2] == b""
         wanted = on_bus(b"\xfd\x10", *writes[:2]) + "60r00," + on_bus(*writes[3:])
-        assert binary.at_start == Heard(b"", wanted)
+        assert binary.at_start == Received(b"", wanted)
 
 
 def test_a_story_with_what_it_must_be(made: tuple[Path, Path]) -> None:
     emulated = Emulated()
     with Binary(*made) as binary:
         for event, serial, bus in STORY:
-            wanted = Heard(serial, bus)
+            wanted = Received(serial, bus)
             assert (event, binary.happens(event)) == (event, wanted)
             assert (event, emulated.happens(event)) == (event, wanted)
 

@@ -71,7 +71,7 @@ Event = Bytes | Time | Edges | Level | Voltage
 
 
 @dataclass(frozen=True)
-class Heard:
+class Received:
     """What came of it: bytes to the host, and transfers on the bus as harness.c writes them."""
 
     serial: bytes
@@ -97,7 +97,7 @@ class Binary:
         self._process: Final = subprocess.Popen(
             (harness, sketch), stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1
         )
-        self.at_start: Final = self._heard()
+        self.at_start: Final = self._received()
 
     def __enter__(self) -> Self:
         return self
@@ -109,7 +109,7 @@ class Binary:
         self._process.stdout.close()  # type: ignore[union-attr]
         self._process.wait()
 
-    def happens(self, event: Event) -> Heard:
+    def happens(self, event: Event) -> Received:
         """Let it happen; return what came of it."""
         match event:
             case Bytes(data):
@@ -124,14 +124,14 @@ class Binary:
                 millivolts = -(-reading * REFERENCE_MV // LARGEST_READING)
                 line = f"a {FIRST_ANALOG + channel} {millivolts}"
         self._process.stdin.write(line + "\n")  # type: ignore[union-attr]
-        return self._heard()
+        return self._received()
 
-    def _heard(self) -> Heard:
+    def _received(self) -> Received:
         line: str = self._process.stdout.readline()  # type: ignore[union-attr]
         if not line.endswith("\n"):
             raise RuntimeError("the harness has ended; it has said why")
-        said, _, bus = line.rstrip("\n").partition(" ")
-        return Heard(bytes.fromhex(said), bus)
+        stated, _, bus = line.rstrip("\n").partition(" ")
+        return Received(bytes.fromhex(stated), bus)
 
 
 class Given(Clock):
@@ -202,14 +202,14 @@ class Emulated:
         self._mega: Final = Mega(self._flashed, ros.BAUD, shafts=Wheels(), others=(self._tap,))
         self._board: Final = UsbBoard(self._mega, flush=0)
         self._now: Nanoseconds = 0
-        self._said = bytearray()
+        self._stated = bytearray()
         self.at_start: Final = self._rested(self._board.wake(0))
 
     def _flashed(self, mega: Mega) -> RosSketch:
         mega.clock = self._clock
         return RosSketch(mega, auto_stop=AUTO_STOP)
 
-    def happens(self, event: Event) -> Heard:
+    def happens(self, event: Event) -> Received:
         """Let it happen; return what came of it."""
         self._now += SECOND
         match event:
@@ -226,18 +226,18 @@ class Emulated:
                 self._mega.pins.analog[channel] = reading
         return self._rested(self._board.wake(self._now))
 
-    def _rested(self, reaction: Reaction) -> Heard:
+    def _rested(self, reaction: Reaction) -> Received:
         while True:
             for packet in reaction.sent:
-                self._said += packet.payload
+                self._stated += packet.payload
             if reaction.wake_at == NEVER:
                 break
             self._now = max(self._now, reaction.wake_at)
             reaction = self._board.wake(self._now)
-        heard = Heard(bytes(self._said), "".join(self._tap.text))
-        self._said.clear()
+        received = Received(bytes(self._stated), "".join(self._tap.text))
+        self._stated.clear()
         self._tap.text.clear()
-        return heard
+        return received
 
 
 def differences(binary: Binary, emulated: Emulated, events: Iterator[Event]) -> Iterator[str]:

@@ -29,8 +29,8 @@ def test_a_move_ends_in_its_time_and_the_guard_thinks_so_too(wanted: tuple[int, 
     )
     assert all(it * all_ >= 0 for it, all_ in zip(found.steps, wanted, strict=True))
     bench = Bench()
-    said = bench.ask(found.line, within=SECOND)
-    assert said == b"command recieved"
+    stated = bench.ask(found.line, within=SECOND)
+    assert stated == b"command recieved"
     assert bench.moved()[:6] == list(found.steps)
     assert bench.span_us() <= 1_000 * move_ms
     read = move_of(found.line)

@@ -29,7 +29,7 @@ class Bench:
     ) -> None:
         self.kept: list[tuple[int, int, int]] = []
         """Pulses: axis, 1 for ahead or -1, instant in us."""
-        self.joints = Joints(load, told=self._keep)
+        self.joints = Joints(load, on_count=self._keep)
         firmware = FIRMWARES[generation]
         self.mega = Mega(
             lambda mega: Ar2Sketch(mega, self.joints, firmware), firmware.baud, shafts=self.joints, boot=0
@@ -61,7 +61,7 @@ class Bench:
         self.now += GAP
         self.mega.advance(self.now)
         for byte in line:
-            self.mega.hear(byte, self.now)
+            self.mega.receive(byte, self.now)
         return self.run(within)
 
     def run(self, within: Nanoseconds) -> bytes:
@@ -76,10 +76,10 @@ class Bench:
 
     def moved(self) -> list[int]:
         """Return by how many steps each axis was told to go, with signs, by the last line."""
-        told = [0] * len(AXES)
+        reported = [0] * len(AXES)
         for axis, ahead, _ in self.kept:
-            told[axis] += ahead
-        return told
+            reported[axis] += ahead
+        return reported
 
     def span_us(self) -> int:
         """Return the time from the first pulse to the last."""

@@ -134,32 +134,32 @@ class Model:
     def point(self, text: str) -> bytes | None:
         if self.stored < 101:
             self.table[self.stored] = text[:49]
-        said = str(self.stored).encode()
+        stated = str(self.stored).encode()
         self.stored += 1
         self.expected -= 1
-        return self.run_if_all(said)
+        return self.run_if_all(stated)
 
-    def run_if_all(self, said: bytes) -> bytes | None:
+    def run_if_all(self, stated: bytes) -> bytes | None:
         if self.expected:
-            return said
+            return stated
         for text in self.table[: max(0, self.last + 1)]:
             self.prefix = text
-            asked = self.fields(text, "ABCDEFT")
+            requested = self.fields(text, "ABCDEFT")
             share = F(atof(field_of(text, text.find("S") + 1, "G"))) / F(100)
             with np.errstate(all="ignore"):
                 width = word(to_long(float(F(400) / share)))
             wait = delayed(int(width / 6))
-            left = [count for count, _ in asked]
+            left = [count for count, _ in requested]
             while any(count > 0 for count in left[:6]):
                 for joint in range(6):
                     if left[joint] > 0:
                         left[joint] -= 1
                         self.us += wait
-                        self.step(joint, asked[joint][1])
+                        self.step(joint, requested[joint][1])
                 self.us += TURN_US
             if left[6] > 0:
                 return None
-        return said + b"waypts done"
+        return stated + b"waypts done"
 
     def fields(self, line: str, letters: str) -> list[tuple[int, int]]:
         found = []
@@ -175,9 +175,9 @@ class Model:
         return found
 
     def joint_move(self, line: str) -> None:
-        asked = self.fields(line, "ABCDEFT")
-        high = max(count for count, _ in asked)
-        active = sum(count > 0 for count, _ in asked)
+        requested = self.fields(line, "ABCDEFT")
+        high = max(count for count, _ in requested)
+        active = sum(count > 0 for count, _ in requested)
         if active == 0:
             return
         speed = atof(field_of(line, line.find("S") + 1, "G"))
@@ -196,9 +196,9 @@ class Model:
             acc_inc = (F(regular) - acc) / acc_step
             dcc_inc = (F(regular) + dcc) / dcc_step
             dcc = F(regular)
-            places = [self.plan(count, high) for count, _ in asked]
+            places = [self.plan(count, high) for count, _ in requested]
             turn = 0
-            while any(place["done"] < count for place, (count, _) in zip(places, asked, strict=True)):
+            while any(place["done"] < count for place, (count, _) in zip(places, requested, strict=True)):
                 if turn <= acc_step:
                     delay, acc = acc / F(active), acc + acc_inc
                 elif turn >= dcc_step:
@@ -207,7 +207,7 @@ class Model:
                     delay = F(regular) / F(active)
                 turn += 1
                 wait = delayed(to_long(float(delay)))
-                for axis, (count, ahead) in enumerate(asked):
+                for axis, (count, ahead) in enumerate(requested):
                     if self.due(places[axis], count):
                         self.us += wait
                         self.step(axis, ahead)
@@ -259,23 +259,23 @@ class Model:
         return (self.places[joint] - at) * beyond >= 0
 
     def switch_move(self, line: str) -> bytes:
-        asked = self.fields(line, "ABCDEF")
+        requested = self.fields(line, "ABCDEF")
         with np.errstate(all="ignore"):
             share = F(atof(line[line.find("S") + 1 :])) / F(100)
             wait = delayed(word(to_long(float(F(400) / share))))
-        left = [count for count, _ in asked]
+        left = [count for count, _ in requested]
         while due := [joint for joint in range(6) if left[joint] > 0 and not self.closed(joint)]:
             for joint in range(6):
                 self.us += 5
                 if joint in due:
                     left[joint] -= 1
-                    self.step(joint, asked[joint][1])
+                    self.step(joint, requested[joint][1])
                 self.us += 5
             self.us += wait + TURN_US
         for _ in range(21):
             self.us += wait
-            for joint, (count, ahead) in enumerate(asked):
+            for joint, (count, ahead) in enumerate(requested):
                 if count > 0:
                     self.step(joint, ahead)
             self.us += wait + TURN_US
-        return b"P\r" if all(self.closed(it) for it in range(6) if asked[it][0] > 0) else b"F\r"
+        return b"P\r" if all(self.closed(it) for it in range(6) if requested[it][0] > 0) else b"F\r"

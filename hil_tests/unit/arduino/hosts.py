@@ -50,7 +50,7 @@ class Host:
         self.spy = Spy()
         self.mega = Mega(sketch, baud, others=(self.spy,))
         self.board = UsbBoard(self.mega, flush=0)
-        self.heard = bytearray()
+        self.received = bytearray()
         self.now: Nanoseconds = 0
         self.wake_at: Nanoseconds = 0
         self.run(ready)
@@ -67,15 +67,15 @@ class Host:
 
     def _take(self, reaction: Reaction) -> None:
         for packet in reaction.sent:
-            self.heard += packet.payload
+            self.received += packet.payload
         self.wake_at = reaction.wake_at
 
     def send(self, data: bytes, address: int = 0) -> None:
         self._take(self.board.receive(Packet(SERIAL, address, data), self.now))
 
     def taken(self) -> bytes:
-        taken = bytes(self.heard)
-        self.heard.clear()
+        taken = bytes(self.received)
+        self.received.clear()
         return taken
 
     def ask(self, data: bytes, wait: Nanoseconds = 100 * MILLISECOND) -> bytes:

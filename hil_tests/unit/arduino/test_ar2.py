@@ -84,7 +84,7 @@ def test_it_answers_before_it_moves_and_receives_nothing_while_it_does() -> None
 
 
 @every(
-    ("line", "said", "moved"),
+    ("line", "stated", "moved"),
     [
         (b"MJA0-500S25G10H10I10K10\n", b"command recieved", 0),
         (b"MJA165586S25G10H10I10K10\n", b"command recieved", 50),  # 16 bits
@@ -101,18 +101,18 @@ def test_it_answers_before_it_moves_and_receives_nothing_while_it_does() -> None
         (b"\n", b"", 0),
     ],
 )
-def test_fields_are_found_by_their_letters_in_the_whole_line(line: bytes, said: bytes, moved: int) -> None:
+def test_fields_are_found_by_their_letters_in_the_whole_line(line: bytes, stated: bytes, moved: int) -> None:
     bench = Bench()
-    assert bench.ask(line) == said
+    assert bench.ask(line) == stated
     assert bench.moved() == [moved, 0, 0, 0, 0, 0, 0]
 
 
 @every(
-    ("asked", "takes"),
+    ("requested", "takes"),
     [(0, 0), (3, 3), (16_383, 16_383), (16_384, 16_384), (16_385, 1), (20_000, 3_616), (-1, 16_383)],
 )
-def test_a_long_delay_loses_its_upper_bits(asked: int, takes: int) -> None:
-    assert waited(asked) == takes
+def test_a_long_delay_loses_its_upper_bits(requested: int, takes: int) -> None:
+    assert waited(requested) == takes
 
 
 @every(
@@ -136,7 +136,7 @@ def test_a_part_of_a_string_is_as_the_core_cuts_it(left: int, right: int, found:
 
 
 @every(
-    ("line", "said", "after_ms"),
+    ("line", "stated", "after_ms"),
     [
         (b"TMhello\n", b"hello\n\r\n", 0),
         (b"SV3P90\n", b"Servo Done", 0),
@@ -151,10 +151,10 @@ def test_a_part_of_a_string_is_as_the_core_cuts_it(left: int, right: int, found:
         (b"WIN22\n", b"", None),
     ],
 )
-def test_each_command_states_what_is_published(line: bytes, said: bytes, after_ms: int | None) -> None:
+def test_each_command_states_what_is_published(line: bytes, stated: bytes, after_ms: int | None) -> None:
     bench = Bench()
     begun = bench.begun
-    assert bench.ask(line, 3_600 * SECOND) == said
+    assert bench.ask(line, 3_600 * SECOND) == stated
     assert bench.busy == (after_ms is None)
     if after_ms is not None:
         assert bench.now - begun == after_ms * MILLISECOND
@@ -185,7 +185,7 @@ def test_an_output_that_is_a_step_pin_makes_a_step() -> None:
 
 
 @every(
-    ("generation", "line", "said"),
+    ("generation", "line", "stated"),
     [
         ("1.5", b"LLA0100S50\n", b"fail\n\r\n"),
         ("1.5", b"LLA00S50\n", b"pass\n\r\n"),
@@ -196,8 +196,8 @@ def test_an_output_that_is_a_step_pin_makes_a_step() -> None:
         ("2.0", b"LLA0100S50\n", b"F\r"),
     ],
 )
-def test_generations_differ_in_rows(generation: str, line: bytes, said: bytes) -> None:
-    assert Bench(generation).ask(line) == said
+def test_generations_differ_in_rows(generation: str, line: bytes, stated: bytes) -> None:
+    assert Bench(generation).ask(line) == stated
     assert FIRMWARES["1.5"].baud == 9_600
 
 
@@ -208,8 +208,8 @@ def test_a_joint_goes_to_its_switch_and_21_pulses_further_and_it_is_stated_half_
     bench = Bench()
     bench.joints.places[0] = 321
     begun = bench.begun
-    said = bench.ask(b"LLA0400B00C00D00E00F00S50\n")
-    assert said == b"P\r"
+    stated = bench.ask(b"LLA0400B00C00D00E00F00S50\n")
+    assert stated == b"P\r"
     assert (bench.moved()[0], bench.joints.places[0], bench.joints.lost[0]) == (-321, 0, 0)
     turn = 60 + 800 + TURN_US
     assert bench.now - begun == 1_000 * (300 * turn + 21 * (1_600 + TURN_US)) + 500 * MILLISECOND

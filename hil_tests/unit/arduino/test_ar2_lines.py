@@ -69,10 +69,10 @@ def agree(seed: int, count: int) -> int:
     for _ in range(count):
         for text in line(rng).split("\n"):
             begun = bench.begun
-            said = bench.ask(text.encode() + b"\n", 200 * SECOND)
+            stated = bench.ask(text.encode() + b"\n", 200 * SECOND)
             meant = model.obey(text + "\n")
             assert bench.busy == (meant is None), text
-            assert meant is None or said == meant, text
+            assert meant is None or stated == meant, text
             kept = [(axis, ahead, (at - begun // MICROSECOND)) for axis, ahead, at in bench.kept]
             assert kept == model.pulses, text
             pulses += len(kept)

@@ -36,15 +36,15 @@ EXCHANGES = [
 
 
 @pytest.mark.parametrize("slowly", [False, True])
-@pytest.mark.parametrize(("letter", "values", "asked", "answered"), EXCHANGES)
+@pytest.mark.parametrize(("letter", "values", "requested", "answered"), EXCHANGES)
 def test_both_ends_say_and_read_the_worked_bytes(
-    letter: str, values: tuple[int, ...], asked: str, answered: str, *, slowly: bool
+    letter: str, values: tuple[int, ...], requested: str, answered: str, *, slowly: bool
 ) -> None:
-    assert io.encode(letter, *values) == bytes.fromhex(asked)
+    assert io.encode(letter, *values) == bytes.fromhex(requested)
     it = host()
-    said = (it.ask_slowly if slowly else it.ask)(bytes.fromhex(asked))
-    assert said == bytes.fromhex(answered)
-    assert (io.decode(said.removesuffix(b"\r\n")) is not None) is io.COMMANDS[letter].answers
+    stated = (it.ask_slowly if slowly else it.ask)(bytes.fromhex(requested))
+    assert stated == bytes.fromhex(answered)
+    assert (io.decode(stated.removesuffix(b"\r\n")) is not None) is io.COMMANDS[letter].answers
 
 
 def test_what_is_written_to_the_shield_and_what_the_motors_get() -> None:
@@ -73,9 +73,9 @@ def test_a_reset_of_the_board_ends_in_a_stand_when_setup_has_run() -> None:
 
 
 def number(it: Host, letter: str, *values: int) -> int:
-    said = io.decode(it.ask(io.encode(letter, *values)).removesuffix(b"\r\n"))
-    assert said is not None
-    return said
+    stated = io.decode(it.ask(io.encode(letter, *values)).removesuffix(b"\r\n"))
+    assert stated is not None
+    return stated
 
 
 def test_counters_have_16_bits_and_wrap() -> None:
@@ -159,9 +159,9 @@ def test_the_hosts_end_refuses_what_the_sketch_would_not_take(
 @given(st.lists(st.binary(max_size=40), max_size=8))
 def test_whatever_a_foreign_node_sends_silence_or_numbers(chunks: list[bytes]) -> None:
     it = host()
-    said = b"".join(it.ask(chunk) for chunk in chunks)
-    assert all(io.decode(line) is not None for line in said.split(b"\r\n")[:-1])
-    assert said == b"" or said.endswith(b"\r\n")
+    stated = b"".join(it.ask(chunk) for chunk in chunks)
+    assert all(io.decode(line) is not None for line in stated.split(b"\r\n")[:-1])
+    assert stated == b"" or stated.endswith(b"\r\n")
     it.ask(bytes(4))  # ends whatever was begun
     assert it.ask(b"99") == b"4\r\n"
 

@@ -30,11 +30,11 @@ class Host:
         load: Load | None = None,
     ) -> None:
         self.board = Board(FIRMWARES[firmware], load or four_motors(), encoders=encoders, auto_stop=auto_stop)
-        self.heard = bytearray()
+        self.received = bytearray()
         self.now: Nanoseconds = 0
         self._wake_at: Nanoseconds = 0
         self.run(4 * SECOND)  # Firmata blinks its version
-        self.heard.clear()
+        self.received.clear()
 
     def run(self, duration: Nanoseconds) -> None:
         until = self.now + duration
@@ -47,16 +47,16 @@ class Host:
         assert reaction.wake_at <= self.now + MOVES_EVERY
         self._wake_at = reaction.wake_at
         for packet in reaction.sent:
-            self.heard += packet.payload
+            self.received += packet.payload
 
     def send(self, data: bytes, address: int = 0) -> None:
         self._take(self.board.receive(Packet(SERIAL, address, data), self.now))
 
     def ask(self, data: bytes, wait: Nanoseconds = 100 * MILLISECOND) -> bytes:
-        self.heard.clear()
+        self.received.clear()
         self.send(data)
         self.run(wait)
-        return bytes(self.heard)
+        return bytes(self.received)
 
     def turned(self, motor: int = 0) -> float:
         """Return how far a shaft has come, in counts of its encoder."""
@@ -79,12 +79,12 @@ def test_the_loop_on_the_board_holds_its_speed_on_the_motor() -> None:
 def test_what_is_read_is_where_the_shaft_is() -> None:
     it = Host("ros-arduino-bridge")
     it.ask(b"o 90 0 0\r")
-    it.heard.clear()
+    it.received.clear()
     it.send(b"e\r")
-    while not it.heard.endswith(b"\r\n"):
+    while not it.received.endswith(b"\r\n"):
         it.run(MILLISECOND)
     # The answer takes 5 ms on its way, and in that the shaft goes on.
-    count = int(it.heard.split()[0])
+    count = int(it.received.split()[0])
     assert 0.0 < it.turned() - count < it.board.motors.speeds[0] / tau * COUNTS_PER_TURN * 0.012
 
 
@@ -106,18 +106,18 @@ class Watched(Host):
 
     def __init__(self, firmware: str, every: Nanoseconds) -> None:
         self.every = SECOND
-        self.told: list[tuple[Nanoseconds, bytes]] = []
+        self.reported: list[tuple[Nanoseconds, bytes]] = []
         super().__init__(firmware, auto_stop=120, load=fmu_load(ensure("rome_base")))
-        self.told.clear()
+        self.reported.clear()
         self.every = every
 
     def _take(self, reaction: Reaction) -> None:
-        self.told += [(self.now, packet.payload) for packet in reaction.sent]
+        self.reported += [(self.now, packet.payload) for packet in reaction.sent]
         super()._take(Reaction(reaction.sent, min(reaction.wake_at, self.now + self.every)))
 
 
 # Half lines, more than a ring holds, more than the host waits for, silence until the auto-stop, and a reset.
-SAID = (
+STATED = (
     *(b"m 60 -", b"60 40\re\r", b"z\r" * 20, b"x" * 90, b"\re\rb", b"\r\r"),
     *(b"u 30:20:1:50\re\r" * 4, b"", b"e\r"),
 )
@@ -130,7 +130,7 @@ SHIELD = tuple(
     )
 )
 DIALOGUES = {
-    "ros-arduino-bridge": (SAID, b"m 9 9 9\re\r"),
+    "ros-arduino-bridge": (STATED, b"m 9 9 9\re\r"),
     "mw": ((*SHIELD[:2], SHIELD[2][:4], SHIELD[2][4:], b"".join(SHIELD) * 4), SHIELD[0]),
     "arduinoio": ((b"A1\x96B1f", b"E0", b"cd", b"G0" * 40, b"99" * 30), b"99"),
     "firmata": ((b"\xf0\x79\xf7" * 5, b"\xf9", b"\xf0\x6b", b"\xf7"), b"\xf9"),
@@ -143,16 +143,16 @@ def test_a_host_receives_the_same_at_the_same_time_whichever_client_looks_at_the
     dialogue, last = DIALOGUES[firmware]
     seldom, often = Watched(firmware, SECOND), Watched(firmware, 79 * MICROSECOND)
     for it in (seldom, often):
-        for said in dialogue:
-            it.send(said)
+        for stated in dialogue:
+            it.send(stated)
             it.run(70 * MILLISECOND + 1_234)
         it.board.reset(it.now)
         it.run(1_200 * MILLISECOND)
         it.send(last)
         it.run(50 * MILLISECOND)
         it.board.advance(it.now)
-    assert len(seldom.told) > 3
-    assert seldom.told == often.told
+    assert len(seldom.reported) > 3
+    assert seldom.reported == often.reported
     assert list(seldom.board.motors.angles) == list(often.board.motors.angles)
 
 
@@ -200,9 +200,9 @@ def test_firmata_turns_a_motor_by_the_registers_and_reads_its_encoder() -> None:
     it.ask(i2c(6 + 4 * 8, 0, 0, 0, 8))  # PWM of M1: half
     it.ask(i2c(6 + 4 * 10, 0, 16, 0, 0), SECOND)  # IN1 high
     before = it.turned()
-    said = it.ask(bytes((0xF0, 0x61, 1, 0, 0xF7)))
-    assert said[:3] == bytes((0xF0, 0x61, 0x00))
-    count = sum(byte << 7 * place for place, byte in enumerate(said[3:7]))
+    stated = it.ask(bytes((0xF0, 0x61, 1, 0, 0xF7)))
+    assert stated[:3] == bytes((0xF0, 0x61, 0x00))
+    count = sum(byte << 7 * place for place, byte in enumerate(stated[3:7]))
     assert 1000 < before < count < it.turned()
 
 
@@ -241,7 +241,7 @@ def test_an_fmu_without_axes_for_a_shield_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         (("--firmware", "grbl"), "there are: mw, ros-arduino-bridge, arduinoio, firmata"),
         (("--firmware", "mw", "--encoders", "4"), "--encoders 4: mw counts 2 or 3"),
@@ -260,11 +260,11 @@ def test_an_fmu_without_axes_for_a_shield_is_refused() -> None:
         (("--firmware", "mw", "--plant", "rome_bas"), "did you mean 'rome_base'"),
     ],
 )
-def test_mistakes_are_reported_in_one_line(words: tuple[str, ...], told: str) -> None:
+def test_mistakes_are_reported_in_one_line(words: tuple[str, ...], reported: str) -> None:
     result = CliRunner().invoke(program, ["emulate", "board", *words])
     assert result.exit_code == 2, result.output
     (line,) = result.stderr.splitlines()
-    assert told in line
+    assert reported in line
 
 
 def test_the_help_states_that_opening_resets_nothing() -> None:

@@ -39,7 +39,7 @@ class Host:
     def __init__(self, *faults: str, motor: DcMotor = MOTOR, auto_stop: int = 30_000) -> None:
         self.board = Board(FIRMWARES["ros-arduino-bridge"], four_motors(motor), auto_stop=auto_stop)
         self.node = FaultyBoard(self.board, map(planned, faults))
-        self.heard = b""
+        self.received = b""
         self.lines: list[int] = []
         self.now: Nanoseconds = 0
         self._wake_at: Nanoseconds = 0
@@ -54,15 +54,15 @@ class Host:
         self.board.advance(until)
 
     def _take(self, reaction: Reaction) -> None:
-        self.heard += b"".join(packet.payload for packet in reaction.sent)
+        self.received += b"".join(packet.payload for packet in reaction.sent)
         self.lines += [packet.address for packet in reaction.sent if packet.address]
         self._wake_at = reaction.wake_at
 
     def ask(self, line: bytes, seconds: float = 0.1) -> bytes:
-        self.heard = b""
+        self.received = b""
         self._take(self.node.receive(Packet(SERIAL, 0, line), self.now))
         self.run(seconds)
-        return self.heard
+        return self.received
 
     def counts(self) -> list[int]:
         return [int(word) for word in self.ask(b"e\r").split()]
@@ -223,7 +223,7 @@ def test_what_was_called_otherwise_before_is_understood_and_named(text: str, ins
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         ("motor_cable_of", "there is no such fault; perhaps 'motor_cable_off'?"),
         ("nothing", "there is no such fault; there are: current_limit, "),
@@ -241,8 +241,8 @@ def test_what_was_called_otherwise_before_is_understood_and_named(text: str, ins
         ("board_brown_out@-3", "is no time"),
     ],
 )
-def test_what_is_no_fault_is_reported(text: str, told: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(told)):
+def test_what_is_no_fault_is_reported(text: str, reported: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(reported)):
         planned(text)
 
 

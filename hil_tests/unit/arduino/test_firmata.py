@@ -41,19 +41,19 @@ EXCHANGES = [
 
 
 @pytest.mark.parametrize("slowly", [False, True])
-@pytest.mark.parametrize(("message", "asked", "answered"), EXCHANGES)
+@pytest.mark.parametrize(("message", "requested", "answered"), EXCHANGES)
 def test_both_ends_say_and_read_the_messages(
-    message: words.Message, asked: str, answered: str, *, slowly: bool
+    message: words.Message, requested: str, answered: str, *, slowly: bool
 ) -> None:
-    data = bytes.fromhex(asked)
+    data = bytes.fromhex(requested)
     assert words.encode(message) == data
-    assert list(words.Parser().hear(data)) == [message]
+    assert list(words.Parser().receive(data)) == [message]
     it = host()
     it.mega.pins.analog[3] = 700
     wait = 10 * MILLISECOND if message.code == words.REPORT_ANALOG else SECOND
-    said = (it.ask_slowly if slowly else it.ask)(data, wait)
-    assert said == bytes.fromhex(answered)
-    assert b"".join(map(words.encode, words.Parser(from_board=True).hear(said))) == said
+    stated = (it.ask_slowly if slowly else it.ask)(data, wait)
+    assert stated == bytes.fromhex(answered)
+    assert b"".join(map(words.encode, words.Parser(from_board=True).receive(stated))) == stated
 
 
 def test_the_worked_i2c_messages() -> None:
@@ -62,7 +62,7 @@ def test_the_worked_i2c_messages() -> None:
     assert words.i2c_write(0x60, channel) == bytes.fromhex("F0 76 60 00 26 00 00 00 00 00 00 00 08 00 F7")
     assert words.i2c_read(0x60, 0, 1) == bytes.fromhex("F0 76 60 08 00 00 01 00 F7")
     reply = bytes.fromhex("F0 77 60 00 00 00 21 00 F7")
-    (message,) = words.Parser(from_board=True).hear(reply)
+    (message,) = words.Parser(from_board=True).receive(reply)
     assert words.decode_i2c(message) == words.I2cRead(0x60, 0, b"\x21")
 
 
@@ -88,10 +88,10 @@ def test_a_register_is_read_once_or_again_and_again() -> None:
     it.ask(words.i2c_write(0x60, b"\0\xa1"))
     assert it.ask(words.i2c_read(0x60, 0, 1)) == bytes.fromhex("F0 77 60 00 00 00 21 00 F7")
     continuous = bytes.fromhex("F0 76 60 10 01 00 01 00 F7")
-    said = it.ask(continuous, 205 * MILLISECOND)
+    stated = it.ask(continuous, 205 * MILLISECOND)
     one = bytes.fromhex("F0 77 60 00 01 00 04 00 F7")
-    assert said == one * (len(said) // len(one))
-    assert len(said) // len(one) in {9, 10, 11}
+    assert stated == one * (len(stated) // len(one))
+    assert len(stated) // len(one) in {9, 10, 11}
     it.ask(bytes.fromhex("F0 76 60 18 F7"))
     assert it.ask(b"", SECOND) == b""
 
@@ -103,19 +103,19 @@ def test_who_is_not_there_or_requested_in_ten_bits_is_reported_in_words() -> Non
     assert it.ask(words.i2c_read(0x33, 0, 2)) == few + bytes.fromhex("F0 77 33 00 00 00 F7")
     ten = words.exclusive(words.STRING, words.pairs(b"10-bit addressing not supported"))
     assert it.ask(bytes.fromhex("F0 76 60 28 00 00 01 00 F7")) == ten
-    said = b"".join(it.ask(bytes.fromhex("F0 76 60 10 01 00 01 00 F7"), MILLISECOND * 5) for _ in range(9))
-    assert words.exclusive(words.STRING, words.pairs(b"too many queries")) in said + it.run(SECOND).taken()
+    stated = b"".join(it.ask(bytes.fromhex("F0 76 60 10 01 00 01 00 F7"), MILLISECOND * 5) for _ in range(9))
+    assert words.exclusive(words.STRING, words.pairs(b"too many queries")) in stated + it.run(SECOND).taken()
 
 
 def answer(it: Host, code: int) -> bytes:
-    (message,) = words.Parser(from_board=True).hear(it.ask(words.exclusive(code), SECOND))
+    (message,) = words.Parser(from_board=True).receive(it.ask(words.exclusive(code), SECOND))
     return message.data
 
 
 def test_the_mapping_and_what_pins_can_be() -> None:
     it = host()
-    said = it.ask(words.exclusive(words.MAPPING_QUERY))
-    assert said == b"\xf0\x6a" + b"\x7f" * 54 + bytes(range(16)) + b"\xf7"
+    stated = it.ask(words.exclusive(words.MAPPING_QUERY))
+    assert stated == b"\xf0\x6a" + b"\x7f" * 54 + bytes(range(16)) + b"\xf7"
     pins = answer(it, words.CAPABILITY_QUERY).split(b"\x7f")
     assert len(pins) == 71
     assert (pins[0], pins[1], pins[-1]) == (b"", b"", b"")
@@ -142,8 +142,8 @@ def test_pins_are_set_reported_and_reset() -> None:
 
 def test_analog_inputs_are_reported_every_19_ms_until_they_are_not() -> None:
     it = host()
-    said = it.ask(bytes.fromhex("C0 01"), SECOND)
-    assert len(said) // 3 in {49, 50, 51}
+    stated = it.ask(bytes.fromhex("C0 01"), SECOND)
+    assert len(stated) // 3 in {49, 50, 51}
     it.ask(bytes.fromhex("C0 00"))
     assert it.ask(b"", SECOND) == b""
 
@@ -158,8 +158,8 @@ def test_encoders_are_configurable_firmatas() -> None:
     assert it.ask(bytes.fromhex("F0 61 02 F7")) == bytes.fromhex("F0 61 00 2C 02 00 00 41 01 00 00 00 F7")
     it.ask(bytes.fromhex("F0 61 03 00 F7"))
     assert it.ask(bytes.fromhex("F0 61 01 00 F7")) == bytes.fromhex("F0 61 00 00 00 00 00 F7")
-    said = it.ask(bytes.fromhex("F0 61 05 00 F7 F0 61 04 01 F7"), 50 * MILLISECOND)
-    assert said == bytes.fromhex("F0 61 41 01 00 00 00 F7") * (len(said) // 8) != b""
+    stated = it.ask(bytes.fromhex("F0 61 05 00 F7 F0 61 04 01 F7"), 50 * MILLISECOND)
+    assert stated == bytes.fromhex("F0 61 41 01 00 00 00 F7") * (len(stated) // 8) != b""
 
 
 COMMANDS = st.builds(
@@ -185,12 +185,12 @@ def test_whatever_a_foreign_node_sends_good_messages_or_silence(chunks: list[byt
         it.run(30 * MILLISECOND)
     it.send(b"\xf7\xff")  # ends whatever was begun
     it.run(3 * SECOND)
-    said = it.taken()
-    starts = said.count(b"\xf0")
+    stated = it.taken()
+    starts = stated.count(b"\xf0")
     assert (
         starts
-        == said.count(b"\xf7")
-        == sum(one.exclusive for one in words.Parser(from_board=True).hear(said))
+        == stated.count(b"\xf7")
+        == sum(one.exclusive for one in words.Parser(from_board=True).receive(stated))
     )
     assert it.ask(b"\xf9", SECOND) == b"\xf9\x02\x05"
 
@@ -198,8 +198,8 @@ def test_whatever_a_foreign_node_sends_good_messages_or_silence(chunks: list[byt
 @given(st.binary(max_size=200), st.booleans())
 def test_whatever_is_stated_either_end_goes_on(noise: bytes, from_board: bool) -> None:  # noqa: FBT001
     split = words.Parser(from_board=from_board)
-    found = list(words.Parser(from_board=from_board).hear(noise))
-    assert [it for byte in noise for it in split.hear(bytes((byte,)))] == found
+    found = list(words.Parser(from_board=from_board).receive(noise))
+    assert [it for byte in noise for it in split.receive(bytes((byte,)))] == found
     for message in found:
         words.decode_i2c(message)
 

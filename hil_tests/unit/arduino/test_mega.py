@@ -187,11 +187,11 @@ class Host:
 
     def __init__(self, board: UsbBoard) -> None:
         self.board = board
-        self.heard: list[tuple[Nanoseconds, bytes]] = []
+        self.received: list[tuple[Nanoseconds, bytes]] = []
         self.take(board.wake(0), 0)
 
     def take(self, reaction: Reaction, now: Nanoseconds) -> None:
-        self.heard.extend((now, packet.payload) for packet in reaction.sent)
+        self.received.extend((now, packet.payload) for packet in reaction.sent)
         self.wake_at = reaction.wake_at
 
     def run(self, until: Nanoseconds) -> "Host":
@@ -206,7 +206,7 @@ class Host:
 
     @property
     def text(self) -> bytes:
-        return b"".join(data for _, data in self.heard)
+        return b"".join(data for _, data in self.received)
 
 
 def board() -> UsbBoard:
@@ -241,7 +241,7 @@ def test_a_reset_frees_a_board_from_its_loader() -> None:
 
 def test_the_usb_chip_hands_over_every_4096_us() -> None:
     host = Host(board()).run(2 * SECOND)
-    ((at, data),) = host.heard
+    ((at, data),) = host.received
     assert data == b"hello"
     assert at % (4_096 * MICROSECOND) == 0
     assert 0 < at - SETUP_AT <= 4_096 * MICROSECOND
@@ -250,11 +250,11 @@ def test_the_usb_chip_hands_over_every_4096_us() -> None:
 def test_more_than_96_bytes_do_not_wait_for_the_timer() -> None:
     host = Host(UsbBoard(Mega(Echo, 1_000_000), flush=SECOND)).run(SETUP_AT)
     host.run(2 * SECOND)
-    host.heard.clear()
+    host.received.clear()
     host.say(bytes(200))
     host.run(3 * SECOND - 1)
-    assert [len(data) for _, data in host.heard] == [97, 97]
-    assert [at - 2 * SECOND for at, _ in host.heard] == [980 * MICROSECOND, 1_950 * MICROSECOND]
+    assert [len(data) for _, data in host.received] == [97, 97]
+    assert [at - 2 * SECOND for at, _ in host.received] == [980 * MICROSECOND, 1_950 * MICROSECOND]
 
 
 def test_bytes_pass_the_usb_chip_at_the_lines_rate_and_the_ring_overflows() -> None:
@@ -343,10 +343,10 @@ def test_late_wakes_change_nothing() -> None:
 def test_on_its_pins_it_is_a_node_on_a_serial_wire_at_its_true_rate() -> None:
     class Listener:
         def __init__(self) -> None:
-            self.heard: list[tuple[Nanoseconds, bytes]] = []
+            self.received: list[tuple[Nanoseconds, bytes]] = []
 
         def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-            self.heard.append((now, packet.payload))
+            self.received.append((now, packet.payload))
             return Reaction((), 2 * SECOND if now < 2 * SECOND else NEVER)
 
         def wake(self, now: Nanoseconds) -> Reaction:
@@ -358,7 +358,7 @@ def test_on_its_pins_it_is_a_node_on_a_serial_wire_at_its_true_rate() -> None:
     world.attach("host", host, {SERIAL: line})
     world.attach("board", MegaOnPins(Mega(Echo, 115_200)), {SERIAL: line})
     world.run(3 * SECOND)
-    assert b"".join(data for _, data in host.heard) == b"hellox"
+    assert b"".join(data for _, data in host.received) == b"hellox"
     byte = 10 * SECOND // 117_647
-    assert [at for at, _ in host.heard[:2]] == [SETUP_AT + byte, SETUP_AT + 2 * 10 * SECOND // 117_647]
-    assert host.heard[5][0] == 2 * SECOND + 2 * byte
+    assert [at for at, _ in host.received[:2]] == [SETUP_AT + byte, SETUP_AT + 2 * 10 * SECOND // 117_647]
+    assert host.received[5][0] == 2 * SECOND + 2 * byte

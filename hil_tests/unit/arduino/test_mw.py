@@ -50,16 +50,16 @@ def host(libraries: tuple[str, ...] = mw.LIBRARIES, encoders: int = 2) -> Host:
     return Host(lambda mega: MwSketch(mega, libraries, encoders), mw.BAUD)
 
 
-@pytest.mark.parametrize(("request_", "sequence", "asked", "answered"), EXCHANGES)
+@pytest.mark.parametrize(("request_", "sequence", "requested", "answered"), EXCHANGES)
 def test_the_hosts_end_states_and_reads_the_worked_frames(
-    request_: mw.Message, sequence: int, asked: str, answered: str
+    request_: mw.Message, sequence: int, requested: str, answered: str
 ) -> None:
-    assert mw.encode_request(request_, sequence) == bytes.fromhex(asked)
+    assert mw.encode_request(request_, sequence) == bytes.fromhex(requested)
     frame = bytes.fromhex(answered)
-    whole = list(mw.AnswerReader().hear(frame))
+    whole = list(mw.AnswerReader().receive(frame))
     reader = mw.AnswerReader()
-    slowly = [it for byte in frame for it in reader.hear(bytes((byte,)))]
-    noisy = list(mw.AnswerReader().hear(b"MWProtocol\xa5\x07" + frame + b"\xa5"))
+    slowly = [it for byte in frame for it in reader.receive(bytes((byte,)))]
+    noisy = list(mw.AnswerReader().receive(b"MWProtocol\xa5\x07" + frame + b"\xa5"))
     assert whole == slowly == noisy
     (only,) = whole
     assert isinstance(only, mw.Answered)
@@ -71,7 +71,7 @@ def test_the_board_answers_the_worked_frames_in_a_row(*, slowly: bool) -> None:
     it = host()
     assert it.banner == b"MWProtocol"
     it.mega.shafts.edges[0] = 17
-    for request, _, asked, answered in EXCHANGES:
+    for request, _, requested, answered in EXCHANGES:
         if isinstance(request, messages.GetServerInfo):
             continue  # the worked answer is of a board with three libraries
         if isinstance(request, messages.ReadCount):
@@ -79,8 +79,8 @@ def test_the_board_answers_the_worked_frames_in_a_row(*, slowly: bool) -> None:
             # to where it reads the last byte between two of its milliseconds
             until = it.mega.clock.shows(5000, it.now) - (24 * MILLISECOND if slowly else 0)
             it.run(until - it.now)
-        said = (it.ask_slowly if slowly else it.ask)(bytes.fromhex(asked))
-        assert said == bytes.fromhex(answered), request
+        stated = (it.ask_slowly if slowly else it.ask)(bytes.fromhex(requested))
+        assert stated == bytes.fromhex(answered), request
 
 
 def test_a_board_with_three_libraries_states_so() -> None:
@@ -140,7 +140,7 @@ def test_a_reset_leaves_the_motors_running_and_forgets_that_they_were_made() -> 
 
 
 def answer(it: Host, request: mw.Message) -> mw.Message:
-    (only,) = mw.AnswerReader().hear(it.ask(mw.encode_request(request, 0)))
+    (only,) = mw.AnswerReader().receive(it.ask(mw.encode_request(request, 0)))
     assert isinstance(only, mw.Answered)
     return mw.decode_answer(request, only)
 
@@ -181,7 +181,7 @@ def test_pins_voltages_and_memory() -> None:
 
 
 GOOD = bytes.fromhex("5A 06 00 08 10 00 0D 01 D4")
-SAID = bytes.fromhex("A5 00 00 02 10 EE")
+STATED = bytes.fromhex("A5 00 00 02 10 EE")
 
 
 @pytest.mark.parametrize("place", range(1, len(GOOD)))
@@ -190,7 +190,7 @@ def test_a_damaged_frame_has_no_answer_and_the_board_lives_on(place: int) -> Non
     damaged[place] ^= 0x20
     it = host()
     assert it.ask(bytes(damaged), 2 * SECOND) == b""
-    assert it.ask(GOOD) == SAID
+    assert it.ask(GOOD) == STATED
 
 
 @pytest.mark.parametrize(
@@ -201,17 +201,17 @@ def test_frames_that_say_nothing_have_no_answer(frame: str) -> None:
     it = host()
     assert it.ask(bytes.fromhex(frame)) == b""
     it.run(2 * SECOND)
-    assert it.ask(GOOD) == SAID
+    assert it.ask(GOOD) == STATED
 
 
 @pytest.mark.parametrize("taken", range(1, len(GOOD)))
 def test_half_a_frame_is_forgotten_a_second_after_its_last_byte(taken: int) -> None:
     it = host()
     it.ask(GOOD[:taken], 990 * MILLISECOND)
-    assert it.ask(GOOD[taken:]) == SAID
+    assert it.ask(GOOD[taken:]) == STATED
     it = host()
     it.ask(GOOD[:taken], 1010 * MILLISECOND)
-    assert it.ask(GOOD) == SAID
+    assert it.ask(GOOD) == STATED
 
 
 def values(shape: mw.Shape) -> st.SearchStrategy[mw.Message]:
@@ -232,16 +232,18 @@ def test_each_row_reads_what_it_writes(case: tuple[mw.Shape, mw.Message]) -> Non
 @given(st.binary(max_size=200))
 def test_whatever_a_board_states_the_hosts_end_goes_on(noise: bytes) -> None:
     reader = mw.AnswerReader()
-    for found in reader.hear(noise):
+    for found in reader.receive(noise):
         if isinstance(found, mw.Answered):
             mw.decode_answer(messages.GetServerInfo(), found)
-    reader.hear(bytes(mw.LARGEST + 4))
+    reader.receive(bytes(mw.LARGEST + 4))
     split = mw.AnswerReader()
-    assert [it for byte in noise for it in split.hear(bytes((byte,)))] == list(mw.AnswerReader().hear(noise))
+    assert [it for byte in noise for it in split.receive(bytes((byte,)))] == list(
+        mw.AnswerReader().receive(noise)
+    )
 
 
 FRAMES = st.builds(
-    lambda library, code, data: mw.encode_asked(mw.Asked(0, library, code, data)),
+    lambda library, code, data: mw.encode_frame(mw.RequestFrame(0, library, code, data)),
     st.one_of(st.none(), st.integers(0, 5)),
     st.integers(0, 0x40),
     st.binary(max_size=12),
@@ -252,13 +254,13 @@ FRAMES = st.builds(
 @given(st.lists(st.one_of(FRAMES, st.binary(max_size=20)), max_size=8))
 def test_whatever_a_foreign_node_sends_silence_or_a_good_answer(chunks: list[bytes]) -> None:
     it = host()
-    said = b"".join(it.ask(chunk) for chunk in chunks)
+    stated = b"".join(it.ask(chunk) for chunk in chunks)
     reader = mw.AnswerReader()
-    answers = list(reader.hear(said))
+    answers = list(reader.receive(stated))
     assert reader.damaged == 0
-    assert b"".join(mw.encode_answer(a.code, a.data) for a in answers if isinstance(a, mw.Answered)) == said
+    assert b"".join(mw.encode_answer(a.code, a.data) for a in answers if isinstance(a, mw.Answered)) == stated
     it.run(2 * SECOND)
-    assert it.ask(GOOD) == SAID
+    assert it.ask(GOOD) == STATED
 
 
 def test_every_command_has_a_number_of_its_own_and_what_is_not_emulated_states_so() -> None:

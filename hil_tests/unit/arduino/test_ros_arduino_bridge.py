@@ -43,26 +43,26 @@ EXCHANGES = [
 
 
 @pytest.mark.parametrize("slowly", [False, True])
-@pytest.mark.parametrize(("motors", "letter", "numbers", "asked", "answered", "meant"), EXCHANGES)
+@pytest.mark.parametrize(("motors", "letter", "numbers", "requested", "answered", "meant"), EXCHANGES)
 def test_both_ends_say_and_read_the_lines(
     motors: int,
     letter: str,
     numbers: tuple[int, ...],
-    asked: bytes,
+    requested: bytes,
     *,
     answered: bytes,
     meant: tuple[int, ...],
     slowly: bool,
 ) -> None:
-    assert ros.encode(letter, numbers, motors) == asked
+    assert ros.encode(letter, numbers, motors) == requested
     it = host(motors)
     assert it.banner == b""
     it.mega.shafts.edges[:] = [1234, -567, 8]
     it.mega.pins.analog[2] = 517
     it.mega.pins.driven[7] = True
-    said = (it.ask_slowly if slowly else it.ask)(asked)
-    assert said == answered
-    (line,) = ros.LineReader().hear(said)
+    stated = (it.ask_slowly if slowly else it.ask)(requested)
+    assert stated == answered
+    (line,) = ros.LineReader().receive(stated)
     assert ros.decode(letter, line, motors) == meant
 
 
@@ -247,7 +247,7 @@ def test_encoders_and_gains_are_set() -> None:
 
 
 # What the sketch's binary does, too, in simavr.
-PINS_TOLD = [
+PINS_REPORTED = [
     (b"c 2 1\rw 2 0\rd 2\r", b"1"),  # an encoder's pin, pulled up: passed over
     (b"x 21 0\rd 21\r", b"1"),
     (b"c 22 1\rw 22 1\rd 22\r", b"1"),
@@ -259,7 +259,7 @@ PINS_TOLD = [
 ]
 
 
-@pytest.mark.parametrize(("lines", "level"), PINS_TOLD)
+@pytest.mark.parametrize(("lines", "level"), PINS_REPORTED)
 def test_pins_do_what_the_core_makes_of_them(lines: bytes, level: bytes) -> None:
     assert host().ask(lines, 2 * SECOND).splitlines()[-1] == level
 
@@ -288,11 +288,11 @@ def test_a_ping_without_a_sensor_keeps_the_board_for_a_second() -> None:
 )
 def test_whatever_a_foreign_node_sends_lines_come_back_and_it_lives_on(chunks: list[bytes]) -> None:
     it = host()
-    said = b"".join(it.ask(chunk, 200 * MILLISECOND) for chunk in chunks)
+    stated = b"".join(it.ask(chunk, 200 * MILLISECOND) for chunk in chunks)
     it.run(70 * SECOND)  # a full ring of pings
-    said += it.taken()
-    assert said == b"" or said.endswith(b"\r\n")
-    lines = said.split(b"\r\n")[:-1]
+    stated += it.taken()
+    assert stated == b"" or stated.endswith(b"\r\n")
+    lines = stated.split(b"\r\n")[:-1]
     ended = sum(chunk.count(b"\r") for chunk in chunks)
     assert ended - it.mega.serial.lost <= len(lines) <= ended
     it.ask(b"\r", 2 * SECOND)  # ends whatever was begun
@@ -301,9 +301,9 @@ def test_whatever_a_foreign_node_sends_lines_come_back_and_it_lives_on(chunks: l
 
 @given(st.binary(max_size=200), st.sampled_from(sorted(ros.COMMANDS)))
 def test_whatever_a_board_states_the_hosts_end_goes_on(noise: bytes, letter: str) -> None:
-    lines = list(ros.LineReader().hear(noise))
+    lines = list(ros.LineReader().receive(noise))
     split = ros.LineReader()
-    assert [it for byte in noise for it in split.hear(bytes((byte,)))] == lines
+    assert [it for byte in noise for it in split.receive(bytes((byte,)))] == lines
     for line in lines:
         ros.decode(letter, line)
 

@@ -44,6 +44,6 @@ def test_a_homing_goes_on_as_it_went_when_time_is_put_back(
 def test_the_end_of_a_homing_is_reported_on_the_bus(monkeypatch: pytest.MonkeyPatch) -> None:
     run = Run(monkeypatch, kernel.NATIVE)
     run.ends()
-    words = [packet.payload.hex() for _, packet in run.master.heard if packet.address == 0x181]
+    words = [packet.payload.hex() for _, packet in run.master.received if packet.address == 0x181]
     # Enabled and at rest, homing, attained and referenced.
     assert words[-3:] == ["3707", "3703", "3797"]

@@ -78,6 +78,6 @@ def test_a_path_goes_on_as_it_went_when_time_is_put_back(
 def test_the_path_is_reported_on_the_bus(monkeypatch: pytest.MonkeyPatch) -> None:
     run = Run(monkeypatch, kernel.NATIVE)
     run.ends()
-    words = [packet.payload.hex() for _, packet in run.master.heard if packet.address == 0x181]
+    words = [packet.payload.hex() for _, packet in run.master.received if packet.address == 0x181]
     # Enabled and at rest; interpolated position mode active; at its end; there, one ms later.
     assert words[-4:] == ["3707", "3713", "3703", "3707"]

@@ -56,7 +56,7 @@ class Robotlike:
     stopped: bool = False
     requests: list[Request] = field(default_factory=list)
     refusals: int = 0
-    deaf: bool = False
+    not_receiving: bool = False
     pose: Pose = field(default_factory=Pose)
     holds: tuple[Hold, ...] = ()
 
@@ -81,11 +81,11 @@ class Robotlike:
                 self.armed = self.armed and not self.stopped
         return Verdict(accepted=True, reason="")
 
-    def hear(self, payload: bytes, now: Nanoseconds) -> tuple[Packet, ...]:
-        return () if self.deaf else self.operator.hear(payload, now, self.decide)
+    def receive(self, payload: bytes, now: Nanoseconds) -> tuple[Packet, ...]:
+        return () if self.not_receiving else self.operator.receive(payload, now, self.decide)
 
     def report(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        told = gate_bench.well(
+        reported = gate_bench.well(
             self.robot,
             now,
             armed=self.armed,
@@ -95,10 +95,10 @@ class Robotlike:
             speed_mps=0.3,
         )
         snapshot = Snapshot(
-            facts=told.facts,
-            wish=self.operator.intent.wish,
-            demanded=told.demanded,
-            body=replace(told.body, yaw_rate_rad_s=0.4),
+            facts=reported.facts,
+            command=self.operator.intent.command,
+            demanded=reported.demanded,
+            body=replace(reported.body, yaw_rate_rad_s=0.4),
             pose=self.pose,
         )
         return self.operator.report(snapshot, self.holds, now)
@@ -139,7 +139,7 @@ class Joined:
         for packet in reaction.sent:
             assert (packet.link, packet.address) == (OPERATOR, 0)
             self.sent.append((self.now, packet.payload))
-            self._answer(self.robotlike.hear(packet.payload, self.now))
+            self._answer(self.robotlike.receive(packet.payload, self.now))
 
     def _answer(self, packets: tuple[Packet, ...]) -> None:
         for packet in packets:

@@ -21,8 +21,8 @@ def test_a_refusal_and_its_reason_are_in_the_diary() -> None:
     diary = joined.driver.diary
     assert diary.texts(Kind.STEP) == ["emergency_stop = true", "arm = true"]
     assert diary.texts(Kind.ANSWERED) == ["emergency stop: accepted", "arm: denied"]
-    [told] = [entry for entry in diary.entries if entry.kind is Kind.TOLD]
-    assert (told.at, told.text, told.severity) == (2 * SECOND, "the emergency stop is latched", 4)
+    [reported] = [entry for entry in diary.entries if entry.kind is Kind.REPORTED]
+    assert (reported.at, reported.text, reported.severity) == (2 * SECOND, "the emergency stop is latched", 4)
 
 
 def test_long_texts_are_read_whole() -> None:
@@ -30,7 +30,7 @@ def test_long_texts_are_read_whole() -> None:
     reason = "a reason that is much longer than the fifty characters of one STATUSTEXT, to be sure"
     joined.robotlike.holds = (Hold("long", reason, Row("long", ""), 0),)
     joined.run(0.1)
-    assert joined.driver.diary.texts(Kind.TOLD) == [reason]
+    assert joined.driver.diary.texts(Kind.REPORTED) == [reason]
 
 
 def test_arming_shows_in_the_heartbeat() -> None:
@@ -66,7 +66,7 @@ def test_values_and_parameters_are_read() -> None:
 
 def test_another_system_is_not_our_robot() -> None:
     joined = join(mission("1.0 arm = true"))
-    stranger = Codec(7, 1).encode(dialect.MAVLink_statustext_message(2, b"boo"))
-    joined.driver.receive(Packet(OPERATOR, 0, stranger), 0)
+    foreign_node = Codec(7, 1).encode(dialect.MAVLink_statustext_message(2, b"boo"))
+    joined.driver.receive(Packet(OPERATOR, 0, foreign_node), 0)
     joined.driver.receive(Packet(OPERATOR, 0, b"\xfd junk"), 0)
     assert joined.driver.diary.entries == []

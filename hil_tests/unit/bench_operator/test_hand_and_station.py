@@ -39,9 +39,9 @@ def test_the_station_is_a_station() -> None:
 
 def test_silence_is_total_and_ends() -> None:
     joined = join(mission("1.0 speed_mps = 0.3", "2.0 silent_s = 1.5", "2.5 arm = true"))
-    assert joined.run(3.4).heard_at == from_seconds(1.95)
+    assert joined.run(3.4).received_at == from_seconds(1.95)
     assert not [at for at, _ in joined.sent if 2 * SECOND <= at < from_seconds(3.5)]
-    assert joined.run(3.5).heard_at == from_seconds(3.5)
+    assert joined.run(3.5).received_at == from_seconds(3.5)
     joined.run(5.0)
     assert joined.robotlike.requests == [Arm()]
     assert [at for at, _ in joined.messages("HEARTBEAT")] == [n * SECOND for n in (0, 1, 4, 5)]

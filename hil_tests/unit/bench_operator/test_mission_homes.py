@@ -30,7 +30,7 @@ def test_each_is_requested_by_its_place_and_no_number() -> None:
 
 
 @pytest.mark.parametrize(
-    ("roles", "robot", "told"),
+    ("roles", "robot", "reported"),
     [
         ('["lfit"]', ROBOT, "step[0].home[0]: rars does not home 'lfit'; perhaps 'lift'?"),
         ('["left_wheel"]', ROBOT, "step[0].home[0]: rars does not home 'left_wheel'"),
@@ -38,7 +38,7 @@ def test_each_is_requested_by_its_place_and_no_number() -> None:
         ("[]", ROBOT, "at least 1"),
     ],
 )
-def test_what_is_not_homed_is_reported(roles: str, robot: AnyRobot, told: str) -> None:
+def test_what_is_not_homed_is_reported(roles: str, robot: AnyRobot, reported: str) -> None:
     with pytest.raises(MissionFileError) as wrong:
         parse(roles, robot)
-    assert told in str(wrong.value)
+    assert reported in str(wrong.value)

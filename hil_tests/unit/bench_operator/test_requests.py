@@ -2,8 +2,8 @@
 
 import pytest
 
+from emulators.bench.foreign_datagrams import Stray
 from emulators.bench.log import Kind
-from emulators.bench.strays import Stray
 from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, Request
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
@@ -34,7 +34,7 @@ def test_each_request_reaches_the_bridge_once(step: str, request_: Request) -> N
 
 def test_a_command_without_an_answer_is_repeated_and_given_up() -> None:
     joined = join(mission("1.0 arm = true"))
-    joined.robotlike.deaf = True
+    joined.robotlike.not_receiving = True
     joined.run(10.0)
     orders = joined.messages("COMMAND_LONG")
     assert [(at, one.confirmation) for at, one in orders] == [
@@ -62,7 +62,7 @@ def test_an_operator_gives_up_what_is_rejected_for_ever() -> None:
 def test_an_answer_to_another_station_is_not_ours() -> None:
     joined = join(mission("1.0 arm = true"))
     robot = Codec(1, 1)
-    joined.robotlike.deaf = True
+    joined.robotlike.not_receiving = True
     joined.run(1.1)
     other = robot.encode(dialect.MAVLink_command_ack_message(400, 0, 0, 0, 254, 190))
     joined.driver.receive(Packet(OPERATOR, 0, other), joined.now)
@@ -75,8 +75,8 @@ def test_a_stray_moves_nothing(stray: Stray) -> None:
     joined = join(mission(f'1.02 stray = "{stray}"'))
     intent = joined.run(1.04)
     # Since the hand's stick, which has come before it and holds the steering straight on.
-    assert (intent.wish, intent.heard_at) == (Motion(steer_rad=0.0), SECOND)
+    assert (intent.command, intent.received_at) == (Motion(steer_rad=0.0), SECOND)
     assert joined.robotlike.requests == []
     operator = joined.robotlike.operator
-    told = joined.driver.diary.texts(Kind.TOLD) + joined.driver.diary.texts(Kind.ANSWERED)
-    assert told or operator.counters.corrupt or operator.dropped.foreign
+    reported = joined.driver.diary.texts(Kind.REPORTED) + joined.driver.diary.texts(Kind.ANSWERED)
+    assert reported or operator.counters.corrupt or operator.dropped.foreign

@@ -27,12 +27,12 @@ def test_it_states_what_was_measured_what_held_what_was_wrong_and_how_to_run_it_
     drawn = tmp_path / "path.png"
     drawn.write_bytes(b"\x89PNG")
     text = page(summary(), {"max_speed_mps": "limit 0.5"}, [drawn], AGAIN)
-    for said in (
+    for stated in (
         *("rars, line, seed 7", AGAIN, "largest speed", "limit 0.5", "lift extended", "50 mm &amp; more"),
         *("lower it first", "1.00 s", "2.00 s", "frame_loss", "a &lt;loose&gt; contact", "steer", ">end<"),
         'alt="path" src="data:image/png;base64,iVBORw=="',
     ):
-        assert said in text, said
+        assert stated in text, stated
 
 
 def test_what_was_not_is_stated_too() -> None:

@@ -160,8 +160,8 @@ def test_the_faults_that_were_put_on_are_reported_with_their_beginning_and_end()
         FaultRecord("can_cut", "", ("bridge", "left"), 2 * SECOND),
     ]
     summary = summarise(RUN, rows(11, lambda _: 0.1), [], faults)
-    told = json.loads(as_json(summary))["faults"]
-    assert told == [
+    reported = json.loads(as_json(summary))["faults"]
+    assert reported == [
         {
             "kind": "frame_loss",
             "title": "a loose contact",

@@ -33,13 +33,13 @@ class Station:
 
     def __init__(self) -> None:
         self.codec = Codec(255, 190)
-        self.heard: list[Any] = []
+        self.received: list[Any] = []
 
     def wake(self, _now: Nanoseconds) -> Reaction:
         return Reaction()
 
     def receive(self, packet: Packet, _now: Nanoseconds) -> Reaction:
-        self.heard += self.codec.decode(packet.payload)
+        self.received += self.codec.decode(packet.payload)
         return Reaction()
 
 
@@ -106,7 +106,7 @@ class Bench:
             if self.talks:
                 x, r = round(self.speed / 0.5 * 1000), round(-self.steer / 60.0 * 1000)
                 z, buttons = (0, 0) if self.lift is None else (round(self.lift * 1000), LIFT_BUTTON)
-                self.says(dialect.MAVLink_manual_control_message(1, x, 0, z, r, buttons))
+                self.states(dialect.MAVLink_manual_control_message(1, x, 0, z, r, buttons))
             self.world.run(min(self.now + 50 * MILLISECOND, until))
 
     def starts(self) -> None:
@@ -129,16 +129,16 @@ class Bench:
 
     def commands(self, command: int, *params: float) -> int:
         """Send a command; return the MAV_RESULT."""
-        before = len(self.station.heard)
+        before = len(self.station.received)
         padded = (*params, *(0.0,) * (7 - len(params)))
-        self.says(dialect.MAVLink_command_long_message(1, 1, command, 0, *padded))
+        self.states(dialect.MAVLink_command_long_message(1, 1, command, 0, *padded))
         self.world.run(self.now + MILLISECOND)
-        for message in self.station.heard[before:]:
+        for message in self.station.received[before:]:
             if message.get_type() == "COMMAND_ACK":
                 return int(message.result)
         raise AssertionError("no COMMAND_ACK")
 
-    def says(self, message: Any) -> None:
+    def states(self, message: Any) -> None:
         self.air.carry(self.at_station, Packet(OPERATOR, 0, self.station.codec.encode(message)))
 
     def inject(self, name: str, packets: list[Packet]) -> None:
@@ -147,9 +147,9 @@ class Bench:
             self.bus.carry(self.places[name], packet)
         self.world.run(self.now + MILLISECOND)
 
-    def told(self) -> str:
+    def reported(self) -> str:
         """All texts that the station has heard, joined."""
-        texts = [message.text for message in self.station.heard if message.get_type() == "STATUSTEXT"]
+        texts = [message.text for message in self.station.received if message.get_type() == "STATUSTEXT"]
         return "".join(map(text_of, texts))
 
     def sent(self, address: int, since: Nanoseconds = 0) -> list[tuple[Nanoseconds, str]]:

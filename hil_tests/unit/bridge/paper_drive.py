@@ -68,7 +68,7 @@ class PaperDrive:
         return Reaction()
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        sent = [] if self.silent else self._heard(packet, now)
+        sent = [] if self.silent else self._received(packet, now)
         return Reaction(tuple(Packet(CAN, address, payload) for address, payload in sent))
 
     def fails(self, code: int) -> list[Packet]:
@@ -87,7 +87,7 @@ class PaperDrive:
         self.referenced = self.attained = False
         return [Packet(CAN, 0x700 + self.axis.epos2.node, b"\0")]
 
-    def _heard(self, packet: Packet, now: Nanoseconds) -> list[tuple[int, bytes]]:
+    def _received(self, packet: Packet, now: Nanoseconds) -> list[tuple[int, bytes]]:
         node = self.axis.epos2.node
         if packet.address == 0x000 and packet.payload[1] in (0, node):
             self.nmt = {

@@ -32,7 +32,7 @@ def order(command: int, *params: float) -> Any:
     return dialect.MAVLink_command_long_message(1, 1, command, 0, *seven)
 
 
-def other_says(bench: "Bench", *messages: Any) -> None:
+def other_states(bench: "Bench", *messages: Any) -> None:
     """Let another station say something, all in one instant."""
     datagram = b"".join(OTHER.encode(message) for message in messages)
     bench.air.carry(bench.at_station, Packet(OPERATOR, PLACE, datagram))
@@ -41,15 +41,15 @@ def other_says(bench: "Bench", *messages: Any) -> None:
 
 def test_who_arms_beside_a_stick_that_idles_begins_with_his_own_let_go(started: "Bench") -> None:
     begin = started.now
-    other_says(started, order(ARM, 1.0), stick(1000))
+    other_states(started, order(ARM, 1.0), stick(1000))
     for _ in range(20):
-        other_says(started, stick(1000))
+        other_states(started, stick(1000))
         started.runs(0.05)
     assert started.bridge.seen.facts.armed
     assert {target for _, target in started.words("left", begin)} == {0}
-    assert "not let go since the silence: x stands at 1000" in started.told()
+    assert "not let go since the silence: x stands at 1000" in started.reported()
     for x in (0, 0, *(600,) * 20):
-        other_says(started, stick(x))
+        other_states(started, stick(x))
         started.runs(0.05)
     assert started.drives["left"].rpm == RPM_AT_03
 
@@ -58,9 +58,9 @@ def test_control_that_passes_on_parts_the_operator_even_between_two_cycles(armed
     driving(armed)
     armed.commands(CONTROL, 1.0, 1.0)
     begin = armed.now
-    other_says(armed, order(CONTROL, 1.0), stick(1000))
+    other_states(armed, order(CONTROL, 1.0), stick(1000))
     for _ in range(20):
-        other_says(armed, stick(1000))
+        other_states(armed, stick(1000))
         armed.runs(0.05)
     assert armed.bridge.seen.facts.armed
     assert armed.words("left", begin)[-1] == (0x000F, 0)
@@ -78,7 +78,7 @@ def test_a_driver_who_is_lost_leaves_a_robot_that_is_not_armed(bench_with: Calla
     assert bench.bridge.seen.facts.armed
     bench.runs(0.2)
     assert not bench.bridge.seen.facts.armed
-    assert "nobody drives" in bench.told()
+    assert "nobody drives" in bench.reported()
 
 
 def test_control_is_lost_at_rest_only(armed: "Bench", monkeypatch: pytest.MonkeyPatch) -> None:
@@ -87,19 +87,19 @@ def test_control_is_lost_at_rest_only(armed: "Bench", monkeypatch: pytest.Monkey
     rules = armed.bridge._permission.rules  # noqa: SLF001 - a robot that is held to move is hard to come by
     monkeypatch.setattr(type(rules), "at_rest", lambda *_: False)
     armed.runs(12)
-    assert "is gone" not in armed.told()
+    assert "is gone" not in armed.reported()
     monkeypatch.undo()
     armed.runs(0.1)
-    assert "is gone, nobody drives" in armed.told()
+    assert "is gone, nobody drives" in armed.reported()
 
 
 def test_a_refusal_of_the_first_station_is_not_the_others(armed: "Bench") -> None:
-    other_says(armed, order(ARM, 0.0), stick(-1000))
+    other_states(armed, order(ARM, 0.0), stick(-1000))
     driving(armed)
     assert armed.drives["left"].rpm == RPM_AT_03
     assert armed.commands(ARM, 0.0) == ACCEPTED
     assert armed.commands(CONTROL, 0.0) == ACCEPTED
     assert armed.commands(CONTROL, 0.0) == DENIED
-    other_says(armed, order(CONTROL, 1.0))
+    other_states(armed, order(CONTROL, 1.0))
     armed.runs(1 * MILLISECOND / 1e9)
     assert armed.arms() == DENIED

@@ -24,14 +24,14 @@ def test_arming_while_the_stick_is_deflected_is_denied(started: "Bench") -> None
     started.speed = 0.2
     started.runs(0.1)
     assert started.arms() == DENIED
-    assert "arm: x stands at 400: this robot wants 0" in started.told()
+    assert "arm: x stands at 400: this robot wants 0" in started.reported()
 
 
 def test_a_station_may_arm_before_it_speaks_of_motion(bench: "Bench") -> None:
     bench.talks = False
     bench.starts()
     assert bench.arms() == ACCEPTED
-    assert "no motion command has come yet" in bench.told()
+    assert "no motion command has come yet" in bench.reported()
 
 
 def ramped_down(bench: "Bench", since: int) -> bool:
@@ -85,7 +85,7 @@ def test_after_a_pause_the_robot_goes_on_when_it_is_requested_to_with_the_stick_
     armed.commands(PAUSE, 0.0)
     armed.runs(1)
     assert armed.commands(PAUSE, 1.0) == DENIED
-    assert "continue: x stands at" in armed.told()
+    assert "continue: x stands at" in armed.reported()
     armed.speed = 0.0
     armed.runs(0.1)
     assert armed.commands(PAUSE, 1.0) == ACCEPTED
@@ -118,7 +118,7 @@ def test_who_armed_before_he_spoke_of_motion_begins_with_the_stick_let_go(bench:
     bench.talks = True
     driving(bench)
     assert set(bench.words("left", begin)) == {(0x000F, 0)}
-    assert "not let go since the silence: x stands at 600" in bench.told()
+    assert "not let go since the silence: x stands at 600" in bench.reported()
     bench.speed = 0.0
     bench.runs(0.3)
     driving(bench)
@@ -141,12 +141,12 @@ def test_after_a_silence_nothing_moves_before_the_stick_was_let_go(armed: "Bench
 
 def test_after_a_long_silence_motion_needs_a_new_arm(armed: "Bench") -> None:
     armed.talks = False
-    told = []
+    reported = []
     for seconds in (9.9, 0.3):
         armed.runs(seconds)
-        told.append(armed.bridge.seen.facts.armed)
-    assert told == [True, False]
-    assert "nobody drives" in armed.told()
+        reported.append(armed.bridge.seen.facts.armed)
+    assert reported == [True, False]
+    assert "nobody drives" in armed.reported()
     armed.talks = True
     armed.runs(0.5)
     begin = armed.now
@@ -166,7 +166,7 @@ def test_a_lift_target_does_not_outlive_its_operators_link(armed: "Bench") -> No
     armed.talks = True
     armed.runs(1)
     assert len(set(armed.words("lift", begin))) == 1, "it stays where it stands"
-    assert armed.bridge.seen.wish.lift_m is None
+    assert armed.bridge.seen.command.lift_m is None
 
 
 def test_disarming_at_rest_keeps_power_on_and_holds_still(armed: "Bench") -> None:
@@ -217,7 +217,7 @@ def test_after_a_forced_disarm_arming_enables_again_and_is_requested_twice(armed
     armed.commands(ARM, 0.0, FORCE)
     armed.runs(0.2)
     assert armed.arms() == TEMPORARILY_REJECTED
-    assert "enabling node 1 (left rear wheel)" in armed.told()
+    assert "enabling node 1 (left rear wheel)" in armed.reported()
     armed.runs(0.5)
     assert {drive.state for drive in armed.drives.values()} == {State.OPERATION_ENABLED}
     assert armed.arms() == ACCEPTED
@@ -257,7 +257,7 @@ def test_an_emergency_stop_is_left_by_clearing_and_arming(armed: "Bench") -> Non
     armed.commands(SAFETY_SWITCH, STOP)
     armed.runs(0.2)
     assert armed.arms() == DENIED
-    assert "the emergency stop is latched" in armed.told()
+    assert "the emergency stop is latched" in armed.reported()
     assert armed.commands(SAFETY_SWITCH, CLEAR) == ACCEPTED
     armed.runs(0.2)
     assert armed.drives["left"].state is State.QUICK_STOP_ACTIVE
@@ -280,7 +280,7 @@ def test_a_fault_stops_the_others_and_takes_the_leave_away(armed: "Bench") -> No
     armed.inject("steer", armed.drives["steer"].fails(0x8611))
     armed.runs(1)
     assert armed.drives["left"].rpm == armed.drives["right"].rpm == 0
-    assert "node 3 (steering) reports fault 0x8611" in armed.told()
+    assert "node 3 (steering) reports fault 0x8611" in armed.reported()
     armed.speed = 0.0
     armed.runs(0.1)
     assert armed.arms() == TEMPORARILY_REJECTED
@@ -308,7 +308,7 @@ def test_a_silent_drive_stops_the_robot_and_is_named(armed: "Bench") -> None:
     armed.drives["lift"].silent = True
     armed.runs(0.8)
     assert armed.drives["left"].rpm == 0
-    assert "node 4 (scissor lift)" in armed.told()
+    assert "node 4 (scissor lift)" in armed.reported()
 
 
 def test_a_drive_that_restarted_is_set_up_again_when_armed(armed: "Bench") -> None:

@@ -102,12 +102,14 @@ def test_not_armed_the_steering_is_commanded_to_halt_where_it_was(started: "Benc
 
 def test_a_silent_operator_trips_at_half_a_second_sharp(armed: "Bench") -> None:
     driving(armed)
-    heard_at = armed.bridge.seen.facts.heard_at
+    received_at = armed.bridge.seen.facts.received_at
     armed.talks = False
     armed.runs(0.6)
-    slower = next(now for now, word, rpm in armed.drives["left"].words if now > heard_at and rpm < RPM_AT_03)
-    assert 500 * MILLISECOND < slower - heard_at < 501 * MILLISECOND
-    assert "no motion command for 0.50 s" in armed.told()
+    slower = next(
+        now for now, word, rpm in armed.drives["left"].words if now > received_at and rpm < RPM_AT_03
+    )
+    assert 500 * MILLISECOND < slower - received_at < 501 * MILLISECOND
+    assert "no motion command for 0.50 s" in armed.reported()
 
 
 def test_a_silent_operator_brings_the_wheels_to_rest_and_they_stay_enabled(armed: "Bench") -> None:
@@ -130,10 +132,10 @@ def test_odometry_counts_what_the_wheels_rolled(armed: "Bench") -> None:
 def test_the_battery_is_read_once_a_second(armed: "Bench") -> None:
     begin = armed.now
     armed.runs(3)
-    asked = [payload for _, payload in armed.sent(0x601, begin)]
-    assert asked == ["40 7c 20 01 00 00 00 00"] * 3
-    told = [m.voltages[0] for m in armed.station.heard if m.get_type() == "BATTERY_STATUS"]
-    assert told[-1] == 24_600
+    requested = [payload for _, payload in armed.sent(0x601, begin)]
+    assert requested == ["40 7c 20 01 00 00 00 00"] * 3
+    reported = [m.voltages[0] for m in armed.station.received if m.get_type() == "BATTERY_STATUS"]
+    assert reported[-1] == 24_600
 
 
 def test_a_battery_that_cannot_be_read_blocks_nothing(armed: "Bench") -> None:
@@ -141,8 +143,8 @@ def test_a_battery_that_cannot_be_read_blocks_nothing(armed: "Bench") -> None:
     driving(armed)
     assert armed.drives["left"].rpm == RPM_AT_03
     armed.runs(3)
-    told = [m.voltages[0] for m in armed.station.heard if m.get_type() == "BATTERY_STATUS"]
-    assert told[-1] == 0xFFFF
+    reported = [m.voltages[0] for m in armed.station.received if m.get_type() == "BATTERY_STATUS"]
+    assert reported[-1] == 0xFFFF
 
 
 def test_the_orderly_end_stops_disables_and_leaves(armed: "Bench") -> None:
@@ -205,7 +207,7 @@ def test_a_late_wake_skips_cycles_instead_of_running_them_in_a_row(armed: "Bench
     assert late < reaction.wake_at <= late + 50 * MILLISECOND
 
 
-class FailsWhenTold(Bridge):
+class FailsWhenReported(Bridge):
     """A bridge with a fault of its own in the pipeline."""
 
     fails = False
@@ -220,7 +222,7 @@ class FailsWhenTold(Bridge):
 def test_an_exception_in_the_pipeline_ends_in_the_same_orderly_stop(
     bench_with: "Callable[[Bridge], Bench]", robot: AnyRobot
 ) -> None:
-    bridge = FailsWhenTold(robot, KIND)
+    bridge = FailsWhenReported(robot, KIND)
     bench = bench_with(bridge)
     bench.starts()
     bench.arms()
@@ -291,12 +293,12 @@ def test_with_the_lift_extended_the_robot_can_be_armed_but_not_driven(armed: "Be
     begin = armed.now
     driving(armed)
     assert {target for _, target in armed.words("left", begin)} == {0}
-    assert "the lift stands at" in armed.told()
+    assert "the lift stands at" in armed.reported()
 
 
 def test_telemetry_reaches_the_station(armed: "Bench") -> None:
     driving(armed)
-    armed.station.heard.clear()
+    armed.station.received.clear()
     armed.runs(1)
-    (odometry, *_) = [m for m in armed.station.heard if m.get_type() == "ODOMETRY"]
+    (odometry, *_) = [m for m in armed.station.received if m.get_type() == "ODOMETRY"]
     assert odometry.vx == pytest.approx(0.3, abs=0.001)

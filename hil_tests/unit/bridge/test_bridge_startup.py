@@ -74,8 +74,8 @@ def test_the_left_wheel_is_set_up_with_these_bytes(started: "Bench") -> None:
 def test_nothing_is_written_before_every_identity_is_known(started: "Bench") -> None:
     frames = [(p.address, p.payload) for _, sender, p in started.frames if sender == "bridge"]
     first = next(i for i, (a, p) in enumerate(frames) if 0x601 <= a <= 0x604 and p[0] >> 5 == 1)
-    asked = {a for a, p in frames[:first] if p[1:4] == bytes.fromhex("181002")}
-    assert asked == {0x601, 0x602, 0x603, 0x604}
+    requested = {a for a, p in frames[:first] if p[1:4] == bytes.fromhex("181002")}
+    assert requested == {0x601, 0x602, 0x603, 0x604}
 
 
 def test_nothing_gets_power_before_every_drive_is_set_up(bench: "Bench") -> None:
@@ -163,7 +163,7 @@ def test_a_drive_that_is_missing_or_refuses_is_named(
     assert bench.bridge.phase is Phase.FAILED
     failure = f"node 3 (steering): {failure}"
     assert bench.bridge.failure == failure
-    assert failure[:60] in bench.told()
+    assert failure[:60] in bench.reported()
     assert all(drive.state is not State.OPERATION_ENABLED for drive in bench.drives.values())
 
 
@@ -224,14 +224,14 @@ def test_a_fault_from_before_is_reset(bench: "Bench") -> None:
 def test_requests_wait_until_the_drives_are_ready(bench: "Bench") -> None:
     bench.runs(0.02)
     assert bench.arms() == 1
-    assert "the drives are being set up" in bench.told()
+    assert "the drives are being set up" in bench.reported()
 
 
 def test_after_a_failure_arming_is_denied_with_the_failure(bench: "Bench") -> None:
     bench.drives["steer"].silent = True
     bench.runs(3)
     assert bench.arms() == 2
-    assert "no answer to SDO upload 0x1000" in bench.told()
+    assert "no answer to SDO upload 0x1000" in bench.reported()
 
 
 def test_a_bridge_that_never_woke_ends_at_once(robot: AnyRobot) -> None:

@@ -144,6 +144,6 @@ def test_while_it_comes_to_rest_nothing_else_is_obeyed_and_that_is_stated(armed:
     armed.stops()
     assert armed.arms() == DENIED
     assert armed.commands(ARM, 0.0) == DENIED
-    assert "the bridge is ending" in armed.told()
+    assert "the bridge is ending" in armed.reported()
     armed.runs(0.1)
     assert armed.drives["left"].rpm < RPM_AT_03

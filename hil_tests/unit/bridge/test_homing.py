@@ -158,7 +158,7 @@ def test_it_is_lost_while_it_homes_known_when_it_has_and_drives(started: Bench) 
     homing(started)
     assert holds(started, "axis zero lost: lift")
     assert started.arms() == TEMPORARILY_REJECTED
-    assert "arm: node 4 (scissor lift) moves to find its zero" in started.told()
+    assert "arm: node 4 (scissor lift) moves to find its zero" in started.reported()
     started.runs(1.5)
     assert not holds(started, "homing: lift")
     assert not holds(started, "axis zero lost: lift")
@@ -173,7 +173,7 @@ def test_one_at_a_time_and_none_is_confirmed_meanwhile(started: Bench) -> None:
     homing(started)
     for axis, value in ((STEER, NAN), (LIFT, NAN), (STEER, 0.0), (LIFT, 0.1)):
         assert started.commands(STANDS, axis, value) == TEMPORARILY_REJECTED
-        assert "zero: node 4 (scissor lift) moves to find its zero" in started.told()
+        assert "zero: node 4 (scissor lift) moves to find its zero" in started.reported()
     started.runs(1.5)
     assert not holds(started, "axis zero lost: lift")
 
@@ -182,7 +182,7 @@ def test_an_axis_waits_for_those_that_its_file_names(bench: Bench) -> None:
     bench.drives["lift"].referenced = False
     bench.starts()
     assert bench.commands(STANDS, STEER, NAN) == TEMPORARILY_REJECTED
-    assert "home: node 4 (scissor lift): its zero is lost" in bench.told()
+    assert "home: node 4 (scissor lift): its zero is lost" in bench.reported()
     assert bench.commands(STANDS, LIFT, 0.0) == ACCEPTED
     bench.runs(0.5)
     assert bench.commands(STANDS, STEER, NAN) == ACCEPTED
@@ -205,13 +205,13 @@ def test_it_needs_an_operator_who_speaks(started: Bench) -> None:
     started.talks = False
     started.runs(1.0)
     assert started.commands(STANDS, LIFT, NAN) == TEMPORARILY_REJECTED
-    assert "home: no motion command for" in started.told()
+    assert "home: no motion command for" in started.reported()
 
 
 def test_no_one_homes_an_armed_robot(started: Bench) -> None:
     assert started.arms() == ACCEPTED
     assert started.commands(STANDS, LIFT, NAN) == TEMPORARILY_REJECTED
-    assert "zero: disarm first" in started.told()
+    assert "zero: disarm first" in started.reported()
 
 
 @pytest.mark.parametrize(
@@ -233,7 +233,7 @@ def test_every_way_to_ask_for_a_stop_stops_it(
     assert not drive.seeking
     assert holds(started, "not homed: lift")
     assert holds(started, "axis zero lost: lift")
-    assert "it was stopped by an order" in started.told()
+    assert "it was stopped by an order" in started.reported()
     stood = drive.position
     started.runs(2.0)
     assert drive.position == pytest.approx(stood, abs=1)
@@ -244,7 +244,7 @@ def test_one_that_was_stopped_is_set_up_again_and_homed_by_the_next_order(starte
     started.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0)
     started.runs(0.3)
     assert started.commands(STANDS, LIFT, NAN) == TEMPORARILY_REJECTED
-    assert "zero: enabling node 4 (scissor lift)" in started.told()
+    assert "zero: enabling node 4 (scissor lift)" in started.reported()
     started.runs(1.0)
     assert drive.memory[at.MODE] == b"\x01"
     assert started.commands(STANDS, LIFT, NAN) == ACCEPTED
@@ -259,7 +259,7 @@ def test_a_drive_that_fails_is_reported_and_halted(started: Bench) -> None:
     homing(started)
     begin = started.now
     started.runs(1.5)
-    assert "was not homed: it gave its homing up" in started.told()
+    assert "was not homed: it gave its homing up" in started.reported()
     assert "2b 40 60 00 0f 01 00 00" in words(started, begin)
     assert holds(started, "axis zero lost: lift")
 
@@ -276,7 +276,7 @@ def test_one_that_does_not_end_is_halted_in_its_time(started: Bench) -> None:
     started.runs(1.0)
     assert not drive.seeking
     assert started.now - begin < 13 * SECOND
-    assert "was not homed: it has not found its zero in time" in started.told()
+    assert "was not homed: it has not found its zero in time" in started.reported()
     assert holds(started, "axis zero lost: steer")
 
 
@@ -290,7 +290,7 @@ def test_one_that_goes_beyond_its_travel_is_stopped(started: Bench) -> None:
     assert drive.seeking
     started.runs(0.7)
     assert not drive.seeking
-    assert "it went further than 5.713 rad" in started.told()
+    assert "it went further than 5.713 rad" in started.reported()
     assert holds(started, "axis zero lost: steer")
 
 
@@ -300,7 +300,7 @@ def test_one_that_runs_faster_loses_its_power(started: Bench) -> None:
     started.runs(0.8)
     assert not drive.seeking
     assert drive.state is not State.OPERATION_ENABLED
-    assert "told to find its zero, moves with -5.99 rad/s" in started.told()
+    assert "told to find its zero, moves with -5.99 rad/s" in started.reported()
     assert holds(started, "not homed: lift")
 
 

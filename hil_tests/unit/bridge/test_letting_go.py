@@ -15,7 +15,7 @@ from firmware_bridge.bridge.letting_go import (
     LettingGo,
     Stage,
 )
-from firmware_bridge.drivers.driver import Power, Stop, Task, Tells
+from firmware_bridge.drivers.driver import Power, Reports, Stop, Task
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.unit.pipeline.cart import PaperCart, cart
 
@@ -50,61 +50,62 @@ class Standing:
         self.now = START
         self.without: frozenset[str] = frozenset()
         for name in self.cart.drivers:
-            self.tells(name, current_a=0.1)
+            self.reports(name, current_a=0.1)
 
-    def tells(self, name: str, **what: Any) -> None:
+    def reports(self, name: str, **what: Any) -> None:
         """Let a device tell something, now."""
         driver = self.cart.drivers[name]
         driver.feedback = replace(
-            driver.feedback, **{"heard_at": self.now, "sampled_at": self.now, "current_at": self.now} | what
+            driver.feedback,
+            **{"received_at": self.now, "sampled_at": self.now, "current_at": self.now} | what,
         )
 
-    def asks(self, later: Nanoseconds = 0, *, rests: bool = True) -> Stop | None:
+    def requests(self, later: Nanoseconds = 0, *, rests: bool = True) -> Stop | None:
         """Ask for it, cycle by cycle, for so long; return the newest demand."""
         until, silent = self.now + later, {}
         for name, driver in self.cart.drivers.items():
-            silent[name] = self.now - driver.feedback.heard_at > 0
+            silent[name] = self.now - driver.feedback.received_at > 0
         while True:
-            stop = self.letting_go.asked(rests=rests, now=self.now, without=self.without)
+            stop = self.letting_go.stop_for(rests=rests, now=self.now, without=self.without)
             if self.now == until:
                 return stop
             self.now = min(self.now + CYCLE, until)
             for name in self.cart.drivers:
                 if not silent[name]:
-                    self.tells(name)
+                    self.reports(name)
 
     def power(self, power: Power) -> None:
         for name in self.cart.drivers:
-            self.tells(name, power=power)
+            self.reports(name, power=power)
 
     def lets_go(self) -> None:
-        assert self.asks(LOOKS_FOR) is Stop.POWER_OFF
+        assert self.requests(LOOKS_FOR) is Stop.POWER_OFF
         self.power(Power.OFF)
 
-    def told(self) -> list[str]:
+    def reported(self) -> list[str]:
         return [hold.reason for hold in self.letting_go.holds]
 
 
 def test_while_the_base_moves_nothing_is_requested() -> None:
     standing = Standing()
-    assert standing.asks(SECOND, rests=False) is None
+    assert standing.requests(SECOND, rests=False) is None
     assert standing.letting_go.stage is Stage.KEPT
 
 
 def test_it_stands_with_power_while_it_is_looked_at_and_then_all_let_go() -> None:
     standing = Standing()
-    assert standing.asks(LOOKS_FOR - 1) is Stop.QUICK_STOP
+    assert standing.requests(LOOKS_FOR - 1) is Stop.QUICK_STOP
     assert standing.letting_go.under_way
-    assert standing.asks(1) is Stop.POWER_OFF
-    assert standing.told() == []
+    assert standing.requests(1) is Stop.POWER_OFF
+    assert standing.reported() == []
 
 
 def test_a_base_that_moves_again_is_looked_at_again() -> None:
     standing = Standing()
-    standing.asks(LOOKS_FOR - 1)
-    assert standing.asks(rests=False) is None
-    assert standing.asks(LOOKS_FOR - 1) is Stop.QUICK_STOP
-    assert standing.asks(1) is Stop.POWER_OFF
+    standing.requests(LOOKS_FOR - 1)
+    assert standing.requests(rests=False) is None
+    assert standing.requests(LOOKS_FOR - 1) is Stop.QUICK_STOP
+    assert standing.requests(1) is Stop.POWER_OFF
 
 
 @pytest.mark.parametrize("name", ["left", "right"])
@@ -114,14 +115,14 @@ def test_more_than_friction_explains_holds_it_with_power(
     name: str, sign: int, beyond: float, *, held: bool
 ) -> None:
     standing = Standing()
-    standing.tells(name, current_a=sign * beyond * FRICTION)
-    stop = standing.asks(JUDGED)
+    standing.reports(name, current_a=sign * beyond * FRICTION)
+    stop = standing.requests(JUDGED)
     assert standing.letting_go.held is held
     assert stop is (Stop.QUICK_STOP if held else Stop.POWER_OFF)
     number = {"left": 1, "right": 2}[name]
     reason = f"on a slope: held with power, 0.50 A at node {number} ({name}), and friction explains 0.50 A"
-    assert standing.told() == ([reason] if held else [])
-    assert standing.asks(WATCHED_FOR) is stop
+    assert standing.reported() == ([reason] if held else [])
+    assert standing.requests(WATCHED_FOR) is stop
     assert standing.letting_go.held is held
 
 
@@ -132,35 +133,35 @@ def test_what_stands_together_may_be_strained_against_each_other(left: float, *,
         table["axes"][0]["stands_with"] = table["axes"][1]["stands_with"] = "wheels"
 
     standing = Standing(together)
-    standing.tells("left", current_a=left)
-    standing.tells("right", current_a=1.3)
-    standing.asks(JUDGED)
+    standing.reports("left", current_a=left)
+    standing.reports("right", current_a=1.3)
+    standing.requests(JUDGED)
     assert standing.letting_go.held is held
     if left > 0:
         reason = "on a slope: held with power, 2.30 A at node 1 (left) and node 2 (right), and friction"
-        assert standing.told() == [f"{reason} explains 1.00 A"]
+        assert standing.reported() == [f"{reason} explains 1.00 A"]
 
 
 def test_the_currents_of_braking_do_not_count() -> None:
     standing = Standing()
-    standing.tells("left", current_a=5.0)
-    standing.asks(LOOKS_FOR // 2 - CYCLE)
-    standing.tells("left", current_a=0.0)
-    assert standing.asks(LOOKS_FOR // 2 + CYCLE) is Stop.POWER_OFF
+    standing.reports("left", current_a=5.0)
+    standing.requests(LOOKS_FOR // 2 - CYCLE)
+    standing.reports("left", current_a=0.0)
+    assert standing.requests(LOOKS_FOR // 2 + CYCLE) is Stop.POWER_OFF
 
 
 @pytest.mark.parametrize(("falls", "looks"), [(0.5, 4), (0.85, 9), (0.95, 2)])
 def test_a_current_that_falls_is_looked_at_until_it_has_settled(falls: float, looks: int) -> None:
     """What a ramp leaves in the average of a current falls; what holds a robot on a slope does not."""
-    standing, current, told = Standing(), 3.0, 0
-    standing.tells("left", current_a=current)
-    standing.asks(LOOKS_FOR - AVERAGED)
+    standing, current, reported = Standing(), 3.0, 0
+    standing.reports("left", current_a=current)
+    standing.requests(LOOKS_FOR - AVERAGED)
     while not standing.letting_go.held and standing.letting_go.stage is Stage.LOOKED_AT:
-        standing.tells("left", current_a=current)
-        standing.asks(AVERAGED)
+        standing.reports("left", current_a=current)
+        standing.requests(AVERAGED)
         current *= falls
-        told += 1
-    assert told == looks
+        reported += 1
+    assert reported == looks
     assert standing.letting_go.held is (falls > 0.5)
     assert standing.now <= START + LOOKED_WITHIN
 
@@ -171,13 +172,13 @@ def test_a_current_that_falls_is_looked_at_until_it_has_settled(falls: float, lo
 def test_a_current_counts_only_where_it_arrived_at_standstill(arrives: int | None, stage: Stage) -> None:
     """Over a serial line it is read every 400 ms: what was read before the standstill is of the ramp."""
     standing = Standing()
-    standing.tells("left", current_a=0.1, current_at=START - 1)
+    standing.reports("left", current_a=0.1, current_at=START - 1)
     for ms in range(0, LOOKED_WITHIN // MILLISECOND + 1, 50):
         standing.now = START + ms * MILLISECOND
-        standing.tells("right")
+        standing.reports("right")
         fresh = {} if arrives is None or ms < arrives else {"current_at": START + arrives * MILLISECOND}
-        standing.tells("left", **{"current_at": START - 1} | fresh)
-        standing.letting_go.asked(rests=True, now=standing.now)
+        standing.reports("left", **{"current_at": START - 1} | fresh)
+        standing.letting_go.stop_for(rests=True, now=standing.now)
         if arrives is not None and ms < arrives:
             assert standing.letting_go.stage is Stage.LOOKED_AT
         elif standing.letting_go.stage is not Stage.LOOKED_AT:
@@ -187,38 +188,40 @@ def test_a_current_counts_only_where_it_arrived_at_standstill(arrives: int | Non
 
 def test_an_axis_that_holds_by_itself_may_pull_as_it_likes() -> None:
     standing = Standing()
-    standing.tells("brush", current_a=9.0)
+    standing.reports("brush", current_a=9.0)
     standing.lets_go()
 
 
 @pytest.mark.parametrize("what", [{"current_a": None}, {"current_a": float("nan")}, {"power": Power.UNKNOWN}])
 def test_a_current_that_is_not_known_keeps_the_power(what: dict[str, Any]) -> None:
     standing = Standing()
-    standing.tells("right", **what)
-    assert standing.asks(LOOKS_FOR) is Stop.QUICK_STOP
-    assert standing.told() == ["held with power: the current with which node 2 (right) stands is not known"]
+    standing.reports("right", **what)
+    assert standing.requests(LOOKS_FOR) is Stop.QUICK_STOP
+    assert standing.reported() == [
+        "held with power: the current with which node 2 (right) stands is not known"
+    ]
 
 
 def test_a_driver_that_cannot_report_it_keeps_the_power() -> None:
     standing = Standing()
-    standing.cart.drivers["left"].tells = frozenset(Tells) - {Tells.CURRENT}
-    standing.asks(LOOKS_FOR)
+    standing.cart.drivers["left"].reports = frozenset(Reports) - {Reports.CURRENT}
+    standing.requests(LOOKS_FOR)
     assert standing.letting_go.held
 
 
-def silent_since(heard: set[str], *, early: int = 0, current_a: float = 0.1) -> Standing:
+def silent_since(received: set[str], *, early: int = 0, current_a: float = 0.1) -> Standing:
     """Look at a cart of whose wheels only these are heard; the others since one silence, but for so much."""
     standing = Standing()
-    standing.asks(LOOKS_FOR - SILENT)
+    standing.requests(LOOKS_FOR - SILENT)
     standing.now += early
     for name in ("left", "right"):
-        standing.tells(name, current_a=current_a)
-    standing.letting_go.asked(rests=True, now=standing.now)
-    for later in (LOOKS_FOR, JUDGED) if heard else (LOOKS_FOR,):
+        standing.reports(name, current_a=current_a)
+    standing.letting_go.stop_for(rests=True, now=standing.now)
+    for later in (LOOKS_FOR, JUDGED) if received else (LOOKS_FOR,):
         standing.now = START + later
-        for name in heard:
-            standing.tells(name)
-        standing.letting_go.asked(rests=True, now=standing.now)
+        for name in received:
+            standing.reports(name)
+        standing.letting_go.stop_for(rests=True, now=standing.now)
     return standing
 
 
@@ -235,14 +238,14 @@ def test_one_that_is_silent_leaves_it_to_those_that_are_received(current_a: floa
 @pytest.mark.parametrize("power", [Power.OFF, Power.FAULT])
 def test_one_without_power_is_neither_looked_at_nor_given_any(power: Power) -> None:
     standing = Standing()
-    standing.tells("left", power=power, current_a=None)
-    assert standing.asks(LOOKS_FOR) is Stop.POWER_OFF
+    standing.reports("left", power=power, current_a=None)
+    assert standing.requests(LOOKS_FOR) is Stop.POWER_OFF
     standing.power(Power.OFF)
-    standing.tells("left", power=power, velocity=5.0)
-    standing.asks(CYCLE)
+    standing.reports("left", power=power, velocity=5.0)
+    standing.requests(CYCLE)
     assert standing.letting_go.stage is Stage.WATCHED
-    standing.tells("right", velocity=5.0)
-    standing.asks()
+    standing.reports("right", velocity=5.0)
+    standing.requests()
     assert standing.cart.drivers["left"].begun == []
     assert standing.cart.drivers["right"].begun == [Task.ENABLE]
 
@@ -250,10 +253,10 @@ def test_one_without_power_is_neither_looked_at_nor_given_any(power: Power) -> N
 def test_where_nothing_had_power_nothing_gets_it_however_it_is_pushed() -> None:
     standing = Standing()
     standing.power(Power.OFF)
-    standing.asks(LOOKS_FOR)
+    standing.requests(LOOKS_FOR)
     assert standing.letting_go.let_go
-    standing.tells("left", velocity=5.0, position=3.0)
-    assert standing.asks(WATCHED_FOR) is Stop.POWER_OFF
+    standing.reports("left", velocity=5.0, position=3.0)
+    assert standing.requests(WATCHED_FOR) is Stop.POWER_OFF
     assert standing.cart.drivers["left"].begun == []
 
 
@@ -267,12 +270,12 @@ def test_what_a_mode_does_without_keeps_its_power_where_it_holds_the_robot(
 ) -> None:
     """And as long as it does: the next instant is looked at anew. What the others hold is no matter."""
     standing = Standing()
-    standing.tells("right", current_a=9.0)
-    standing.tells("left", current_a=-beyond * FRICTION)
+    standing.reports("right", current_a=9.0)
+    standing.reports("left", current_a=-beyond * FRICTION)
     reason = "on a slope: held with power, 0.50 A at node 1 (left), and friction explains 0.50 A"
     assert kept_by(standing, "left") == (reason if held else None)
     assert kept_by(standing, "brush") is None
-    standing.tells("left", current_a=0.0)
+    standing.reports("left", current_a=0.0)
     assert kept_by(standing, "left") is None
 
 
@@ -282,10 +285,10 @@ def test_what_one_of_two_that_stand_together_holds_the_other_would_have_to() -> 
         table["axes"][0]["stands_with"] = table["axes"][1]["stands_with"] = "wheels"
 
     standing = Standing(together)
-    standing.tells("left", current_a=0.0)
-    standing.tells("right", current_a=1.1)
+    standing.reports("left", current_a=0.0)
+    standing.reports("right", current_a=1.1)
     assert "node 1 (left) and node 2 (right)" in str(kept_by(standing, "left"))
-    standing.tells("left", current_a=-1.0)
+    standing.reports("left", current_a=-1.0)
     assert kept_by(standing, "left") is None
 
 
@@ -294,8 +297,8 @@ def test_what_one_of_two_that_stand_together_holds_the_other_would_have_to() -> 
     [
         ({"power": Power.OFF}, False),
         ({"power": Power.FAULT}, False),
-        ({"heard_at": START - SILENT}, False),
-        ({"heard_at": START - SILENT + 1}, True),
+        ({"received_at": START - SILENT}, False),
+        ({"received_at": START - SILENT + 1}, True),
         ({"current_a": None}, True),
     ],
 )
@@ -303,14 +306,14 @@ def test_a_dead_axis_holds_nothing_and_one_whose_current_is_not_known_may(
     what: dict[str, Any], *, kept: bool
 ) -> None:
     standing = Standing()
-    standing.tells("left", **{"current_a": 9.0} | what)
+    standing.reports("left", **{"current_a": 9.0} | what)
     assert (kept_by(standing, "left") is not None) is kept
 
 
 def test_an_axis_that_the_mode_does_without_is_not_looked_at() -> None:
     standing = Standing()
     standing.without = frozenset({"left"})
-    standing.tells("left", current_a=9.0)
+    standing.reports("left", current_a=9.0)
     standing.lets_go()
 
 
@@ -328,26 +331,26 @@ def test_an_axis_that_the_mode_does_without_is_not_looked_at() -> None:
 def test_one_that_moves_after_it_was_let_go_is_caught(what: dict[str, Any], *, slips: bool) -> None:
     standing = Standing()
     standing.lets_go()
-    standing.tells("left", **what)
-    standing.asks()
+    standing.reports("left", **what)
+    standing.requests()
     begun = [standing.cart.drivers[name].begun for name in ("left", "right", "brush")]
     assert begun == ([[Task.ENABLE], [Task.ENABLE], []] if slips else [[], [], []])
     assert standing.letting_go.held is slips
     if slips:
-        assert standing.told() == ["on a slope: held with power; node 1 (left) moved when it was let go"]
+        assert standing.reported() == ["on a slope: held with power; node 1 (left) moved when it was let go"]
         standing.cart.drivers["left"].busy = True
-        assert standing.asks() is Stop.REST, "a quick stop would end what gives it power"
+        assert standing.requests() is Stop.REST, "a quick stop would end what gives it power"
         standing.cart.drivers["left"].busy = False
-        assert standing.asks() is Stop.QUICK_STOP
+        assert standing.requests() is Stop.QUICK_STOP
 
 
 @pytest.mark.parametrize(("early", "caught"), [(1, True), (0, False)])
 def test_it_is_watched_for_2_s(early: int, *, caught: bool) -> None:
     standing = Standing()
     standing.lets_go()
-    standing.asks(WATCHED_FOR - early)
-    standing.tells("left", velocity=5.0)
-    standing.asks()
+    standing.requests(WATCHED_FOR - early)
+    standing.reports("left", velocity=5.0)
+    standing.requests()
     assert standing.letting_go.held is caught
     assert standing.letting_go.let_go is not caught
 
@@ -355,9 +358,9 @@ def test_it_is_watched_for_2_s(early: int, *, caught: bool) -> None:
 def test_one_in_fault_is_not_given_power() -> None:
     standing = Standing()
     standing.lets_go()
-    standing.tells("right", power=Power.FAULT)
-    standing.tells("left", velocity=5.0)
-    standing.asks()
+    standing.reports("right", power=Power.FAULT)
+    standing.reports("left", velocity=5.0)
+    standing.requests()
     assert standing.cart.drivers["right"].begun == []
     assert standing.cart.drivers["left"].begun == [Task.ENABLE]
 
@@ -365,17 +368,17 @@ def test_one_in_fault_is_not_given_power() -> None:
 def test_what_is_not_requested_any_more_is_watched_on_until_someone_gives_power() -> None:
     standing = Standing()
     standing.lets_go()
-    standing.letting_go.not_asked(standing.now)
-    standing.tells("left", velocity=5.0)
-    standing.letting_go.not_asked(standing.now)
+    standing.letting_go.not_requested(standing.now)
+    standing.reports("left", velocity=5.0)
+    standing.letting_go.not_requested(standing.now)
     assert standing.cart.drivers["left"].begun == [Task.ENABLE]
-    standing.letting_go.not_asked(standing.now)
-    assert standing.told() == []
+    standing.letting_go.not_requested(standing.now)
+    assert standing.reported() == []
     standing = Standing()
     standing.lets_go()
     standing.cart.drivers["right"].busy = True
-    standing.tells("left", velocity=5.0)
-    standing.letting_go.not_asked(standing.now)
+    standing.reports("left", velocity=5.0)
+    standing.letting_go.not_requested(standing.now)
     assert standing.cart.drivers["left"].begun == []
     assert standing.letting_go.stage is Stage.KEPT
 
@@ -384,12 +387,12 @@ def test_an_order_ends_the_watch_and_the_holding() -> None:
     standing = Standing()
     standing.lets_go()
     standing.letting_go.ordered(standing.now)
-    standing.tells("left", velocity=5.0)
+    standing.reports("left", velocity=5.0)
     standing.letting_go.ordered(standing.now)
     assert standing.cart.drivers["left"].begun == []
     standing = Standing()
-    standing.tells("left", current_a=2.0)
-    standing.asks(LOOKS_FOR)
+    standing.reports("left", current_a=2.0)
+    standing.requests(LOOKS_FOR)
     standing.letting_go.ordered(standing.now)
     assert not standing.letting_go.held
-    assert standing.told() == []
+    assert standing.reported() == []

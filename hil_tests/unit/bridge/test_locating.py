@@ -32,7 +32,7 @@ def test_without_cameras_it_is_odometrys_and_begins_where_it_is_reported_to() ->
     assert (locating.pose, locating.located) == (Pose(0.3, 0.1, 0.2), None)
     locating.interrupted()
     assert locating.pose == Pose(0.3, 0.1, 0.2)
-    assert locating.begin_anew() == "the present place is the origin"
+    assert locating.begin_again() == "the present place is the origin"
     assert locating.pose == Pose()
 
 
@@ -47,12 +47,12 @@ def test_with_cameras_it_is_theirs_carried_on_by_what_is_rolled() -> None:
 
 
 def test_elsewhere_it_is_believed_when_someone_states_so_or_what_was_rolled_is_not_known() -> None:
-    for anew in (Locating.begin_anew, Locating.interrupted):
+    for again in (Locating.begin_again, Locating.interrupted):
         locating = Locating(find("rome+cameras"))
         see(locating, 2.0, -1.0, CYCLE)
         see(locating, 4.0, 4.0, 2 * CYCLE)
         assert locating.pose == Pose(2.0, -1.0, 0.0)
-        anew(locating)
+        again(locating)
         assert source(locating) is Source.UNSEEN
         see(locating, 4.0, 4.0, 3 * CYCLE)
         assert locating.pose == Pose(4.0, 4.0, 0.0)

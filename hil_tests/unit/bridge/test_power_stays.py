@@ -8,30 +8,30 @@ from hil_tests.unit.bridge.test_letting_go import CYCLE, RESTS, Standing
 
 def turning() -> Standing:
     standing = Standing()
-    standing.tells("left", velocity=2.0 * RESTS)
+    standing.reports("left", velocity=2.0 * RESTS)
     return standing
 
 
 def test_it_is_reported_when_the_base_does_not_rest_in_its_time() -> None:
     standing = turning()
-    standing.asks(RESTS_WITHIN - CYCLE, rests=False)
-    assert standing.told() == []
-    standing.asks(CYCLE, rests=False)
-    assert standing.told() == ["the robot does not rest: node 1 (left) moves"]
+    standing.requests(RESTS_WITHIN - CYCLE, rests=False)
+    assert standing.reported() == []
+    standing.requests(CYCLE, rests=False)
+    assert standing.reported() == ["the robot does not rest: node 1 (left) moves"]
 
 
 @pytest.mark.parametrize("what", ["it rests", "nobody asks", "the power is ordered off", "the wheel stands"])
 def test_it_is_reported_no_longer_than_it_is_so(what: str) -> None:
     standing = turning()
-    standing.asks(RESTS_WITHIN, rests=False)
-    assert standing.told()
+    standing.requests(RESTS_WITHIN, rests=False)
+    assert standing.reported()
     if what == "it rests":
-        standing.asks()
+        standing.requests()
     elif what == "nobody asks":
-        standing.letting_go.not_asked(standing.now)
+        standing.letting_go.not_requested(standing.now)
     elif what == "the power is ordered off":
         standing.letting_go.ordered(standing.now)
     else:
-        standing.tells("left", velocity=0.0)
-        standing.asks(rests=False)
-    assert standing.told() == []
+        standing.reports("left", velocity=0.0)
+        standing.requests(rests=False)
+    assert standing.reported() == []

@@ -40,20 +40,20 @@ class Watched:
         self.driver = cart.drivers["left"]
         self.stops = Stops(cart.robot, cart.fleets)
         self.now = START
-        self.asked = {"left"}
+        self.requested = {"left"}
         self.demand: Demand = Stop.REST
-        self.tells(speed)
+        self.reports(speed)
 
-    def tells(self, speed: float, power: Power = Power.ON) -> None:
+    def reports(self, speed: float, power: Power = Power.ON) -> None:
         """Let the drive tell a sample, now."""
         self.driver.feedback = replace(
-            self.driver.feedback, velocity=speed, power=power, heard_at=self.now, sampled_at=self.now
+            self.driver.feedback, velocity=speed, power=power, received_at=self.now, sampled_at=self.now
         )
 
     def looks(self, later: Nanoseconds = 0) -> Mapping[str, Demand]:
         """Look at it so much later; return the demands as they are to be sent."""
         self.now += later
-        sent, demands = self.stops.watch(self.asked, {"left": self.demand}, self.now)
+        sent, demands = self.stops.watch(self.requested, {"left": self.demand}, self.now)
         assert sent == (), "a paper driver sends nothing"
         return demands
 
@@ -73,7 +73,7 @@ def test_rest_is_a_share_of_the_top_speed(speed: float, sign: int, *, rests: boo
     watched = Watched()
     watched.looks()
     watched.now += CYCLE
-    watched.tells(sign * speed)
+    watched.reports(sign * speed)
     watched.looks()
     assert watched.confirmed() is rests
 
@@ -83,7 +83,7 @@ def test_only_a_word_from_after_the_stop_confirms_it(later: int) -> None:
     watched = Watched()
     watched.looks()
     watched.now += later
-    watched.tells(0.0)
+    watched.reports(0.0)
     watched.looks()
     assert watched.confirmed() is bool(later)
 
@@ -105,7 +105,7 @@ def test_a_drive_that_goes_on_has_the_time_of_its_ramp_and_the_step_s(
     until = START + 150 * MILLISECOND + round(abs(speed) / DECELERATION * SECOND)
     for at in (*range(START + CYCLE, until - early, CYCLE), until - early):
         watched.now = at
-        watched.tells(speed)
+        watched.reports(speed)
         watched.looks()
     assert watched.unconfirmed() == ("ramp" if fails else None)
 
@@ -116,10 +116,10 @@ def test_one_that_slows_down_is_given_more_time(share: float, *, fails: bool) ->
     watched.looks()
     for _ in range(3):
         watched.now += CYCLE
-        watched.tells(share)
+        watched.reports(share)
         watched.looks()
     watched.now += CYCLE
-    watched.tells(share)
+    watched.reports(share)
     watched.looks()
     assert watched.unconfirmed() == ("ramp" if fails else None)
 
@@ -127,7 +127,7 @@ def test_one_that_slows_down_is_given_more_time(share: float, *, fails: bool) ->
 @pytest.mark.parametrize(("power", "patience"), [(Power.ON, SILENT), (Power.UNKNOWN, 150 * MILLISECOND)])
 def test_one_that_is_not_received_is_given_its_time_out_and_no_more(power: Power, patience: int) -> None:
     watched = Watched()
-    watched.tells(5.0, power)
+    watched.reports(5.0, power)
     watched.looks()
     watched.looks(patience - 1)
     assert watched.unconfirmed() is None
@@ -141,7 +141,7 @@ def test_while_the_bridge_itself_ramps_the_drive_is_not_late() -> None:
     for speed in range(100, 0, -5):
         watched.demand = Speed(speed / 10.0)
         watched.looks(CYCLE)
-        watched.tells(speed / 10.0)
+        watched.reports(speed / 10.0)
     assert watched.unconfirmed() is None
     watched.demand = Speed(0.0)
     watched.looks(CYCLE)
@@ -179,7 +179,7 @@ def test_for_an_axis_that_rested_no_one_else_loses_power() -> None:
 def test_a_power_off_that_was_ordered_begins_with_it() -> None:
     watched = Watched(0.0)
     watched.demand = Stop.POWER_OFF
-    watched.tells(0.0)
+    watched.reports(0.0)
     assert escalated(watched) == ["power off by PDO", "power off by SDO", "silence", "reset"]
 
 
@@ -188,7 +188,7 @@ def test_rest_is_not_enough_where_the_power_was_ordered_off() -> None:
     watched.demand = Stop.POWER_OFF
     watched.looks()
     watched.now += CYCLE
-    watched.tells(0.0)
+    watched.reports(0.0)
     watched.looks()
     assert watched.stops.under_way
     watched.driver.unpowered = True
@@ -216,12 +216,12 @@ def test_a_confirmed_stop_begins_again_where_the_word_is_missed_or_states_otherw
         watched = Watched(0.0)
         watched.looks()
         watched.now += 1
-        watched.tells(0.0)
+        watched.reports(0.0)
         watched.looks()
         assert watched.confirmed()
         if speed:
             watched.now += 1
-            watched.tells(speed)
+            watched.reports(speed)
         watched.looks(later - 1)
         assert watched.confirmed() is (speed == 0.0)
         watched.looks(1)
@@ -233,7 +233,7 @@ def test_a_drive_that_rests_for_a_moment_again_and_again_gets_no_new_time_by_it(
     watched, taken_at = Watched(), None
     for cycle in range(200):
         watched.looks(CYCLE)
-        watched.tells(0.0 if cycle % every == 0 else 5.0)
+        watched.reports(0.0 if cycle % every == 0 else 5.0)
         if taken_at is None and Task.DISABLE in watched.driver.begun:
             taken_at = watched.now
     assert taken_at is not None, "5 s after the stop began a step takes the power, whatever was confirmed"
@@ -242,7 +242,7 @@ def test_a_drive_that_rests_for_a_moment_again_and_again_gets_no_new_time_by_it(
 
 def test_an_axis_that_may_move_is_left_alone() -> None:
     watched = Watched()
-    watched.asked = set()
+    watched.requested = set()
     assert watched.looks(10 * SECOND)["left"] is Stop.REST
     assert watched.driver.begun == []
 
@@ -251,10 +251,10 @@ def test_a_stop_that_escalates_does_not_end_because_no_one_requests_any_more() -
     watched = Watched()
     watched.looks()
     watched.looks(SILENT)
-    watched.asked = set()
+    watched.requested = set()
     assert watched.looks(CYCLE)["left"] is Stop.QUICK_STOP
     watched.now += 1
-    watched.tells(0.0)
+    watched.reports(0.0)
     watched.looks()
     watched.looks(CYCLE)
     assert not watched.stops.escalating
@@ -287,21 +287,21 @@ def test_an_honest_drive_is_never_taken_further_than_its_ramp(
         ramped = max(to_seconds(watched.now - START) - lag, 0.0) * DECELERATION
         missed = missed + 1 if is_lost and missed < 2 else 0
         if not missed:
-            watched.tells(sign * max(abs(speed) - ramped, 0.0))
+            watched.reports(sign * max(abs(speed) - ramped, 0.0))
         watched.looks()
         assert watched.unconfirmed() is None
     assert watched.confirmed()
 
 
-@given(said=st.lists(st.tuples(st.sampled_from([1, 49, 50, 51, 200]), st.floats(0.2, 12.0)), max_size=30))
+@given(stated=st.lists(st.tuples(st.sampled_from([1, 49, 50, 51, 200]), st.floats(0.2, 12.0)), max_size=30))
 def test_whatever_a_moving_drive_states_the_last_step_comes_in_bounded_time(
-    said: list[tuple[int, float]],
+    stated: list[tuple[int, float]],
 ) -> None:
     watched = Watched()
     watched.looks()
-    for ms, speed in said:
+    for ms, speed in stated:
         watched.now += ms * MILLISECOND
-        watched.tells(speed)
+        watched.reports(speed)
         watched.looks()
         assert not watched.confirmed() or watched.stops.given_up
     began = watched.now

@@ -84,7 +84,7 @@ def test_a_restarted_drive_moves_when_it_was_given_its_position(started: "Bench"
     assert lost(started, "lift")
     assert not lost(started, "steer")
     assert started.arms() == TEMPORARILY_REJECTED
-    assert "its zero is lost" in started.told()
+    assert "its zero is lost" in started.reported()
     assert started.commands(STANDS, LIFT, HALF_UP_M) == ACCEPTED
     started.runs(0.3)
     assert not lost(started, "lift")
@@ -128,7 +128,7 @@ def test_a_wrong_axis_or_value_is_refused_with_its_reason(
 ) -> None:
     begin = started.now
     assert started.commands(STANDS, axis, value) == DENIED
-    assert f"zero: {why}" in started.told()
+    assert f"zero: {why}" in started.reported()
     started.runs(0.3)
     written = [word for node in (1, 2, 3, 4) for _, word in started.sent(0x600 + node, begin)]
     assert [word for word in written if not word.startswith("40")] == []
@@ -141,23 +141,23 @@ def test_the_ends_of_an_axis_are_places_too(started: "Bench", axis: int, value: 
 
 def test_no_one_is_requested_while_the_robot_is_armed_or_moves(armed: "Bench") -> None:
     assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
-    assert "zero: disarm first" in armed.told()
+    assert "zero: disarm first" in armed.reported()
     driving(armed)
     assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
     armed.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0)
     assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
-    assert "zero: the robot still moves" in armed.told()
+    assert "zero: the robot still moves" in armed.reported()
 
 
 def test_nor_after_a_forced_disarm_or_in_an_emergency_stop(armed: "Bench") -> None:
     armed.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 0.0)
     assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
-    assert "zero: the emergency stop is latched" in armed.told()
+    assert "zero: the emergency stop is latched" in armed.reported()
     armed.runs(0.5)
     armed.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 1.0)
     armed.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, 21196.0)
     assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
-    assert "zero: the power was taken by force" in armed.told()
+    assert "zero: the power was taken by force" in armed.reported()
 
 
 def test_a_drive_without_power_is_enabled_first(started: "Bench") -> None:
@@ -165,7 +165,7 @@ def test_a_drive_without_power_is_enabled_first(started: "Bench") -> None:
     started.inject("lift", started.drives["lift"].boots())
     started.runs(3)
     assert started.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
-    assert "first, say it again" in started.told()
+    assert "first, say it again" in started.reported()
     started.runs(1.0)
     assert started.commands(STANDS, LIFT, 0.1) == ACCEPTED
     started.runs(0.3)
@@ -173,7 +173,7 @@ def test_a_drive_without_power_is_enabled_first(started: "Bench") -> None:
 
 
 @pytest.mark.parametrize(
-    ("address", "how", "says"),
+    ("address", "how", "states"),
     [
         (at.HOMING_METHOD, "refuses", "0x6098"),
         (at.HOMING_METHOD, "forgets", "0x6098"),
@@ -185,7 +185,7 @@ def test_a_drive_without_power_is_enabled_first(started: "Bench") -> None:
     ],
 )
 def test_a_drive_that_does_not_take_it_is_never_reported_to_home(
-    started: "Bench", address: at.Address, how: str, says: str
+    started: "Bench", address: at.Address, how: str, states: str
 ) -> None:
     drive = started.drives["steer"]
     drive.referenced = False
@@ -200,7 +200,7 @@ def test_a_drive_that_does_not_take_it_is_never_reported_to_home(
     assert [word for word in words if word.startswith("2b 40 60 00 1f")] == []
     assert lost(started, "steer")
     assert started.arms() == TEMPORARILY_REJECTED
-    assert says in started.told()
+    assert states in started.reported()
 
 
 def test_one_that_restarts_meanwhile_has_lost_it(started: "Bench") -> None:
@@ -218,7 +218,7 @@ def test_a_stop_in_the_middle_leaves_it_lost_and_the_drive_is_set_up_again(
 ) -> None:
     drive = started.drives["lift"]
     drive.referenced = False
-    started.says(dialect.MAVLink_command_long_message(1, 1, STANDS, 0, LIFT, 0.1, 0, 0, 0, 0, 0))
+    started.states(dialect.MAVLink_command_long_message(1, 1, STANDS, 0, LIFT, 0.1, 0, 0, 0, 0, 0))
     started.world.run(started.now + after * 250_000)
     if force:
         started.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, 21196.0)
@@ -245,7 +245,7 @@ def test_what_an_earlier_run_has_kept_is_reported_and_not_believed(bench: "Bench
         drive.referenced = False
     bench.starts()
     assert lost(bench, "lift")
-    assert "nobody knows where it stands (last known: 0.25 m)" in bench.told()
+    assert "nobody knows where it stands (last known: 0.25 m)" in bench.reported()
     assert bench.arms() == TEMPORARILY_REJECTED
     assert bench.bridge.places == {"lift": 0.25}
     bench.stands(lift_m=0.1)
@@ -255,7 +255,7 @@ def test_what_an_earlier_run_has_kept_is_reported_and_not_believed(bench: "Bench
 def test_after_a_restart_it_is_reported_where_the_axis_was_last(started: "Bench") -> None:
     started.stands(steer_deg=-30.0, lift_m=0.3)
     restarted(started)
-    assert "nobody knows where it stands (last known: 0.3 m)" in started.told()
+    assert "nobody knows where it stands (last known: 0.3 m)" in started.reported()
     assert started.bridge.places == pytest.approx({"lift": 0.3, "steer": -30.0}, abs=1e-3)
 
 
@@ -301,7 +301,7 @@ def test_no_one_starts_a_bridge_with_a_place_that_there_is_not(stands: dict[str,
 def test_a_zero_that_was_known_is_lost_where_a_new_one_did_not_come_to_its_end(started: "Bench") -> None:
     """Bit 15 stands all the time; but nobody knows which of the two the drive counts from."""
     assert not lost(started, "lift")
-    started.says(dialect.MAVLink_command_long_message(1, 1, STANDS, 0, LIFT, 0.1, 0, 0, 0, 0, 0))
+    started.states(dialect.MAVLink_command_long_message(1, 1, STANDS, 0, LIFT, 0.1, 0, 0, 0, 0, 0))
     started.world.run(started.now + 750_000)
     started.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, 21196.0)
     started.runs(0.5)

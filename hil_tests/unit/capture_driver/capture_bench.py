@@ -58,7 +58,7 @@ class Listening:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         before = self.seen.reading
-        sent = self.link.hear(packet, now)
+        sent = self.link.receive(packet, now)
         if self.seen.reading is not None and self.seen.reading is not before:
             self.readings.append(self.seen.reading)
         return Reaction(sent, self._wake_at)

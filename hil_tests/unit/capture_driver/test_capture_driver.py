@@ -27,7 +27,7 @@ from firmware_bridge.wire.natnet.messages import MessageId, ServerInfo, packet
 from hil_tests.unit.capture_driver.capture_bench import LINK, ROUND, SERVER, V3_1, body, joined, table
 
 
-def said(seen: SeenBody) -> bool:
+def stated(seen: SeenBody) -> bool:
     """Whether it has a reading now; asked anew each time."""
     return seen.reading is not None
 
@@ -55,7 +55,7 @@ def test_it_reports_where_the_body_was_and_when(version: Version, wanted: str | 
         assert math.dist(reading.pose.position, place.position) < 0.5e-3
         heading = math.remainder(0.5 * to_seconds(reading.sampled_at) + math.pi / 2.0, math.tau)
         assert reading.pose.heading_rad == pytest.approx(heading, abs=1e-3)
-        assert 4 * MILLISECOND < reading.heard_at - reading.sampled_at < 7.5 * MILLISECOND
+        assert 4 * MILLISECOND < reading.received_at - reading.sampled_at < 7.5 * MILLISECOND
     assert seen.sighting is Sighting.SEEN
     assert seen.jumps == 0
 
@@ -68,7 +68,7 @@ def test_the_jitter_of_frames_and_network_does_not_reach_their_age() -> None:
         for reading in listening.readings[100:]
     ]
     assert np.std(off) < 10_000
-    arrival = np.diff([reading.heard_at for reading in listening.readings[100:]])
+    arrival = np.diff([reading.received_at for reading in listening.readings[100:]])
     assert np.std(arrival) > 200_000
 
 
@@ -78,7 +78,7 @@ def test_hidden_it_sends_nothing_and_states_why(lost: Lost) -> None:
     world, system, listening = joined(seen, Cameras(lost=lost))
     system.hide(Hidden(7, SECOND, 2 * SECOND))
     world.run(from_seconds(1.5))
-    assert not said(seen)
+    assert not stated(seen)
     assert seen.sighting.value == Sighting.LOST.value
     assert max(reading.sampled_at for reading in listening.readings) < SECOND
     world.run(from_seconds(2.1))
@@ -126,30 +126,30 @@ def test_where_the_markers_are_mounted_is_taken_off() -> None:
 def test_a_server_that_is_not_there_is_requested_again_and_one_that_restarts_is_found() -> None:
     seen = body()
     link = NatNetLink(LINK, table(), [seen])
-    asked = [link.wake(now) for now in (0, SECOND, 2 * SECOND)]
-    assert asked == [(Packet(LINK, AT, CONNECT),)] * 3
+    requested = [link.wake(now) for now in (0, SECOND, 2 * SECOND)]
+    assert requested == [(Packet(LINK, AT, CONNECT),)] * 3
     assert link.wake_at == 3 * SECOND
     assert link.beat(0) == ()
     world, system, listening = joined(seen, EXACT)
     world.run(SECOND)
-    heard = len(listening.readings)
+    received = len(listening.readings)
     system.server._clients.clear()  # noqa: SLF001 - what a restart is to a client
     world.run(4 * SECOND)
-    assert len(listening.readings) > heard + 240
+    assert len(listening.readings) > received + 240
 
 
 @pytest.mark.parametrize(
-    ("host", "heard"), [("127.0.0.1", True), ("127.0.0.2", False), ("::1", False), ("10.0.0.1", False)]
+    ("host", "received"), [("127.0.0.1", True), ("127.0.0.2", False), ("::1", False), ("10.0.0.1", False)]
 )
-def test_no_one_else_is_believed(host: str, *, heard: bool) -> None:
+def test_no_one_else_is_believed(host: str, *, received: bool) -> None:
     seen = body(body=1)
     link = NatNetLink(LINK, table(), [seen])
     info = messages.server_info_payload(ServerInfo("x", (1, 0, 0, 0), (3, 1, 0, 0)))
     pose = RigidBody(1, (1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
     frame = frames.encoded(Frame(1, bodies=(pose,)), V3_1)
-    link.hear(Packet(LINK, AT, packet(MessageId.SERVERINFO, info)), 0)
-    link.hear(Packet(LINK, number_of(host, 1511), packet(MessageId.FRAMEOFDATA, frame)), 0)
-    assert (seen.reading is not None) == heard
+    link.receive(Packet(LINK, AT, packet(MessageId.SERVERINFO, info)), 0)
+    link.receive(Packet(LINK, number_of(host, 1511), packet(MessageId.FRAMEOFDATA, frame)), 0)
+    assert (seen.reading is not None) == received
 
 
 @given(st.lists(st.binary(max_size=300) | st.sampled_from([messages.MessageId.FRAMEOFDATA]), max_size=5))
@@ -157,11 +157,11 @@ def test_whatever_the_server_sends_is_no_exception(noise: list[Any]) -> None:
     seen = body(body=1)
     link = NatNetLink(LINK, table(), [seen])
     info = messages.server_info_payload(ServerInfo("x", (1, 0, 0, 0), (3, 1, 0, 0)))
-    link.hear(Packet(LINK, AT, packet(MessageId.SERVERINFO, info)), 0)
+    link.receive(Packet(LINK, AT, packet(MessageId.SERVERINFO, info)), 0)
     for each in noise:
         datagram = packet(MessageId.FRAMEOFDATA, b"\0" * 20) if isinstance(each, MessageId) else each
-        link.hear(Packet(LINK, DATA, datagram), 0)
-        link.hear(Packet(LINK, DATA, packet(MessageId.FRAMEOFDATA, datagram)), 0)
+        link.receive(Packet(LINK, DATA, datagram), 0)
+        link.receive(Packet(LINK, DATA, packet(MessageId.FRAMEOFDATA, datagram)), 0)
     assert link.refused <= 2 * len(noise)
     assert seen.reading is None
 
@@ -184,7 +184,7 @@ def test_what_is_no_pose_counts_as_not_tracked(position: Any, attitude: Any) -> 
     seen = body()
     seen.seen((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), 0.0, 0, 0)
     seen.seen(position, attitude, 0.0, 1, 1)
-    assert (said(seen), sighted(seen)) == (False, Sighting.LOST)
+    assert (stated(seen), sighted(seen)) == (False, Sighting.LOST)
 
 
 @pytest.mark.parametrize(
@@ -207,9 +207,9 @@ def test_what_is_further_than_it_gets_is_a_jump(aside: float, turn: float, after
 
 
 @given(st.lists(st.tuples(st.integers(0, 10 * SECOND), st.integers(0, 50 * MILLISECOND)), max_size=30))
-def test_nothing_leaves_after_it_was_received_nor_before_it_can_have(heard: list[tuple[int, int]]) -> None:
+def test_nothing_leaves_after_it_was_received_nor_before_it_can_have(received: list[tuple[int, int]]) -> None:
     clock = StampClock()
-    for stamp, took in sorted(heard):
+    for stamp, took in sorted(received):
         left = clock.left_at(stamp + 7 * SECOND, stamp + took)
         assert stamp - MILLISECOND < left <= stamp + took
 
@@ -242,7 +242,7 @@ def test_mavlink_poses_are_turned_into_the_same_room() -> None:
         seen = body(up="z")
         link = MavlinkPoses(LINK, table("mavlink-pose"), [seen])
         junk = b"\x00\x01" + codec.heartbeat_encode(6, 8, 0, 0, 0).pack(codec)
-        link.hear(Packet(LINK, AT, junk + message.pack(codec)), SECOND)
+        link.receive(Packet(LINK, AT, junk + message.pack(codec)), SECOND)
         assert seen.reading is not None
         assert seen.reading.pose is not None
         assert seen.reading.pose.position == pytest.approx((1.0, -2.0, 0.3))
@@ -252,7 +252,7 @@ def test_mavlink_poses_are_turned_into_the_same_room() -> None:
         damaged = bytearray(message.pack(codec))
         damaged[12] ^= 1
         seen.missed(Sighting.LOST)
-        link.hear(Packet(LINK, AT, bytes(damaged)), SECOND)
+        link.receive(Packet(LINK, AT, bytes(damaged)), SECOND)
         assert seen.reading is None
 
 
@@ -262,7 +262,7 @@ def test_whatever_comes_in_mavlink_is_no_exception(parts: list[bytes | int]) -> 
     seen = body(up="z")
     link = MavlinkPoses(LINK, table("mavlink-pose"), [seen])
     noise = b"".join(it if isinstance(it, bytes) else _vision(numbers[it]) for it in parts)
-    link.hear(Packet(LINK, AT, noise), SECOND)
+    link.receive(Packet(LINK, AT, noise), SECOND)
     if seen.reading is not None:
         assert seen.reading.pose is not None
         assert all(map(math.isfinite, (*seen.reading.pose.position, *seen.reading.pose.attitude)))
@@ -287,7 +287,7 @@ def test_mavlink_states_itself_that_it_jumped_or_failed() -> None:
     seen = body(up="z")
     link = MavlinkPoses(LINK, table("mavlink-pose"), [seen])
 
-    def says(resets: int, quality: int, frame: int = 20, host: str = "127.0.0.1") -> None:
+    def states(resets: int, quality: int, frame: int = 20, host: str = "127.0.0.1") -> None:
         message = codec.odometry_encode(
             0,
             frame,
@@ -302,18 +302,18 @@ def test_mavlink_states_itself_that_it_jumped_or_failed() -> None:
             6,
             quality,
         )
-        link.hear(Packet(LINK, number_of(host, 9), message.pack(codec)), SECOND)
+        link.receive(Packet(LINK, number_of(host, 9), message.pack(codec)), SECOND)
 
-    says(1, 90, host="127.0.0.2")
+    states(1, 90, host="127.0.0.2")
     assert sighted(seen) is Sighting.UNKNOWN
-    says(1, 90)
-    says(1, 0)
+    states(1, 90)
+    states(1, 0)
     assert (seen.jumps, sighted(seen)) == (0, Sighting.SEEN)
-    says(2, 90)
+    states(2, 90)
     assert seen.jumps == 1
-    says(2, -1)
-    assert (said(seen), sighted(seen)) == (False, Sighting.LOST)
-    says(2, 90, frame=12)
+    states(2, -1)
+    assert (stated(seen), sighted(seen)) == (False, Sighting.LOST)
+    states(2, 90, frame=12)
     assert sighted(seen) is Sighting.LOST
 
 
@@ -328,22 +328,22 @@ def test_up_is_as_the_robot_file_states() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given_", "said"),
+    ("given_", "stated"),
     [
         ({"server": "motive:1510"}, "motive"),
         ({"server": "127.0.0.1"}, "must be HOST:PORT"),
         ({"driver": "mavlink-pose", "listen": "127.0.0.1:0"}, "give listen a port"),
     ],
 )
-def test_a_place_that_is_none_is_refused(given_: dict[str, str], said: str) -> None:
-    with pytest.raises(ValueError, match=said):
+def test_a_place_that_is_none_is_refused(given_: dict[str, str], stated: str) -> None:
+    with pytest.raises(ValueError, match=stated):
         table(**{"driver": "natnet", "server": SERVER, **given_})
 
 
 def served(link: NatNetLink, version: Version, now: int = 0) -> tuple[Packet, ...]:
     info = ServerInfo("Motive", (1, 0, 0, 0), (*version, 0, 0), 1_000_000)
     payload = messages.server_info_payload(info)
-    return link.hear(Packet(LINK, AT, packet(MessageId.SERVERINFO, payload)), now)
+    return link.receive(Packet(LINK, AT, packet(MessageId.SERVERINFO, payload)), now)
 
 
 def framed(frame: Frame, version: Version) -> Packet:
@@ -369,14 +369,14 @@ def test_a_server_that_was_found_receives_that_someone_listens() -> None:
 
 
 def test_names_are_requested_when_they_are_not_known_and_when_they_have_changed() -> None:
-    asks = (Packet(LINK, AT, packet(MessageId.REQUEST_MODELDEF)),)
+    requests = (Packet(LINK, AT, packet(MessageId.REQUEST_MODELDEF)),)
     link = NatNetLink(LINK, table(), [body(body="robot")])
-    assert served(link, V3_1) == asks
-    assert link.hear(framed(Frame(1), V3_1), 0) == ()
-    assert link.hear(framed(Frame(2, params=FrameFlag.MODELS_CHANGED), V3_1), 0) == asks
+    assert served(link, V3_1) == requests
+    assert link.receive(framed(Frame(1), V3_1), 0) == ()
+    assert link.receive(framed(Frame(2, params=FrameFlag.MODELS_CHANGED), V3_1), 0) == requests
     by_number = NatNetLink(LINK, table(), [body(body=1)])
     assert served(by_number, V3_1) == ()
-    assert by_number.hear(framed(Frame(2, params=FrameFlag.MODELS_CHANGED), V3_1), 0) == ()
+    assert by_number.receive(framed(Frame(2, params=FrameFlag.MODELS_CHANGED), V3_1), 0) == ()
 
 
 def test_a_server_that_is_another_one_now_is_read_in_its_version() -> None:
@@ -385,7 +385,7 @@ def test_a_server_that_is_another_one_now_is_read_in_its_version() -> None:
     pose = RigidBody(1, (1.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
     for version in (V3_1, Version(4, 1), Version(2, 10)):
         served(link, version)
-        link.hear(framed(Frame(1, bodies=(pose,), precise=(0, 0)), version), 0)
+        link.receive(framed(Frame(1, bodies=(pose,), precise=(0, 0)), version), 0)
         assert sighted(seen) is Sighting.SEEN
         seen.missed(Sighting.LOST)
     assert link.refused == 0

@@ -39,7 +39,7 @@ def test_cameras_are_where_the_file_states_and_need_no_place() -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reported"),
     [
         (('"natnet"', '"natnett"'), "links.cameras.driver: 'natnett' is not known"),
         (
@@ -56,8 +56,8 @@ def test_cameras_are_where_the_file_states_and_need_no_place() -> None:
         (('name = "place"', 'name = "place"\nevery = 3'), "every: no such key"),
     ],
 )
-def test_a_mistake_is_reported(change: tuple[str, str], told: str, tmp_path: Path) -> None:
-    with pytest.raises(RobotFileError, match=re.escape(told)):
+def test_a_mistake_is_reported(change: tuple[str, str], reported: str, tmp_path: Path) -> None:
+    with pytest.raises(RobotFileError, match=re.escape(reported)):
         file_at(tmp_path, written(change))
 
 

@@ -29,7 +29,7 @@ FAR: Final = 2
 
 
 @dataclass(frozen=True)
-class Told:
+class Reported:
     """What a command said, and how it ended."""
 
     status: int
@@ -44,15 +44,15 @@ class Told:
         return line
 
 
-def ask(*words: str) -> Told:
+def ask(*words: str) -> Reported:
     """Run a command in this process."""
     result = CliRunner().invoke(program, ["epos2", *words])
     assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
     assert "Traceback" not in result.output
-    return Told(result.exit_code, result.stdout, result.stderr)
+    return Reported(result.exit_code, result.stdout, result.stderr)
 
 
-class UntilTold:
+class UntilReported:
     """A node that goes on until somebody has had enough."""
 
     def __init__(self, node: Node) -> None:
@@ -90,7 +90,7 @@ class Bench:
 def bench(generation: Generation = Generation.V1) -> Iterator[Bench]:
     """Run two drives, the first one on the line, until the end of the block."""
     made, bank = drives(Order((NEAR, FAR), PROFILES["70/10"], 1_000_000, serial={NEAR: generation}))
-    node = UntilTold(Cluster(made, bank, links={"motor1": {CAN: CAN, SERIAL: SERIAL}}))
+    node = UntilReported(Cluster(made, bank, links={"motor1": {CAN: CAN, SERIAL: SERIAL}}))
     terminal, channel = PseudoTerminal(), f"bench-drives-{next(NUMBERS)}"
     ports = {SERIAL: terminal, CAN: open_can("virtual", channel)}
     thread = threading.Thread(target=run, args=(node, ports, Clock()), name=channel)

@@ -63,10 +63,10 @@ def test_what_it_leaves_behind_is_what_the_readme_states(results: Path) -> None:
 
 
 def test_the_table_states_where_the_results_are(results: Path) -> None:
-    said = (results / "said").read_text(encoding="utf-8")
-    assert str(results / "first") in said.replace("\n", "")
+    stated = (results / "said").read_text(encoding="utf-8")
+    assert str(results / "first") in stated.replace("\n", "")
     for word in ("real-time factor", "largest speed", "odometry error", "bus load"):
-        assert word in said
+        assert word in stated
 
 
 def test_the_summary_is_of_this_run(results: Path) -> None:
@@ -92,16 +92,16 @@ def test_the_line_to_a_board_is_recorded_as_the_bridge_speaks_and_receives(tmp_p
     words = ["bench", "rome", "--mission", str(mission), "--out", str(tmp_path / "rome")]
     assert CliRunner().invoke(program, words).exit_code == 0
     lines = (tmp_path / "rome/serial.log").read_text(encoding="ascii").splitlines()
-    told = [line.split(" board ")[1] for line in lines]
-    at = told.index("T 6D 20 30 20 30 20 30 0D")
-    assert told[at - 2 : at] == ["T 62 0D", "R 35 37 36 30 30 0D 0A"]
-    assert bytes.fromhex(told[at + 1][2:]) == b"OK\r\n"
+    reported = [line.split(" board ")[1] for line in lines]
+    at = reported.index("T 6D 20 30 20 30 20 30 0D")
+    assert reported[at - 2 : at] == ["T 62 0D", "R 35 37 36 30 30 0D 0A"]
+    assert bytes.fromhex(reported[at + 1][2:]) == b"OK\r\n"
     assert (tmp_path / "rome/can.log").read_bytes() == b""
     (line,) = json.loads((tmp_path / "rome/summary.json").read_text())["lines"]
     again = CliRunner().invoke(program, ["replay", str(tmp_path / "rome"), "rome"])
     assert again.exit_code == 0, again.output
     assert "packets of the bridge are as recorded" in again.output
-    carried = sum(len(words) - 1 for words in map(str.split, told))
+    carried = sum(len(words) - 1 for words in map(str.split, reported))
     assert 0 <= line["bytes"] - carried < 32  # a chunk is on its way at the end
     assert 0.0 < line["busy_percent"] < 80.0
     # At least the shield's set-up, of 21 writes of 0.5 ms, and motion in half a second of cycles.

@@ -27,14 +27,14 @@ def site(tmp_path: Path) -> Path:
     return about.parent
 
 
-def said(site: Path, *words: str) -> tuple[int, str, str]:
+def stated(site: Path, *words: str) -> tuple[int, str, str]:
     environment = {**os.environ, "PYTHONPATH": str(site), "COLUMNS": "200", "NO_COLOR": "1"}
-    told = subprocess.run([PROGRAM, *words], env=environment, capture_output=True, text=True, check=False)
-    return told.returncode, told.stdout, told.stderr
+    reported = subprocess.run([PROGRAM, *words], env=environment, capture_output=True, text=True, check=False)
+    return reported.returncode, reported.stdout, reported.stderr
 
 
 def test_it_is_one_row_among_the_robots(site: Path) -> None:
-    status, out, complained = said(site, "robots")
+    status, out, complained = stated(site, "robots")
     assert status == 2
     rows = [line for line in out.splitlines() if "scout" in line]
     assert len(rows) == 1
@@ -45,15 +45,15 @@ def test_it_is_one_row_among_the_robots(site: Path) -> None:
 
 @pytest.mark.parametrize("words", [("drive", "scout"), ("bench", "scout"), ("emulate", "scout")])
 def test_who_names_it_is_reported_why(site: Path, words: tuple[str, ...]) -> None:
-    status, _, complained = said(site, *words)
+    status, _, complained = stated(site, *words)
     (line,) = complained.splitlines()
     assert (status, line.startswith(f"firmware-bridge: {WHY}")) == (2, True), line
 
 
 def test_the_others_are_driven_as_ever(site: Path, tmp_path: Path) -> None:
-    status, out, complained = said(
+    status, out, complained = stated(
         site, "bench", "carrier", "--mission", "line", "--out", str(tmp_path / "out")
     )
     assert (status, complained) == (0, "")
     assert "results:" in out
-    assert said(site, "fmu", "list")[0] == 0
+    assert stated(site, "fmu", "list")[0] == 0

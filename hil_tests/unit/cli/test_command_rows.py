@@ -18,7 +18,7 @@ EVERY: Final = {row.words: row for row in (*OWN, *OF_THE_SIMULATION) if isinstan
 PLAIN: Final = {"COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"}
 
 
-class Stranger:
+class ForeignNode:
     """An entry point of a package that is not there."""
 
     def __init__(self, name: str, rows: Iterable[Row] | Exception) -> None:
@@ -31,10 +31,10 @@ class Stranger:
         return self._rows
 
 
-def with_strangers(monkeypatch: pytest.MonkeyPatch, *strangers: Stranger) -> None:
-    def entry_points(group: str) -> list[EntryPoint | Stranger]:
+def with_foreign(monkeypatch: pytest.MonkeyPatch, *new_stations: ForeignNode) -> None:
+    def entry_points(group: str) -> list[EntryPoint | ForeignNode]:
         assert group == commands.COMMAND_GROUP
-        return list(strangers)
+        return list(new_stations)
 
     monkeypatch.setattr("importlib.metadata.entry_points", entry_points)
 
@@ -58,7 +58,7 @@ def test_every_command_is_reached_by_its_words() -> None:
 
 
 def test_a_package_that_cannot_be_imported_is_named_and_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    with_strangers(monkeypatch, Stranger("broken", ImportError("no module named 'gone'")))
+    with_foreign(monkeypatch, ForeignNode("broken", ImportError("no module named 'gone'")))
     result = run("--help")
     assert result.exit_code == 0
     assert "the commands of 'broken' are left out: no module named 'gone'" in result.stderr
@@ -67,25 +67,25 @@ def test_a_package_that_cannot_be_imported_is_named_and_left_out(monkeypatch: py
 
 def test_no_one_takes_the_place_of_a_command_that_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     row = Command("epos2 state", "somewhere:state", "Something else.")
-    with_strangers(monkeypatch, Stranger("greedy", [row]))
+    with_foreign(monkeypatch, ForeignNode("greedy", [row]))
     result = run("epos2", "--help")
     assert "'epos2 state' is left out: there is one of this name" in result.stderr
     assert "Show a drive's power state" in result.stdout
 
 
 def test_a_command_of_a_group_that_is_not_there_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    with_strangers(monkeypatch, Stranger("lost", [Command("nowhere at-all", "somewhere:it", "It.")]))
+    with_foreign(monkeypatch, ForeignNode("lost", [Command("nowhere at-all", "somewhere:it", "It.")]))
     assert "there is no group 'nowhere'" in run("--help").stderr
 
 
 def test_a_package_adds_a_group_with_commands(monkeypatch: pytest.MonkeyPatch) -> None:
     group, thing = Group("own", "A group.", "No example"), Command("own thing", "somewhere:it", "It does it.")
-    with_strangers(monkeypatch, Stranger("own", (group, thing)))
+    with_foreign(monkeypatch, ForeignNode("own", (group, thing)))
     assert "It does it." in run("own", "--help").stdout
 
 
 def test_a_command_that_cannot_be_imported_states_so_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    with_strangers(monkeypatch, Stranger("half", [Command("half", "no_such_package.half:it", "It.")]))
+    with_foreign(monkeypatch, ForeignNode("half", [Command("half", "no_such_package.half:it", "It.")]))
     result = run("half")
     assert result.exit_code == 2
     (line,) = result.stderr.splitlines()

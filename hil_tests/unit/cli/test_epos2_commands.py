@@ -16,7 +16,7 @@ from firmware_bridge.drivers.sdo_client import SdoClient
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.maxon.frame import Generation
-from hil_tests.unit.cli.bench_drives import Bench, Told, ask, bench
+from hil_tests.unit.cli.bench_drives import Bench, Reported, ask, bench
 
 COMMANDS = {
     "scan": (),
@@ -44,15 +44,15 @@ def way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iter
         yield (*line, "--node", "2") if name in {"v1 gateway", "can far"} else line
 
 
-def data(told: Told) -> Any:
-    assert told.status == 0, told.err
-    return json.loads(told.out)
+def data(reported: Reported) -> Any:
+    assert reported.status == 0, reported.err
+    return json.loads(reported.out)
 
 
 def test_objects_are_read_with_name_unit_and_words(way: tuple[str, ...]) -> None:
-    told = ask("read", "statusword", "profile velocity", "0x60F6:1", "0x1008", "modes-of-operation", *way)
-    assert told.status == 0, told.err
-    assert [" ".join(line.split()) for line in told.out.splitlines()] == [
+    reported = ask("read", "statusword", "profile velocity", "0x60F6:1", "0x1008", "modes-of-operation", *way)
+    assert reported.status == 0, reported.err
+    assert [" ".join(line.split()) for line in reported.out.splitlines()] == [
         "0x6041 Statusword 0x0540 switch on disabled, target reached",
         "0x6081 Profile Velocity 1000 rpm",
         "0x60F6:01 Current Regulator P-Gain 300 x 1/256 Ohm",
@@ -62,8 +62,8 @@ def test_objects_are_read_with_name_unit_and_words(way: tuple[str, ...]) -> None
 
 
 def test_a_value_is_written_and_read_back(way: tuple[str, ...]) -> None:
-    told = ask("write", "profile-velocity", "500rpm", *way)
-    assert (told.status, told.out) == (0, "written: 0x6081 Profile Velocity 500 rpm\n")
+    reported = ask("write", "profile-velocity", "500rpm", *way)
+    assert (reported.status, reported.out) == (0, "written: 0x6081 Profile Velocity 500 rpm\n")
     assert " 500 rpm" in ask("read", "0x6081", *way).out
 
 
@@ -73,8 +73,8 @@ def test_a_value_below_zero_is_no_option(on: Bench) -> None:
         ("write", "-y", "0x60FF", "-20", *on.can),
     ):
         assert ask(*words).out == "written: 0x60FF Target Velocity -20 rpm\n"
-    told = ask("write", "home-offset", "-500qc", *on.serial)
-    assert told.out == "written: 0x607C Home Offset -500 qc\n"
+    reported = ask("write", "home-offset", "-500qc", *on.serial)
+    assert reported.out == "written: 0x607C Home Offset -500 qc\n"
     assert ask("write", *on.can, "home-offset", "--", "-7").out == "written: 0x607C Home Offset -7 qc\n"
 
 
@@ -86,10 +86,10 @@ def test_a_drive_is_enabled_and_switched_off(way: tuple[str, ...]) -> None:
         ("shutdown", "ready to switch on"),
         ("reset-fault", "ready to switch on"),
     ):
-        told = ask("state", command, "--yes", *way)
-        assert told.status == 0, told.err
-        assert f"state        {state}\n" in told.out
-        assert "\nleft so: " in told.out
+        reported = ask("state", command, "--yes", *way)
+        assert reported.status == 0, reported.err
+        assert f"state        {state}\n" in reported.out
+        assert "\nleft so: " in reported.out
     assert "left so" not in ask("state", *way).out
 
 
@@ -104,9 +104,9 @@ PATIENT = ("--timeout", "10000", "--listen", "0")
 
 
 def test_who_is_there(on: Bench) -> None:
-    told = ask("scan", "--node", "1-2", *PATIENT, *on.can)
-    assert (told.status, told.err) == (0, "")
-    head, *rows, silent = [" ".join(line.split()) for line in told.out.splitlines()]
+    reported = ask("scan", "--node", "1-2", *PATIENT, *on.can)
+    assert (reported.status, reported.err) == (0, "")
+    head, *rows, silent = [" ".join(line.split()) for line in reported.out.splitlines()]
     assert head == "node device version serial number network state"
     assert rows == [
         f"{node} EPOS2 70/10 software 0x2126, hardware 0x6420 0x66208001595{5 + node - 1} pre-operational "
@@ -121,23 +121,23 @@ def test_who_is_there(on: Bench) -> None:
 
 
 def test_who_is_behind_a_line(on: Bench) -> None:
-    told = ask("scan", "--node", "1-3", *on.serial)
-    assert [line[:1] for line in told.out.splitlines()] == ["n", "1", "2", "s"]
-    assert told.out.endswith("silent: 3\n")
+    reported = ask("scan", "--node", "1-3", *on.serial)
+    assert [line[:1] for line in reported.out.splitlines()] == ["n", "1", "2", "s"]
+    assert reported.out.endswith("silent: 3\n")
     other = ask("scan", "--gateway", "2", *on.serial)
     assert "the drive on the line is node 1, not 2; nothing was done" in other.line
 
 
 def test_a_bus_where_no_one_answers_is_reported(on: Bench) -> None:
-    told = ask("scan", "--node", "5-6,9", "--timeout", "5", "--listen", "0", *on.can)
-    assert (told.status, told.out) == (1, "silent: 5-6,9\n")
-    assert f"nobody answers on {on.channel}: are they on, on this bus, at this bit rate" in told.line
+    reported = ask("scan", "--node", "5-6,9", "--timeout", "5", "--listen", "0", *on.can)
+    assert (reported.status, reported.out) == (1, "silent: 5-6,9\n")
+    assert f"nobody answers on {on.channel}: are they on, on this bus, at this bit rate" in reported.line
 
 
 def test_network_commands(way: tuple[str, ...]) -> None:
-    told = ask("nmt", "start", *way)
-    assert told.status == 0, told.err
-    assert "and the drive did so" in told.out
+    reported = ask("nmt", "start", *way)
+    assert reported.status == 0, reported.err
+    assert "and the drive did so" in reported.out
     assert "network      operational\n" in ask("state", *way).out
     assert ask("nmt", "reset-node", *way).status == 0
     assert "remote" not in ask("state", *way).out
@@ -162,13 +162,13 @@ def test_json_of_read(way: tuple[str, ...]) -> None:
 
 
 def test_json_reports_a_refusal_in_its_place(on: Bench) -> None:
-    told = ask("read", "0x5555", "statusword", "--json", *on.can)
-    assert told.status == 1
-    missing, word = json.loads(told.out)["objects"]
+    reported = ask("read", "0x5555", "statusword", "--json", *on.can)
+    assert reported.status == 1
+    missing, word = json.loads(reported.out)["objects"]
     assert missing["error"] == {"code": "0x06020000", "text": "0x06020000 no such object"}
     assert "value" not in missing
     assert "error" not in word
-    assert "check the index" in told.line
+    assert "check the index" in reported.line
 
 
 def test_json_of_the_others(on: Bench) -> None:
@@ -185,7 +185,7 @@ def test_json_of_the_others(on: Bench) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         (("write", "statusword", "3"), "write 3 to 0x6041 Statusword: 0x06010002 object is read-only; it"),
         (("write", "0x607F", "25001rpm"), "0x06090031 value too high (a 70/10 allows 0 to 25000); choose"),
@@ -199,10 +199,12 @@ def test_json_of_the_others(on: Bench) -> None:
         (("nmt", "start", "--node", "9"), "does not answer"),
     ],
 )  # fmt: skip
-def test_what_the_drive_refuses_is_reported_in_words(on: Bench, words: tuple[str, ...], told: str) -> None:
+def test_what_the_drive_refuses_is_reported_in_words(
+    on: Bench, words: tuple[str, ...], reported: str
+) -> None:
     found = ask(*words, *on.can)
     assert found.status == 1
-    assert told in found.line
+    assert reported in found.line
 
 
 def test_a_node_behind_the_line_that_is_not_there_is_reported(on: Bench) -> None:
@@ -220,7 +222,7 @@ def test_another_drive_on_the_line_than_named_is_reported(on: Bench) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         (("read", "stausword"), "did you mean statusword"),
         (("write", "serial-number", "1"), "say which by its index"),
@@ -245,10 +247,12 @@ def test_another_drive_on_the_line_than_named_is_reported(on: Bench) -> None:
         (("read", "statusword", "-i", "socketcan", "-c", "nosuchcan0"), "nosuchcan0"),
     ],
 )  # fmt: skip
-def test_mistakes_are_reported_in_one_line_before_anything_is_sent(words: tuple[str, ...], told: str) -> None:
+def test_mistakes_are_reported_in_one_line_before_anything_is_sent(
+    words: tuple[str, ...], reported: str
+) -> None:
     found = ask(*words)
     assert found.status == 2
-    assert told in found.line
+    assert reported in found.line
     assert not found.out
 
 
@@ -276,9 +280,9 @@ def test_each_command_explains_itself_with_an_example(command: str) -> None:
 
 def test_every_readable_number_can_be_read_over_the_line(on: Bench) -> None:
     named = [str(row.address) for row in OBJECTS.values() if row.access.readable and row.type.size]
-    told = ask("read", *named, *on.serial)
-    assert told.status == 0, told.err
-    assert len(told.out.splitlines()) == len(named)
+    reported = ask("read", *named, *on.serial)
+    assert reported.status == 0, reported.err
+    assert len(reported.out.splitlines()) == len(named)
 
 
 def test_the_group_needs_no_simulation() -> None:

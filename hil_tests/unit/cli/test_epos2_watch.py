@@ -82,16 +82,16 @@ def test_on_a_terminal_it_is_drawn_again(on: Bench) -> None:
 
 
 def test_watching_for_programs_and_for_a_time(on: Bench) -> None:
-    told = ask("read", "statusword", "-w", "0.01", "--duration", "0.2", "--json", *on.can)
-    assert told.status == 0, told.err
-    (line,) = told.out.splitlines()
+    reported = ask("read", "statusword", "-w", "0.01", "--duration", "0.2", "--json", *on.can)
+    assert reported.status == 0, reported.err
+    (line,) = reported.out.splitlines()
     assert json.loads(line)["objects"][0]["value"] == 0x0540
 
 
 def test_watching_ends_where_no_one_answers(on: Bench) -> None:
-    told = ask("read", "statusword", "--watch", *on.can, "--node", "9")
-    assert told.status == 1
-    assert "does not answer" in told.line
+    reported = ask("read", "statusword", "--watch", *on.can, "--node", "9")
+    assert reported.status == 1
+    assert "does not answer" in reported.line
 
 
 @pytest.mark.parametrize("words", [("--watch", "0"), ("--watch=soon",), ("-w=0",)])
@@ -118,9 +118,9 @@ def test_a_question_comes_before_what_may_move(on: Bench, answer: str, status: i
     keyboard, other = os.openpty()
     os.write(keyboard, f"{answer}\n".encode())
     with begun("state", "enable", *on.serial, keyboard=other) as running:
-        said, complaint = running.communicate(timeout=HUNG_S)
+        stated, complaint = running.communicate(timeout=HUNG_S)
     os.close(keyboard)
     os.close(other)
     assert b"it may start to move. Is everybody out of the way? [y/N]" in complaint
-    assert (running.returncode, state in said.decode()) == (status, True)
+    assert (running.returncode, state in stated.decode()) == (status, True)
     assert (b"nothing was done" in complaint) is bool(status)

@@ -11,12 +11,14 @@ from firmware_bridge.kinds import find
 
 
 def listed(*words: str) -> tuple[int, list[list[str]], str]:
-    told = CliRunner().invoke(program, ["faults", *words], env={"COLUMNS": "400", "NO_COLOR": "1"})
+    reported = CliRunner().invoke(program, ["faults", *words], env={"COLUMNS": "400", "NO_COLOR": "1"})
     rows = [
-        [cell.strip() for cell in line.split("│")[1:-1]] for line in told.stdout.splitlines() if "│" in line
+        [cell.strip() for cell in line.split("│")[1:-1]]
+        for line in reported.stdout.splitlines()
+        if "│" in line
     ]
     # What is long goes on in further lines.
-    return told.exit_code, [row for row in rows if row[0]], told.stderr
+    return reported.exit_code, [row for row in rows if row[0]], reported.stderr
 
 
 def test_without_a_robot_it_lists_all() -> None:

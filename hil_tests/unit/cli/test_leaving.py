@@ -18,16 +18,16 @@ from hil_tests.safety.driving import robot_of
 NOTHING = "link 'board': nothing stops it: its motors may turn on, switch their supply off"
 
 
-def told(name: str) -> tuple[Leaving, list[str]]:
-    said: list[str] = []
-    return Leaving(robot_of(name), lambda text, _now: said.append(text)), said
+def reported(name: str) -> tuple[Leaving, list[str]]:
+    stated: list[str] = []
+    return Leaving(robot_of(name), lambda text, _now: stated.append(text)), stated
 
 
 @pytest.mark.parametrize("name", ["rars", "rars+serial", "climber", "rome:ros-arduino-bridge", "ar2"])
 def test_where_the_devices_stop_by_themselves_the_stop_goes_on(name: str) -> None:
-    leaving, said = told(name)
+    leaving, stated = reported(name)
     assert not any(leaving.may_leave(now) for now in range(5))
-    assert set(said) == {"the stop goes on, and ends the program: each of its steps lasts a bounded time"}
+    assert set(stated) == {"the stop goes on, and ends the program: each of its steps lasts a bounded time"}
     assert "nothing stops" not in leaving.unattended
 
 
@@ -36,10 +36,10 @@ def test_where_the_devices_stop_by_themselves_the_stop_goes_on(name: str) -> Non
 def test_where_nothing_stops_them_it_is_stated_and_only_then_requested_again_they_are_left(
     name: str, later: Nanoseconds, *, leaves: bool
 ) -> None:
-    leaving, said = told(name)
+    leaving, stated = reported(name)
     assert NOTHING in leaving.unattended
     assert not leaving.may_leave(SECOND)
-    assert said == [f"the stop goes on. {leaving.unattended}. Once more within 5 s leaves it so"]
+    assert stated == [f"the stop goes on. {leaving.unattended}. Once more within 5 s leaves it so"]
     assert leaving.may_leave(SECOND + later) is leaves
     if not leaves:
         assert leaving.may_leave(SECOND + later + 1), "it was said anew"

@@ -114,7 +114,7 @@ def test_a_robot_is_not_driven_from_beyond_the_machine_without_a_key() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         ("pilot rars", "--joystick, --keyboard, or --path NAME"),
         ("pilot rars --joystick --path line", "--joystick, --keyboard, or --path NAME"),
@@ -124,12 +124,12 @@ def test_a_robot_is_not_driven_from_beyond_the_machine_without_a_key() -> None:
         ("pilot rars --path line --max-delay 3", "50 to 2000 ms may be"),
     ],
 )
-def test_a_pilot_without_what_it_needs_is_reported_what(words: str, told: str) -> None:
-    assert told in refused(*words.split())
+def test_a_pilot_without_what_it_needs_is_reported_what(words: str, reported: str) -> None:
+    assert reported in refused(*words.split())
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "reported"),
     [
         ("bench rars --link dealy=0.5", "'dealy=0.5': there is no key 'dealy'; perhaps 'delay'?"),
         ("bench rars --link delay=0.5 --max-delay 3", "a delay of 3 s was asked for; 50 to 2000 ms may be"),
@@ -140,12 +140,12 @@ def test_a_pilot_without_what_it_needs_is_reported_what(words: str, told: str) -
         ("drive rars -i virtual -c mistakes --max-delay 2.5", "operator.max_age_ceiling_ms"),
     ],
 )
-def test_a_slow_link_that_makes_no_sense_is_refused_with_what_was_meant(words: str, told: str) -> None:
-    assert told in refused(*words.split())
+def test_a_slow_link_that_makes_no_sense_is_refused_with_what_was_meant(words: str, reported: str) -> None:
+    assert reported in refused(*words.split())
 
 
 @pytest.mark.parametrize(
-    ("pilot", "step", "told"),
+    ("pilot", "step", "reported"),
     [
         ('path = "cirkle"', "arm = true", "pilot.path: there is no path 'cirkle'; perhaps 'circle'?"),
         ('path = "nowhere.csv"', "arm = true", "nowhere.csv: cannot be read"),
@@ -153,11 +153,11 @@ def test_a_slow_link_that_makes_no_sense_is_refused_with_what_was_meant(words: s
         ('path = "line"\nspeed = 1', "arm = true", "pilot.speed: no such key; perhaps 'speed_mps'?"),
     ],
 )
-def test_a_pilot_that_makes_no_sense_is_refused(pilot: str, step: str, told: str, tmp_path: Path) -> None:
+def test_a_pilot_that_makes_no_sense_is_refused(pilot: str, step: str, reported: str, tmp_path: Path) -> None:
     file = tmp_path / "my.toml"
     head = f'title = "t"\nduration_s = 1.0\n[pilot]\n{pilot}\n'
     file.write_text(f'{head}[[step]]\nat_s = 0.0\ntitle = "s"\n{step}\n', encoding="utf-8")
-    assert told in refused("bench", "rars", "--mission", str(file), "--out", str(tmp_path / "out"))
+    assert reported in refused("bench", "rars", "--mission", str(file), "--out", str(tmp_path / "out"))
 
 
 def test_an_operator_link_that_makes_no_sense_shows_one_that_does() -> None:

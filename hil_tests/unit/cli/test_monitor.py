@@ -20,7 +20,12 @@ from firmware_bridge.shell.ports import LostPort
 from firmware_bridge.units import NEVER, Nanoseconds
 from hil_tests.rows import every
 
-HEARD = ((0x703, b"\0"), (0x703, b"\x7f"), (0x083, bytes.fromhex("2032040000000000")), (0x183, b"\x37\x07"))
+RECEIVED = (
+    (0x703, b"\0"),
+    (0x703, b"\x7f"),
+    (0x083, bytes.fromhex("2032040000000000")),
+    (0x183, b"\x37\x07"),
+)
 LOG = """(1577836800.000000) can0 703#00
 (1577836800.100000) can0 703#7F
 (1577836800.200000) can0 083#2032040000000000
@@ -72,17 +77,17 @@ def run(*words: str) -> Any:
 
 
 def on_scripted(monkeypatch: pytest.MonkeyPatch, *words: str) -> Any:
-    monkeypatch.setattr("firmware_bridge.shell.ports.open_can", lambda *_, **_more: Scripted(HEARD))
+    monkeypatch.setattr("firmware_bridge.shell.ports.open_can", lambda *_, **_more: Scripted(RECEIVED))
     return run("-i", "virtual", "-c", "foreign", *words)
 
 
 def test_a_live_bus_is_reported_change_by_change_and_as_a_picture_at_its_end(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    told = on_scripted(monkeypatch)
-    assert told.exit_code == 1
-    assert "lost a scripted bus: the interface is gone" in told.stderr
-    lines = told.stdout.splitlines()
+    reported = on_scripted(monkeypatch)
+    assert reported.exit_code == 1
+    assert "lost a scripted bus: the interface is gone" in reported.stderr
+    lines = reported.stdout.splitlines()
     assert lines[0] == "listening on foreign; Ctrl-C ends it"
     assert [line.partition(" s  ")[2] for line in lines[1:5]] == [
         "node 3 is there",
@@ -90,7 +95,7 @@ def test_a_live_bus_is_reported_change_by_change_and_as_a_picture_at_its_end(
         "node 3: pre-operational",
         "EMCY node 3: 0x3220, under-voltage; error register 0x04 (voltage)",
     ]
-    assert "37 07, by a mapping that is not known" in told.stdout
+    assert "37 07, by a mapping that is not known" in reported.stdout
 
 
 def test_on_a_terminal_it_is_drawn_and_nothing_is_sent(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -105,7 +110,9 @@ def test_on_a_terminal_it_is_drawn_and_nothing_is_sent(monkeypatch: pytest.Monke
 
 def test_who_listens_sends_nothing_whatever_comes() -> None:
     node = Listening(BusPicture(1_000_000), lambda _: None, lambda: None)
-    for number, (address, payload) in enumerate((*HEARD, (0x603, b""), (0x000, b"\x81\0"), (0x703, b"\x05"))):
+    for number, (address, payload) in enumerate(
+        (*RECEIVED, (0x603, b""), (0x000, b"\x81\0"), (0x703, b"\x05"))
+    ):
         assert node.wake(number).sent == ()
         assert node.receive(Packet(CAN, address, payload), number).sent == ()
 
@@ -114,14 +121,14 @@ def test_who_listens_sends_nothing_whatever_comes() -> None:
 def test_a_recording_is_one_picture(tmp_path: Path, *, compressed: bool) -> None:
     path = tmp_path / ("can.log.gz" if compressed else "can.log")
     path.write_bytes(gzip.compress(LOG.encode()) if compressed else LOG.encode())
-    told = run("--log", str(path), "--robot", "rars", "-b", "500000")
-    assert told.exit_code == 0, told.stderr
-    assert told.stdout == run("--log", str(path), "--robot", "rars", "-b", "500000").stdout
-    first, error, *_ = told.stdout.splitlines()
+    reported = run("--log", str(path), "--robot", "rars", "-b", "500000")
+    assert reported.exit_code == 0, reported.stderr
+    assert reported.stdout == run("--log", str(path), "--robot", "rars", "-b", "500000").stdout
+    first, error, *_ = reported.stdout.splitlines()
     assert first.startswith("4 frames in 0.300 s; load at 500 kbit/s: ")
     assert error == "last error: 0.200 s, EMCY node 3: 0x3220, under-voltage; error register 0x04 (voltage)"
-    assert "3 steering" in told.stdout
-    assert "0x0737 (operation enabled, power stage on" in told.stdout
+    assert "3 steering" in reported.stdout
+    assert "0x0737 (operation enabled, power stage on" in reported.stdout
 
 
 BUSMASTER = """date Mon Dec 6 11:21:13 am 2021
@@ -136,19 +143,19 @@ base hex  no internal events logged
 def test_the_first_frame_of_a_recording_of_busmaster_counts(tmp_path: Path) -> None:
     path = tmp_path / "busmaster.asc"
     path.write_text(BUSMASTER, encoding="ascii")
-    told = run("--log", str(path), "--device", "epos2")
-    assert told.stdout.startswith("3 frames in 0.002 s")
-    assert "0x0540 (switch on disabled" in told.stdout
-    assert "operational" in told.stdout
+    reported = run("--log", str(path), "--device", "epos2")
+    assert reported.stdout.startswith("3 frames in 0.002 s")
+    assert "0x0540 (switch on disabled" in reported.stdout
+    assert "operational" in reported.stdout
 
 
 @pytest.mark.parametrize("second", [1, 1_000_000_000, 1_577_836_800])
 def test_a_recording_of_any_year_has_its_own_length_and_rates(tmp_path: Path, second: int) -> None:
     path = tmp_path / "can.log"
     path.write_text("".join(f"({second}.{k}00000) can0 701#05\n" for k in range(10)), encoding="ascii")
-    told = run("--log", str(path))
-    assert told.stdout.startswith("10 frames in 0.900 s")
-    assert "100 ms" in told.stdout
+    reported = run("--log", str(path))
+    assert reported.stdout.startswith("10 frames in 0.900 s")
+    assert "100 ms" in reported.stdout
 
 
 def test_a_configuration_file_reports_how_its_node_is_set_up(tmp_path: Path) -> None:
@@ -166,21 +173,21 @@ def test_a_configuration_file_reports_how_its_node_is_set_up(tmp_path: Path) -> 
 def test_a_recording_of_lines_is_stated_line_by_line(tmp_path: Path, *, compressed: bool) -> None:
     path = tmp_path / ("serial.log.gz" if compressed else "serial.log")
     path.write_bytes(gzip.compress(LINES.encode()) if compressed else LINES.encode())
-    told = run("--log", str(path), "--robot", "rome")
-    assert told.exit_code == 0, told.stderr
-    assert told.stdout.splitlines() == [
+    reported = run("--log", str(path), "--robot", "rome")
+    assert reported.exit_code == 0, reported.stderr
+    assert reported.stdout.splitlines() == [
         "0.000000000 s  board  bridge  650D  read encoders",
         "0.002528000 s  board  board  31202D32  part of a line",
         "0.006624000 s  board  board  20330D0A  answer to read encoders: 1 -2 3",
     ]
-    assert run("--log", str(path), "--robot", "rome", "-c", "board").stdout == told.stdout
+    assert run("--log", str(path), "--robot", "rome", "-c", "board").stdout == reported.stdout
     other = run("--log", str(path), "--robot", "rome", "--protocol", "firmata")
     assert "read encoders" not in other.stdout
     assert len(other.stdout.splitlines()) == 3
 
 
 @every(
-    ("kind", "heard", "said"),
+    ("kind", "received", "stated"),
     [
         ("ros-arduino-bridge", "650D", "read encoders"),
         ("mw", "5A0800810200006040 06CF", "#1 createMotorShield"),
@@ -189,21 +196,21 @@ def test_a_recording_of_lines_is_stated_line_by_line(tmp_path: Path, *, compress
     ],
 )
 def test_what_a_device_has_recorded_states_its_side_and_needs_no_robot(
-    tmp_path: Path, kind: str, heard: str, said: str
+    tmp_path: Path, kind: str, received: str, stated: str
 ) -> None:
     path, name = tmp_path / "serial.log", device_side("line", kind)
-    host, device = Packet(name, 0, bytes.fromhex(heard)), Packet(name, 0, b"O")
-    lines = (chunk_line(0, name, Direction.HEARD, host), chunk_line(1, name, Direction.SENT, device))
+    host, device = Packet(name, 0, bytes.fromhex(received)), Packet(name, 0, b"O")
+    lines = (chunk_line(0, name, Direction.RECEIVED, host), chunk_line(1, name, Direction.SENT, device))
     path.write_text("\n".join(lines), encoding="ascii")
     first, second = run("--log", str(path)).stdout.splitlines()
     assert first.startswith("0.000000000 s  line  bridge  ")
-    assert said in first
+    assert stated in first
     assert second.startswith("0.000000001 s  line  line  4F")
     assert run("--log", str(path), "-c", "other").exit_code == 0
 
 
 @every(
-    ("words", "content", "told"),
+    ("words", "content", "reported"),
     [
         (("--log", "LOG", "-i", "virtual"), LOG, "a recording has no interface"),
         (("--log", "LOG", "-c", "can7"), LOG, "holds no frame of 'can7', but of can0"),
@@ -245,11 +252,11 @@ def test_what_a_device_has_recorded_states_its_side_and_needs_no_robot(
     ],
 )
 def test_mistakes_are_reported_in_one_line(
-    tmp_path: Path, words: tuple[str, ...], content: str, told: str
+    tmp_path: Path, words: tuple[str, ...], content: str, reported: str
 ) -> None:
     path = tmp_path / "can.log"
     path.write_text(content, encoding="latin-1")
     found = run(*(word.replace("LOG", str(path)) for word in words))
     assert found.exit_code == 2, found.output
     (line,) = found.stderr.splitlines()
-    assert told in line
+    assert reported in line

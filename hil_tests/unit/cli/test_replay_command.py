@@ -26,15 +26,17 @@ def changed(tmp_path: Path) -> Path:
 
 
 def test_no_difference_is_status_0() -> None:
-    status, said, error = replayed(str(RECORDING), "rars")
+    status, stated, error = replayed(str(RECORDING), "rars")
     assert (status, error) == (0, "")
-    assert said.startswith("no difference: 119 packets of the drives are as recorded, 123 others were played")
+    assert stated.startswith(
+        "no difference: 119 packets of the drives are as recorded, 123 others were played"
+    )
 
 
 def test_a_difference_is_status_1_and_both_frames(changed: Path) -> None:
-    status, said, error = replayed(str(changed), "rars")
+    status, stated, error = replayed(str(changed), "rars")
     assert (status, error) == (1, "")
-    lines = said.splitlines()
+    lines = stated.splitlines()
     assert lines[0] == "changed.log, line 242 is the first that differs"
     assert "  TPDO 1, node 1: 0x6041 Statusword = 0x" in lines[-2]
     assert lines[-2].startswith("expected")
@@ -43,8 +45,8 @@ def test_a_difference_is_status_1_and_both_frames(changed: Path) -> None:
 
 @pytest.mark.parametrize("words", [("--without", "pdo"), ("--until", "0.5")])
 def test_what_is_left_out_is_no_difference(changed: Path, words: tuple[str, str]) -> None:
-    status, said, _ = replayed(str(changed), "rars", *words)
-    assert (status, said[:13]) == (0, "no difference")
+    status, stated, _ = replayed(str(changed), "rars", *words)
+    assert (status, stated[:13]) == (0, "no difference")
 
 
 @pytest.mark.parametrize(
@@ -61,7 +63,7 @@ def test_what_is_left_out_is_no_difference(changed: Path, words: tuple[str, str]
     ],
 )
 def test_a_mistake_is_one_line_and_status_2(words: tuple[str, str], message: str) -> None:
-    status, said, error = replayed(str(RECORDING), "rars", *words)
-    assert (status, said) == (2, "")
+    status, stated, error = replayed(str(RECORDING), "rars", *words)
+    assert (status, stated) == (2, "")
     assert message in error
     assert error.count("\n") == 1

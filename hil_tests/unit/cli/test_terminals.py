@@ -116,12 +116,12 @@ def test_a_bridge_that_no_one_reads_any_more_stops_in_good_order() -> None:
 def complete(words: str) -> list[str]:
     """Return what bash is offered for the last of these words."""
     typed = words.split(" ")
-    asked = environment(
+    requested = environment(
         _FIRMWARE_BRIDGE_COMPLETE="complete_bash", COMP_WORDS=words, COMP_CWORD=str(len(typed) - 1)
     )
     code = "import sys; sys.argv[0] = 'firmware-bridge'; from firmware_bridge.cli import main; main()"
     ended = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=asked
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=requested
     )
     assert ended.stderr == ""
     return ended.stdout.split()
@@ -168,16 +168,16 @@ def test_completion_is_installed_for_bash(tmp_path: Path) -> None:
 
 
 def test_to_build_a_plant_is_stated_before_it_takes_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    told: list[str] = []
+    reported: list[str] = []
 
     def building(model: str) -> None:
-        told.append(f"builds {model}")
+        reported.append(f"builds {model}")
         raise PlantError("no compiler")
 
     monkeypatch.setattr(beginning, "is_built", lambda _model: False)
     monkeypatch.setattr(beginning, "ensure", building)
     result = CliRunner().invoke(program, ["bench", "rars", "--mission", "line"])
-    assert told == ["builds rars"]
+    assert reported == ["builds rars"]
     assert result.stderr.splitlines() == [
         "building the plant 'rars' (once, about 10 s)",
         "firmware-bridge: no compiler",

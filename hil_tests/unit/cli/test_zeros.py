@@ -10,9 +10,9 @@ from firmware_bridge.intent import ConfirmZero
 
 
 def test_what_was_seen_comes_before_what_shall_find_out() -> None:
-    said = zeros_of(["lift=0.2"], ["steer", "neck"])
-    assert said[0] == ConfirmZero("lift", 0.2)
-    assert [(one.axis, math.isnan(one.value)) for one in said[1:]] == [("steer", True), ("neck", True)]
+    stated = zeros_of(["lift=0.2"], ["steer", "neck"])
+    assert stated[0] == ConfirmZero("lift", 0.2)
+    assert [(one.axis, math.isnan(one.value)) for one in stated[1:]] == [("steer", True), ("neck", True)]
 
 
 @pytest.mark.parametrize(

@@ -101,9 +101,9 @@ def test_a_node_that_is_not_there_is_silent_on_can_and_reported_by_the_gateway()
     silent = rig.tries(CanAccess(9), ReadJob(at.STATUSWORD))
     assert isinstance(silent, SilentError)
     assert silent.waited == 400_000_000
-    told = rig.tries(SerialAccess(Generation.V1, 9), ReadJob(at.STATUSWORD))
-    assert isinstance(told, RefusedError)
-    assert told.code == AbortCode.TIMEOUT
+    reported = rig.tries(SerialAccess(Generation.V1, 9), ReadJob(at.STATUSWORD))
+    assert isinstance(reported, RefusedError)
+    assert reported.code == AbortCode.TIMEOUT
 
 
 @pytest.mark.parametrize("way", [OWN_LINE, USB], ids=str)
@@ -189,12 +189,12 @@ def test_one_job_at_a_time() -> None:
 def test_an_answer_that_breaks_the_protocol_is_reported() -> None:
     link = SerialAccess(Generation.V2)
     link.begin(ReadJob(at.STATUSWORD), 0)
-    link.hear(Packet(SERIAL, 0, encode_v2(Frame(0, b"\0\0"))), 1)
+    link.receive(Packet(SERIAL, 0, encode_v2(Frame(0, b"\0\0"))), 1)
     assert isinstance(link.take(), BrokenAnswerError)
     link = SerialAccess(Generation.V2)
     link.begin(ReadJob(at.DEVICE_NAME), 0)
-    link.hear(Packet(SERIAL, 0, encode_v2(Frame(0, bytes(4)))), 1)
-    link.hear(Packet(SERIAL, 0, encode_v2(Frame(0, bytes.fromhex("000000004145")))), 2)
+    link.receive(Packet(SERIAL, 0, encode_v2(Frame(0, bytes(4)))), 1)
+    link.receive(Packet(SERIAL, 0, encode_v2(Frame(0, bytes.fromhex("000000004145")))), 2)
     outcome = link.take()
     assert isinstance(outcome, BrokenAnswerError)
     assert "toggle" in str(outcome)
@@ -204,18 +204,18 @@ def test_an_answer_that_breaks_the_protocol_is_reported() -> None:
 @given(
     generation=LINES,
     address=st.sampled_from([at.STATUSWORD, at.DEVICE_NAME, Address(0x2004)]),
-    said=st.lists(
+    stated=st.lists(
         st.tuples(st.integers(0, 900_000_000), st.binary(max_size=30) | st.sampled_from([b"O", b"\0", b"F"])),
         max_size=12,
     ),
 )
 def test_whatever_a_strange_device_states_a_client_ends(
-    generation: Generation, address: Address, said: list[tuple[int, bytes]]
+    generation: Generation, address: Address, stated: list[tuple[int, bytes]]
 ) -> None:
     ended: list[Outcome] = []
     client = JobClient(SerialAccess(generation), (Ask(ReadJob(address), noting(ended)),))
     now, reaction = 0, client.wake(0)
-    for wait, chunk in said:
+    for wait, chunk in stated:
         while reaction.wake_at <= now + wait:
             now = max(now, reaction.wake_at)
             reaction = client.wake(now)
@@ -253,11 +253,11 @@ def test_the_other_drive_s_answers_are_not_ours() -> None:
 def test_storing_is_requested_again_where_the_drive_has_surely_done_nothing() -> None:
     link = SerialAccess(Generation.V1)
     assert link.begin(WriteJob(Address(0x1010, 1), b"save"), 0) == (Packet(SERIAL, 0, b"\x11"),)
-    again = link.hear(Packet(SERIAL, 0, b"F"), 1)
+    again = link.receive(Packet(SERIAL, 0, b"F"), 1)
     assert again == (Packet(SERIAL, 0, b"\x11"),), (
         "the drive took the first one for the rest of another command"
     )
-    assert link.hear(Packet(SERIAL, 0, b"F"), 2) == ()
+    assert link.receive(Packet(SERIAL, 0, b"F"), 2) == ()
     assert isinstance(link.take(), BrokenAnswerError)
 
 

@@ -23,7 +23,7 @@ from firmware_bridge.wire.epos2.hardware import type_of
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.commissioning.rig import FAR, NEAR, Rig
 
-STRANGER = 5
+FOREIGN_NODE = 5
 OBJECTS = {
     at.DEVICE_TYPE: (0x0003_0191).to_bytes(4, "little"),
     at.VENDOR_ID: (0x1234).to_bytes(4, "little"),
@@ -34,7 +34,7 @@ OBJECTS = {
 """Inputs and outputs of another maker, which happens to have a product code that maxon has, too."""
 
 
-class Stranger:
+class ForeignNode:
     """A node of another maker: it answers to what it has, and refuses all else."""
 
     def __init__(self, objects: Mapping[Address, bytes], *, refuses: bool = True) -> None:
@@ -43,7 +43,7 @@ class Stranger:
 
     def receive(self, packet: Packet, _now: Nanoseconds) -> Reaction:
         request = sdo.decode_request(packet.payload)
-        if packet.address != canopen.SDO_REQUEST + STRANGER or not isinstance(request, sdo.UploadRequest):
+        if packet.address != canopen.SDO_REQUEST + FOREIGN_NODE or not isinstance(request, sdo.UploadRequest):
             return Reaction()
         raw = self._objects.get(request.address)
         if raw is None and not self._refuses:
@@ -53,7 +53,7 @@ class Stranger:
             if raw is None
             else sdo.encode_upload_response(request.address, raw)
         )
-        return Reaction((Packet(CAN, canopen.SDO_RESPONSE + STRANGER, answer),))
+        return Reaction((Packet(CAN, canopen.SDO_RESPONSE + FOREIGN_NODE, answer),))
 
     def wake(self, _now: Nanoseconds) -> Reaction:
         return Reaction()
@@ -77,23 +77,23 @@ def scanned(rig: Rig, scan: Scan, link: CanAccess | SerialAccess) -> dict[int, F
 
 def on_the_bus(rig: Rig, nodes: range, listen: Nanoseconds = 0) -> tuple[Scan, dict[int, Found]]:
     link = CanAccess(NEAR)
-    link.asks_once(TIMEOUT)
+    link.requests_once(TIMEOUT)
     scan = Scan(link, nodes, listen)
     return scan, scanned(rig, scan, link)
 
 
 def test_a_bus_is_requested_from_1_to_127_and_only_read() -> None:
     rig = Rig()
-    rig.world.attach("stranger", Stranger(OBJECTS), {CAN: rig.bus})
-    asked: list[Packet] = []
-    rig.bus.observe(lambda _at, sender, packet: asked.append(packet) if sender == "client" else None)
+    rig.world.attach("stranger", ForeignNode(OBJECTS), {CAN: rig.bus})
+    requested: list[Packet] = []
+    rig.bus.observe(lambda _at, sender, packet: requested.append(packet) if sender == "client" else None)
     before = rig.world.now
     scan, found = on_the_bus(rig, range(1, 128))
-    assert (set(found), len(scan.silent)) == ({NEAR, FAR, STRANGER}, 124)
+    assert (set(found), len(scan.silent)) == ({NEAR, FAR, FOREIGN_NODE}, 124)
     assert rig.world.now - before < 125 * TIMEOUT + SECOND // 4, "one time-out for each that is silent"
     reading = (sdo.UploadRequest, sdo.UploadSegmentRequest, sdo.Abort)
-    assert len(asked) > 127
-    for packet in asked:
+    assert len(requested) > 127
+    for packet in requested:
         assert packet.address & ~canopen.NODE_MASK == canopen.SDO_REQUEST
         assert isinstance(sdo.decode_request(packet.payload), reading)
     for node in (NEAR, FAR):
@@ -105,23 +105,28 @@ def test_a_bus_is_requested_from_1_to_127_and_only_read() -> None:
 
 def test_a_foreign_node_is_distinguished_from_a_drive_and_not_requested_what_only_a_drive_knows() -> None:
     rig = Rig()
-    rig.world.attach("stranger", Stranger(OBJECTS), {CAN: rig.bus})
-    _, found = on_the_bus(rig, range(STRANGER, STRANGER + 1))
-    stranger = found[STRANGER]
-    assert (stranger.maxon, stranger.profile, stranger.state, stranger.network) == (False, 401, None, ())
-    assert (stranger.value(at.DEVICE_NAME), stranger.value(at.VENDOR_ID)) == ("IO", 0x1234)
-    assert stranger.value(at.SERIAL_NUMBER) is None, "it has refused that, and is there all the same"
-    assert not {SOFTWARE, SERIAL_NUMBER, at.STATUSWORD} & set(stranger.outcomes)
+    rig.world.attach("stranger", ForeignNode(OBJECTS), {CAN: rig.bus})
+    _, found = on_the_bus(rig, range(FOREIGN_NODE, FOREIGN_NODE + 1))
+    foreign_node = found[FOREIGN_NODE]
+    assert (foreign_node.maxon, foreign_node.profile, foreign_node.state, foreign_node.network) == (
+        False,
+        401,
+        None,
+        (),
+    )
+    assert (foreign_node.value(at.DEVICE_NAME), foreign_node.value(at.VENDOR_ID)) == ("IO", 0x1234)
+    assert foreign_node.value(at.SERIAL_NUMBER) is None, "it has refused that, and is there all the same"
+    assert not {SOFTWARE, SERIAL_NUMBER, at.STATUSWORD} & set(foreign_node.outcomes)
 
 
 def test_a_node_that_falls_silent_under_way_is_listed_with_what_it_has_stated() -> None:
     rig = Rig()
-    stranger = Stranger({at.DEVICE_TYPE: OBJECTS[at.DEVICE_TYPE]}, refuses=False)
-    rig.world.attach("stranger", stranger, {CAN: rig.bus})
+    foreign_node = ForeignNode({at.DEVICE_TYPE: OBJECTS[at.DEVICE_TYPE]}, refuses=False)
+    rig.world.attach("stranger", foreign_node, {CAN: rig.bus})
     scan, found = on_the_bus(rig, range(1, 10))
-    assert set(found[STRANGER].outcomes) == {at.DEVICE_TYPE}
-    assert set(found) == {NEAR, FAR, STRANGER}
-    assert STRANGER not in scan.silent
+    assert set(found[FOREIGN_NODE].outcomes) == {at.DEVICE_TYPE}
+    assert set(found) == {NEAR, FAR, FOREIGN_NODE}
+    assert FOREIGN_NODE not in scan.silent
 
 
 def test_a_stopped_drive_is_received_though_it_does_not_answer() -> None:
@@ -141,7 +146,7 @@ def test_a_line_brings_its_own_drive_and_those_behind_it(generation: Generation)
     link = SerialAccess(generation)
     scan = Scan(link, range(1, 5))
     found = scanned(rig, scan, link)
-    assert (scan.own, scan.asked, set(found), scan.silent) == (NEAR, [1, 2, 3, 4], {NEAR, FAR}, (3, 4))
+    assert (scan.own, scan.requested, set(found), scan.silent) == (NEAR, [1, 2, 3, 4], {NEAR, FAR}, (3, 4))
     for node in (NEAR, FAR):
         assert found[node].value(SERIAL_NUMBER) == rig.value(node, SERIAL_NUMBER)
     assert found[NEAR].network == (NmtState.PRE_OPERATIONAL, NmtState.STOPPED), "a line answers in both"

@@ -31,13 +31,13 @@ def test_each_change_is_reported_once_and_within_a_period() -> None:
 
 
 def test_it_requests_no_more_often_than_it_is_reported_to() -> None:
-    rig, asked = Rig(), []
-    rig.bus.observe(lambda now, sender, _packet: asked.append(now) if sender == "client" else None)
+    rig, requested = Rig(), []
+    rig.bus.observe(lambda now, sender, _packet: requested.append(now) if sender == "client" else None)
     client = JobClient(CanAccess(NEAR), Reading([at.PROFILE_VELOCITY]).again_and_again(PERIOD, lambda: None))
     rig.world.attach("client", client, {CAN: rig.bus})
     rig.waits(SECOND + 50 * MILLISECOND)
-    assert 10 <= len(asked) <= 11
-    assert all(later - earlier >= PERIOD for earlier, later in pairwise(asked))
+    assert 10 <= len(requested) <= 11
+    assert all(later - earlier >= PERIOD for earlier, later in pairwise(requested))
 
 
 def test_a_drive_that_falls_silent_ends_it() -> None:

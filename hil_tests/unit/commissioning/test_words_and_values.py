@@ -58,7 +58,7 @@ def test_objects_by_number_and_by_name(text: str, address: Address) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         ("stausword", r"did you mean statusword \(0x6041\)\?"),
         (
@@ -76,8 +76,8 @@ def test_objects_by_number_and_by_name(text: str, address: Address) -> None:
         ("0x6081:", "no object is called"),
     ],
 )
-def test_a_name_that_is_none_is_answered_with_those_that_come_near(text: str, told: str) -> None:
-    with pytest.raises(CommissioningError, match=told):
+def test_a_name_that_is_none_is_answered_with_those_that_come_near(text: str, reported: str) -> None:
+    with pytest.raises(CommissioningError, match=reported):
         find(text)
 
 
@@ -136,7 +136,7 @@ def test_values_as_people_write_them(address: Address, text: str, raw: str) -> N
 
 
 @pytest.mark.parametrize(
-    ("address", "text", "told"),
+    ("address", "text", "reported"),
     [
         (at.PROFILE_VELOCITY, "500mA", r"wrong unit: 0x6081 Profile Velocity is in rpm"),
         (at.CONTINUOUS_CURRENT_LIMIT, "1rpm", "is in mA, A"),
@@ -155,8 +155,8 @@ def test_values_as_people_write_them(address: Address, text: str, raw: str) -> N
         (at.DEVICE_NAME, "EPOS", "no fixed length"),
     ],
 )
-def test_values_that_cannot_be(address: Address, text: str, told: str) -> None:
-    with pytest.raises(CommissioningError, match=told):
+def test_values_that_cannot_be(address: Address, text: str, reported: str) -> None:
+    with pytest.raises(CommissioningError, match=reported):
         parse(address, text)
 
 
@@ -168,7 +168,7 @@ def test_another_size_can_be_requested() -> None:
 
 
 @every(
-    ("address", "value", "mode", "told"),
+    ("address", "value", "mode", "reported"),
     [
         (at.STATUSWORD, 0x0737, None, ON + "|remote (NMT operational)|target reached"),
         (at.STATUSWORD, 0x1137, Mode.PROFILE_POSITION, ON + "|set-point acknowledged"),
@@ -195,8 +195,8 @@ def test_another_size_can_be_requested() -> None:
         (at.PROFILE_VELOCITY, 7, None, ""),
     ],
 )  # fmt: skip
-def test_bits_in_words(address: Address, value: int, mode: Mode | None, told: str) -> None:
-    assert "|".join(words(address, value, mode)) == told
+def test_bits_in_words(address: Address, value: int, mode: Mode | None, reported: str) -> None:
+    assert "|".join(words(address, value, mode)) == reported
 
 
 def test_the_supported_modes_are_those_of_the_drive() -> None:

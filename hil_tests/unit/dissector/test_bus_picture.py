@@ -69,7 +69,7 @@ def frame(address: int, content: str) -> Packet:
     return Packet(CAN, address, bytes.fromhex(content))
 
 
-def told(rows: list[tuple[int, int, str, list[str]]]) -> BusPicture:
+def reported(rows: list[tuple[int, int, str, list[str]]]) -> BusPicture:
     picture = BusPicture(1_000_000)
     for at, address, content, _ in rows:
         picture.note(at * MILLISECOND, frame(address, content))
@@ -84,27 +84,27 @@ def test_each_change_is_reported_once() -> None:
 
 
 def test_what_is_known_of_a_node_is_what_it_stated_last() -> None:
-    picture = told(STORY[:17])
+    picture = reported(STORY[:17])
     (node,) = picture.nodes
     assert (node.node, node.network, node.period) == (3, NmtState.OPERATIONAL, 100 * MILLISECOND)
     assert node.status.startswith("0x0737 (operation enabled")
     assert (node.emergencies, node.emergency) == (1, "no error; error register 0x00 (no error)")
     assert picture.error is not None
     assert (picture.error.at, picture.error.text) == (150 * MILLISECOND, STORY[14][3][0])
-    (node,) = told(STORY[:22]).nodes
+    (node,) = reported(STORY[:22]).nodes
     assert (node.missing, node.period) == (False, 100 * MILLISECOND), "silence is no period"
-    (node,) = told(STORY).nodes
+    (node,) = reported(STORY).nodes
     assert (node.network, node.period, node.status) == (NmtState.PRE_OPERATIONAL, None, ""), (
         "a restart forgets"
     )
 
 
 def test_a_pdo_is_read_by_a_mapping_that_was_seen_and_else_shown_as_it_is() -> None:
-    rows = {title: said for _, title, said, _, _ in told(STORY[:7]).messages()}
+    rows = {title: stated for _, title, stated, _, _ in reported(STORY[:7]).messages()}
     assert rows["TPDO 1, node 3"] == "37 05, by a mapping that is not known"
-    rows = {title: said for _, title, said, _, _ in told(STORY[:10]).messages()}
+    rows = {title: stated for _, title, stated, _, _ in reported(STORY[:10]).messages()}
     assert rows["TPDO 1, node 3"] == f"0x6041 Statusword = 0x0737 (operation enabled, {ON}, target reached)"
-    rows = {title: said for _, title, said, _, _ in told(STORY[:11]).messages()}
+    rows = {title: stated for _, title, stated, _, _ in reported(STORY[:11]).messages()}
     assert rows["TPDO 1, node 3"] == "bytes that do not fit its mapping"
 
 
@@ -118,9 +118,9 @@ def test_a_robot_file_names_the_drives_and_their_pdos_even_after_a_restart() -> 
     changes = [*picture.note(0, frame(0x700 + node, "00")), *picture.note(1, sample)]
     assert changes[2:] == [f"node {node}: statusword 0x0737 (operation enabled, {ON}, target reached)"]
     assert picture.nodes[0].title == axis.title
-    said = {address: text for address, _, text, _, _ in picture.messages()}[0x280 + node]
-    assert "0x6064 Position Actual Value = 1000 qc" in said
-    assert said.endswith("0x2027 Current Actual Value Averaged = 10 mA")
+    stated = {address: text for address, _, text, _, _ in picture.messages()}[0x280 + node]
+    assert "0x6064 Position Actual Value = 1000 qc" in stated
+    assert stated.endswith("0x2027 Current Actual Value Averaged = 10 mA")
 
 
 def test_rates_and_load_are_those_of_the_last_second_by_the_bits_on_the_wire() -> None:
@@ -279,6 +279,6 @@ def test_a_data_sheet_gives_the_mapping_of_all_others() -> None:
     sheet = {Address(0x1A00, 0): 1, Address(0x1A00, 1): 0x6061_0008}
     picture = BusPicture(1_000_000, sheet=sheet)
     picture.note(0, Packet(CAN, 0x181, b"\x03"))
-    ((_, title, said, _, _),) = picture.messages()
-    assert (title, said.split(" ")[0]) == ("TPDO 1, node 1", "0x6061")
+    ((_, title, stated, _, _),) = picture.messages()
+    assert (title, stated.split(" ")[0]) == ("TPDO 1, node 1", "0x6061")
     assert BusPicture(1_000_000, epos2=True).note(0, Packet(CAN, 0x181, b"\x40\x07"))

@@ -106,9 +106,9 @@ def test_the_mode_gives_the_bits_their_names() -> None:
 
 
 def test_segments_are_of_the_object_that_was_requested() -> None:
-    asked = ((0x603, "4008100000000000"), (0x583, "410810000D000000"), (0x603, "6000000000000000"))
+    requested = ((0x603, "4008100000000000"), (0x583, "410810000D000000"), (0x603, "6000000000000000"))
     reader = Canopen()
-    assert read(reader, *asked) == "SDO request, node 3: next segment of 0x1008 Manufacturer Device Name"
+    assert read(reader, *requested) == "SDO request, node 3: next segment of 0x1008 Manufacturer Device Name"
     assert read(reader, (0x583, "0145504F53320000")) == (
         "SDO response, node 3: segment of 0x1008 Manufacturer Device Name, the last: 45 50 4F 53 32 00 00"
     )

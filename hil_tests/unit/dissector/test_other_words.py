@@ -32,8 +32,8 @@ def test_a_serial_line_is_read_as_commands(exchange: Exchange, generation: Gener
     dissector = Dissector()
     texts = [
         dissector.read(carried(SERIAL, sender, line(chunk)))
-        for sender, said in dialogue(exchange, generation)
-        for chunk in cut(said)
+        for sender, stated in dialogue(exchange, generation)
+        for chunk in cut(stated)
     ]
     row = row_of(exchange.request)
     assert sum(f"  {row.name}: " in text for text in texts) == 1
@@ -73,9 +73,9 @@ def test_the_first_difference_has_what_came_before_and_what_each_side_knew() -> 
     same = [carried(CAN, "bridge", Packet(CAN, 0x080, b""))] * 8
     ours, theirs = (carried(CAN, "left", Packet(CAN, 0x181, bytes((low, 0x07)))) for low in (0x37, 0x17))
     assert first_difference(same, same) is None
-    told = first_difference([*same, ours, ours], [*same, theirs])
-    assert told is not None
-    head, *context, expected, came = told.splitlines()
+    reported = first_difference([*same, ours, ours], [*same, theirs])
+    assert reported is not None
+    head, *context, expected, came = reported.splitlines()
     assert head == "packet 9 is the first that differs"
     assert len(context) == 5
     assert "operation enabled" in expected
@@ -86,9 +86,9 @@ def test_bytes_that_say_the_same_are_shown() -> None:
     ours, theirs = (
         carried(OPERATOR, "pilot", Packet(OPERATOR, 0, bytes(40) + tail)) for tail in (b"\x01", b"\x02")
     )
-    told = first_difference([ours], [theirs])
-    assert told is not None
-    assert told.endswith(f"bytes     {'00' * 40}01\nbut came  {'00' * 40}02")
+    reported = first_difference([ours], [theirs])
+    assert reported is not None
+    assert reported.endswith(f"bytes     {'00' * 40}01\nbut came  {'00' * 40}02")
 
 
 @given(

@@ -164,12 +164,12 @@ def row(title: str) -> Row:
 def test_a_row_states_what_was_found_and_how_to_repair_it(
     title: str, changes: dict[str, Any], verdict: Verdict, found: str, remedy: str
 ) -> None:
-    said = row(title).judge(replace(WELL, **changes))
-    assert said.verdict is verdict
-    assert found in said.found
-    assert remedy in said.remedy
-    assert bool(said.remedy) is (verdict is not OK)
-    assert "\n" not in said.remedy
+    stated = row(title).judge(replace(WELL, **changes))
+    assert stated.verdict is verdict
+    assert found in stated.found
+    assert remedy in stated.remedy
+    assert bool(stated.remedy) is (verdict is not OK)
+    assert "\n" not in stated.remedy
 
 
 def test_every_row_has_its_three_outcomes_in_the_table() -> None:

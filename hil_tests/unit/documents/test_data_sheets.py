@@ -192,19 +192,19 @@ def test_the_table_as_json_has_every_object_and_every_key() -> None:
     assert (word["access"], word["pdo"], word["type"]) == ("rww", "receive", "UNSIGNED16")
 
 
-def said(*words: str) -> str:
+def stated(*words: str) -> str:
     result = CliRunner().invoke(program, ["epos2", *words], env={"COLUMNS": "200"})
     assert result.exit_code == 0, result.output
     return result.stdout
 
 
 def test_the_commands_say_it(tmp_path: Path) -> None:
-    assert "0x60FF" in said("objects", "--profile", "50/5")
-    assert len(json.loads(said("objects", "--json", "--node", "7"))) == 430
-    assert said("eds").startswith("[FileInfo]")
-    said("eds", "--out", str(tmp_path / "drive.eds"))
+    assert "0x60FF" in stated("objects", "--profile", "50/5")
+    assert len(json.loads(stated("objects", "--json", "--node", "7"))) == 430
+    assert stated("eds").startswith("[FileInfo]")
+    stated("eds", "--out", str(tmp_path / "drive.eds"))
     assert "FileName=drive.eds" in (tmp_path / "drive.eds").read_text()
-    assert "by analogy" in said("fidelity")
+    assert "by analogy" in stated("fidelity")
 
 
 def test_mistakes_at_the_command_are_answered(tmp_path: Path) -> None:

@@ -38,7 +38,7 @@ class Host:
         self._task: Task | None = None
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        return self._reaction(self.fleets[packet.link].link.hear(packet, now), now)
+        return self._reaction(self.fleets[packet.link].link.receive(packet, now), now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
         sent: tuple[Packet, ...] = ()

@@ -14,12 +14,12 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 LINK: Final = "drives"
 ROBOT: Final = find("rars")
-HEARD: Final[Nanoseconds] = 7 * MILLISECOND
+RECEIVED: Final[Nanoseconds] = 7 * MILLISECOND
 
 
-def hears(address: int, payload: bytes = b"") -> Fleet:
+def receives(address: int, payload: bytes = b"") -> Fleet:
     fleet = can_fleet(ROBOT, LINK)
-    assert fleet.link.hear(Packet(LINK, address, payload), HEARD) == ()
+    assert fleet.link.receive(Packet(LINK, address, payload), RECEIVED) == ()
     return fleet
 
 
@@ -36,10 +36,10 @@ def hears(address: int, payload: bytes = b"") -> Fleet:
     ],
 )
 def test_what_only_the_master_of_these_drives_sends(address: int, what: str) -> None:
-    link = hears(address).link
-    assert link.master(HEARD) == f"somebody else sends {what}"
-    assert link.master(HEARD + REMEMBERED - 1) is not None
-    assert link.master(HEARD + REMEMBERED) is None
+    link = receives(address).link
+    assert link.master(RECEIVED) == f"somebody else sends {what}"
+    assert link.master(RECEIVED + REMEMBERED - 1) is not None
+    assert link.master(RECEIVED + REMEMBERED) is None
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,7 @@ def test_what_only_the_master_of_these_drives_sends(address: int, what: str) -> 
 )
 def test_what_others_may_send(address: int) -> None:
     """Drives, other nodes, an engineer's requests; frames with flags are none of CANopen's."""
-    assert hears(address).link.master(HEARD) is None
+    assert receives(address).link.master(RECEIVED) is None
 
 
 def test_it_listens_as_long_as_the_drives_would_and_a_serial_line_receives_no_one() -> None:
@@ -83,6 +83,6 @@ def test_it_listens_as_long_as_the_drives_would_and_a_serial_line_receives_no_on
 @pytest.mark.parametrize("node", [1, 4])
 def test_what_someone_else_writes_to_a_drive(node: int, frame: str, *, writes: bool) -> None:
     """Reading is free; a block transfer the drive does not know, nor what is cut short."""
-    fleet = hears(0x600 + node, bytes.fromhex(frame))
-    told = {driver.axis.epos2.node: driver.feedback.rewritten for driver in fleet.drivers}
-    assert told == {**dict.fromkeys(range(1, 5), ""), **({node: f"60{node}#{frame}"} if writes else {})}
+    fleet = receives(0x600 + node, bytes.fromhex(frame))
+    reported = {driver.axis.epos2.node: driver.feedback.rewritten for driver in fleet.drivers}
+    assert reported == {**dict.fromkeys(range(1, 5), ""), **({node: f"60{node}#{frame}"} if writes else {})}

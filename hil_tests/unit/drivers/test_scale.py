@@ -111,10 +111,10 @@ def test_rars_s_travels_are_those_of_its_mechanics() -> None:
 
 
 @pytest.mark.parametrize(
-    ("wish", "allowed"), [(-100_001, -100_000), (-100_000, -100_000), (0, 0), (100_001, 100_000)]
+    ("command", "allowed"), [(-100_001, -100_000), (-100_000, -100_000), (0, 0), (100_001, 100_000)]
 )
-def test_a_travel_clips_at_both_ends(wish: int, allowed: int) -> None:
-    assert Travel(-100_000, 100_000).clip(wish) == allowed
+def test_a_travel_clips_at_both_ends(command: int, allowed: int) -> None:
+    assert Travel(-100_000, 100_000).clip(command) == allowed
 
 
 @pytest.mark.parametrize(("top_speed", "rpm"), [(16.0, 3972), (0.001, 0), (20.0, 4000), (1e6, 4000)])

@@ -48,7 +48,7 @@ def test_golden_frames(
     client = SdoClient()
     transfer = Transfer(address, None if written is None else raw(written))
     assert client.start(transfer, 0) == (raw(request_frame),)
-    assert client.hear(raw(answer), 1) == ()
+    assert client.receive(raw(answer), 1) == ()
     assert client.take() == raw(read)
     assert client.take() is None
     assert not client.busy
@@ -59,26 +59,26 @@ def test_a_name_of_five_bytes_comes_in_segments() -> None:
     # CiA 301: sizes above four bytes go in segments; 0x1008 of a real EPOS2 is "EPOS2" without an end.
     client = SdoClient()
     assert client.start(NAME, 0) == (raw("40 08 10 00 00 00 00 00"),)
-    assert client.hear(raw("41 08 10 00 05 00 00 00"), 1) == (raw("60 00 00 00 00 00 00 00"),)
-    assert client.hear(raw("05 45 50 4f 53 32 00 00"), 2) == ()
+    assert client.receive(raw("41 08 10 00 05 00 00 00"), 1) == (raw("60 00 00 00 00 00 00 00"),)
+    assert client.receive(raw("05 45 50 4f 53 32 00 00"), 2) == ()
     assert client.take() == b"EPOS2"
 
 
 def test_segments_alternate_their_toggle() -> None:
     client = SdoClient()
     client.start(NAME, 0)
-    client.hear(raw("41 08 10 00 08 00 00 00"), 1)
-    assert client.hear(raw("00 31 32 33 34 35 36 37"), 2) == (raw("70 00 00 00 00 00 00 00"),)
-    assert client.hear(raw("1d 38 00 00 00 00 00 00"), 3) == ()
+    client.receive(raw("41 08 10 00 08 00 00 00"), 1)
+    assert client.receive(raw("00 31 32 33 34 35 36 37"), 2) == (raw("70 00 00 00 00 00 00 00"),)
+    assert client.receive(raw("1d 38 00 00 00 00 00 00"), 3) == ()
     assert client.take() == b"12345678"
 
 
 def test_a_toggle_that_stands_still_is_aborted() -> None:
     client = SdoClient()
     client.start(NAME, 0)
-    client.hear(raw("41 08 10 00 0e 00 00 00"), 1)
-    client.hear(raw("00 31 32 33 34 35 36 37"), 2)
-    assert client.hear(raw("00 31 32 33 34 35 36 37"), 3) == (raw("80 08 10 00 00 00 03 05"),)
+    client.receive(raw("41 08 10 00 0e 00 00 00"), 1)
+    client.receive(raw("00 31 32 33 34 35 36 37"), 2)
+    assert client.receive(raw("00 31 32 33 34 35 36 37"), 3) == (raw("80 08 10 00 00 00 03 05"),)
     assert isinstance(client.take(), SdoProtocolError)
 
 
@@ -87,16 +87,16 @@ def test_an_upload_without_bounds_is_aborted(size: int) -> None:
     client = SdoClient()
     client.start(NAME, 0)
     announced = raw("41 08 10 00") + size.to_bytes(4, "little")
-    assert client.hear(announced, 1) == (raw("80 08 10 00 05 00 04 05"),)
+    assert client.receive(announced, 1) == (raw("80 08 10 00 05 00 04 05"),)
     assert isinstance(client.take(), SdoProtocolError)
 
 
 def test_an_upload_that_never_ends_is_aborted() -> None:
     client = SdoClient()
     client.start(NAME, 0)
-    client.hear(raw("40 08 10 00 00 00 00 00"), 1)
+    client.receive(raw("40 08 10 00 00 00 00 00"), 1)
     for number in range(LARGEST_UPLOAD):
-        client.hear(bytes((0x10 * (number % 2),)) + b"endless", 2)
+        client.receive(bytes((0x10 * (number % 2),)) + b"endless", 2)
         if not client.busy:
             break
     assert isinstance(client.take(), SdoProtocolError)
@@ -105,7 +105,7 @@ def test_an_upload_that_never_ends_is_aborted() -> None:
 def test_a_refusal_reports_object_and_meaning() -> None:
     client = SdoClient()
     client.start(Transfer(Address(0x605A)), 0)
-    client.hear(raw("80 5a 60 00 00 00 02 06"), 1)
+    client.receive(raw("80 5a 60 00 00 00 02 06"), 1)
     refused = client.take()
     assert isinstance(refused, SdoRefusedError)
     assert refused.code == 0x0602_0000
@@ -130,19 +130,19 @@ def test_an_answer_to_the_second_attempt_counts() -> None:
     client = SdoClient()
     client.start(STATUS, 0)
     client.wake(TIMEOUT)
-    client.hear(ANSWER, TIMEOUT + 1)
+    client.receive(ANSWER, TIMEOUT + 1)
     assert client.take() == raw("37 07")
 
 
 @pytest.mark.parametrize("attempts", [1, ATTEMPTS, 10])
 def test_attempts_are_bounded(attempts: int) -> None:
     client = SdoClient()
-    asked = len(client.start(Transfer(at.STATUSWORD, attempts=attempts), 0))
+    requested = len(client.start(Transfer(at.STATUSWORD, attempts=attempts), 0))
     now = 0
     while client.busy:
         now = client.wake_at
-        asked += sum(frame[0] == 0x40 for frame in client.wake(now))
-    assert asked == attempts
+        requested += sum(frame[0] == 0x40 for frame in client.wake(now))
+    assert requested == attempts
     assert now == attempts * TIMEOUT
 
 
@@ -162,10 +162,10 @@ def test_attempts_are_bounded(attempts: int) -> None:
 def test_deviations_change_nothing(stray: str) -> None:
     client = SdoClient()
     client.start(STATUS, 0)
-    assert client.hear(raw(stray), 1) == ()
+    assert client.receive(raw(stray), 1) == ()
     assert client.busy
     assert client.take() is None
-    client.hear(ANSWER, 2)
+    client.receive(ANSWER, 2)
     assert client.take() == raw("37 07")
 
 
@@ -186,7 +186,7 @@ def test_a_cancelled_transfer_leaves_nothing_behind() -> None:
     client = SdoClient()
     client.start(STATUS, 0)
     client.cancel()
-    assert client.hear(ANSWER, 1) == ()
+    assert client.receive(ANSWER, 1) == ()
     assert client.take() is None
     assert not client.busy
 
@@ -200,7 +200,7 @@ def test_no_answers_make_it_raise_and_it_always_ends(transfer: Transfer, answers
     client.start(transfer, 0)
     now = 0
     for now, answer in enumerate(answers, 1):
-        client.hear(answer, now)
+        client.receive(answer, now)
     while client.busy:
         now = client.wake_at
         client.wake(now)

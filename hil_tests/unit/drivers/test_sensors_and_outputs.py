@@ -73,8 +73,8 @@ def test_a_sensor_reports_its_volts_in_its_own_unit(bench: Bench) -> None:
 def test_a_reading_states_when_it_was_requested_and_when_it_came(bench: Bench) -> None:
     bench.runs(0.52)
     reading = bench.readings()["reach"]
-    assert 0 < bench.world.now - reading.heard_at <= 250 * MILLISECOND
-    assert 0 < reading.heard_at - reading.sampled_at < 50 * MILLISECOND
+    assert 0 < bench.world.now - reading.received_at <= 250 * MILLISECOND
+    assert 0 < reading.received_at - reading.sampled_at < 50 * MILLISECOND
 
 
 @pytest.mark.long(keeps=["on_can"])
@@ -96,7 +96,7 @@ def test_a_sensor_that_falls_silent_is_left_out(bench: Bench) -> None:
     silent_at = bench.world.now
     for axis in ("left", "right"):
         bench.world.silence(axis, silent_at)
-    last = bench.readings()["reach"].heard_at
+    last = bench.readings()["reach"].received_at
     bench.world.run(last + 300 * MILLISECOND)
     assert "reach" in bench.readings()
     bench.world.run(last + 300 * MILLISECOND + 1)

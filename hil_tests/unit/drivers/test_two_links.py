@@ -79,8 +79,8 @@ def test_a_sample_on_one_link_is_none_on_the_other() -> None:
     for fleet in (front, rear):
         fleet.begin(BRING_UP, 0)
     before = [driver.feedback for driver in rear.drivers]
-    front.link.hear(Packet(FRONT, 0x701, b"\x05"), 1)
-    front.link.hear(Packet(FRONT, 0x081, bytes.fromhex("11 86 20 00 00 00 00 00")), 1)
+    front.link.receive(Packet(FRONT, 0x701, b"\x05"), 1)
+    front.link.receive(Packet(FRONT, 0x081, bytes.fromhex("11 86 20 00 00 00 00 00")), 1)
     assert front.drivers[0].feedback.fault == "0x8611, following error larger than 0x6065"
     assert [driver.feedback for driver in rear.drivers] == before
 

@@ -93,31 +93,31 @@ class Desk:
         """Switch on, and return what the drive says."""
         return self.waits_until(0)
 
-    def hears(self, frame: str) -> list[str]:
+    def receives(self, frame: str) -> list[str]:
         """Give the drive a frame, and return its answers at once."""
         head, _, tail = frame.partition("#")
         if tail.startswith("R"):
             packet = Packet(CAN, int(head, 16) | REMOTE, bytes(int(tail[1:] or "0")))
         else:
             packet = Packet(CAN, int(head, 16), bytes.fromhex(tail))
-        return self._heard(packet)
+        return self._received(packet)
 
-    def _heard(self, packet: Packet) -> list[str]:
+    def _received(self, packet: Packet) -> list[str]:
         reaction = self.drive.receive(packet, self.now)
         self.due = reaction.wake_at
         return [f"{each.address:03X}#{each.payload.hex().upper()}" for each in reaction.sent]
 
     def waits_until(self, instant: Nanoseconds) -> list[str]:
         """Let the time pass, waking the drive whenever it wants, and return all that it sends."""
-        said: list[str] = []
+        stated: list[str] = []
         while self.due <= instant:
             self.now = max(self.now, self.due)
             reaction = self.drive.wake(self.now)
             assert reaction.wake_at > self.now
             self.due = reaction.wake_at
-            said += [f"{each.address:03X}#{each.payload.hex().upper()}" for each in reaction.sent]
+            stated += [f"{each.address:03X}#{each.payload.hex().upper()}" for each in reaction.sent]
         self.now = instant
-        return said
+        return stated
 
     def waits(self, duration: Nanoseconds) -> list[str]:
         """Let a duration pass."""
@@ -127,13 +127,13 @@ class Desk:
         """Download up to four bytes, and return the answer's command byte, or the abort code."""
         command = 0x23 | (4 - len(raw)) << 2
         payload = bytes((command, index & 0xFF, index >> 8, subindex)) + raw.ljust(4, b"\0")
-        (answer, *_) = self.hears(f"601#{payload.hex()}")
+        (answer, *_) = self.receives(f"601#{payload.hex()}")
         assert answer[4:12][2:] == payload[1:4].hex().upper()
         return "ok" if answer.startswith("581#60") else bytes.fromhex(answer[12:])[::-1].hex().upper()
 
     def reads(self, index: int, subindex: int = 0) -> int | str:
         """Upload a number, or return the abort code."""
-        (answer, *_) = self.hears(f"601#40{index & 0xFF:02X}{index >> 8:02X}{subindex:02X}00000000")
+        (answer, *_) = self.receives(f"601#40{index & 0xFF:02X}{index >> 8:02X}{subindex:02X}00000000")
         raw = bytes.fromhex(answer[4:])
         if raw[0] == 0x80:
             return raw[:3:-1].hex().upper()
@@ -150,7 +150,7 @@ def powered(profile: DeviceProfile = EPOS2_70_10) -> Desk:
 def operational(profile: DeviceProfile = EPOS2_70_10) -> Desk:
     """Return a drive in Operational whose first messages are over."""
     desk = powered(profile)
-    desk.hears("000#0101")
+    desk.receives("000#0101")
     desk.waits(10_000_000)
     return desk
 

@@ -7,7 +7,7 @@ from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.wire.can import EXTENDED, REMOTE
 from hil_tests.lanes import examples
-from hil_tests.unit.epos2.stranger import NODE, Stranger
+from hil_tests.unit.epos2.foreign_node import NODE, ForeignNode
 
 LISTENED = {
     "powered": {0x000, 0x600 + NODE, 0x700 + NODE | REMOTE},
@@ -15,8 +15,8 @@ LISTENED = {
 }
 
 
-def held(stranger: Stranger) -> object:
-    return tuple(value for _, value in stranger.drive.store.numbers()), bytes(stranger.axis)
+def held(foreign_node: ForeignNode) -> object:
+    return tuple(value for _, value in foreign_node.drive.store.numbers()), bytes(foreign_node.axis)
 
 
 @settings(max_examples=examples(100))
@@ -30,23 +30,23 @@ def held(stranger: Stranger) -> object:
 def test_a_frame_that_the_drive_does_not_listen_to_changes_nothing(
     *, address: int, payload: bytes, operational: bool
 ) -> None:
-    stranger = Stranger()
+    foreign_node = ForeignNode()
     if operational:
-        stranger.sends(0x000, bytes((0x01, NODE)))
+        foreign_node.sends(0x000, bytes((0x01, NODE)))
     packet = Packet(CAN, address, payload)
-    if stranger.drive.listens(packet):
+    if foreign_node.drive.listens(packet):
         return
-    before, wake_at = held(stranger), stranger.drive.wake(stranger.now).wake_at
-    reaction = stranger.drive.receive(packet, stranger.now)
+    before, wake_at = held(foreign_node), foreign_node.drive.wake(foreign_node.now).wake_at
+    reaction = foreign_node.drive.receive(packet, foreign_node.now)
     assert (reaction.sent, reaction.wake_at) == ((), wake_at)
-    assert held(stranger) == before
+    assert held(foreign_node) == before
 
 
 def test_it_listens_to_what_its_state_takes() -> None:
-    stranger = Stranger()
+    foreign_node = ForeignNode()
     for state, addresses in LISTENED.items():
         if state == "operational":
-            stranger.sends(0x000, bytes((0x01, NODE)))
+            foreign_node.sends(0x000, bytes((0x01, NODE)))
         for address in addresses:
-            assert stranger.drive.listens(Packet(CAN, address, b"")), (state, hex(address))
-        assert not stranger.drive.listens(Packet(CAN, 0x600 + NODE + 1, b""))
+            assert foreign_node.drive.listens(Packet(CAN, address, b"")), (state, hex(address))
+        assert not foreign_node.drive.listens(Packet(CAN, 0x600 + NODE + 1, b""))

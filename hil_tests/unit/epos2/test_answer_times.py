@@ -32,17 +32,17 @@ REQUESTS = {
     "write the controlword": "2B40600006000000",
     "write the target": "237A600010270000",
 }
-ASKED = 500 * MILLISECOND
+REQUESTED = 500 * MILLISECOND
 
 
 def answer_time(bit_rate: int, request: str, node: int, profile: DeviceProfile) -> Nanoseconds:
     world, wire = World(), CanWire(bit_rate)
-    master = Player((ASKED, Packet(CAN, 0x600 + node, bytes.fromhex(request))))
+    master = Player((REQUESTED, Packet(CAN, 0x600 + node, bytes.fromhex(request))))
     world.attach("drive", Epos2(node, ServoAxis("drive", 2000), profile), {CAN: wire})
     world.attach("master", master, {CAN: wire})
     world.run(2 * SECOND)
-    (answered,) = [at for at, packet in master.heard if packet.address == 0x580 + node]
-    return answered - ASKED
+    (answered,) = [at for at, packet in master.received if packet.address == 0x580 + node]
+    return answered - REQUESTED
 
 
 @every("bit_rate", PUBLISHED_MS)

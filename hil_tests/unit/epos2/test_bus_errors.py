@@ -45,9 +45,9 @@ class Bench:
     def until(self, ms: int) -> None:
         self.world.run(ms * MILLISECOND)
 
-    def told(self) -> list[str]:
-        heard = (packet for _, packet in self.master.heard if not packet.address & ERROR)
-        return [packet.payload.hex() for packet in heard if packet.address == 0x081]
+    def reported(self) -> list[str]:
+        received = (packet for _, packet in self.master.received if not packet.address & ERROR)
+        return [packet.payload.hex() for packet in received if packet.address == 0x081]
 
     @property
     def state(self) -> int:
@@ -67,7 +67,7 @@ def test_an_error_passive_drive_states_so_and_stops_until_communication_is_reset
     bench = Bench((120, 0x201, "0000"), (130, 0x201, "8000"), (150, 0x000, "8200"))
     bench.wire.disturb(Disturbance(sender="drive", begin=60 * MILLISECOND, count=16))
     bench.until(110)
-    assert bench.told() == [frame(0x8120)]
+    assert bench.reported() == [frame(0x8120)]
     assert bench.state == State.FAULT.value
     assert not bench.axis.powered
     bench.until(140)
@@ -89,10 +89,10 @@ def test_a_drive_that_was_off_the_bus_states_so_when_it_is_back() -> None:
     while bench.wire.confinement("drive").condition is not Condition.OFF:
         bench.world.run(bench.world.now + MILLISECOND // 10)
         assert bench.world.now < begin + 20 * MILLISECOND
-    assert bench.told() == [], "nobody hears it any more"
+    assert bench.reported() == [], "nobody hears it any more"
     assert bench.state == State.FAULT.value, "it stops all the same"
     bench.until(100)
-    assert bench.told() == [frame(0x81FD)]
+    assert bench.reported() == [frame(0x81FD)]
     assert bench.drive.store.get(at.ERROR_HISTORY_COUNT) == 2, (
         "passive came first, and was lost with the rest"
     )
@@ -106,11 +106,11 @@ def test_an_overrun_is_an_emergency_and_stops_the_drive(loss: Loss, code: int) -
     bench = Bench((100, 0x201, "0000"), (110, 0x201, "8000"))
     bench.wire.overrun("drive", loss)
     bench.until(90)
-    assert bench.told() == [frame(code)]
+    assert bench.reported() == [frame(code)]
     assert bench.state == State.FAULT.value
     bench.until(120)
     assert bench.state == State.SWITCH_ON_DISABLED.value
-    assert bench.told()[1:] == ["00" * 8]
+    assert bench.reported()[1:] == ["00" * 8]
 
 
 @pytest.mark.emergency(0x81FF)
@@ -126,4 +126,4 @@ def test_a_drive_that_cannot_get_rid_of_its_frames_stops_and_keeps_it_in_its_his
     assert bench.drive.store.get(HISTORY[0]) == 0x81FF
     assert bench.drive.store.get(at.ERROR_HISTORY_COUNT) == 1, "told once, not for every frame"
     bench.until(150)
-    assert frame(0x81FF) not in bench.told(), "its message was one frame too many"
+    assert frame(0x81FF) not in bench.reported(), "its message was one frame too many"

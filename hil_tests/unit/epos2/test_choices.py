@@ -49,7 +49,7 @@ def test_a_choice_is_what_the_drive_does(choice: str, answer: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "stated"),
     [
         ("maping-needs-invalid-pdo=no", "did you mean mapping-needs-invalid-pdo"),
         ("colour=blue", "there are: "),
@@ -66,8 +66,8 @@ def test_a_choice_is_what_the_drive_does(choice: str, answer: str) -> None:
         ("bit-rate=3", "there is no choice 'bit-rate'"),
     ],
 )
-def test_what_is_no_choice_is_refused(text: str, said: str) -> None:
-    with pytest.raises(ChoiceError, match=said) as refusal:
+def test_what_is_no_choice_is_refused(text: str, stated: str) -> None:
+    with pytest.raises(ChoiceError, match=stated) as refusal:
         chosen(EPOS2_70_10, [text])
     assert str(refusal.value).startswith(f"--choice {text}: ")
     assert "\n" not in str(refusal.value)

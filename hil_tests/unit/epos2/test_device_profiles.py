@@ -91,8 +91,8 @@ def test_the_analog_output_of_the_50_5_is_carried_by_a_receive_pdo() -> None:
     mapping = ((0x1600, 0, b"\0"), (0x1600, 1, (0x207E_0010).to_bytes(4, "little")), (0x1600, 0, b"\x01"))
     desk, other = powered(PROFILES["50/5"]), powered(PROFILES["70/10"])
     assert [desk.writes(*write) for write in mapping] == ["ok"] * 3
-    desk.hears("000#0101")
-    desk.hears("201#CDAB")
+    desk.receives("000#0101")
+    desk.receives("201#CDAB")
     assert desk.reads(0x207E) == 0xABCD
     assert other.writes(*mapping[0]) == "ok"
     assert other.writes(*mapping[1]) == "06040041"

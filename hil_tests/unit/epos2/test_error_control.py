@@ -21,7 +21,7 @@ def watching(time_ms: int = 200, place: int = 1, node: int = BRIDGE) -> Desk:
 def producing(period_ms: int) -> Desk:
     desk = powered()
     word = period_ms.to_bytes(2, "little").hex().upper()
-    assert desk.hears(f"601#2B171000{word}0000") == ["581#6017100000000000", "701#7F"]
+    assert desk.receives(f"601#2B171000{word}0000") == ["581#6017100000000000", "701#7F"]
     return desk
 
 
@@ -29,9 +29,9 @@ def test_a_heartbeat_starts_at_once_and_keeps_its_grid() -> None:
     desk = producing(100)
     assert desk.waits(100 * MILLISECOND - 1) == []
     assert desk.waits(1) == ["701#7F"]
-    desk.hears("000#0101")
+    desk.receives("000#0101")
     assert desk.waits(1000 * MILLISECOND) == ["701#05"] * 10
-    desk.hears("000#0201")
+    desk.receives("000#0201")
     assert desk.waits(100 * MILLISECOND) == ["701#04"]
 
 
@@ -54,21 +54,21 @@ def test_a_saved_heartbeat_counts_from_the_boot_up() -> None:
     desk = producing(100)
     desk.writes(0x1010, 1, b"save")
     desk.waits(30 * MILLISECOND)
-    assert desk.hears("000#8101") == ["701#00"]
+    assert desk.receives("000#8101") == ["701#00"]
     assert desk.waits(99 * MILLISECOND) == []
     assert desk.waits(MILLISECOND) == ["701#7F"]
 
 
 def test_the_heartbeat_can_be_made_to_toggle() -> None:
     desk = powered(replace(EPOS2_70_10, heartbeat_toggles=True))
-    desk.hears("601#2B17100064000000")
+    desk.receives("601#2B17100064000000")
     assert desk.waits(300 * MILLISECOND) == ["701#FF", "701#7F", "701#FF"]
 
 
 def test_the_watch_starts_with_the_first_heartbeat() -> None:
     desk = watching()
     assert desk.waits(10_000 * MILLISECOND) == []
-    desk.hears("764#05")
+    desk.receives("764#05")
     assert desk.waits(200 * MILLISECOND - 1) == []
     assert desk.waits(1) == [LOST]
 
@@ -76,48 +76,48 @@ def test_the_watch_starts_with_the_first_heartbeat() -> None:
 def test_a_heartbeat_in_time_moves_the_watch_on() -> None:
     desk = watching()
     for _ in range(20):
-        assert desk.hears("764#05") == []
+        assert desk.receives("764#05") == []
         assert desk.waits(199 * MILLISECOND) == []
 
 
 def test_silence_is_reported_once_and_the_next_heartbeat_starts_again() -> None:
     desk = watching()
-    desk.hears("764#05")
+    desk.receives("764#05")
     assert desk.waits(5000 * MILLISECOND) == [LOST]
-    desk.hears("764#7F")
+    desk.receives("764#7F")
     assert desk.waits(200 * MILLISECOND) == [LOST]
 
 
 @pytest.mark.parametrize(("late", "answer"), [(0, []), (1, [LOST])])
 def test_a_heartbeat_after_its_deadline_does_not_hide_the_silence(late: int, answer: list[str]) -> None:
     desk = watching()
-    desk.hears("764#05")
+    desk.receives("764#05")
     desk.now += 200 * MILLISECOND + late
-    assert desk.hears("764#05") == answer
+    assert desk.receives("764#05") == answer
     assert desk.waits(200 * MILLISECOND) == [LOST]
 
 
 @pytest.mark.parametrize("frame", ["764#00", "764#", "764#33", "765#05"])
 def test_what_is_no_heartbeat_of_the_watched_node(frame: str) -> None:
     desk = watching()
-    desk.hears(frame)
+    desk.receives(frame)
     assert desk.waits(1000 * MILLISECOND) == []
 
 
 @pytest.mark.parametrize("word", [0, BRIDGE << 16, 200])
 def test_without_node_or_time_nothing_is_watched(word: int) -> None:
     desk = watching()
-    desk.hears("764#05")
+    desk.receives("764#05")
     assert desk.writes(0x1016, 1, word.to_bytes(4, "little")) == "ok"
-    desk.hears("764#05")
+    desk.receives("764#05")
     assert desk.waits(1000 * MILLISECOND) == []
 
 
 def test_both_consumers_watch() -> None:
     desk = watching(200)
     assert desk.writes(0x1016, 2, (101 << 16 | 300).to_bytes(4, "little")) == "ok"
-    desk.hears("764#05")
-    desk.hears("765#05")
+    desk.receives("764#05")
+    desk.receives("765#05")
     assert desk.waits(200 * MILLISECOND) == [LOST]
     assert desk.waits(100 * MILLISECOND) == [LOST]
 
@@ -130,13 +130,13 @@ def test_two_consumers_do_not_watch_one_node() -> None:
 
 def test_guarding_answers_with_a_toggling_state() -> None:
     desk = powered()
-    assert [desk.hears("701#R1") for _ in range(3)] == [["701#7F"], ["701#FF"], ["701#7F"]]
-    desk.hears("000#8201")
-    assert desk.hears("701#R1") == ["701#7F"]
+    assert [desk.receives("701#R1") for _ in range(3)] == [["701#7F"], ["701#FF"], ["701#7F"]]
+    desk.receives("000#8201")
+    assert desk.receives("701#R1") == ["701#7F"]
 
 
 def test_guarding_rests_while_heartbeats_are_produced() -> None:
-    assert producing(100).hears("701#R1") == []
+    assert producing(100).receives("701#R1") == []
 
 
 def test_life_guarding_starts_with_the_first_request() -> None:
@@ -144,7 +144,7 @@ def test_life_guarding_starts_with_the_first_request() -> None:
     desk.writes(0x100C, 0, (100).to_bytes(2, "little"))
     desk.writes(0x100D, 0, b"\x03")
     assert desk.waits(5000 * MILLISECOND) == []
-    desk.hears("701#R1")
+    desk.receives("701#R1")
     assert desk.waits(300 * MILLISECOND - 1) == []
     assert desk.waits(1) == [LOST]
 
@@ -152,20 +152,20 @@ def test_life_guarding_starts_with_the_first_request() -> None:
 def test_a_time_that_is_written_as_it_stands_changes_nothing() -> None:
     """No watch ends by it, and no heartbeat is shifted."""
     desk = watching()
-    desk.hears("764#05")
+    desk.receives("764#05")
     desk.waits(150 * MILLISECOND)
     assert desk.writes(0x1016, 1, (BRIDGE << 16 | 200).to_bytes(4, "little")) == "ok"
     assert desk.waits(50 * MILLISECOND) == [LOST]
 
     desk = producing(100)
     desk.waits(60 * MILLISECOND)
-    assert desk.hears("601#2B17100064000000") == ["581#6017100000000000"]
+    assert desk.receives("601#2B17100064000000") == ["581#6017100000000000"]
     assert desk.waits(40 * MILLISECOND) == ["701#7F"]
 
     desk = powered()
     desk.writes(0x100C, 0, (100).to_bytes(2, "little"))
     desk.writes(0x100D, 0, b"\x03")
-    desk.hears("701#R1")
+    desk.receives("701#R1")
     desk.waits(200 * MILLISECOND)
     desk.writes(0x100C, 0, (100).to_bytes(2, "little"))
     desk.writes(0x100D, 0, b"\x03")

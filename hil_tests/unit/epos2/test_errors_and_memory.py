@@ -11,15 +11,15 @@ from hil_tests.rows import every
 from hil_tests.unit.epos2.quiet_motion import Desk, powered
 
 
-def told(desk: Desk, code: int) -> list[str]:
+def reported(desk: Desk, code: int) -> list[str]:
     desk.motion.report(code)
-    return desk.hears("080#")
+    return desk.receives("080#")
 
 
 @every("code", EMERGENCIES, ids=hex)
 def test_every_emergency_is_reported_with_its_register(code: int) -> None:
     desk = powered()
-    (frame,) = told(desk, code)
+    (frame,) = reported(desk, code)
     register = EMERGENCIES[code].register
     assert bytes.fromhex(frame[4:]) == code.to_bytes(2, "little") + bytes((register,)) + bytes(5)
     assert desk.reads(0x1001) == register
@@ -28,17 +28,17 @@ def test_every_emergency_is_reported_with_its_register(code: int) -> None:
 
 def test_errors_add_up_in_the_register_until_they_are_gone() -> None:
     desk = powered()
-    assert told(desk, 0x3220) == ["081#2032040000000000"]
-    assert told(desk, 0x8611) == ["081#1186240000000000"]
-    assert told(desk, 0x0000) == ["081#0000000000000000"]
+    assert reported(desk, 0x3220) == ["081#2032040000000000"]
+    assert reported(desk, 0x8611) == ["081#1186240000000000"]
+    assert reported(desk, 0x0000) == ["081#0000000000000000"]
     assert desk.reads(0x1001) == 0
     assert desk.reads(0x1003) == 2
 
 
 def test_the_end_of_all_errors_can_be_left_untold() -> None:
-    desk = powered(replace(EPOS2_70_10, tells_cured=False))
-    told(desk, 0x8611)
-    assert told(desk, 0) == []
+    desk = powered(replace(EPOS2_70_10, reports_reset=False))
+    reported(desk, 0x8611)
+    assert reported(desk, 0) == []
     assert desk.reads(0x1001) == 0
 
 
@@ -46,7 +46,7 @@ def test_the_history_keeps_the_last_five_newest_first() -> None:
     desk = powered()
     codes = [0x2310, 0x3210, 0x3220, 0x4210, 0x5113, 0x8611, 0x8611]
     for code in codes:
-        told(desk, code)
+        reported(desk, code)
     assert desk.reads(0x1003) == 5
     assert [desk.reads(0x1003, place) for place in range(1, 6)] == codes[:1:-1]
     assert desk.writes(0x1003, 0, b"\x01") == "06090030"
@@ -56,16 +56,16 @@ def test_the_history_keeps_the_last_five_newest_first() -> None:
 
 def test_reset_node_forgets_errors_and_history() -> None:
     desk = powered()
-    told(desk, 0x8611)
-    desk.hears("000#8101")
+    reported(desk, 0x8611)
+    desk.receives("000#8101")
     assert desk.reads(0x1001) == desk.reads(0x1003) == desk.reads(0x1003, 1) == 0
 
 
 def test_reset_communication_forgets_what_it_cures() -> None:
     desk = powered()
     for code in (0x8120, 0x8150, 0x3220):
-        told(desk, code)
-    desk.hears("000#8201")
+        reported(desk, code)
+    desk.receives("000#8201")
     assert desk.reads(0x1001) == 0x04
     assert desk.reads(0x1003) == 3
 
@@ -86,7 +86,7 @@ def test_reset_communication_forgets_what_it_cures() -> None:
 def test_the_identifier_of_emergencies_can_be_chosen(word: int, answer: str, frames: list[str]) -> None:
     desk = powered()
     assert desk.writes(0x1014, 0, word.to_bytes(4, "little")) == answer
-    assert told(desk, 0x8611) == frames
+    assert reported(desk, 0x8611) == frames
 
 
 @pytest.mark.parametrize(
@@ -104,7 +104,7 @@ def test_what_is_saved_survives_reset_node_and_commands_do_not() -> None:
     desk.writes(0x6040, 0, b"\x06\0")
     assert desk.writes(0x1010, 1, b"save") == "ok"
     desk.writes(0x6083, 0, (888).to_bytes(4, "little"))
-    desk.hears("000#8101")
+    desk.receives("000#8101")
     assert desk.reads(0x6083) == 777
     assert desk.reads(0x60FF) == desk.reads(0x6040) == 0
 
@@ -118,10 +118,10 @@ def test_load_makes_the_defaults_count_with_the_reset_that_follows() -> None:
     assert desk.writes(0x1011, 1, b"load") == "ok"
     assert desk.reads(0x6083) == 777
     assert desk.motion.resets == 1
-    assert desk.hears("000#0101") == []
-    assert desk.hears("000#8101") == ["701#00"]
+    assert desk.receives("000#0101") == []
+    assert desk.receives("000#8101") == ["701#00"]
     assert desk.reads(0x6083) == 10_000
-    assert desk.hears("000#0101") == ["181#4007"]
+    assert desk.receives("000#0101") == ["181#4007"]
 
 
 def test_what_is_saved_after_load_and_before_the_reset_is_what_stands_there() -> None:
@@ -129,7 +129,7 @@ def test_what_is_saved_after_load_and_before_the_reset_is_what_stands_there() ->
     desk.writes(0x6083, 0, (777).to_bytes(4, "little"))
     desk.writes(0x1011, 1, b"load")
     desk.writes(0x1010, 1, b"save")
-    desk.hears("000#8101")
+    desk.receives("000#8101")
     assert desk.reads(0x6083) == 777
 
 
@@ -154,11 +154,11 @@ def test_default_cob_ids_are_effective_after_save_and_reset() -> None:
     desk.writes(0x1010, 1, b"save")
     assert desk.writes(0x1011, 5, b"load") == "ok"
     assert desk.reads(0x1400, 1) == 0x201
-    desk.hears("000#0101")
-    desk.hears("201#0600")
+    desk.receives("000#0101")
+    desk.receives("201#0600")
     assert desk.motion.written == []
     desk.writes(0x1010, 1, b"save")
-    desk.hears("000#8101")
-    desk.hears("000#0101")
-    desk.hears("201#0600")
+    desk.receives("000#8101")
+    desk.receives("000#0101")
+    desk.receives("201#0600")
     assert desk.motion.written == [6]

@@ -33,14 +33,14 @@ def test_parameters_that_are_lost_at_a_restart_are_an_internal_software_error() 
     storage = Worn()
     desk = Desk(storage=storage)
     desk.powers()
-    desk.hears("601#23816000D2040000")  # 0x6081 = 1234
-    desk.hears(SAVE)
-    assert desk.hears("000#8101") == ["701#00"]
+    desk.receives("601#23816000D2040000")  # 0x6081 = 1234
+    desk.receives(SAVE)
+    assert desk.receives("000#8101") == ["701#00"]
     assert desk.store.get(at.PROFILE_VELOCITY) == 1234
     storage.worn = True
-    assert desk.hears("000#8101") == ["701#00", "081#0061200000000000"]
+    assert desk.receives("000#8101") == ["701#00", "081#0061200000000000"]
     assert desk.store.get(at.PROFILE_VELOCITY) == 1000
     assert desk.store.get(at.ERROR_REGISTER) == 0x20
     storage.worn = False
-    desk.hears(SAVE)
-    assert desk.hears("000#8101") == ["701#00"]
+    desk.receives(SAVE)
+    assert desk.receives("000#8101") == ["701#00"]

@@ -22,7 +22,7 @@ STATES = {
 
 def in_state(state: NmtState) -> Desk:
     desk = operational()
-    desk.hears(f"000#{STATES[state]}")
+    desk.receives(f"000#{STATES[state]}")
     assert desk.drive.nmt_state is state
     desk.waits(10 * MILLISECOND)
     return desk
@@ -30,7 +30,7 @@ def in_state(state: NmtState) -> Desk:
 
 def test_a_drive_that_is_off_receives_nothing() -> None:
     desk = Desk()
-    assert desk.hears("601#4000100000000000") == ["701#00"]
+    assert desk.receives("601#4000100000000000") == ["701#00"]
 
 
 def test_power_on_ends_in_pre_operational_with_a_boot_up() -> None:
@@ -44,7 +44,7 @@ def test_booting_can_be_made_to_take_time_and_is_silent() -> None:
     desk = Desk(replace(EPOS2_70_10, boot_time=50 * MILLISECOND))
     assert desk.powers() == []
     for frame in ("601#4000100000000000", "000#0100", "701#R1", "080#"):
-        assert desk.hears(frame) == []
+        assert desk.receives(frame) == []
     assert desk.waits_until(50 * MILLISECOND) == ["701#00"]
     assert desk.drive.nmt_state is NmtState.PRE_OPERATIONAL
 
@@ -59,7 +59,7 @@ def test_commands_lead_from_every_state_to_theirs(
     state: NmtState, command: str, target: NmtState, node: str
 ) -> None:
     desk = in_state(state)
-    desk.hears(f"000#{command}{node}")
+    desk.receives(f"000#{command}{node}")
     assert desk.drive.nmt_state is target
     assert desk.motion.operational == (target is NmtState.OPERATIONAL)
 
@@ -67,7 +67,7 @@ def test_commands_lead_from_every_state_to_theirs(
 @pytest.mark.parametrize("frame", ["000#0102", "000#01", "000#", "000#0301", "000#0001", "000#R2"])
 def test_commands_for_others_and_odd_frames_change_nothing(frame: str) -> None:
     desk = powered()
-    assert desk.hears(frame) == []
+    assert desk.receives(frame) == []
     assert desk.drive.nmt_state is NmtState.PRE_OPERATIONAL
 
 
@@ -75,7 +75,7 @@ def test_commands_for_others_and_odd_frames_change_nothing(frame: str) -> None:
 @pytest.mark.parametrize(("command", "resets"), [("8101", 2), ("8201", 1)])
 def test_both_resets_boot_again(state: NmtState, command: str, resets: int) -> None:
     desk = in_state(state)
-    assert desk.hears(f"000#{command}") == ["701#00"]
+    assert desk.receives(f"000#{command}") == ["701#00"]
     assert desk.drive.nmt_state is NmtState.PRE_OPERATIONAL
     assert desk.motion.resets == resets
 
@@ -84,10 +84,10 @@ def test_reset_communication_loads_communication_only() -> None:
     desk = powered()
     desk.writes(0x1017, 0, (500).to_bytes(2, "little"))
     desk.writes(0x6083, 0, (777).to_bytes(4, "little"))
-    desk.hears("000#8201")
+    desk.receives("000#8201")
     assert desk.reads(0x1017) == 0
     assert desk.reads(0x6083) == 777
-    desk.hears("000#8101")
+    desk.receives("000#8101")
     assert desk.reads(0x6083) == 10_000
 
 
@@ -101,31 +101,31 @@ def test_reset_communication_loads_communication_only() -> None:
 )
 def test_services_live_in_their_states(state: NmtState, *, sdo: bool, emergency: bool, guarding: str) -> None:
     desk = in_state(state)
-    assert bool(desk.hears("601#4000100000000000")) is sdo
-    assert desk.hears("701#R1") == [f"701#{guarding}"]
+    assert bool(desk.receives("601#4000100000000000")) is sdo
+    assert desk.receives("701#R1") == [f"701#{guarding}"]
     desk.motion.report(0x8611)
-    assert ("081#1186200000000000" in desk.hears("701#R1")) is emergency
+    assert ("081#1186200000000000" in desk.receives("701#R1")) is emergency
 
 
 def test_a_transfer_does_not_survive_the_stopped_state() -> None:
     desk = powered()
-    desk.hears("601#4004200000000000")
-    desk.hears("000#0201")
-    desk.hears("000#8001")
-    assert desk.hears("601#6000000000000000") == ["581#8000000001000405"]
+    desk.receives("601#4004200000000000")
+    desk.receives("000#0201")
+    desk.receives("000#8001")
+    assert desk.receives("601#6000000000000000") == ["581#8000000001000405"]
 
 
 @pytest.mark.parametrize(
     "frame", ["602#4000100000000000", "80000601#40001000", "201#0600", "100#", "7E5#0401", "701#05", "77F#05"]
 )
 def test_frames_that_no_one_here_takes_are_left_alone(frame: str) -> None:
-    assert powered().hears(frame) == []
+    assert powered().receives(frame) == []
 
 
 def test_remote_requests_to_data_services_are_left_alone() -> None:
     desk = operational()
     for frame in ("601#R8", "080#R0", "201#R2", "000#R2", "081#R8"):
-        assert desk.hears(frame) == []
+        assert desk.receives(frame) == []
 
 
 @pytest.mark.parametrize("node", [128, -1])
@@ -152,15 +152,15 @@ def test_every_open_choice_names_its_source() -> None:
 def test_the_time_stamp_is_latched_at_sync_and_follows_its_master() -> None:
     desk = powered()
     desk.waits_until(5 * MILLISECOND)
-    desk.hears("080#")
+    desk.receives("080#")
     assert desk.reads(0x1013) == 5000
     desk.waits(MILLISECOND)
     assert desk.reads(0x1013) == 5000
     assert desk.writes(0x1013, 0, (100_000).to_bytes(4, "little")) == "ok"
-    desk.hears("080#")
+    desk.receives("080#")
     assert desk.reads(0x1013) == 101_000
     assert desk.writes(0x1013, 0, (101_007).to_bytes(4, "little")) == "ok"
-    desk.hears("080#")
+    desk.receives("080#")
     assert desk.reads(0x1013) == 101_007
 
 

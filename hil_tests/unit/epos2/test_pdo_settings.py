@@ -52,7 +52,7 @@ def test_a_mapping_changes_by_its_procedure_only(
 ) -> None:
     desk = set_up(powered(STRICT), *before)
     assert desk.writes(*write) == answer
-    desk.hears("000#0101")
+    desk.receives("000#0101")
     assert desk.writes(0x1600, 0, b"\0") == "0F00FFC0"
     assert desk.writes(0x1600, 1, u32(0x6040_0010)) == "0F00FFC0"
 
@@ -104,4 +104,4 @@ def test_eight_entries_of_one_byte_are_possible() -> None:
         (0x1A00, 0, b"\x08"),
         (0x1800, 1, u32(0x4000_0181)),
     )
-    assert desk.hears("000#0101") == ["181#0101010101010101"]
+    assert desk.receives("000#0101") == ["181#0101010101010101"]

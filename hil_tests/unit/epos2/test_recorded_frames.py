@@ -38,26 +38,26 @@ def recorded() -> Desk:
 
 
 def test_device_type_by_sdo_application_notes_p_164() -> None:
-    assert powered().hears("601#4000100000000000") == ["581#4300100092010200"]
+    assert powered().receives("601#4000100000000000") == ["581#4300100092010200"]
 
 
 def test_reset_node_is_answered_by_boot_up_candump() -> None:
     desk = operational()
-    assert desk.hears("000#8100") == ["701#00"]
+    assert desk.receives("000#8100") == ["701#00"]
 
 
 def test_a_remote_request_is_answered_with_the_own_length_candump(recorded: Desk) -> None:
-    assert recorded.hears("000#0100") == []
+    assert recorded.receives("000#0100") == []
     recorded.store.on_read(at.VELOCITY_ACTUAL, lambda: 4102)
-    assert recorded.hears("381#R6") == ["381#06100000"]
+    assert recorded.receives("381#R6") == ["381#06100000"]
 
 
 def test_pdos_on_request_never_leave_by_themselves_candump(recorded: Desk) -> None:
-    assert recorded.hears("000#0100") == []
-    assert recorded.hears("301#000003") == []
-    assert recorded.hears("201#0600") == []
-    assert recorded.hears("201#0F00") == []
-    assert recorded.hears("401#0F0010100000") == []
+    assert recorded.receives("000#0100") == []
+    assert recorded.receives("301#000003") == []
+    assert recorded.receives("201#0600") == []
+    assert recorded.receives("201#0F00") == []
+    assert recorded.receives("401#0F0010100000") == []
     assert recorded.waits(1_000_000_000) == []
     assert recorded.motion.written == [0, 6, 0xF, 0xF]
     assert recorded.store.get(at.MODE) == 3
@@ -67,26 +67,26 @@ def test_pdos_on_request_never_leave_by_themselves_candump(recorded: Desk) -> No
 def test_the_statusword_follows_on_change_machinekit_589() -> None:
     """182 40 07 and so on: bit 9 remote and bit 10 target reached stand beside the state."""
     desk = powered()
-    assert desk.hears("000#0101") == ["181#4007"]
+    assert desk.receives("000#0101") == ["181#4007"]
     desk.waits(10_000_000)
     desk.store.set(at.STATUSWORD, 0x0721)
-    assert desk.hears("201#0600") == ["181#2107"]
+    assert desk.receives("201#0600") == ["181#2107"]
     desk.waits(10_000_000)
     desk.store.set(at.STATUSWORD, 0x0737)
-    assert desk.hears("201#0F00") == ["181#3707"]
-    assert desk.hears("601#4041600000000000") == ["581#4B41600037070000"]
+    assert desk.receives("201#0F00") == ["181#3707"]
+    assert desk.receives("601#4041600000000000") == ["581#4B41600037070000"]
 
 
 def test_expedited_without_size_is_taken_exoskeleton_driver() -> None:
     desk = powered()
-    assert desk.hears("601#22606000FE000000") == ["581#6060600000000000"]
+    assert desk.receives("601#22606000FE000000") == ["581#6060600000000000"]
     assert desk.store.get(at.MODE) == -2
 
 
 def test_loss_of_power_is_reported_with_code_and_register_exoskeleton_driver() -> None:
     desk = operational()
     desk.motion.report(0x3220)
-    assert desk.hears("080#") == ["081#2032040000000000"]
+    assert desk.receives("080#") == ["081#2032040000000000"]
 
 
 @pytest.mark.parametrize(
@@ -101,7 +101,7 @@ def test_heartbeat_set_up_pejman712_crf(
     request_: str, answer: str, value: tuple[at.Address, int] | None
 ) -> None:
     desk = powered()
-    assert desk.hears(f"601#{request_}")[0] == f"581#{answer}"
+    assert desk.receives(f"601#{request_}")[0] == f"581#{answer}"
     if value is not None:
         assert desk.store.get(value[0]) == value[1]
 
@@ -118,7 +118,7 @@ def test_heartbeat_set_up_pejman712_crf(
     ],
 )
 def test_requests_of_a_microcontroller_are_granted_samsonchau(template: str) -> None:
-    assert powered().hears(f"601#{template}") == [f"581#60{template[2:8]}00000000"]
+    assert powered().receives(f"601#{template}") == [f"581#60{template[2:8]}00000000"]
 
 
 @pytest.mark.parametrize(
@@ -128,11 +128,11 @@ def test_the_upload_s_command_byte_reports_the_size_application_notes_p_150(
     index: int, subindex: int, command: str
 ) -> None:
     word = index.to_bytes(2, "little").hex()
-    (answer,) = powered().hears(f"601#40{word}{subindex:02X}00000000")
+    (answer,) = powered().receives(f"601#40{word}{subindex:02X}00000000")
     assert answer[4:6] == command
 
 
 def test_a_download_of_six_bytes_is_taken_public_scripts() -> None:
     desk = powered()
-    assert desk.hears("601#2B4060000600") == ["581#6040600000000000"]
+    assert desk.receives("601#2B4060000600") == ["581#6040600000000000"]
     assert desk.motion.written == [6]

@@ -72,21 +72,21 @@ while True:
 
 def test_a_kill_at_any_moment_leaves_a_whole_copy(tmp_path: Path) -> None:
     path = tmp_path / "node-1.json"
-    told = 0
+    reported = 0
     for lines in (1, 2, 5, 9):
         with subprocess.Popen(
-            [sys.executable, "-c", WRITER, str(path), str(told)], stdout=subprocess.PIPE, text=True
+            [sys.executable, "-c", WRITER, str(path), str(reported)], stdout=subprocess.PIPE, text=True
         ) as writer:
             assert writer.stdout is not None
             for _ in range(lines):
-                told = int(writer.stdout.readline())
+                reported = int(writer.stdout.readline())
             writer.send_signal(signal.SIGKILL)
             # What was told between the last line read and the kill is in the pipe.
-            told = max([told, *map(int, writer.stdout.read().split())])
+            reported = max([reported, *map(int, writer.stdout.read().split())])
         kept = set(ParameterFile(path).read().values())
         assert len(kept) == 1, "one copy, not parts of two"
-        assert kept <= {told, told + 1}
-        told = kept.pop()
+        assert kept <= {reported, reported + 1}
+        reported = kept.pop()
 
 
 def test_a_leftover_of_a_kill_is_of_no_account(tmp_path: Path) -> None:
@@ -108,7 +108,7 @@ def test_a_disk_that_refuses_is_a_hardware_error_and_the_drive_lives_on(tmp_path
     desk.writes(0x6083, 0, (777).to_bytes(4, "little"))
     assert desk.writes(0x1010, 1, b"save") == "06060000"
     assert desk.reads(0x6083) == 777
-    assert desk.hears("000#8101") == ["701#00"]
+    assert desk.receives("000#8101") == ["701#00"]
     assert desk.reads(0x6083) == 10_000
 
 

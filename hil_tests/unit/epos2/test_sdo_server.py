@@ -24,46 +24,46 @@ def aborted(address: str, code: AbortCode) -> list[str]:
 
 
 def test_the_device_name_comes_in_one_segment(desk: Desk) -> None:
-    assert desk.hears("601#4008100000000000") == ["581#4108100005000000"]
-    assert desk.hears("601#6000000000000000") == ["581#0545504F53320000"]
+    assert desk.receives("601#4008100000000000") == ["581#4108100005000000"]
+    assert desk.receives("601#6000000000000000") == ["581#0545504F53320000"]
 
 
 def test_a_64_bit_number_comes_in_two_segments(desk: Desk) -> None:
-    assert desk.hears("601#4004200000000000") == ["581#4104200008000000"]
-    assert desk.hears("601#6000000000000000") == ["581#0054590180206600"]
-    assert desk.hears("601#7000000000000000") == ["581#1D00000000000000"]
+    assert desk.receives("601#4004200000000000") == ["581#4104200008000000"]
+    assert desk.receives("601#6000000000000000") == ["581#0054590180206600"]
+    assert desk.receives("601#7000000000000000") == ["581#1D00000000000000"]
 
 
 def test_after_the_last_segment_there_is_no_next(desk: Desk) -> None:
-    desk.hears("601#4008100000000000")
-    desk.hears("601#6000000000000000")
-    assert desk.hears("601#7000000000000000") == aborted("000000", AbortCode.UNKNOWN_COMMAND)
+    desk.receives("601#4008100000000000")
+    desk.receives("601#6000000000000000")
+    assert desk.receives("601#7000000000000000") == aborted("000000", AbortCode.UNKNOWN_COMMAND)
 
 
 def test_an_upload_segment_with_the_same_toggle_ends_the_transfer(desk: Desk) -> None:
-    desk.hears("601#4004200000000000")
-    desk.hears("601#6000000000000000")
-    assert desk.hears("601#6000000000000000") == aborted("042000", AbortCode.TOGGLE)
-    assert desk.hears("601#7000000000000000") == aborted("000000", AbortCode.UNKNOWN_COMMAND)
+    desk.receives("601#4004200000000000")
+    desk.receives("601#6000000000000000")
+    assert desk.receives("601#6000000000000000") == aborted("042000", AbortCode.TOGGLE)
+    assert desk.receives("601#7000000000000000") == aborted("000000", AbortCode.UNKNOWN_COMMAND)
 
 
 def test_a_number_may_come_in_segments(desk: Desk) -> None:
-    assert desk.hears("601#2140600002000000") == ["581#6040600000000000"]
-    assert desk.hears("601#0B06000000000000") == ["581#2000000000000000"]
+    assert desk.receives("601#2140600002000000") == ["581#6040600000000000"]
+    assert desk.receives("601#0B06000000000000") == ["581#2000000000000000"]
     assert desk.motion.written == [6]
 
 
 def test_a_domain_takes_many_segments_with_alternating_toggle(desk: Desk) -> None:
-    assert desk.hears(f"601#21{DOMAIN}09000000") == [f"581#60{DOMAIN}00000000"]
-    assert desk.hears("601#0001020304050607") == ["581#2000000000000000"]
-    assert desk.hears("601#1B08090000000000") == ["581#3000000000000000"]
+    assert desk.receives(f"601#21{DOMAIN}09000000") == [f"581#60{DOMAIN}00000000"]
+    assert desk.receives("601#0001020304050607") == ["581#2000000000000000"]
+    assert desk.receives("601#1B08090000000000") == ["581#3000000000000000"]
     assert desk.store.read(Address(0x201B)) == bytes(range(1, 10))
 
 
 def test_a_download_segment_with_the_same_toggle_ends_the_transfer(desk: Desk) -> None:
-    desk.hears(f"601#21{DOMAIN}0E000000")
-    desk.hears("601#0001020304050607")
-    assert desk.hears("601#0101020304050607") == aborted(DOMAIN, AbortCode.TOGGLE)
+    desk.receives(f"601#21{DOMAIN}0E000000")
+    desk.receives("601#0001020304050607")
+    assert desk.receives("601#0101020304050607") == aborted(DOMAIN, AbortCode.TOGGLE)
 
 
 @pytest.mark.parametrize(
@@ -78,26 +78,26 @@ def test_a_download_segment_with_the_same_toggle_ends_the_transfer(desk: Desk) -
 def test_sizes_are_checked_when_announced_and_when_sent(
     desk: Desk, announced: str, segment: str | None, code: AbortCode
 ) -> None:
-    first = desk.hears(f"601#21406000{announced}")
-    assert (desk.hears(f"601#{segment}") if segment else first) == aborted("406000", code)
+    first = desk.receives(f"601#21406000{announced}")
+    assert (desk.receives(f"601#{segment}") if segment else first) == aborted("406000", code)
     assert desk.motion.written == []
 
 
 def test_a_domain_that_stays_short_of_its_announcement_is_refused(desk: Desk) -> None:
-    assert desk.hears(f"601#23{DOMAIN}0102") == aborted(DOMAIN, AbortCode.TOO_SHORT)
-    desk.hears(f"601#21{DOMAIN}09000000")
-    assert desk.hears("601#0101020304050607") == aborted(DOMAIN, AbortCode.TOO_SHORT)
+    assert desk.receives(f"601#23{DOMAIN}0102") == aborted(DOMAIN, AbortCode.TOO_SHORT)
+    desk.receives(f"601#21{DOMAIN}09000000")
+    assert desk.receives("601#0101020304050607") == aborted(DOMAIN, AbortCode.TOO_SHORT)
     assert desk.store.read(Address(0x201B)) == b""
 
 
 def test_a_download_without_a_size_is_checked_at_its_end(desk: Desk) -> None:
-    desk.hears("601#2040600000000000")
-    assert desk.hears("601#0906000000000000") == aborted("406000", AbortCode.TOO_LONG)
+    desk.receives("601#2040600000000000")
+    assert desk.receives("601#0906000000000000") == aborted("406000", AbortCode.TOO_LONG)
 
 
 def test_a_domain_without_a_size_has_an_end(desk: Desk) -> None:
-    desk.hears(f"601#20{DOMAIN}00000000")
-    answers = [desk.hears(f"601#{'10' if odd % 2 else '00'}00000000000000") for odd in range(600)]
+    desk.receives(f"601#20{DOMAIN}00000000")
+    answers = [desk.receives(f"601#{'10' if odd % 2 else '00'}00000000000000") for odd in range(600)]
     assert aborted(DOMAIN, AbortCode.OUT_OF_MEMORY) in answers
 
 
@@ -134,46 +134,46 @@ def test_a_domain_without_a_size_has_an_end(desk: Desk) -> None:
 def test_what_cannot_be_granted_is_refused_with_the_right_code(
     desk: Desk, request_: str, address: str, code: AbortCode
 ) -> None:
-    assert desk.hears(f"601#{request_}") == aborted(address, code)
+    assert desk.receives(f"601#{request_}") == aborted(address, code)
 
 
 def test_an_upload_needs_no_more_than_its_address(desk: Desk) -> None:
-    assert desk.hears("601#40001000") == ["581#4300100092010200"]
+    assert desk.receives("601#40001000") == ["581#4300100092010200"]
 
 
 def test_an_abort_is_not_answered_and_ends_the_transfer(desk: Desk) -> None:
-    desk.hears("601#4004200000000000")
-    assert desk.hears("601#8004200000000405") == []
-    assert desk.hears("601#6000000000000000") == aborted("000000", AbortCode.UNKNOWN_COMMAND)
+    desk.receives("601#4004200000000000")
+    assert desk.receives("601#8004200000000405") == []
+    assert desk.receives("601#6000000000000000") == aborted("000000", AbortCode.UNKNOWN_COMMAND)
 
 
 def test_a_new_request_replaces_the_transfer(desk: Desk) -> None:
-    desk.hears("601#4004200000000000")
-    desk.hears("601#4041600000000000")
-    assert desk.hears("601#6000000000000000") == aborted("000000", AbortCode.UNKNOWN_COMMAND)
+    desk.receives("601#4004200000000000")
+    desk.receives("601#4041600000000000")
+    assert desk.receives("601#6000000000000000") == aborted("000000", AbortCode.UNKNOWN_COMMAND)
 
 
 def test_an_upload_segment_in_the_middle_of_a_download_ends_it(desk: Desk) -> None:
-    desk.hears(f"601#21{DOMAIN}09000000")
-    assert desk.hears("601#6000000000000000") == aborted(DOMAIN, AbortCode.UNKNOWN_COMMAND)
+    desk.receives(f"601#21{DOMAIN}09000000")
+    assert desk.receives("601#6000000000000000") == aborted(DOMAIN, AbortCode.UNKNOWN_COMMAND)
 
 
 def test_an_empty_domain_is_read_as_nothing(desk: Desk) -> None:
-    assert desk.hears(f"601#40{DOMAIN}00000000") == [f"581#41{DOMAIN}00000000"]
-    assert desk.hears("601#6000000000000000") == ["581#0F00000000000000"]
+    assert desk.receives(f"601#40{DOMAIN}00000000") == [f"581#41{DOMAIN}00000000"]
+    assert desk.receives("601#6000000000000000") == ["581#0F00000000000000"]
 
 
 def test_answers_can_be_made_to_take_time() -> None:
     desk = powered(replace(EPOS2_70_10, sdo_latency=300_000))
-    assert desk.hears("601#4000100000000000") == []
+    assert desk.receives("601#4000100000000000") == []
     assert desk.waits(299_999) == []
     assert desk.waits(1) == ["581#4300100092010200"]
 
 
 def test_an_answer_that_takes_time_is_lost_when_the_drive_is_stopped() -> None:
     desk = powered(replace(EPOS2_70_10, sdo_latency=300_000))
-    desk.hears("601#4000100000000000")
-    desk.hears("000#0201")
+    desk.receives("601#4000100000000000")
+    desk.receives("000#0201")
     assert desk.waits(1_000_000) == []
 
 

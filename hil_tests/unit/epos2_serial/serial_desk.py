@@ -25,7 +25,7 @@ from hil_tests.unit.epos2.quiet_motion import QuietMotion
 
 NEAR = 1
 FAR = 2
-NOBODY = 99
+NO_NODE = 99
 DOMAIN = 0x201B
 both = pytest.mark.parametrize("generation", Generation)
 nodes = pytest.mark.parametrize("node", [0, NEAR, FAR], ids=["zero", "own", "gateway"])
@@ -41,8 +41,8 @@ class Host:
     def __init__(self, generation: Generation, timeout: Nanoseconds, baud: int) -> None:
         self.baud = baud
         self.generation = generation
-        self.said = b""
-        self.heard = b""
+        self.sent = b""
+        self.received = b""
         self.begun_at: Nanoseconds = 0
         self.ended_at: Nanoseconds = 0
         self.outcome: Outcome | None = None
@@ -51,8 +51,8 @@ class Host:
         self._end = host_end(generation, timeout)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        self.heard += packet.payload
-        self._note(self._end.hear(packet.payload, now), now)
+        self.received += packet.payload
+        self._note(self._end.receive(packet.payload, now), now)
         return self._reaction()
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -76,7 +76,7 @@ class Host:
 
     def _reaction(self) -> Reaction:
         raw, self.raw = self.raw + self._end.taken(), b""
-        self.said += raw
+        self.sent += raw
         return Reaction((Packet(SERIAL, 0, raw),) if raw else (), self._next())
 
 
@@ -121,16 +121,16 @@ class SerialDesk:
 
     def sends(self, raw: bytes) -> bytes:
         """Put bytes on the line as they are, and return what comes back within 20 ms."""
-        self.host.raw, self.host.heard = raw, b""
+        self.host.raw, self.host.received = raw, b""
         self.world.stop("host")
         self.waits(20 * MILLISECOND + len(raw) * 100 * MICROSECOND)
-        return self.host.heard
+        return self.host.received
 
     def tries(self, request: Request) -> Outcome:
         """Ask, and wait for the outcome."""
         host = self.host
         host.due, host.outcome = request, None
-        host.said = host.heard = b""
+        host.sent = host.received = b""
         ended = host.ended_at
         self.world.stop("host")
         for _ in range(100_000):
@@ -142,7 +142,7 @@ class SerialDesk:
         assert outcome is not None, "nothing came of it"
         return outcome
 
-    def asks(self, request: Request) -> Answer | None:
+    def requests(self, request: Request) -> Answer | None:
         """Ask, and return the answer; None where the protocol has none."""
         outcome = self.tries(request)
         assert isinstance(outcome, Answered), outcome

@@ -30,7 +30,7 @@ from hil_tests.unit.epos2_serial.serial_desk import FAR, NEAR, SerialDesk, both,
 @both
 def test_network_commands(generation: Generation, node: int, command: int, state: NmtState) -> None:
     desk = SerialDesk(generation)
-    desk.asks(SendNmtService(node, command))
+    desk.requests(SendNmtService(node, command))
     before = NmtState.PRE_OPERATIONAL
     assert desk.drive.nmt_state is (before if node == FAR else state)
     assert desk.far.nmt_state is (before if node == NEAR else state)
@@ -40,10 +40,10 @@ def test_network_commands(generation: Generation, node: int, command: int, state
 @pytest.mark.parametrize("command", [129, 130])
 def test_the_port_lives_on_through_resets_by_its_own_command(generation: Generation, command: int) -> None:
     desk = SerialDesk(generation)
-    answer = desk.asks(SendNmtService(NEAR, command))
+    answer = desk.requests(SendNmtService(NEAR, command))
     assert answer is None, "no end acknowledge (maxon's library for PCs)"
     assert "near 701#00" in desk.frames
-    assert desk.asks(ReadObject(0x1001, 0, 0)) == ObjectRead(0, bytes(4))
+    assert desk.requests(ReadObject(0x1001, 0, 0)) == ObjectRead(0, bytes(4))
 
 
 @pytest.mark.parametrize(
@@ -57,10 +57,10 @@ def test_the_port_lives_on_through_resets_by_its_own_command(generation: Generat
 )
 def test_what_cannot_be_sent(request_: Request, code: int) -> None:
     desk = SerialDesk(Generation.V2)
-    assert desk.asks(request_) == Done(code)
+    assert desk.requests(request_) == Done(code)
     assert desk.frames == []
     desk = SerialDesk(Generation.V1)
-    assert desk.asks(request_) is None
+    assert desk.requests(request_) is None
     assert desk.frames == []
 
 
@@ -68,10 +68,10 @@ def test_what_cannot_be_sent(request_: Request, code: int) -> None:
 @both
 def test_a_frame_of_the_host_s_own_goes_onto_the_bus(generation: Generation) -> None:
     desk = SerialDesk(generation)
-    answer = desk.asks(SendCanFrame(0x602, 6, bytes.fromhex("2B40600006000000")))
+    answer = desk.requests(SendCanFrame(0x602, 6, bytes.fromhex("2B40600006000000")))
     assert answer == (None if generation is Generation.V1 else Done(0))
     assert desk.frames == ["near 602#2B4060000600", "far 582#6040600000000000"]
-    assert desk.host.heard == (b"OO" if generation is Generation.V1 else desk.host.heard)
+    assert desk.host.received == (b"OO" if generation is Generation.V1 else desk.host.received)
 
 
 @pytest.mark.opcode(0x21)
@@ -81,14 +81,14 @@ def test_a_frame_is_requested_from_another_drive_and_from_this_one(generation: G
     for node in (NEAR, FAR):
         for payload in ((0x1800, 2, 253), (0x1800, 1, 0x180 + node)):
             index, subindex, value = payload
-            assert desk.asks(WriteObject(index, subindex, node, u32(value))) == Done(0)
-    desk.asks(SendNmtService(0, 1))
+            assert desk.requests(WriteObject(index, subindex, node, u32(value))) == Done(0)
+    desk.requests(SendNmtService(0, 1))
     for node in (NEAR, FAR):
-        answer = desk.asks(RequestCanFrame(0x180 + node, 2))
+        answer = desk.requests(RequestCanFrame(0x180 + node, 2))
         assert answer == FrameRead(0, bytes.fromhex("4007000000000000"))
-    assert desk.asks(RequestCanFrame(0x183, 2)) == FrameRead(AbortCode.TIMEOUT, bytes(8))
-    assert desk.asks(RequestCanFrame(0x800, 2)) == FrameRead(AbortCode.WRONG_NODE, bytes(8))
-    assert desk.asks(RequestCanFrame(0x183, 9)) == FrameRead(AbortCode.LENGTH, bytes(8))
+    assert desk.requests(RequestCanFrame(0x183, 2)) == FrameRead(AbortCode.TIMEOUT, bytes(8))
+    assert desk.requests(RequestCanFrame(0x800, 2)) == FrameRead(AbortCode.WRONG_NODE, bytes(8))
+    assert desk.requests(RequestCanFrame(0x183, 9)) == FrameRead(AbortCode.LENGTH, bytes(8))
 
 
 def lss(text: str) -> bytes:
@@ -102,11 +102,11 @@ def test_layer_setting_reaches_the_drive_on_the_line_and_the_others(
     generation: Generation, node: int
 ) -> None:
     desk = SerialDesk(generation)
-    desk.asks(SendNmtService(node, 2))  # the services live in Stopped
-    assert desk.asks(SendLssFrame(lss("0401"))) == Done(0)
-    assert desk.asks(ReadLssFrame(20)) == FrameRead(AbortCode.TIMEOUT, bytes(8))
-    assert desk.asks(SendLssFrame(lss("5A"))) == Done(0)
-    assert desk.asks(ReadLssFrame(500)) == FrameRead(0, lss("5AFB"))
-    assert desk.asks(SendLssFrame(lss("5E"))) == Done(0)
-    assert desk.asks(ReadLssFrame(500)) == FrameRead(0, lss(f"5E{node:02X}"))
-    assert desk.asks(ReadLssFrame(20)) == FrameRead(AbortCode.TIMEOUT, bytes(8))
+    desk.requests(SendNmtService(node, 2))  # the services live in Stopped
+    assert desk.requests(SendLssFrame(lss("0401"))) == Done(0)
+    assert desk.requests(ReadLssFrame(20)) == FrameRead(AbortCode.TIMEOUT, bytes(8))
+    assert desk.requests(SendLssFrame(lss("5A"))) == Done(0)
+    assert desk.requests(ReadLssFrame(500)) == FrameRead(0, lss("5AFB"))
+    assert desk.requests(SendLssFrame(lss("5E"))) == Done(0)
+    assert desk.requests(ReadLssFrame(500)) == FrameRead(0, lss(f"5E{node:02X}"))
+    assert desk.requests(ReadLssFrame(20)) == FrameRead(AbortCode.TIMEOUT, bytes(8))

@@ -17,6 +17,6 @@ def test_a_command_known_by_name_only_is_refused(generation: Generation, opcode:
     if generation is Generation.V1:
         assert desk.sends(encode_v1(frame)[:1]) == b"F"
     else:
-        told = int(AbortCode.ILLEGAL_COMMAND).to_bytes(4, "little")
-        assert desk.sends(encode_v2(frame)) == encode_v2(Frame(ANSWER, told))
-    assert desk.asks(ReadObject(0x1000, 0, 0)) == ObjectRead(0, bytes.fromhex("92010200"))
+        reported = int(AbortCode.ILLEGAL_COMMAND).to_bytes(4, "little")
+        assert desk.sends(encode_v2(frame)) == encode_v2(Frame(ANSWER, reported))
+    assert desk.requests(ReadObject(0x1000, 0, 0)) == ObjectRead(0, bytes.fromhex("92010200"))

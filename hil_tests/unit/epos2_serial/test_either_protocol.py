@@ -13,8 +13,8 @@ from firmware_bridge.wire.maxon.messages import ReadObject
 from firmware_bridge.wire.maxon.opcodes import encode_request
 from hil_tests.unit.epos2.quiet_motion import QuietMotion
 
-ASKED = encode_request(ReadObject(0x1000, 0, 0))
-V1, V2 = encode_v1(ASKED), encode_v2(ASKED)
+REQUESTED = encode_request(ReadObject(0x1000, 0, 0))
+V1, V2 = encode_v1(REQUESTED), encode_v2(REQUESTED)
 DEVICE_TYPE = bytes.fromhex("92010200")
 QUIET = 500 * MILLISECOND
 
@@ -27,7 +27,7 @@ def drive() -> SerialEpos2:
     return made
 
 
-def hears(drive: SerialEpos2, raw: bytes, now: Nanoseconds) -> bytes:
+def receives(drive: SerialEpos2, raw: bytes, now: Nanoseconds) -> bytes:
     drive.wake(now)
     return b"".join(it.payload for it in drive.receive(Packet(SERIAL, 0, raw), now).sent)
 
@@ -35,12 +35,12 @@ def hears(drive: SerialEpos2, raw: bytes, now: Nanoseconds) -> bytes:
 def answer(drive: SerialEpos2, generation: Generation, now: Nanoseconds) -> bytes:
     """Ask in one protocol for the device type, and return what came last."""
     if generation is Generation.V2:
-        return hears(drive, V2, now)
-    assert hears(drive, V1[:1], now) == b"O"
-    assert hears(drive, V1[1:], now) == b"O\0"
-    said = hears(drive, b"O", now)
-    hears(drive, b"O", now)
-    return said
+        return receives(drive, V2, now)
+    assert receives(drive, V1[:1], now) == b"O"
+    assert receives(drive, V1[1:], now) == b"O\0"
+    sent = receives(drive, b"O", now)
+    receives(drive, b"O", now)
+    return sent
 
 
 def test_each_host_is_answered_in_its_own(drive: SerialEpos2) -> None:
@@ -51,25 +51,25 @@ def test_each_host_is_answered_in_its_own(drive: SerialEpos2) -> None:
 
 
 def test_byte_by_byte_too(drive: SerialEpos2) -> None:
-    said = b"".join(hears(drive, bytes((byte,)), 2 * SECOND) for byte in V2)
-    assert DEVICE_TYPE in said
+    sent = b"".join(receives(drive, bytes((byte,)), 2 * SECOND) for byte in V2)
+    assert DEVICE_TYPE in sent
 
 
 def test_what_follows_a_frame_of_usb_at_once_is_noise_and_no_opcode_of_rs232(drive: SerialEpos2) -> None:
-    hears(drive, V2, 2 * SECOND)
-    assert hears(drive, V1[:1], 2 * SECOND + QUIET - 1) == b""
-    assert DEVICE_TYPE in hears(drive, V2, 2 * SECOND + QUIET)
+    receives(drive, V2, 2 * SECOND)
+    assert receives(drive, V1[:1], 2 * SECOND + QUIET - 1) == b""
+    assert DEVICE_TYPE in receives(drive, V2, 2 * SECOND + QUIET)
 
 
 def test_a_command_that_has_begun_is_not_left_for_the_other_protocol(drive: SerialEpos2) -> None:
-    hears(drive, V1[:1], 2 * SECOND)
-    hears(drive, V2, 2 * SECOND)
+    receives(drive, V1[:1], 2 * SECOND)
+    receives(drive, V2, 2 * SECOND)
     assert drive.wake(2 * SECOND + QUIET).sent == ()
-    assert DEVICE_TYPE in hears(drive, V2, 3 * SECOND)
+    assert DEVICE_TYPE in receives(drive, V2, 3 * SECOND)
 
 
 def test_where_it_was_stated_the_other_one_is_refused() -> None:
     drive = SerialEpos2(1, ServoAxis("one", 2000), EPOS2_70_10, QuietMotion, generation=Generation.V1)
     drive.wake(0)
     drive.wake(SECOND)
-    assert hears(drive, V2[:1], 2 * SECOND) == b"F"
+    assert receives(drive, V2[:1], 2 * SECOND) == b"F"

@@ -21,7 +21,7 @@ from firmware_bridge.wire.maxon.messages import (
 from hil_tests.unit.epos2_serial.serial_desk import (
     FAR,
     NEAR,
-    NOBODY,
+    NO_NODE,
     SerialDesk,
     both,
     nodes,
@@ -36,8 +36,8 @@ from hil_tests.unit.epos2_serial.serial_desk import (
 def test_an_object_is_written_and_read_back(generation: Generation, node: int) -> None:
     desk = SerialDesk(generation)
     for index, value in ((0x6081, 2500), (0x607A, 0xFFFF_FFFE), (0x6060, 0xFD)):
-        assert desk.asks(WriteObject(index, 0, node, u32(value))) == Done(0)
-        assert desk.asks(ReadObject(index, 0, node)) == ObjectRead(0, u32(value))
+        assert desk.requests(WriteObject(index, 0, node, u32(value))) == Done(0)
+        assert desk.requests(ReadObject(index, 0, node)) == ObjectRead(0, u32(value))
     store = desk.far.store if node == FAR else desk.drive.store
     assert (store.get(at.MODE), store.get(at.TARGET_POSITION)) == (-3, -2)
     assert bool(desk.frames) is (node == FAR)
@@ -68,14 +68,14 @@ def test_a_refusal_is_the_same_on_the_line_and_through_the_gateway(
     desk = SerialDesk(Generation.V1)
     assert isinstance(request_, ReadObject | WriteObject | InitiateSegmentedRead | InitiateSegmentedWrite)
     fields = {name: getattr(request_, name) for name in request_.__dataclass_fields__} | {"node": node}
-    answer = desk.asks(type(request_)(**fields))
+    answer = desk.requests(type(request_)(**fields))
     assert answer is not None
     # An SDO server that is not told the size takes what it has; only its own length check differs.
-    told = answer.error
+    reported = answer.error
     if node == FAR and code == 0x0607_0013:
-        assert told in {0x0607_0010, 0x0607_0012, 0x0607_0013}
+        assert reported in {0x0607_0010, 0x0607_0012, 0x0607_0013}
     else:
-        assert told == code
+        assert reported == code
     wanted = 8 if isinstance(request_, ReadObject) else 4
     assert isinstance(desk.host.outcome, Answered)
     assert len(desk.host.outcome.body) == wanted
@@ -85,29 +85,29 @@ def test_a_refusal_is_the_same_on_the_line_and_through_the_gateway(
 @both
 @pytest.mark.parametrize(
     ("node", "code"),
-    [(NOBODY, AbortCode.TIMEOUT), (128, AbortCode.WRONG_NODE), (255, AbortCode.WRONG_NODE)],
+    [(NO_NODE, AbortCode.TIMEOUT), (128, AbortCode.WRONG_NODE), (255, AbortCode.WRONG_NODE)],
 )
 def test_a_node_that_does_not_answer(generation: Generation, node: int, code: int) -> None:
     desk = SerialDesk(generation)
-    assert desk.asks(ReadObject(0x1000, 0, node)) == ObjectRead(code, bytes(4))
+    assert desk.requests(ReadObject(0x1000, 0, node)) == ObjectRead(code, bytes(4))
     waited = desk.host.ended_at - desk.host.begun_at
     assert (waited > 500 * MILLISECOND) is (code == AbortCode.TIMEOUT)
-    assert desk.asks(ReadObject(0x1000, 0, FAR)) == ObjectRead(0, u32(0x0002_0192))
+    assert desk.requests(ReadObject(0x1000, 0, FAR)) == ObjectRead(0, u32(0x0002_0192))
 
 
 @both
 def test_a_node_in_stopped_answers_nothing_but_the_line_still_does(generation: Generation) -> None:
     desk = SerialDesk(generation)
-    desk.asks(SendNmtService(0, 2))
+    desk.requests(SendNmtService(0, 2))
     assert (desk.drive.nmt_state, desk.far.nmt_state) == (NmtState.STOPPED, NmtState.STOPPED)
-    assert desk.asks(ReadObject(0x1000, 0, FAR)) == ObjectRead(AbortCode.TIMEOUT, bytes(4))
-    assert desk.asks(ReadObject(0x1000, 0, NEAR)) == ObjectRead(0, u32(0x0002_0192))
+    assert desk.requests(ReadObject(0x1000, 0, FAR)) == ObjectRead(AbortCode.TIMEOUT, bytes(4))
+    assert desk.requests(ReadObject(0x1000, 0, NEAR)) == ObjectRead(0, u32(0x0002_0192))
 
 
 def test_bytes_beyond_the_object_s_size_are_the_profile_s() -> None:
     """Recorded: 10 62 behind a version of 16 bits; another device had 0x8090 there."""
     desk = SerialDesk(Generation.V1, with_profile(beyond_size=b"\x11\x22\x90\x80"))
-    assert desk.asks(ReadObject(0x2003, 1, 0)) == ObjectRead(0, bytes.fromhex("26219080"))
-    assert desk.asks(ReadObject(0x6061, 0, 0)) == ObjectRead(0, bytes.fromhex("01229080"))
-    assert desk.asks(ReadObject(0x1000, 0, 0)) == ObjectRead(0, bytes.fromhex("92010200"))
-    assert desk.asks(ReadObject(0x5555, 0, 0)) == ObjectRead(AbortCode.NO_OBJECT, bytes(4))
+    assert desk.requests(ReadObject(0x2003, 1, 0)) == ObjectRead(0, bytes.fromhex("26219080"))
+    assert desk.requests(ReadObject(0x6061, 0, 0)) == ObjectRead(0, bytes.fromhex("01229080"))
+    assert desk.requests(ReadObject(0x1000, 0, 0)) == ObjectRead(0, bytes.fromhex("92010200"))
+    assert desk.requests(ReadObject(0x5555, 0, 0)) == ObjectRead(AbortCode.NO_OBJECT, bytes(4))

@@ -57,9 +57,9 @@ def desk_for(exchange: Exchange, generation: Generation) -> SerialDesk:
     desk.drive.store.set(at.STATUSWORD, 0x0140)
     desk.drive.store.set(at.POSITION_ACTUAL, 0x9090)
     if isinstance(request, messages.SegmentRead):
-        desk.asks(messages.InitiateSegmentedRead(0x1008, 0, 1))
+        desk.requests(messages.InitiateSegmentedRead(0x1008, 0, 1))
     if isinstance(request, messages.ReadLssFrame):
-        desk.asks(messages.SendLssFrame(bytes.fromhex("4300000000000000")))
+        desk.requests(messages.SendLssFrame(bytes.fromhex("4300000000000000")))
     return desk
 
 
@@ -67,20 +67,20 @@ def desk_for(exchange: Exchange, generation: Generation) -> SerialDesk:
 def test_the_drive_answers_as_it_was_recorded(exchange: Exchange, generation: Generation) -> None:
     desk = desk_for(exchange, generation)
     answered = generation in row_of(exchange.request).answered
-    assert desk.asks(exchange.request) == (exchange.answer if answered else None)
-    assert (desk.host.said, desk.host.heard) == wanted(exchange, generation)
+    assert desk.requests(exchange.request) == (exchange.answer if answered else None)
+    assert (desk.host.sent, desk.host.received) == wanted(exchange, generation)
 
 
 def wanted(exchange: Exchange, generation: Generation) -> tuple[bytes, bytes]:
     """Return all bytes of the host and all of the drive, handshakes included."""
     pair = exchange.v1 if generation is Generation.V1 else exchange.v2
     assert pair is not None
-    asked, answered = map(bytes.fromhex, pair)
+    requested, answered = map(bytes.fromhex, pair)
     if generation is Generation.V2:
-        return asked, answered
+        return requested, answered
     if not answered:
-        return asked, b"OO"
-    return asked + b"OO", b"OO" + answered
+        return requested, b"OO"
+    return requested + b"OO", b"OO" + answered
 
 
 @every(("exchange", "generation"), CASES)
@@ -90,20 +90,20 @@ def test_garbage_before_and_between_changes_nothing(exchange: Exchange, generati
     for _ in range(1 + repeatable):
         assert set(desk.sends(GARBAGE[generation])) <= {0x46}
         desk.waits(500 * MILLISECOND)  # 0x2005 and 0x2006: then the drive is idle again
-        assert desk.asks(exchange.request) in {None, exchange.answer}
-        assert desk.host.heard == wanted(exchange, generation)[1]
+        assert desk.requests(exchange.request) in {None, exchange.answer}
+        assert desk.host.received == wanted(exchange, generation)[1]
 
 
 def test_the_gateway_s_frames_on_the_bus_application_notes_p_164() -> None:
     desk = SerialDesk(Generation.V2)
-    desk.asks(messages.ReadObject(0x1000, 0, 2))
+    desk.requests(messages.ReadObject(0x1000, 0, 2))
     assert desk.frames == ["near 602#4000100000000000", "far 582#4300100092010200"]
 
 
 def test_a_command_to_all_nodes_starts_both_drives() -> None:
     for generation in Generation:
         desk = SerialDesk(generation)
-        desk.asks(messages.SendNmtService(0, 1))
+        desk.requests(messages.SendNmtService(0, 1))
         assert (desk.drive.nmt_state, desk.far.nmt_state) == (NmtState.OPERATIONAL, NmtState.OPERATIONAL)
         assert "near 000#0100" in desk.frames
 
@@ -113,5 +113,5 @@ def test_bytes_come_one_by_one_on_rs232() -> None:
     chunks: list[bytes] = []
     assert isinstance(desk.line, SerialWire)
     desk.line.observe(lambda _now, _sender, packet: chunks.append(packet.payload))
-    desk.asks(messages.ReadObject(0x6041, 0, 1))
+    desk.requests(messages.ReadObject(0x6041, 0, 1))
     assert {len(chunk) for chunk in chunks} == {1}

@@ -35,14 +35,14 @@ def test_a_recording_comes_in_segments(generation: Generation, node: int, segmen
     bank = ServoBank(plant, [axis])
     DataRecorder(store, axis)
     for index, subindex, value in SET_UP:
-        assert desk.asks(WriteObject(index, subindex, node, value.to_bytes(4, "little"))) == Done(0)
+        assert desk.requests(WriteObject(index, subindex, node, value.to_bytes(4, "little"))) == Done(0)
     while bank.now < 40 * MILLISECOND:
         bank.advance(40 * MILLISECOND)
-    assert desk.asks(InitiateSegmentedRead(BUFFER, 0, node)) == Done(0)
+    assert desk.requests(InitiateSegmentedRead(BUFFER, 0, node)) == Done(0)
     chunks: list[bytes] = []
     more = True
     while more:
-        answer = desk.asks(SegmentRead(control(0, toggle=len(chunks) % 2 == 1)))
+        answer = desk.requests(SegmentRead(control(0, toggle=len(chunks) % 2 == 1)))
         assert isinstance(answer, SegmentOut)
         assert answer.error == 0
         chunks.append(answer.raw[: answer.control & 0x3F])

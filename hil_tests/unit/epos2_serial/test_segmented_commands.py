@@ -29,10 +29,10 @@ from hil_tests.unit.epos2_serial.serial_desk import (
 
 
 def read_whole(desk: SerialDesk, index: int, subindex: int, node: int) -> list[bytes]:
-    assert desk.asks(InitiateSegmentedRead(index, subindex, node)) == Done(0)
+    assert desk.requests(InitiateSegmentedRead(index, subindex, node)) == Done(0)
     chunks, toggle = [], False
     while True:
-        answer = desk.asks(SegmentRead(control(0, toggle=toggle)))
+        answer = desk.requests(SegmentRead(control(0, toggle=toggle)))
         assert isinstance(answer, SegmentOut)
         length = answer.control & 0x3F
         assert answer.error == 0
@@ -46,12 +46,12 @@ def read_whole(desk: SerialDesk, index: int, subindex: int, node: int) -> list[b
 
 
 def write_whole(desk: SerialDesk, index: int, node: int, raw: bytes, size: int) -> int:
-    assert desk.asks(InitiateSegmentedWrite(index, 0, node, len(raw))) == Done(0)
+    assert desk.requests(InitiateSegmentedWrite(index, 0, node, len(raw))) == Done(0)
     toggle, commands = False, 1
     for begin in range(0, len(raw), size):
         chunk = raw[begin : begin + size]
         head = control(len(chunk), toggle=toggle)
-        assert desk.asks(SegmentWrite(head, chunk)) == SegmentTaken(0, head)
+        assert desk.requests(SegmentWrite(head, chunk)) == SegmentTaken(0, head)
         toggle, commands = not toggle, commands + 1
     return commands
 
@@ -103,13 +103,13 @@ def test_a_number_can_be_written_by_segments(node: int) -> None:
 @both
 def test_a_wrong_toggle_bit_ends_the_transfer(generation: Generation, node: int) -> None:
     desk = SerialDesk(generation)
-    desk.asks(InitiateSegmentedRead(0x1008, 0, node))
-    assert desk.asks(SegmentRead(control(0, toggle=True))) == SegmentOut(AbortCode.TOGGLE, 0, b"\0")
-    assert desk.asks(SegmentRead(0)) == SegmentOut(AbortCode.UNKNOWN_COMMAND, 0, b"\0")
-    desk.asks(InitiateSegmentedWrite(DOMAIN, 0, node, 20))
+    desk.requests(InitiateSegmentedRead(0x1008, 0, node))
+    assert desk.requests(SegmentRead(control(0, toggle=True))) == SegmentOut(AbortCode.TOGGLE, 0, b"\0")
+    assert desk.requests(SegmentRead(0)) == SegmentOut(AbortCode.UNKNOWN_COMMAND, 0, b"\0")
+    desk.requests(InitiateSegmentedWrite(DOMAIN, 0, node, 20))
     head = control(7, toggle=True)
-    assert desk.asks(SegmentWrite(head, bytes(7))) == SegmentTaken(AbortCode.TOGGLE, 0)
-    assert desk.asks(SegmentWrite(control(7, toggle=False), bytes(7))) == SegmentTaken(
+    assert desk.requests(SegmentWrite(head, bytes(7))) == SegmentTaken(AbortCode.TOGGLE, 0)
+    assert desk.requests(SegmentWrite(control(7, toggle=False), bytes(7))) == SegmentTaken(
         AbortCode.UNKNOWN_COMMAND, 0
     )
     assert write_whole(desk, DOMAIN, node, b"afterwards", 7) == 3
@@ -119,8 +119,8 @@ def test_a_wrong_toggle_bit_ends_the_transfer(generation: Generation, node: int)
 @both
 def test_more_bytes_than_announced_are_refused(generation: Generation, node: int) -> None:
     desk = SerialDesk(generation)
-    desk.asks(InitiateSegmentedWrite(DOMAIN, 0, node, 3))
-    answer = desk.asks(SegmentWrite(control(5, toggle=False), bytes(5)))
+    desk.requests(InitiateSegmentedWrite(DOMAIN, 0, node, 3))
+    answer = desk.requests(SegmentWrite(control(5, toggle=False), bytes(5)))
     assert answer == SegmentTaken(AbortCode.TOO_LONG, 0)
     assert (desk.far if node == FAR else desk.drive).store.read(Address(DOMAIN)) == b""
 
@@ -152,19 +152,19 @@ def test_each_segment_of_eight_is_divided_and_the_toggle_bits_of_host_and_bus_go
 @pytest.mark.parametrize(("longest", "size"), [(8, 9), (7, 8)])
 def test_a_longer_segment_does_not_pass_the_gateway(longest: int, size: int) -> None:
     desk = SerialDesk(Generation.V2, with_profile(gateway_segment=longest))
-    desk.asks(InitiateSegmentedWrite(DOMAIN, 0, FAR, size))
-    answer = desk.asks(SegmentWrite(control(size, toggle=False), bytes(size)))
+    desk.requests(InitiateSegmentedWrite(DOMAIN, 0, FAR, size))
+    answer = desk.requests(SegmentWrite(control(size, toggle=False), bytes(size)))
     assert answer == SegmentTaken(AbortCode.TOO_LONG, 0)
 
 
 def test_a_drive_that_has_forgotten_the_transfer_states_so_to_the_host() -> None:
     desk = SerialDesk(Generation.V2)
-    desk.asks(InitiateSegmentedWrite(DOMAIN, 0, FAR, 16))
+    desk.requests(InitiateSegmentedWrite(DOMAIN, 0, FAR, 16))
     first = control(8, toggle=False)
-    assert desk.asks(SegmentWrite(first, RECORDS[0])) == SegmentTaken(0, first)
+    assert desk.requests(SegmentWrite(first, RECORDS[0])) == SegmentTaken(0, first)
     for command in (2, 128):  # stopped and back: the other drive knows of no transfer any more
-        desk.asks(SendNmtService(FAR, command))
-    answer = desk.asks(SegmentWrite(control(8, toggle=True), RECORDS[1]))
+        desk.requests(SendNmtService(FAR, command))
+    answer = desk.requests(SegmentWrite(control(8, toggle=True), RECORDS[1]))
     assert answer == SegmentTaken(AbortCode.UNKNOWN_COMMAND, 0)
     assert write_whole(desk, DOMAIN, FAR, RECORDS[2], 8) == 2
 
@@ -172,6 +172,6 @@ def test_a_drive_that_has_forgotten_the_transfer_states_so_to_the_host() -> None
 @both
 def test_a_segment_that_reports_more_than_it_has_is_refused(generation: Generation) -> None:
     desk = SerialDesk(generation)
-    desk.asks(InitiateSegmentedWrite(DOMAIN, 0, NEAR, 8))
-    answer = desk.asks(SegmentWrite(control(8, toggle=False), b"abc"))
+    desk.requests(InitiateSegmentedWrite(DOMAIN, 0, NEAR, 8))
+    answer = desk.requests(SegmentWrite(control(8, toggle=False), b"abc"))
     assert answer == SegmentTaken(AbortCode.TOO_SHORT, 0)

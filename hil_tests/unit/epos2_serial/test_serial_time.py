@@ -4,7 +4,7 @@ import pytest
 
 from emulators.epos2.objects.device_profile import BAUDS
 from emulators.epos2.objects.saved_parameters import SAVE
-from emulators.wires.serial import heard_as
+from emulators.wires.serial import received_as
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.maxon.frame import Failure, Generation
@@ -20,7 +20,7 @@ from firmware_bridge.wire.maxon.messages import (
 from hil_tests.unit.epos2_serial.serial_desk import FAR, NEAR, SerialDesk, with_profile
 
 DEVICE_TYPE = ReadObject(0x1000, 0, 0)
-TOLD = ObjectRead(0, bytes.fromhex("92010200"))
+REPORTED = ObjectRead(0, bytes.fromhex("92010200"))
 
 
 def took(desk: SerialDesk) -> Nanoseconds:
@@ -29,7 +29,7 @@ def took(desk: SerialDesk) -> Nanoseconds:
 
 def test_rs232_takes_the_time_of_each_byte_of_the_dialogue() -> None:
     desk = SerialDesk(Generation.V1)
-    assert desk.asks(DEVICE_TYPE) == TOLD
+    assert desk.requests(DEVICE_TYPE) == REPORTED
     # 1 + O + 7 + O + 00 + O + 11; the host's last O is no part of the wait.
     assert took(desk) == pytest.approx((1 + 1 + 7 + 1 + 1 + 1 + 11) * 10 * SECOND / 115_200, abs=30)
 
@@ -39,7 +39,7 @@ def test_the_gateway_costs_130_microseconds_beside_its_frames() -> None:
     times = []
     for profile in (with_profile(gateway_latency=0), with_profile()):
         desk = SerialDesk(Generation.V1, profile)
-        desk.asks(ReadObject(0x1000, 0, FAR))
+        desk.requests(ReadObject(0x1000, 0, FAR))
         times.append(took(desk))
     assert times[1] - times[0] == 130 * MICROSECOND
 
@@ -48,7 +48,7 @@ def test_the_latency_of_the_port_is_the_profile_s() -> None:
     times = []
     for profile in (with_profile(), with_profile(serial_latency=MILLISECOND)):
         desk = SerialDesk(Generation.V1, profile)
-        desk.asks(ReadObject(0x1000, 0, NEAR))
+        desk.requests(ReadObject(0x1000, 0, NEAR))
         times.append(took(desk))
     # Meanwhile the handshake's byte is on the line, which would have held up the answer's first one.
     assert times[1] - times[0] == pytest.approx(MILLISECOND - 10 * SECOND / 115_200, abs=2)
@@ -58,7 +58,7 @@ def test_usb_waits_for_the_converter_s_next_millisecond() -> None:
     desk = SerialDesk(Generation.V2)
     for wait in (0, 137, 501, 990):
         desk.waits(wait * MICROSECOND)
-        assert desk.asks(DEVICE_TYPE) == TOLD
+        assert desk.requests(DEVICE_TYPE) == REPORTED
         line_time = (10 + 14) * 10 * SECOND // 1_000_000
         assert line_time < took(desk) <= line_time + MILLISECOND
         assert desk.host.ended_at % MILLISECOND == 0
@@ -67,39 +67,39 @@ def test_usb_waits_for_the_converter_s_next_millisecond() -> None:
 def test_every_rate_works_and_takes_effect_with_save_and_reset() -> None:
     for code, baud in enumerate(BAUDS):
         desk = SerialDesk(Generation.V1)
-        desk.asks(WriteObject(0x2002, 0, 0, code.to_bytes(4, "little")))
-        assert desk.asks(DEVICE_TYPE) == TOLD  # not yet
-        desk.asks(WriteObject(0x1010, 1, 0, SAVE.to_bytes(4, "little")))
-        assert desk.asks(DEVICE_TYPE) == TOLD  # not yet
-        desk.asks(SendNmtService(1, 0x81))
+        desk.requests(WriteObject(0x2002, 0, 0, code.to_bytes(4, "little")))
+        assert desk.requests(DEVICE_TYPE) == REPORTED  # not yet
+        desk.requests(WriteObject(0x1010, 1, 0, SAVE.to_bytes(4, "little")))
+        assert desk.requests(DEVICE_TYPE) == REPORTED  # not yet
+        desk.requests(SendNmtService(1, 0x81))
         assert desk.drive.baud == baud
         if code != 5:
             assert desk.tries(DEVICE_TYPE) in {Failure.SILENCE, Failure.REFUSED}
         desk.host.baud = baud
         desk.waits(SECOND)
-        assert desk.asks(DEVICE_TYPE) == TOLD
+        assert desk.requests(DEVICE_TYPE) == REPORTED
         assert took(desk) == pytest.approx(23 * 10 * SECOND / baud, abs=30)
 
 
 def test_a_rate_that_is_not_saved_is_gone_with_the_reset() -> None:
     desk = SerialDesk(Generation.V1)
-    assert desk.asks(WriteObject(0x2002, 0, 0, bytes(4))) == Done(0)
-    desk.asks(SendNmtService(1, 0x81))
+    assert desk.requests(WriteObject(0x2002, 0, 0, bytes(4))) == Done(0)
+    desk.requests(SendNmtService(1, 0x81))
     assert desk.drive.baud == 115_200
-    assert desk.asks(ReadObject(0x2002, 0, 0)) == ObjectRead(0, b"\5\0\0\0")
+    assert desk.requests(ReadObject(0x2002, 0, 0)) == ObjectRead(0, b"\5\0\0\0")
 
 
 def test_the_rate_of_usb_is_the_converter_s() -> None:
     desk = SerialDesk(Generation.V2)
-    desk.asks(WriteObject(0x2002, 0, 0, bytes(4)))
-    desk.asks(WriteObject(0x1010, 1, 0, SAVE.to_bytes(4, "little")))
-    desk.asks(SendNmtService(1, 0x81))
+    desk.requests(WriteObject(0x2002, 0, 0, bytes(4)))
+    desk.requests(WriteObject(0x1010, 1, 0, SAVE.to_bytes(4, "little")))
+    desk.requests(SendNmtService(1, 0x81))
     assert desk.drive.baud == 1_000_000
-    assert desk.asks(DEVICE_TYPE) == TOLD
+    assert desk.requests(DEVICE_TYPE) == REPORTED
 
 
 @pytest.mark.parametrize(
-    ("byte", "sent_at", "heard_at", "heard"),
+    ("byte", "sent_at", "received_at", "received"),
     [
         (0x5A, 9600, 9600, 0x5A),
         (0x5A, 115_200, 113_000, 0x5A),  # 2 % off is still right
@@ -111,9 +111,9 @@ def test_the_rate_of_usb_is_the_converter_s() -> None:
     ],
 )
 def test_a_byte_at_the_wrong_rate_is_another_byte_or_none(
-    byte: int, sent_at: int, heard_at: int, heard: int | None
+    byte: int, sent_at: int, received_at: int, received: int | None
 ) -> None:
-    assert heard_as(byte, sent_at, heard_at) == heard
+    assert received_as(byte, sent_at, received_at) == received
 
 
 @pytest.mark.parametrize(("generation", "index"), [(Generation.V1, 0x2005), (Generation.V2, 0x2006)])
@@ -122,31 +122,31 @@ def test_half_a_command_counts_until_the_time_out_of_the_object(
     generation: Generation, index: int, written: int, counts: int
 ) -> None:
     desk = SerialDesk(generation)
-    asked = _asked(generation)
-    assert desk.asks(WriteObject(index, 0, 0, written.to_bytes(4, "little"))) == Done(0)
-    for wait, heard in ((counts - 25, True), (counts + 5, False)):
+    requested = _requested(generation)
+    assert desk.requests(WriteObject(index, 0, 0, written.to_bytes(4, "little"))) == Done(0)
+    for wait, received in ((counts - 25, True), (counts + 5, False)):
         desk.waits(2 * SECOND)
-        desk.sends(asked[:5])  # waits 20 ms and a little for the rest
+        desk.sends(requested[:5])  # waits 20 ms and a little for the rest
         desk.waits((wait - 21) * MILLISECOND)
-        answer = desk.sends(asked[5:])
-        assert (len(answer) in {2, 14}) is heard, answer
+        answer = desk.sends(requested[5:])
+        assert (len(answer) in {2, 14}) is received, answer
     desk.waits(2 * SECOND)
-    assert desk.asks(DEVICE_TYPE) == TOLD
+    assert desk.requests(DEVICE_TYPE) == REPORTED
 
 
-def _asked(generation: Generation) -> bytes:
+def _requested(generation: Generation) -> bytes:
     desk = SerialDesk(generation)
-    desk.asks(DEVICE_TYPE)
-    return desk.host.said[:8] if generation is Generation.V1 else desk.host.said
+    desk.requests(DEVICE_TYPE)
+    return desk.host.sent[:8] if generation is Generation.V1 else desk.host.sent
 
 
 @pytest.mark.long(keeps=["Generation.V1"])
 @pytest.mark.parametrize("generation", Generation)
 def test_a_host_that_goes_away_at_any_byte_is_forgotten(generation: Generation) -> None:
-    asked = _asked(generation)
-    for taken in range(1, len(asked) + 1):
+    requested = _requested(generation)
+    for taken in range(1, len(requested) + 1):
         desk = SerialDesk(generation)
-        desk.host.raw = asked[:taken]
+        desk.host.raw = requested[:taken]
         desk.world.stop("host")
         desk.waits(MILLISECOND)
         desk.world.detach("host")
@@ -154,7 +154,7 @@ def test_a_host_that_goes_away_at_any_byte_is_forgotten(generation: Generation) 
         after = SerialDesk(generation).host
         desk.host = after
         desk.world.attach("host", after, {"serial": desk.line})
-        assert desk.asks(DEVICE_TYPE) == TOLD
+        assert desk.requests(DEVICE_TYPE) == REPORTED
 
 
 def test_two_clients_of_one_drive_see_each_other_and_lose_nothing() -> None:
@@ -164,9 +164,9 @@ def test_two_clients_of_one_drive_see_each_other_and_lose_nothing() -> None:
         desk = SerialDesk(generation, others=[("client", client)])
         for value in range(1, 40):
             mine = value.to_bytes(4, "little")
-            assert desk.asks(WriteObject(0x200C, 1, 0, mine)) == Done(0)
-            assert desk.asks(ReadObject(0x200C, 1, 0)) == ObjectRead(0, mine)
-            theirs = desk.asks(ReadObject(0x200C, 2, 0))
+            assert desk.requests(WriteObject(0x200C, 1, 0, mine)) == Done(0)
+            assert desk.requests(ReadObject(0x200C, 1, 0)) == ObjectRead(0, mine)
+            theirs = desk.requests(ReadObject(0x200C, 2, 0))
             assert isinstance(theirs, ObjectRead)
             found = int.from_bytes(theirs.raw, "little")
             assert before < found <= client.written
@@ -184,8 +184,8 @@ def test_two_masters_of_a_drive_behind_the_gateway_get_no_answer_of_the_other(ge
     desk = SerialDesk(generation, others=[("client", client)])
     for value in range(1, 40):
         mine = value.to_bytes(4, "little")
-        assert desk.asks(WriteObject(0x200C, 3, FAR, mine)) == Done(0)
-        assert desk.asks(ReadObject(0x200C, 3, FAR)) == ObjectRead(0, mine)
+        assert desk.requests(WriteObject(0x200C, 3, FAR, mine)) == Done(0)
+        assert desk.requests(ReadObject(0x200C, 3, FAR)) == ObjectRead(0, mine)
     assert client.written > 100
     assert client.mixed == []
 
@@ -194,11 +194,11 @@ def test_two_masters_of_a_drive_behind_the_gateway_get_no_answer_of_the_other(ge
 def test_a_transfer_that_was_put_back_goes_on_as_it_went(generation: Generation) -> None:
     desk = SerialDesk(generation)
     for node in (0, FAR):
-        desk.asks(InitiateSegmentedRead(0x2004, 0, node))
+        desk.requests(InitiateSegmentedRead(0x2004, 0, node))
         kept = desk.world.snapshot()
-        answer, trace = desk.asks(SegmentRead(0)), desk.world.trace_sha256
+        answer, trace = desk.requests(SegmentRead(0)), desk.world.trace_sha256
         desk.world.restore(kept)
-        assert desk.asks(SegmentRead(0)) == answer
+        assert desk.requests(SegmentRead(0)) == answer
         assert desk.world.trace_sha256 == trace
 
 

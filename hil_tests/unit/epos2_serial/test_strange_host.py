@@ -32,7 +32,7 @@ NODES = st.sampled_from([0, NODE, NODE, 7, 128, 255])
 FOUR = st.binary(min_size=4, max_size=4) | st.sampled_from([b"save", b"load", bytes(4), b"\x06\0\0\0"])
 WORD = st.integers(0, 0xFFFF)
 CONTROL = st.integers(0, 0xFF)
-ASKED = st.one_of(
+REQUESTED = st.one_of(
     st.builds(messages.SendNmtService, NODES, st.sampled_from([1, 2, 128, 129, 130, 77])),
     st.builds(lambda a, n: messages.ReadObject(a.index, a.subindex, n), OBJECT, NODES),
     st.builds(lambda a, n, raw: messages.WriteObject(a.index, a.subindex, n, raw), OBJECT, NODES, FOUR),
@@ -72,7 +72,7 @@ class StrangeHost(RuleBasedStateMachine):
     def say_what_hurts(self, chunk: list[int]) -> None:
         self._say(bytes(chunk))
 
-    @rule(request=ASKED, cut=st.integers(0, 80), agrees=st.booleans())
+    @rule(request=REQUESTED, cut=st.integers(0, 80), agrees=st.booleans())
     def ask(self, request: messages.Request, cut: int, agrees: bool) -> None:  # noqa: FBT001 - by name
         if isinstance(request, messages.WriteObject) and request.index in {0x2005, 0x2006}:
             return  # the silence that ends everything must have a known length
@@ -87,7 +87,7 @@ class StrangeHost(RuleBasedStateMachine):
         self._say(self._encoded(Frame(opcode, body + bytes(2 - len(body) % 2))))
 
     @rule(address=st.sampled_from([0x587, 0x7E4, 0x181, 0x605, 0x000, 0x185]), raw=st.binary(max_size=8))
-    def hear_the_bus(self, address: int, raw: bytes) -> None:
+    def receive_the_bus(self, address: int, raw: bytes) -> None:
         self._take(self.drive.receive(Packet(CAN, address, raw), self.now))
 
     @rule(wait=st.integers(0, 700 * MILLISECOND))
@@ -100,12 +100,12 @@ class StrangeHost(RuleBasedStateMachine):
         self._wait((self.commands + 1) * (2 * LONGEST + 10) * MILLISECOND)
         self.commands = 0
         self._wait(SECOND)
-        heard = self._say(self._encoded(Frame(0x10, bytes.fromhex("00100000"))))
+        received = self._say(self._encoded(Frame(0x10, bytes.fromhex("00100000"))))
         answer = Frame(0x00, bytes.fromhex("0000000092010200"))
         if self.generation is Generation.V2:
-            assert heard == encode_v2(answer)
+            assert received == encode_v2(answer)
             return
-        assert heard == b"OO\0"
+        assert received == b"OO\0"
         assert self._say(b"O") == encode_v1(answer)[1:]
         assert self._say(b"O") == b""
 
@@ -143,13 +143,13 @@ class StrangeHost(RuleBasedStateMachine):
                 self._check_words(packet.payload)
         return reaction
 
-    def _check_words(self, said: bytes) -> None:
+    def _check_words(self, sent: bytes) -> None:
         """Whatever the drive says on USB is made of whole good frames."""
         if self.generation is Generation.V2:
             reader = FrameReader()
-            found = [frame for byte in said if (frame := reader.take(byte)) is not None]
+            found = [frame for byte in sent if (frame := reader.take(byte)) is not None]
             assert all(isinstance(frame, Frame) and frame.opcode == 0 for frame in found)
-            assert b"".join(encode_v2(frame) for frame in found if isinstance(frame, Frame)) == said
+            assert b"".join(encode_v2(frame) for frame in found if isinstance(frame, Frame)) == sent
 
 
 class StrangeUsbHost(StrangeHost):

@@ -55,11 +55,11 @@ AXES = ("left", "right", "steer", "lift")
 @pytest.mark.parametrize("name", names())
 def test_a_robot_is_tried_in_each_thing_that_it_can_do(name: str) -> None:
     rig = VirtualRig(find(name))
-    told = state_names(find(name))
-    assert told[:2] == ("disarmed", "at rest")
-    assert told[-2:] == ("stopping", "emergency stop")
+    reported = state_names(find(name))
+    assert reported[:2] == ("disarmed", "at rest")
+    assert reported[-2:] == ("stopping", "emergency stop")
     for channel in rig.rehearsal.channels:
-        assert f"{channel.name} 50%" in told
+        assert f"{channel.name} 50%" in reported
     rig.finish()
 
 
@@ -84,10 +84,10 @@ def test_in_a_state_the_robot_does_what_it_states() -> None:
     rig.finish()
 
 
-def course(x: Floats, held_ms: float | None = None, told_ms: float | None = None) -> Course:
+def course(x: Floats, held_ms: float | None = None, reported_ms: float | None = None) -> Course:
     """Return a course along one place, and what was noticed."""
     holds = () if held_ms is None else (HoldRecord("a row", "", int(held_ms * MILLISECOND)),)
-    texts = () if told_ms is None else (Entry(int(told_ms * MILLISECOND), Kind.TOLD, "words"),)
+    texts = () if reported_ms is None else (Entry(int(reported_ms * MILLISECOND), Kind.REPORTED, "words"),)
     return Course({"x_m": x}, {"x_m": "m"}, holds, texts, 0)
 
 
@@ -104,12 +104,12 @@ ASIDE_AT_MS = 1e3 * ASIDE["m"] / (0.3 - 0.05 * 0.3)
     [
         (course(GOES), Verdict.TOLERATED),
         (course(GOES, held_ms=100.0), Verdict.NOTICED),
-        (course(GOES, held_ms=200.0, told_ms=100.0), Verdict.NOTICED),
-        (course(GOES, told_ms=100.0), Verdict.TOLD),
+        (course(GOES, held_ms=200.0, reported_ms=100.0), Verdict.NOTICED),
+        (course(GOES, reported_ms=100.0), Verdict.REPORTED),
         (course(RUNS_ON), Verdict.MISSED),
         (course(RUNS_ON, held_ms=ASIDE_AT_MS + LATE_MS - 20.0), Verdict.NOTICED),
         (course(RUNS_ON, held_ms=ASIDE_AT_MS + LATE_MS + 20.0), Verdict.LATE),
-        (course(RUNS_ON, told_ms=ASIDE_AT_MS + LATE_MS + 20.0), Verdict.LATE),
+        (course(RUNS_ON, reported_ms=ASIDE_AT_MS + LATE_MS + 20.0), Verdict.LATE),
         (course(STANDS), Verdict.STANDS),
         (course(STANDS, held_ms=2000.0), Verdict.NOTICED),
         (course(GOES + 0.5 * ASIDE["m"]), Verdict.TOLERATED),
@@ -125,20 +125,20 @@ def test_what_is_stated_of_a_cell(ill: Course, verdict: Verdict) -> None:
 def test_who_never_stands_is_not_noticed_whatever_was_reported() -> None:
     """The same robot stands without the failure: the operator lets go."""
     stands = course(STANDS)
-    assert effect(stands, course(RUNS_ON, held_ms=100.0, told_ms=50.0)).verdict is Verdict.MISSED
+    assert effect(stands, course(RUNS_ON, held_ms=100.0, reported_ms=50.0)).verdict is Verdict.MISSED
     assert effect(stands, course(RUNS_ON, held_ms=100.0)).stands_after_ms is None
     assert effect(course(GOES), course(GOES, held_ms=100.0)).verdict is Verdict.NOTICED
 
 
 @pytest.mark.parametrize(("ends_ms", "verdict"), [(2_000.0, Verdict.NOTICED), (1_900.0, Verdict.TOLERATED)])
 def test_a_notice_that_comes_of_the_failures_own_end_is_none(ends_ms: float, verdict: Verdict) -> None:
-    ill = replace(course(GOES, held_ms=1_950.0, told_ms=1_960.0), ends=int(ends_ms * MILLISECOND))
+    ill = replace(course(GOES, held_ms=1_950.0, reported_ms=1_960.0), ends=int(ends_ms * MILLISECOND))
     assert effect(course(GOES), ill).verdict is verdict
 
 
 def test_the_first_of_words_and_holds_states_whether_it_was_late() -> None:
-    told = course(RUNS_ON, held_ms=ASIDE_AT_MS + LATE_MS + 500.0, told_ms=100.0)
-    found = effect(course(GOES), told)
+    reported = course(RUNS_ON, held_ms=ASIDE_AT_MS + LATE_MS + 500.0, reported_ms=100.0)
+    found = effect(course(GOES), reported)
     assert (found.verdict, found.noticed_by) == (Verdict.NOTICED, "a row")
 
 
@@ -155,12 +155,12 @@ def test_a_bridge_that_is_killed_is_excused_only_where_the_devices_stop_by_thems
     assert killed.wrong is runs_on
     assert (killed.effect.stands_after_ms is None) is runs_on
     assert bool(killed.why) is not runs_on
-    asked = next(cell for cell in cells if "asked" in cell.failure.title)
-    assert not asked.late
+    requested = next(cell for cell in cells if "asked" in cell.failure.title)
+    assert not requested.late
 
 
 def test_what_holds_without_the_failure_has_not_noticed_it() -> None:
-    held = course(GOES, held_ms=100.0, told_ms=50.0)
+    held = course(GOES, held_ms=100.0, reported_ms=50.0)
     assert effect(held, held).verdict is Verdict.TOLERATED
 
 
@@ -180,11 +180,11 @@ def test_an_encoder_that_freezes_while_the_robot_is_stopped_does_not_run_away_un
 def test_the_matrix_does_not_depend_on_how_many_share_the_work() -> None:
     made = partial(find, "ar2")
     failures = all_failures(made(), ["board_reset", "datagram_loss"])
-    told: list[int] = []
-    one = matrix(made, ["at rest", "up 50%"], failures, 1, lambda cells: told.append(len(cells)))
-    two = matrix(made, ["at rest", "up 50%"], failures, 2, lambda cells: told.append(len(cells)))
+    reported: list[int] = []
+    one = matrix(made, ["at rest", "up 50%"], failures, 1, lambda cells: reported.append(len(cells)))
+    two = matrix(made, ["at rest", "up 50%"], failures, 2, lambda cells: reported.append(len(cells)))
     assert one == two
-    assert told == [len(failures)] * 4
+    assert reported == [len(failures)] * 4
     assert [cell.state for cell in one] == ["at rest"] * len(failures) + ["up 50%"] * len(failures)
 
 
@@ -226,7 +226,7 @@ def test_what_no_one_has_thought_about_is_wrong_and_ends_the_program(
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "stated"),
     [
         (["--fault", "encoder_frosen"], "no such fault as 'encoder_frosen'; perhaps 'encoder_frozen'"),
         (["--state", "flying"], "no such state as 'flying'"),
@@ -234,11 +234,11 @@ def test_what_no_one_has_thought_about_is_wrong_and_ends_the_program(
     ],
 )
 def test_a_wrong_word_is_one_line(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str], said: str
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: list[str], stated: str
 ) -> None:
     monkeypatch.setattr("sys.argv", ["firmware-bridge", "fmea", "rars", *words])
     assert ended() == 2
-    assert said in " ".join(capsys.readouterr().err.split())
+    assert stated in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.long(beside="test_an_encoder_that_freezes_while_the_robot_is_stopped_does_not_run_away_unseen")

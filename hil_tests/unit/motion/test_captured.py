@@ -156,7 +156,7 @@ def test_carried_elsewhere_it_is_refused_until_someone_states_so() -> None:
         return Sight(Pose(10.0, 10.0, 0.0), now)
 
     assert driven(captured, 20, 200, elsewhere).source is Source.LOST
-    captured.begin_anew()
+    captured.begin_again()
     captured.step(rolled(219 * CYCLE), 219 * CYCLE, None)
     assert captured.located.source is Source.UNSEEN
     sources = [
@@ -250,7 +250,7 @@ def test_slip_is_reported_as_a_speed_and_is_over_when_the_wheels_hold_again() ->
 def test_begun_again_it_is_unseen_at_once_and_has_no_slip() -> None:
     captured = Captured(BOUNDS)
     before = driven(captured, 0, 40, slip=0.1)
-    captured.begin_anew()
+    captured.begin_again()
     located = captured.located
     assert (located.source, located.slip_mps, located.pose) == (Source.UNSEEN, 0.0, before.pose)
     assert located.reason is not None

@@ -263,7 +263,7 @@ def test_each_new_beginning_forgets_place_and_slip() -> None:
         rolled = captured.step(Pose(0.0, place), now + 1, None)
         assert slipping.slip_mps > 0.2
         assert rolled.uncertain_m > 0.1
-        captured.begin_anew()
+        captured.begin_again()
         forgotten = captured.located
         assert (forgotten.source, forgotten.uncertain_m, forgotten.slip_mps) == (Source.UNSEEN, 0.0, 0.0)
         assert forgotten.pose == rolled.pose

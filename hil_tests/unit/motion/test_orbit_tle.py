@@ -41,7 +41,7 @@ def test_two_bodies_go_on_as_the_set_does_for_a_while() -> None:
 
 
 @pytest.mark.parametrize(
-    ("first", "second", "says"),
+    ("first", "second", "states"),
     [
         (FIVE[0][:-1], FIVE[1], "line 1 of"),
         (FIVE[0][:-1] + "4", FIVE[1], "the sum of its digits"),
@@ -50,8 +50,8 @@ def test_two_bodies_go_on_as_the_set_does_for_a_while() -> None:
         ("", "", "line 1 of"),
     ],
 )
-def test_what_is_no_set_is_refused(first: str, second: str, says: str) -> None:
-    with pytest.raises(ValueError, match=says):
+def test_what_is_no_set_is_refused(first: str, second: str, states: str) -> None:
+    with pytest.raises(ValueError, match=states):
         state_of_tle(first, second)
 
 

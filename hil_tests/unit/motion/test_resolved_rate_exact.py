@@ -30,11 +30,13 @@ def nearness(angle: float, least: float, most: float) -> float:
     return (most - least) ** 2 / (4.0 * (most - angle) * (angle - least))
 
 
-def assert_shared(below: float, above: float, wish: float, weight: float) -> None:
+def assert_shared(below: float, above: float, command: float, weight: float) -> None:
     """Check what both joints do for a wish sideways if the second weighs so much, and the first 1."""
-    found = resolved(planar(below, above, BEND), (0.0, BEND), np.array((wish,)), rows=SIDEWAYS, moving=BOTH)
+    found = resolved(
+        planar(below, above, BEND), (0.0, BEND), np.array((command,)), rows=SIDEWAYS, moving=BOTH
+    )
     one, two = 1.0 + math.cos(BEND), math.cos(BEND)
-    share = wish / (one**2 + two**2 / weight)
+    share = command / (one**2 + two**2 / weight)
     assert found.joints == pytest.approx((one * share, two / weight * share), rel=1e-5, abs=0.0)
 
 
@@ -42,30 +44,30 @@ def assert_shared(below: float, above: float, wish: float, weight: float) -> Non
     ("below", "above"),
     [(1.0, 1.0), (1.0, 0.5), (0.5, 1.0), (1.0, 0.1), (0.1, 1.0), (1.0, 0.005), (0.005, 1.0), (0.25, 0.75)],
 )
-@every("wish", [0.1, -0.1, 1e-4, -1e-4])
+@every("command", [0.1, -0.1, 1e-4, -1e-4])
 def test_a_joint_weighs_more_by_the_slope_towards_its_nearer_limit(
-    below: float, above: float, wish: float
+    below: float, above: float, command: float
 ) -> None:
     """The slope by differences; both joints go the way of the wish."""
     step = 1e-4 * min(below, above)
     slope = (nearness(step, -below, above) - nearness(-step, -below, above)) / (2.0 * step)
-    weight = 1.0 + abs(slope) if (above < below) == (wish > 0.0) else 1.0
-    assert_shared(below, above, wish, weight if above != below else 1.0)
+    weight = 1.0 + abs(slope) if (above < below) == (command > 0.0) else 1.0
+    assert_shared(below, above, command, weight if above != below else 1.0)
 
 
 @every("room", [1e-6, 0.0, -0.001, -0.5])
 def test_at_its_limit_and_beyond_a_joint_does_a_millionth(room: float) -> None:
-    for wish in (0.1, 1e-4):
-        assert_shared(1.0, room, wish, 1e6)
-        assert_shared(room, 1.0, -wish, 1e6)
-        assert_shared(min(room, 0.0), 0.005, -wish, 1e6)  # a joint of little travel
+    for command in (0.1, 1e-4):
+        assert_shared(1.0, room, command, 1e6)
+        assert_shared(room, 1.0, -command, 1e6)
+        assert_shared(min(room, 0.0), 0.005, -command, 1e6)  # a joint of little travel
 
 
 @every("room", [1e-6, 0.0, -0.001, -0.5])
 def test_at_its_limit_and_beyond_a_joint_is_free_to_go_back(room: float) -> None:
-    for wish in (0.1, 1e-4):
-        assert_shared(1.0, room, -wish, 1.0)
-        assert_shared(room, 1.0, wish, 1.0)
+    for command in (0.1, 1e-4):
+        assert_shared(1.0, room, -command, 1.0)
+        assert_shared(room, 1.0, command, 1.0)
 
 
 @every(

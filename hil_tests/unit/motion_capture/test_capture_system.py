@@ -32,12 +32,12 @@ class Listener:
 
     def __init__(self, version: Version = V3_1) -> None:
         self.version = version
-        self.heard: list[tuple[Nanoseconds, Frame]] = []
+        self.received: list[tuple[Nanoseconds, Frame]] = []
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         message, payload = split(packet.payload)
         if message is MessageId.FRAMEOFDATA:
-            self.heard.append((now, frames.decoded(payload, self.version)))
+            self.received.append((now, frames.decoded(payload, self.version)))
         return Reaction()
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -67,8 +67,8 @@ def watched(
 def test_it_shows_where_the_body_was_at_the_exposure_and_leaves_five_ms_later() -> None:
     world, _, listener = watched()
     world.run(SECOND)
-    assert len(listener.heard) == pytest.approx(238, abs=1)
-    for now, frame in listener.heard:
+    assert len(listener.received) == pytest.approx(238, abs=1)
+    for now, frame in listener.received:
         exposed = frame.number * SECOND // 240
         angle = math.tau * to_seconds(exposed) / 4.0
         body = frame.bodies[0]
@@ -76,7 +76,7 @@ def test_it_shows_where_the_body_was_at_the_exposure_and_leaves_five_ms_later() 
         assert 2.0 * math.atan2(body.attitude[2], body.attitude[3]) == pytest.approx(angle + math.pi / 2.0)
         assert (frame.sent - frame.exposed) / 1e7 == pytest.approx(to_seconds(now - exposed), abs=1e-6)
         assert body.params == BodyFlag.TRACKED
-    ages = [to_seconds(now - frame.number * SECOND // 240) * 1e3 for now, frame in listener.heard]
+    ages = [to_seconds(now - frame.number * SECOND // 240) * 1e3 for now, frame in listener.received]
     assert np.mean(ages) == pytest.approx(5.4, abs=0.1)
     assert np.std(ages) == pytest.approx(0.25, abs=0.08)
 
@@ -84,7 +84,7 @@ def test_it_shows_where_the_body_was_at_the_exposure_and_leaves_five_ms_later() 
 def test_its_noise_is_what_was_requested_and_no_error_in_the_mean() -> None:
     world, _, listener = watched(Cameras(noise_m=0.0002, up=Up.Z))
     world.run(4 * SECOND)
-    seen = np.array([frame.bodies[1].position for _, frame in listener.heard])
+    seen = np.array([frame.bodies[1].position for _, frame in listener.received])
     assert np.std(seen, axis=0) == pytest.approx([0.0002] * 3, rel=0.1)
     assert np.abs(np.mean(seen, axis=0)).max() < 3e-5
 
@@ -94,7 +94,7 @@ def test_y_up_is_the_room_turned() -> None:
     for up in Up:
         world, _, listener = watched(replace(EXACT, up=up))
         world.run(SECOND)
-        both.append(listener.heard[-1][1])
+        both.append(listener.received[-1][1])
     y_up, z_up = both
     (x, y, z), (qx, qy, qz, qw) = z_up.bodies[0].position, z_up.bodies[0].attitude
     assert y_up.bodies[0].position == (x, z, -y)
@@ -106,7 +106,7 @@ def test_a_hidden_body_has_no_flag_and_the_pose_that_was_requested(lost: Lost) -
     world, system, listener = watched(replace(EXACT, lost=lost))
     system.hide(Hidden(7, SECOND, 2 * SECOND))
     world.run(3 * SECOND)
-    by_number = {frame.number: frame for _, frame in listener.heard}
+    by_number = {frame.number: frame for _, frame in listener.received}
     last, first, back = (by_number[number].bodies[0] for number in (239, 240, 480))
     assert (last.params, first.params, back.params) == (1, 0, 1)
     expected = {Lost.FREEZE: last.position, Lost.ZERO: (0.0, 0.0, 0.0), Lost.NAN: (math.nan,) * 3}[lost]
@@ -122,7 +122,7 @@ def test_swapped_markers_are_a_jump_that_counts_as_tracked() -> None:
     world, system, listener = watched()
     system.hide(Swapped(8, SECOND, 2 * SECOND, aside=(0.3, 0.0, 0.0), turn=math.pi / 2.0))
     world.run(3 * SECOND)
-    by_number = {frame.number: frame.bodies[1] for _, frame in listener.heard}
+    by_number = {frame.number: frame.bodies[1] for _, frame in listener.received}
     assert by_number[239].position == by_number[480].position == (0.0, 0.0, 0.0)
     jumped = by_number[240]
     assert jumped.position == pytest.approx((0.3, 0.0, 0.0))
@@ -137,26 +137,26 @@ def test_a_disturbance_leaves_all_other_chance_as_it_was() -> None:
         if hidden:
             system.hide(Hidden(7, 0))
         world.run(SECOND)
-        runs.append([(now, frame.bodies[1]) for now, frame in listener.heard])
+        runs.append([(now, frame.bodies[1]) for now, frame in listener.received])
     assert runs[0] == runs[1]
 
 
 def test_one_seed_is_one_run_and_a_run_put_back_goes_on_the_same() -> None:
     world, _, listener = watched(Cameras())
     world.run(SECOND)
-    moment, before = world.snapshot(), len(listener.heard)
+    moment, before = world.snapshot(), len(listener.received)
     world.run(2 * SECOND)
-    after = listener.heard[before:]
+    after = listener.received[before:]
     world.restore(moment)
-    assert len(listener.heard) == before
+    assert len(listener.received) == before
     world.run(2 * SECOND)
-    assert listener.heard[before:] == after
+    assert listener.received[before:] == after
     other, _, same = watched(Cameras())
     other.run(2 * SECOND)
-    assert same.heard == listener.heard
+    assert same.received == listener.received
 
 
-def asked(
+def requested(
     system: MotionCapture, message: MessageId, payload: bytes = b"", now: Nanoseconds = 0
 ) -> tuple[MessageId, bytes] | None:
     sent = system.receive(Packet(COMMAND, CLIENT, packet(message, payload)), now).sent
@@ -168,12 +168,12 @@ def asked(
 def test_it_serves_in_its_version(version: Version) -> None:
     world, system, listener = watched(version=version)
     world.run(from_seconds(0.1))
-    assert listener.heard
-    assert all(frame.bodies[0].id == 7 for _, frame in listener.heard)
-    answer = asked(system, MessageId.CONNECT)
+    assert listener.received
+    assert all(frame.bodies[0].id == 7 for _, frame in listener.received)
+    answer = requested(system, MessageId.CONNECT)
     assert answer is not None
     assert messages.server_info(answer[1]).version == version
-    answer = asked(system, MessageId.REQUEST_MODELDEF)
+    answer = requested(system, MessageId.REQUEST_MODELDEF)
     assert answer is not None
     assert models.body_named(models.decoded(answer[1], version), "robot") == 7
     assert RigidBodyModel in {type(model) for model in models.decoded(answer[1], version)}
@@ -191,7 +191,7 @@ def test_it_serves_in_its_version(version: Version) -> None:
 def test_a_client_may_choose_from_4_0_on(server: Version, wants: messages.Bytes4, spoken: Version) -> None:
     system = MotionCapture([Body(1, "a", Standing())], np.random.default_rng(0), version=server)
     connect = messages.connect_payload(Connect("c", (1, 0, 0, 0), (4, 4, 0, 0), wants))
-    answer = asked(system, MessageId.CONNECT, connect)
+    answer = requested(system, MessageId.CONNECT, connect)
     assert answer is not None
     assert messages.server_info(answer[1]).version == spoken
 
@@ -211,23 +211,23 @@ def test_a_client_may_choose_from_4_0_on(server: Version, wants: messages.Bytes4
 )
 def test_commands_are_answered_by_rows(command: str, answer: tuple[MessageId, bytes]) -> None:
     system = MotionCapture([Body(1, "a", Standing())], np.random.default_rng(0), version=Version(4, 1))
-    asked(system, MessageId.CONNECT)
-    assert asked(system, MessageId.REQUEST, messages.text_payload(command)) == answer
+    requested(system, MessageId.CONNECT)
+    assert requested(system, MessageId.REQUEST, messages.text_payload(command)) == answer
 
 
 def test_the_clock_is_reported_and_a_client_that_falls_silent_is_dropped() -> None:
     system = MotionCapture([Body(1, "a", Standing())], np.random.default_rng(0))
-    asked(system, MessageId.CONNECT)
-    echo = asked(system, MessageId.ECHOREQUEST, messages.echo_request(99), 2 * SECOND)
+    requested(system, MessageId.CONNECT)
+    echo = requested(system, MessageId.ECHOREQUEST, messages.echo_request(99), 2 * SECOND)
     assert echo is not None
     client, ticks = messages.echo_of(echo[1])
     assert (client, ticks) == (99, 123_456_789_000 + 20_000_600)
     assert {it.link for it in system.wake(3 * SECOND).sent} == {DATA}
-    assert asked(system, MessageId.KEEPALIVE, now=3 * SECOND) is None
+    assert requested(system, MessageId.KEEPALIVE, now=3 * SECOND) is None
     assert system.wake(3 * SECOND + PATIENCE).sent
     assert not system.wake(3 * SECOND + PATIENCE + 20 * MILLISECOND).sent
-    asked(system, MessageId.CONNECT, now=20 * SECOND)
-    asked(system, MessageId.DISCONNECT, now=20 * SECOND)
+    requested(system, MessageId.CONNECT, now=20 * SECOND)
+    requested(system, MessageId.DISCONNECT, now=20 * SECOND)
     assert not system.wake(21 * SECOND).sent
 
 

@@ -58,8 +58,8 @@ def test_who_is_woken_is_woken_at_his_instant_and_no_exposure_is_lost() -> None:
     walking = Walking(7 * MILLISECOND, second, second)
     film = film_of(walking)
     reached = []
-    while (told := film.advance(10 * MILLISECOND))[1]:
-        reached.append(told[0])
+    while (reported := film.advance(10 * MILLISECOND))[1]:
+        reached.append(reported[0])
     assert reached == [7 * MILLISECOND, second, second]
     assert film(second).position[0] == to_seconds(second)
     assert walking.now == 10 * MILLISECOND

@@ -37,7 +37,7 @@ WRITABLE = sorted(
 COMMANDS = (0x00, 0x02, 0x06, 0x07, 0x0F, 0x1F, 0x3F, 0x5F, 0x7F, 0x80, 0x10F, 0x11F)
 
 
-class Stranger(RuleBasedStateMachine):
+class ForeignNode(RuleBasedStateMachine):
     """Somebody on the bus who does anything."""
 
     drive: Drive
@@ -151,5 +151,5 @@ class Stranger(RuleBasedStateMachine):
             self.drive.store.read(address)
 
 
-Stranger.TestCase.settings = settings(max_examples=examples(60), stateful_step_count=40)
-TestStranger = Stranger.TestCase
+ForeignNode.TestCase.settings = settings(max_examples=examples(60), stateful_step_count=40)
+TestForeign = ForeignNode.TestCase

@@ -4,7 +4,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from emulators.servo.axis_faults import AxisFaults, IndexPulse, SensorWires
-from emulators.servo.winding import tell
+from emulators.servo.winding import set_winding
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from hil_tests.lanes import examples
@@ -77,7 +77,7 @@ def test_no_current_flows_where_the_state_does_not_allow_it(
     mode: int, motor: int, target: int, deeds: list[tuple[tuple[str, object], int]]
 ) -> None:
     drive = make_drive()
-    tell(drive.axis, STEERING.torque_constant, STEERING.resistance, STEERING.inductance)
+    set_winding(drive.axis, STEERING.torque_constant, STEERING.resistance, STEERING.inductance)
     drive.write(at.MOTOR_TYPE, motor)
     drive.write(Address(0x2070, 1), 5)
     drive.write(Address(0x2071, 4), 0x2B)  # limit switches, marker and quick stop act

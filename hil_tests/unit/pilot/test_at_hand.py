@@ -41,20 +41,20 @@ class Desk:
     def do(self, *events: bytes) -> None:
         self.cockpit.receive(Packet(HAND, 0, b"".join(events)), self.now)
 
-    def hears(self, message: Message) -> None:
+    def receives(self, message: Message) -> None:
         self.cockpit.receive(Packet(OPERATOR, 77, self._robot.encode(message)), self.now)
 
     def armed(self) -> None:
         """Let it be armed while everything rests."""
         self.do(AT_REST)
         self.beats(armed=True)
-        self.says()
+        self.states()
 
     def beats(self, *, armed: bool) -> None:
         bits = dialect.MAV_MODE_FLAG_SAFETY_ARMED if armed else 0
-        self.hears(dialect.MAVLink_heartbeat_message(10, 0, bits, 0, dialect.MAV_STATE_ACTIVE, 3))
+        self.receives(dialect.MAVLink_heartbeat_message(10, 0, bits, 0, dialect.MAV_STATE_ACTIVE, 3))
 
-    def says(self) -> list[Message]:
+    def states(self) -> list[Message]:
         self.now += 50 * MILLISECOND
         sent = self.cockpit.wake(self.now).sent
         return [message for packet in sent for message in self._robot.decode(packet.payload)]
@@ -64,7 +64,7 @@ class Desk:
         return x, r
 
     def motion(self) -> tuple[int, int, int]:
-        (one,) = [message for message in self.says() if message.get_type() == "MANUAL_CONTROL"]
+        (one,) = [message for message in self.states() if message.get_type() == "MANUAL_CONTROL"]
         return one.x, one.z, one.r
 
 
@@ -116,7 +116,7 @@ def test_what_is_held_when_it_is_armed_counts_when_it_has_been_at_rest(
     desk.do(AT_REST, held)
     if own:
         desk.do(event(1, 8, 1))
-    desk.says()
+    desk.states()
     desk.beats(armed=True)
     assert [desk.motion() for _ in range(20)] == [(0, 0, 0)] * 20
     desk.do(event(2, 5, FULL))
@@ -126,7 +126,7 @@ def test_what_is_held_when_it_is_armed_counts_when_it_has_been_at_rest(
     desk.do(then)
     assert desk.motion() == (500, 0, 0)
     desk.beats(armed=False)
-    desk.says()
+    desk.states()
     desk.beats(armed=True)
     assert desk.motion() == (0, 0, 0), "armed again, it is to rest again"
 
@@ -153,14 +153,14 @@ def test_a_gamepad_that_no_one_touches_moves_nothing_whatever_it_is_taken_for(co
     """Its triggers rest at one end, as the other device's pedals are trodden down; xpad numbers them so."""
     desk = Desk(DEVICES[controls])
     desk.do(*(event(0x82, axis, -FULL if axis in {2, 5} else 0) for axis in range(8)))
-    said = desk.motion()
-    assert (said == (0, 0, 0)) is (controls == "gamepad"), "the bridge sees what is deflected"
+    stated = desk.motion()
+    assert (stated == (0, 0, 0)) is (controls == "gamepad"), "the bridge sees what is deflected"
     desk.beats(armed=True)
     assert [desk.motion() for _ in range(20)] == [(0, 0, 0)] * 20
 
 
 @pytest.mark.parametrize(
-    ("name", "codes", "says"),
+    ("name", "codes", "states"),
     [
         ("Microsoft X-Box 360 pad", (), True),
         ("Logitech Gamepad F310", (), True),
@@ -172,9 +172,9 @@ def test_a_gamepad_that_no_one_touches_moves_nothing_whatever_it_is_taken_for(co
     ],
 )
 def test_a_device_states_that_it_is_a_gamepad_by_its_name_or_its_second_stick(
-    name: str, codes: tuple[int, ...], *, says: bool
+    name: str, codes: tuple[int, ...], *, states: bool
 ) -> None:
-    assert is_gamepad(name, codes) is says
+    assert is_gamepad(name, codes) is states
 
 
 def test_reverse_changes_only_while_no_one_drives() -> None:
@@ -190,7 +190,7 @@ def test_bytes_may_be_cut_anywhere_and_states_at_opening_press_nothing() -> None
     controls = Controls(ROW)
     whole = event(0x81, 9, 1) + event(2, 1, -FULL) + event(1, 8, 1)
     cuts = (whole[place : place + 1] for place in range(len(whole)))
-    pressed = [button for cut in cuts for button in controls.heard(cut)]
+    pressed = [button for cut in cuts for button in controls.received(cut)]
     assert (controls.helm, pressed) == (1.0, [8])
 
 
@@ -198,25 +198,25 @@ def test_bytes_may_be_cut_anywhere_and_states_at_opening_press_nothing() -> None
 def test_buttons_arm_and_stop(button: int, command: int, param: float) -> None:
     desk = Desk()
     desk.do(event(1, button, 1))
-    orders = [(one.command, one.param1) for one in desk.says() if one.get_type() == "COMMAND_LONG"]
+    orders = [(one.command, one.param1) for one in desk.states() if one.get_type() == "COMMAND_LONG"]
     assert orders == [(command, param)]
 
 
 def test_an_order_is_repeated_until_it_is_answered() -> None:
     desk = Desk()
     desk.do(event(1, 8, 1))
-    asked = [sum(one.get_type() == "COMMAND_LONG" for one in desk.says()) for _ in range(45)]
-    assert sum(asked) == 3
-    desk.hears(dialect.MAVLink_command_ack_message(400, 0))
-    assert not any(one.get_type() == "COMMAND_LONG" for _ in range(45) for one in desk.says())
+    requested = [sum(one.get_type() == "COMMAND_LONG" for one in desk.states()) for _ in range(45)]
+    assert sum(requested) == 3
+    desk.receives(dialect.MAVLink_command_ack_message(400, 0))
+    assert not any(one.get_type() == "COMMAND_LONG" for _ in range(45) for one in desk.states())
 
 
 def test_what_it_shows_is_what_the_link_brought() -> None:
     desk = Desk()
-    desk.hears(dialect.MAVLink_named_value_float_message(0, b"AGE", 0.25))
-    desk.hears(dialect.MAVLink_statustext_message(4, b"the lift is up"))
+    desk.receives(dialect.MAVLink_named_value_float_message(0, b"AGE", 0.25))
+    desk.receives(dialect.MAVLink_statustext_message(4, b"the lift is up"))
     desk.now = SECOND
-    desk.says()
+    desk.states()
     assert any("AGE 0.25" in line and "disarmed" in line for line in desk.lines)
     assert any(line.endswith("the lift is up") for line in desk.lines)
 
@@ -242,17 +242,17 @@ def test_switches_and_the_lift_are_buttons_of_the_stick() -> None:
     hand = Hand(Controls(ROW), Extras(switches=(4, 1), up_button=3))
     link = Link()
     assert list(hand.handle(AT_REST + event(1, 10, 1), 0)) == []
-    hand.wish(link, 0, armed=True)
+    hand.command(link, 0, armed=True)
     list(hand.handle(event(2, 6, -FULL), 0))
-    assert hand.wish(link, 0, armed=True) == Stick(up=1.0, buttons=1 << 4 | 1 << 3)
+    assert hand.command(link, 0, armed=True) == Stick(up=1.0, buttons=1 << 4 | 1 << 3)
     list(hand.handle(event(1, 10, 0) + event(1, 11, 1) + event(2, 6, 0), 0))
-    assert hand.wish(link, 0, armed=True) == Stick(buttons=1 << 1)
+    assert hand.command(link, 0, armed=True) == Stick(buttons=1 << 1)
 
 
 def test_a_switch_that_was_down_when_the_device_was_opened_is_not_pressed() -> None:
     hand = Hand(Controls(ROW), Extras(switches=(4,)))
     list(hand.handle(event(0x81, 10, 1), 0))
-    assert hand.wish(Link(), 0, armed=True).buttons == 0
+    assert hand.command(Link(), 0, armed=True).buttons == 0
 
 
 def test_the_button_that_arms_takes_nothing_from_who_drives() -> None:

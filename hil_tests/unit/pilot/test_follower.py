@@ -19,11 +19,11 @@ def test_armed_and_armed_again_it_lets_go_for_a_while() -> None:
     follower = Follower(lambda pose: placed(path, pose), speed_mps=0.3, look_ahead_m=0.5, tightest_per_m=2.0)
 
     def rests(begin: Nanoseconds, span: Nanoseconds, *, armed: bool) -> set[bool]:
-        said = set()
+        stated = set()
         for now in range(begin, begin + span, PERIOD):
             follower.sees(Sight(Moving(Pose(), 0.0, 0.0), None, now))
-            said.add(follower.wish(link, now, armed=armed) == REST)
-        return said
+            stated.add(follower.command(link, now, armed=armed) == REST)
+        return stated
 
     assert rests(0, LETS_GO_FOR, armed=False) == {True}
     assert rests(LETS_GO_FOR, LETS_GO_FOR, armed=True) == {True}
@@ -36,13 +36,13 @@ def test_armed_and_armed_again_it_lets_go_for_a_while() -> None:
 def test_a_robot_that_is_held_back_is_let_go_and_driven_again_and_again() -> None:
     path, link = PATHS["line"](5.0), Link()
     follower = Follower(lambda pose: placed(path, pose), speed_mps=0.3, look_ahead_m=0.5, tightest_per_m=2.0)
-    told, held = [], []
+    reported, held = [], []
     for now in range(0, 20 * SECOND, PERIOD):
         follower.sees(Sight(Moving(Pose(), 0.0, 0.0), None, now))
-        told.append(follower.wish(link, now, armed=True) == REST)
+        reported.append(follower.command(link, now, armed=True) == REST)
         held.append(follower.held_back)
-    lengths = [len(list(group)) * PERIOD for _, group in groupby(told)]
-    assert told[0], "who arms it sees it stand"
+    lengths = [len(list(group)) * PERIOD for _, group in groupby(reported)]
+    assert reported[0], "who arms it sees it stand"
     assert [round(length / SECOND) for length in lengths[:8]] == [1, 3] * 4
     assert len(lengths) >= 9
     assert held[-1] >= 4

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import pytest
 
-from firmware_bridge.pilot.driver import NO_EXTRAS, Asked, Extras, Stick
+from firmware_bridge.pilot.driver import NO_EXTRAS, ButtonRequest, Extras, Stick
 from firmware_bridge.pilot.keyboard import BEGINS, REPEATS, Keyboard
 from firmware_bridge.pilot.link import Link
 from firmware_bridge.units import MILLISECOND, Nanoseconds
@@ -12,18 +12,18 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds
 LINK = Link()
 
 
-def told(hand: Keyboard, chunk: bytes, at: Nanoseconds = 0) -> list[Asked]:
+def reported(hand: Keyboard, chunk: bytes, at: Nanoseconds = 0) -> list[ButtonRequest]:
     return list(hand.handle(chunk, at))
 
 
-def wish(hand: Keyboard, at: Nanoseconds) -> Stick:
-    return hand.wish(LINK, at, armed=True)
+def command(hand: Keyboard, at: Nanoseconds) -> Stick:
+    return hand.command(LINK, at, armed=True)
 
 
 def rested(share: float, extras: Extras = NO_EXTRAS) -> Keyboard:
     """A keyboard that was seen at rest since the robot was armed."""
     hand = Keyboard(share, extras)
-    wish(hand, 0)
+    command(hand, 0)
     return hand
 
 
@@ -52,78 +52,81 @@ def rested(share: float, extras: Extras = NO_EXTRAS) -> Keyboard:
 def test_keys_are_the_stick(keys: bytes, stick: Stick) -> None:
     for cut in range(len(keys)):
         hand = rested(0.5, Extras(switches=(0, 1), up_button=3))
-        told(hand, keys[:cut])
-        told(hand, keys[cut:])
-        assert wish(hand, 1) == stick, cut
+        reported(hand, keys[:cut])
+        reported(hand, keys[cut:])
+        assert command(hand, 1) == stick, cut
 
 
 def test_a_key_that_is_kept_down_drives_from_its_press_on_without_a_gap() -> None:
     hand = rested(1.0)
     pressed = [0, *range(660 * MILLISECOND, 2000 * MILLISECOND, 40 * MILLISECOND)]
     for before, after in pairwise(pressed):
-        told(hand, b"w", before)
-        assert wish(hand, after - 1).forward == 1.0
+        reported(hand, b"w", before)
+        assert command(hand, after - 1).forward == 1.0
 
 
 def test_a_key_that_is_let_go_lets_the_robot_go() -> None:
     hand = rested(1.0)
-    told(hand, b"w", 0)
-    assert (wish(hand, BEGINS - 1).forward, wish(hand, BEGINS).forward) == (1.0, 0.0)
-    told(hand, b"w", 0)
-    told(hand, b"w", 100 * MILLISECOND)
+    reported(hand, b"w", 0)
+    assert (command(hand, BEGINS - 1).forward, command(hand, BEGINS).forward) == (1.0, 0.0)
+    reported(hand, b"w", 0)
+    reported(hand, b"w", 100 * MILLISECOND)
     end = 100 * MILLISECOND + REPEATS
-    assert (wish(hand, end - 1).forward, wish(hand, end).forward) == (1.0, 0.0)
+    assert (command(hand, end - 1).forward, command(hand, end).forward) == (1.0, 0.0)
 
 
 def test_a_turn_of_the_helm_keeps_a_robot_driving_and_starts_none() -> None:
     hand = rested(1.0)
-    told(hand, b"w", 0)
-    told(hand, b"a", BEGINS - 1)
-    assert wish(hand, 2 * BEGINS - 2) == Stick(1.0, 0.1)
-    assert wish(hand, 2 * BEGINS) == Stick(0.0, 0.1)
-    told(hand, b"a", 2 * BEGINS)
-    assert wish(hand, 2 * BEGINS).forward == 0.0
+    reported(hand, b"w", 0)
+    reported(hand, b"a", BEGINS - 1)
+    assert command(hand, 2 * BEGINS - 2) == Stick(1.0, 0.1)
+    assert command(hand, 2 * BEGINS) == Stick(0.0, 0.1)
+    reported(hand, b"a", 2 * BEGINS)
+    assert command(hand, 2 * BEGINS).forward == 0.0
 
 
 def test_a_switch_is_pressed_for_one_word() -> None:
     hand = rested(1.0, Extras(switches=(5,)))
-    told(hand, b"1")
-    assert [wish(hand, at).buttons for at in (1, 2)] == [1 << 5, 0]
+    reported(hand, b"1")
+    assert [command(hand, at).buttons for at in (1, 2)] == [1 << 5, 0]
 
 
 def test_before_the_robot_is_armed_the_true_keys_are_stated() -> None:
     """So the bridge sees what is down, and refuses to arm."""
     hand = Keyboard(1.0, Extras(up_button=3))
-    told(hand, b"w")
-    assert hand.wish(LINK, 1, armed=False) == Stick(1.0)
-    told(hand, b"ra")
-    assert hand.wish(LINK, 1, armed=False) == Stick(0.0, 0.1, 1.0, 1 << 3)
+    reported(hand, b"w")
+    assert hand.command(LINK, 1, armed=False) == Stick(1.0)
+    reported(hand, b"ra")
+    assert hand.command(LINK, 1, armed=False) == Stick(0.0, 0.1, 1.0, 1 << 3)
 
 
 def test_a_key_that_is_down_when_it_is_armed_counts_when_it_was_let_go() -> None:
     hand = Keyboard(1.0)
-    told(hand, b"a")
+    reported(hand, b"a")
     for at in range(0, 10 * REPEATS, REPEATS // 2):
-        told(hand, b"w", at)
-        assert wish(hand, at) == Stick()
-    assert wish(hand, 20 * REPEATS) == Stick()
-    told(hand, b"w", 20 * REPEATS)
-    assert wish(hand, 20 * REPEATS) == Stick(1.0), "the helm has not been brought back"
-    told(hand, b"x", 20 * REPEATS)
-    wish(hand, 20 * REPEATS)
-    told(hand, b"a", 20 * REPEATS)
-    assert wish(hand, 20 * REPEATS) == Stick(1.0, 0.1)
+        reported(hand, b"w", at)
+        assert command(hand, at) == Stick()
+    assert command(hand, 20 * REPEATS) == Stick()
+    reported(hand, b"w", 20 * REPEATS)
+    assert command(hand, 20 * REPEATS) == Stick(1.0), "the helm has not been brought back"
+    reported(hand, b"x", 20 * REPEATS)
+    command(hand, 20 * REPEATS)
+    reported(hand, b"a", 20 * REPEATS)
+    assert command(hand, 20 * REPEATS) == Stick(1.0, 0.1)
 
 
-@pytest.mark.parametrize(("key", "asked"), [(b"p", Asked.ARM), (b"\r", Asked.STOP), (b"\n", Asked.STOP)])
-def test_keys_arm_and_stop(key: bytes, asked: Asked) -> None:
-    assert told(Keyboard(1.0), b"w" + key) == [asked]
+@pytest.mark.parametrize(
+    ("key", "requested"),
+    [(b"p", ButtonRequest.ARM), (b"\r", ButtonRequest.STOP), (b"\n", ButtonRequest.STOP)],
+)
+def test_keys_arm_and_stop(key: bytes, requested: ButtonRequest) -> None:
+    assert reported(Keyboard(1.0), b"w" + key) == [requested]
 
 
 def test_the_emergency_stop_is_no_order_to_arm() -> None:
     """What rested after it has not rested since somebody else armed."""
     hand = Keyboard(1.0)
-    told(hand, b"\r")
-    hand.wish(LINK, 0, armed=False)
-    told(hand, b"w")
-    assert wish(hand, 1) == Stick()
+    reported(hand, b"\r")
+    hand.command(LINK, 0, armed=False)
+    reported(hand, b"w")
+    assert command(hand, 1) == Stick()

@@ -12,9 +12,9 @@ def joined(up: Nanoseconds, down: Nanoseconds, seconds: int = 3) -> Link:
     """Ask and answer for some seconds."""
     link = Link()
     for turn in range(2 * seconds):
-        asked = link.question(turn * SECOND // 2 + 1)
+        requested = link.question(turn * SECOND // 2 + 1)
         at = turn * SECOND // 2 + 1 + up
-        link.answered(dialect.MAVLink_timesync_message(at + AHEAD, asked.ts1), at + down)
+        link.answered(dialect.MAVLink_timesync_message(at + AHEAD, requested.ts1), at + down)
     return link
 
 
@@ -48,5 +48,5 @@ def test_after_a_silence_the_round_trip_is_what_it_was() -> None:
 def test_lost_frames_are_counted_by_their_gaps() -> None:
     link = Link()
     for number in range(0, 300, 2):
-        link.heard(number % 256, number * 50 * MILLISECOND)
+        link.received(number % 256, number * 50 * MILLISECOND)
     assert link.lost == pytest.approx(0.5, abs=0.02)

@@ -91,7 +91,7 @@ def test_a_path_comes_from_a_file(tmp_path: FilePath) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         ("0,0\n1,zwei\n", "row 2: y = 'zwei'"),
         ("0\n", "row 1"),
@@ -99,10 +99,10 @@ def test_a_path_comes_from_a_file(tmp_path: FilePath) -> None:
         ("0,0\n0,0\n", "two points at least"),
     ],
 )
-def test_a_wrong_file_is_one_line(tmp_path: FilePath, text: str, told: str) -> None:
+def test_a_wrong_file_is_one_line(tmp_path: FilePath, text: str, reported: str) -> None:
     file = tmp_path / "way.csv"
     file.write_text(text, encoding="utf-8")
-    with pytest.raises(PathError, match=told) as refused:
+    with pytest.raises(PathError, match=reported) as refused:
         path_file.load(file)
     assert str(file) in str(refused.value)
 

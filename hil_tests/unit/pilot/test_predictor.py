@@ -13,7 +13,7 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 TICK = 50 * MILLISECOND
 
 
-def wish(count: int) -> tuple[float, float]:
+def command(count: int) -> tuple[float, float]:
     """Return a drive that curves to and fro."""
     return 0.4, 0.3 * math.sin(count / 10.0)
 
@@ -23,7 +23,7 @@ def drive(model: Model, up: Nanoseconds, count: int) -> list[tuple[Nanoseconds, 
     moving, shown = Moving(Pose()), []
     for place in range(count):
         late = place - up // TICK
-        speed, turn = wish(late) if late >= 0 else (0.0, 0.0)
+        speed, turn = command(late) if late >= 0 else (0.0, 0.0)
         shown.append((place * TICK, moving))
         for _ in range(2):
             moving = model.step(moving, speed, turn, 0.025)
@@ -46,11 +46,11 @@ def test_with_the_right_model_it_states_where_the_robot_will_be(
         seen = (now - down) // TICK
         if seen >= 0:
             predictor.seen(shown[seen][0] - wrong, shown[seen][1])
-        said = predictor.at(now + trip // 2)
-        predictor.told(now, trip // 2, *wish(place))
+        stated = predictor.at(now + trip // 2)
+        predictor.on_command(now, trip // 2, *command(place))
         true = shown[place + up // TICK][1].pose
-        if said is not None and place > 2 * trip // TICK:
-            assert math.dist((said.pose.x_m, said.pose.y_m), (true.x_m, true.y_m)) < 2e-3
+        if stated is not None and place > 2 * trip // TICK:
+            assert math.dist((stated.pose.x_m, stated.pose.y_m), (true.x_m, true.y_m)) < 2e-3
     if trip:
         assert predictor.error_m is not None
         assert predictor.error_m < 2e-3
@@ -58,12 +58,12 @@ def test_with_the_right_model_it_states_where_the_robot_will_be(
 
 def test_its_error_is_reported_where_the_robot_does_otherwise() -> None:
     predictor = Predictor(Unicycle())
-    predictor.told(0, 0, 0.5, 0.0)
+    predictor.on_command(0, 0, 0.5, 0.0)
     predictor.seen(0, Moving(Pose()))
     for place in range(1, 9):
-        said = predictor.at(place * TICK)
-        assert said is not None
-        assert said.pose.x_m == pytest.approx(0.5 * place * 0.05)
+        stated = predictor.at(place * TICK)
+        assert stated is not None
+        assert stated.pose.x_m == pytest.approx(0.5 * place * 0.05)
     predictor.seen(6 * TICK, Moving(Pose()))  # it stands
     assert predictor.error_m == pytest.approx(0.15)
 
@@ -73,9 +73,9 @@ def test_before_it_has_seen_anything_it_sends_nothing_and_what_is_older_changes_
     assert predictor.at(0) is None
     predictor.seen(TICK, Moving(Pose(1.0)))
     predictor.seen(0, Moving(Pose(7.0)))
-    said = predictor.at(TICK)
-    assert said is not None
-    assert said.pose == Pose(1.0)
+    stated = predictor.at(TICK)
+    assert stated is not None
+    assert stated.pose == Pose(1.0)
 
 
 def test_rars_steers_no_faster_than_its_rack_and_speeds_up_at_its_ramp() -> None:

@@ -68,11 +68,11 @@ def test_a_point_that_follows_a_line_late_settles_below_it_and_swings_above(
     step, speed = 0.005, 0.5
     late = deque([0.0] * round(share * critical_delay_s(speed, 0.5) / step))
     pose, swing, pursuit = Pose(0.0, 0.01, 0.0), 0.0, Pursuit(line(100.0), 0.5)
-    told = 0.0
+    reported = 0.0
     for count in range(round(24.0 / step)):
         if count % 2 == 0:
-            told = speed * pursuit.arc(pose).curvature_per_m
-        late.append(told)
+            reported = speed * pursuit.arc(pose).curvature_per_m
+        late.append(reported)
         heading = pose.heading_rad + late.popleft() * step
         pose = Pose(
             pose.x_m + speed * step * math.cos(heading), pose.y_m + speed * step * math.sin(heading), heading

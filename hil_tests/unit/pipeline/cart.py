@@ -13,7 +13,16 @@ from typing import Any, Final
 from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.pipeline import Pipeline
-from firmware_bridge.drivers.driver import Demand, Feedback, Power, Reading, Speed, StartupError, Task, Tells
+from firmware_bridge.drivers.driver import (
+    Demand,
+    Feedback,
+    Power,
+    Reading,
+    Reports,
+    Speed,
+    StartupError,
+    Task,
+)
 from firmware_bridge.drivers.fleet import Fleet
 from firmware_bridge.intent import Arm, Request, Verdict
 from firmware_bridge.kind import Kind, Mode
@@ -77,7 +86,7 @@ class Cart:
         mean = (axes["left"].velocity + axes["right"].velocity) / 2.0
         return Sensed(mean * RADIUS_M, axes["brush"].velocity)
 
-    def asked(self, motion: Sweep, _state: Sensed) -> frozenset[str]:
+    def requested(self, motion: Sweep, _state: Sensed) -> frozenset[str]:
         return frozenset(
             group for group, speed in (("base", motion.ahead), ("tool", motion.brush)) if speed != 0.0
         )
@@ -123,7 +132,7 @@ class Ahead:
     def __init__(self, _robot: Robot[Sizes]) -> None:
         self._elapsed: Nanoseconds = 0
 
-    def wished(self, _seen: Snapshot[Sweep, Sensed], elapsed: Nanoseconds) -> Sweep:
+    def command(self, _seen: Snapshot[Sweep, Sensed], elapsed: Nanoseconds) -> Sweep:
         self._elapsed += elapsed
         return Sweep(GUIDED_MPS) if self._elapsed >= 500 * MILLISECOND else Sweep()
 
@@ -140,13 +149,13 @@ RACES: Final[Interlock[Sizes, Sweep, Sensed]] = Interlock(
 )
 
 
-def _stick(stick: Stick, wish: Sweep, robot: Robot[Sizes]) -> Sweep:
-    del wish
+def _stick(stick: Stick, command: Sweep, robot: Robot[Sizes]) -> Sweep:
+    del command
     return Sweep((stick.forward or 0.0) * robot.geometry.top_mps, (stick.turn or 0.0) * BRUSH_TOP)
 
 
-def _target(velocity: Velocity, wish: Sweep, _robot: Robot[Sizes]) -> Sweep | Unusable:
-    return replace(wish, ahead=velocity.forward_mps)
+def _target(velocity: Velocity, command: Sweep, _robot: Robot[Sizes]) -> Sweep | Unusable:
+    return replace(command, ahead=velocity.forward_mps)
 
 
 KIND: Final[Kind[Sizes, Sweep, Sensed]] = Kind(
@@ -165,7 +174,7 @@ KIND: Final[Kind[Sizes, Sweep, Sensed]] = Kind(
         stick=_stick,
         target=_target,
         twist=lambda state: Twist(state.ahead, 0.0, 0.0),
-        forgotten=lambda wish: wish,
+        forgotten=lambda command: command,
         largest=lambda robot: Twist(robot.geometry.top_mps, 0.0, 1.0),
     ),
     guides={"ahead": Ahead},
@@ -205,7 +214,7 @@ def cart(change: Callable[[dict[str, Any]], None] = lambda _table: None) -> Robo
 class PaperDriver:
     """A `firmware_bridge.drivers.driver.Driver` that does at once what it is told, and keeps it."""
 
-    tells = frozenset(Tells)
+    reports = frozenset(Reports)
     failure: StartupError | None = None
     configured = True
     busy = False
@@ -215,7 +224,7 @@ class PaperDriver:
 
     def __init__(self, axis: Axis) -> None:
         self.axis: Final = axis
-        self.feedback = Feedback(axis.name, Power.ON, heard_at=0, sampled_at=0)
+        self.feedback = Feedback(axis.name, Power.ON, received_at=0, sampled_at=0)
         self.demands: list[Demand] = []
         self.begun: list[Task] = []
         self.zeros: list[float] = []
@@ -248,11 +257,11 @@ class PaperDriver:
     def wake(self, _now: Nanoseconds) -> tuple[Packet, ...]:
         return ()
 
-    def heard(self, now: Nanoseconds) -> None:
+    def received(self, now: Nanoseconds) -> None:
         """Tell a sample."""
         way = self.feedback.velocity * to_seconds(now - self.feedback.sampled_at)
         position = self.feedback.position + way
-        self.feedback = replace(self.feedback, heard_at=now, sampled_at=now, position=position)
+        self.feedback = replace(self.feedback, received_at=now, sampled_at=now, position=position)
 
 
 class PaperLink:
@@ -268,14 +277,14 @@ class PaperLink:
     def __init__(self, name: str) -> None:
         self.name = name
         self.lost: str | None = None
-        self.heard_master: str | None = None
+        self.received_master: str | None = None
         self.beats: list[Nanoseconds] = []
 
     def hint(self, _now: Nanoseconds) -> str:
         return ""
 
     def master(self, _now: Nanoseconds) -> str | None:
-        return self.heard_master
+        return self.received_master
 
     def sample(self, _now: Nanoseconds) -> tuple[Packet, ...]:
         return ()
@@ -284,7 +293,7 @@ class PaperLink:
         self.beats.append(now)
         return ()
 
-    def hear(self, _packet: Packet, _now: Nanoseconds) -> tuple[Packet, ...]:
+    def receive(self, _packet: Packet, _now: Nanoseconds) -> tuple[Packet, ...]:
         return ()
 
     def wake(self, _now: Nanoseconds) -> tuple[Packet, ...]:
@@ -339,16 +348,16 @@ class PaperCart:
             self.cycle += 1
             for name, driver in self.drivers.items():
                 if self.links[driver.axis.link].lost is None and name not in self.silent:
-                    driver.heard(self.now)
+                    driver.received(self.now)
             self.pipeline.run(self.now)
 
     def arms(self) -> None:
         """Let the operator be heard for a while, then arm."""
         self.runs(10)
-        verdict = self.asks(ARM)
+        verdict = self.requests(ARM)
         assert verdict.accepted, verdict.reason
 
-    def asks(self, request: Request) -> Verdict:
+    def requests(self, request: Request) -> Verdict:
         return self.pipeline.decide(request, self.now)
 
     def held(self) -> set[str]:
@@ -359,13 +368,13 @@ class PaperCart:
         """Return what the axis was told last."""
         return self.drivers[axis].demands[-1]
 
-    def told(self) -> dict[str, int]:
+    def reported(self) -> dict[str, int]:
         """Return how often each axis has been told something."""
         return {name: len(driver.demands) for name, driver in self.drivers.items()}
 
     def speaks(self) -> None:
         x, r = round(self.ahead * 1000), round(-self.brush * 1000)
         message = dialect.MAVLink_manual_control_message(1, x, 0x7FFF, 0x7FFF, r, 0)
-        self._operator.hear(
+        self._operator.receive(
             self._codec.encode(message), self.now, lambda request: self.pipeline.decide(request, self.now)
         )

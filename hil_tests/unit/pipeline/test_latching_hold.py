@@ -38,7 +38,7 @@ def test_the_emergency_stop_outlives_it() -> None:
     assert RACES.name not in cart.held()
     assert {"emergency stop", "not armed"} <= cart.held()
     assert {cart.newest(name) for name in cart.drivers} == {Stop.QUICK_STOP}
-    refused = cart.asks(Arm())
+    refused = cart.requests(Arm())
     assert (refused.accepted, refused.reason) == (
         False,
         "arm: the emergency stop is latched; clear it first",
@@ -48,10 +48,10 @@ def test_the_emergency_stop_outlives_it() -> None:
 def test_cleared_it_may_be_armed_and_moves_again() -> None:
     cart = racing()
     cart.runs(5)
-    assert cart.asks(ClearEmergencyStop()).accepted
+    assert cart.requests(ClearEmergencyStop()).accepted
     cart.runs()
     assert cart.held() == {"not armed"}
-    assert cart.asks(Arm()).accepted
+    assert cart.requests(Arm()).accepted
     cart.brush = 0.5
     cart.runs()
     assert cart.newest("brush") == Speed(5.0)
@@ -60,7 +60,7 @@ def test_cleared_it_may_be_armed_and_moves_again() -> None:
 def test_cleared_while_it_trips_it_latches_again() -> None:
     cart = racing()
     cart.drivers["brush"].command(Speed(9.0))
-    assert cart.asks(ClearEmergencyStop()).accepted
+    assert cart.requests(ClearEmergencyStop()).accepted
     cart.drivers["brush"].command(Speed(9.0))
     cart.runs()
     assert cart.permission.emergency_stopped

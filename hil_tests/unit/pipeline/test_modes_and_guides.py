@@ -19,7 +19,7 @@ def brushless() -> PaperCart:
     """A cart whose brush has failed, in the mode that does without it."""
     cart = PaperCart()
     cart.runs(10)
-    assert cart.asks(EnterMode("brushless")).accepted
+    assert cart.requests(EnterMode("brushless")).accepted
     off(cart, "brush")
     cart.runs(10)
     return cart
@@ -29,7 +29,7 @@ def guided() -> PaperCart:
     """A cart that goes its guide's way."""
     cart = PaperCart()
     cart.arms()
-    assert cart.asks(Follow("ahead")).accepted
+    assert cart.requests(Follow("ahead")).accepted
     cart.runs(20)
     assert cart.newest("left") == GUIDED
     return cart
@@ -38,23 +38,23 @@ def guided() -> PaperCart:
 def test_an_armed_robot_changes_no_mode() -> None:
     cart = PaperCart()
     cart.arms()
-    verdict = cart.asks(EnterMode("brushless"))
+    verdict = cart.requests(EnterMode("brushless"))
     assert (verdict.accepted, verdict.temporary) == (False, True)
     assert verdict.reason == "mode: stop and disarm first"
-    assert cart.asks(Disarm()).accepted
-    assert cart.asks(EnterMode("brushless")).accepted
+    assert cart.requests(Disarm()).accepted
+    assert cart.requests(EnterMode("brushless")).accepted
 
 
 def test_a_robot_that_moves_changes_no_mode_armed_or_not() -> None:
     cart = PaperCart()
     cart.runs(10)
     cart.drivers["left"].command(Speed(5.0))
-    assert cart.asks(EnterMode("brushless")).reason == "mode: stop and disarm first"
+    assert cart.requests(EnterMode("brushless")).reason == "mode: stop and disarm first"
 
 
 def test_an_unknown_mode_is_answered_with_those_that_there_are() -> None:
     cart = PaperCart()
-    verdict = cart.asks(EnterMode("wheelless"))
+    verdict = cart.requests(EnterMode("wheelless"))
     assert (verdict.accepted, verdict.temporary) == (False, False)
     assert verdict.reason == "mode: this robot has no 'wheelless'; it has brushless"
 
@@ -70,7 +70,7 @@ def test_what_is_wrong_with_it_holds_nothing_back_in_that_mode() -> None:
     off(cart, "brush", Power.FAULT)
     cart.runs()
     assert cart.held() == {"not armed"}
-    assert cart.asks(Arm()).accepted
+    assert cart.requests(Arm()).accepted
     cart.ahead = 0.5
     cart.runs(20)
     assert cart.newest("left") == Speed(5.0)
@@ -80,13 +80,15 @@ def test_what_is_wrong_with_it_holds_nothing_back_in_that_mode() -> None:
 def test_while_it_has_power_the_robot_is_held_by_a_row_of_its_own() -> None:
     cart = PaperCart()
     cart.runs(10)
-    cart.asks(EnterMode("brushless"))
+    cart.requests(EnterMode("brushless"))
     cart.runs(10)
     assert cart.held() == {"not armed", "axis left out: brush"}
-    assert cart.asks(Arm()).reason.startswith("arm: node 1 (brush) has power, and this mode does without it")
+    assert cart.requests(Arm()).reason.startswith(
+        "arm: node 1 (brush) has power, and this mode does without it"
+    )
     off(cart, "brush")
     cart.runs()
-    assert cart.asks(Arm()).accepted
+    assert cart.requests(Arm()).accepted
 
 
 @pytest.mark.parametrize("power", [Power.OFF, Power.STOPPED, Power.UNKNOWN, Power.FAULT])
@@ -104,7 +106,7 @@ def test_one_that_sends_nothing_any_more_is_waited_for_as_long_as_its_link_allow
     """250 ms: by then it has heard that its power goes off, or its own watch has stopped it."""
     cart = PaperCart()
     cart.runs(10)
-    cart.asks(EnterMode("brushless"))
+    cart.requests(EnterMode("brushless"))
     cart.runs()
     cart.silent = {"brush"}
     cart.runs(cycles)
@@ -113,7 +115,7 @@ def test_one_that_sends_nothing_any_more_is_waited_for_as_long_as_its_link_allow
 
 def test_power_that_comes_back_disarms() -> None:
     cart = brushless()
-    assert cart.asks(Arm()).accepted
+    assert cart.requests(Arm()).accepted
     off(cart, "brush", Power.ON)
     cart.runs()
     assert "axis left out: brush" in cart.held()
@@ -122,10 +124,10 @@ def test_power_that_comes_back_disarms() -> None:
 
 def test_the_whole_robot_wants_the_axis_back() -> None:
     cart = brushless()
-    assert cart.asks(EnterMode("")).accepted
+    assert cart.requests(EnterMode("")).accepted
     cart.runs()
     assert "axis not enabled: brush" in cart.held()
-    assert cart.asks(Arm()).reason.startswith("enabling node 1 (brush) again")
+    assert cart.requests(Arm()).reason.startswith("enabling node 1 (brush) again")
 
 
 def test_on_the_way_to_rest_at_the_end_it_gets_no_power() -> None:
@@ -137,14 +139,14 @@ def test_on_the_way_to_rest_at_the_end_it_gets_no_power() -> None:
 
 def test_a_guide_makes_the_commands() -> None:
     cart = guided()
-    assert cart.pipeline.seen.wish.ahead == GUIDED_MPS
-    assert cart.asks(Follow("")).accepted
+    assert cart.pipeline.seen.command.ahead == GUIDED_MPS
+    assert cart.requests(Follow("")).accepted
     cart.runs(20)
     assert cart.newest("left") == Speed(0.0)
 
 
 def test_an_unknown_guide_is_answered_with_those_that_there_are() -> None:
-    verdict = PaperCart().asks(Follow("astray"))
+    verdict = PaperCart().requests(Follow("astray"))
     assert (verdict.accepted, verdict.reason) == (False, "guide: this robot has no 'astray'; it has ahead")
 
 
@@ -185,7 +187,7 @@ def test_a_guide_that_was_held_back_begins_again() -> None:
 
 def test_a_guide_ends_when_another_operator_drives() -> None:
     cart = guided()
-    assert cart.asks(ChangeDriver()).accepted
+    assert cart.requests(ChangeDriver()).accepted
     cart.runs(40)
     assert cart.newest("left") == Speed(0.0)
 
@@ -193,9 +195,9 @@ def test_a_guide_ends_when_another_operator_drives() -> None:
 def test_a_guide_is_refused_by_a_robot_that_is_not_armed() -> None:
     cart = PaperCart()
     cart.runs(10)
-    verdict = cart.asks(Follow("ahead"))
+    verdict = cart.requests(Follow("ahead"))
     assert (verdict.accepted, verdict.reason) == (False, "guide: arm the robot first")
-    assert cart.asks(Follow("")).accepted
+    assert cart.requests(Follow("")).accepted
 
 
 def test_a_robot_that_was_disarmed_has_no_guide_when_it_is_armed_again() -> None:
@@ -203,8 +205,8 @@ def test_a_robot_that_was_disarmed_has_no_guide_when_it_is_armed_again() -> None
     cart.drivers["brush"].command(Speed(9.0))
     cart.runs(20)
     assert not cart.permission.armed
-    assert cart.asks(ClearEmergencyStop()).accepted
-    assert cart.asks(Arm()).accepted
+    assert cart.requests(ClearEmergencyStop()).accepted
+    assert cart.requests(Arm()).accepted
     cart.runs(40)
     assert cart.held() == set()
     assert cart.newest("left") == Speed(0.0)

@@ -14,7 +14,7 @@ def test_a_device_that_fell_silent_is_set_up_again_whatever_it_stated_last() -> 
     cart.runs(10)
     cart.silent = {"left"}
     cart.runs(cart.robot.silent_after["left"] // cart.robot.cycle)
-    verdict = cart.asks(Arm())
+    verdict = cart.requests(Arm())
     assert not verdict.accepted
     assert "enabling node 1 (left) again" in verdict.reason
     assert tuple(cart.drivers["left"].begun) == BRING_UP
@@ -28,7 +28,7 @@ def test_controls_that_were_deflected_from_the_start_are_let_go_where_a_cycle_se
     cart.runs(10)
     cart.ahead = 0.0
     cart.speaks()  # between two cycles
-    assert cart.asks(ARM).accepted
+    assert cart.requests(ARM).accepted
     cart.ahead = 0.5
     cart.runs(5)
     assert "controls deflected" in cart.held()
@@ -77,9 +77,9 @@ def test_who_let_go_before_the_silence_was_seen_has_not() -> None:
 
 def test_arming_is_refused_where_the_next_cycle_would_disarm() -> None:
     cart = after_a_silence()
-    cart.asks(Disarm())
+    cart.requests(Disarm())
     cart.runs(250)
-    verdict = cart.asks(Arm())
+    verdict = cart.requests(Arm())
     assert (verdict.accepted, verdict.reason) == (
         False,
         "arm: no motion command for 10 s: nobody drives; send motion commands, then arm",
@@ -92,7 +92,7 @@ def test_a_bridge_that_has_just_stood_still_is_not_armed() -> None:
     cart.now += SECOND
     cart.speaks()  # what waited in the port is heard first
     for driver in cart.drivers.values():
-        driver.heard(cart.now)
-    verdict = cart.asks(Arm())
+        driver.received(cart.now)
+    verdict = cart.requests(Arm())
     assert not verdict.accepted
     assert "the bridge itself did nothing for 1.00 s" in verdict.reason

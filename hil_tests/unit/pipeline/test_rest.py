@@ -7,7 +7,7 @@ from typing import Any, Final
 import pytest
 
 from firmware_bridge.drivers.driver import Feedback
-from firmware_bridge.intent import NEVER_HEARD, Arm, ClearEmergencyStop, Disarm, EmergencyStop, EnterMode
+from firmware_bridge.intent import NEVER_RECEIVED, Arm, ClearEmergencyStop, Disarm, EmergencyStop, EnterMode
 from firmware_bridge.kinds import find, kind_of
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.safety.snapshot import Facts, Snapshot
@@ -31,16 +31,16 @@ def test_it_is_not_armed_cleared_or_changed_and_comes_to_rest_disarmed(left: flo
     cart = PaperCart()
     cart.runs(10)
     spin(cart, left, right)
-    assert cart.asks(Arm()).reason == "arm: the robot still moves"
-    assert cart.asks(EnterMode("brushless")).reason == "mode: stop and disarm first"
+    assert cart.requests(Arm()).reason == "arm: the robot still moves"
+    assert cart.requests(EnterMode("brushless")).reason == "mode: stop and disarm first"
     spin(cart, 0.0, 0.0)
-    assert cart.asks(Arm()).accepted
+    assert cart.requests(Arm()).accepted
     spin(cart, left, right)
-    assert cart.asks(Disarm()).reason == "disarmed: the robot comes to rest, the drives hold still"
-    cart.asks(EmergencyStop())
-    assert cart.asks(ClearEmergencyStop()).reason == "clear: the robot still moves"
+    assert cart.requests(Disarm()).reason == "disarmed: the robot comes to rest, the drives hold still"
+    cart.requests(EmergencyStop())
+    assert cart.requests(ClearEmergencyStop()).reason == "clear: the robot still moves"
     spin(cart, 0.0, 0.0)
-    assert cart.asks(ClearEmergencyStop()).accepted
+    assert cart.requests(ClearEmergencyStop()).accepted
 
 
 @pytest.mark.parametrize(("left", "right"), SPINS)
@@ -56,11 +56,11 @@ def test_its_orderly_end_waits_for_each_wheel(left: float, right: float) -> None
 def test_without_its_brush_it_rests_as_before() -> None:
     cart = PaperCart()
     cart.runs(10)
-    assert cart.asks(EnterMode("brushless")).accepted
+    assert cart.requests(EnterMode("brushless")).accepted
     spin(cart, BOUND, -BOUND)
-    assert cart.asks(Arm()).reason == "arm: the robot still moves"
+    assert cart.requests(Arm()).reason == "arm: the robot still moves"
     spin(cart, 0.0, 0.0)
-    assert cart.asks(Arm()).reason != "arm: the robot still moves"
+    assert cart.requests(Arm()).reason != "arm: the robot still moves"
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -85,13 +85,13 @@ SILENT: Final = RARS.silent_after["left"]
 def seen(left_rad_s: float, age: int) -> Snapshot[Any, Any]:
     """RARS's left wheel told a speed so long ago; all others have just told that they rest."""
     now = 10 * SECOND
-    axes = {axis.name: Feedback(axis.name, heard_at=now, sampled_at=now) for axis in RARS.axes}
-    axes["left"] = replace(axes["left"], velocity=left_rad_s, heard_at=now - age)
+    axes = {axis.name: Feedback(axis.name, received_at=now, sampled_at=now) for axis in RARS.axes}
+    axes["left"] = replace(axes["left"], velocity=left_rad_s, received_at=now - age)
     facts = Facts(
         now=now,
         armed=False,
         emergency_stopped=False,
-        heard_at=NEVER_HEARD,
+        received_at=NEVER_RECEIVED,
         neutral=True,
         axes=axes,
         sensors={},
@@ -99,7 +99,7 @@ def seen(left_rad_s: float, age: int) -> Snapshot[Any, Any]:
     )
     rest = kind_of(RARS).rest
     body = RULES[""].body.sensed(axes, {})
-    return Snapshot(facts=facts, wish=rest, demanded=rest, body=body, pose=Pose(1.0, 2.0, 3.0))
+    return Snapshot(facts=facts, command=rest, demanded=rest, body=body, pose=Pose(1.0, 2.0, 3.0))
 
 
 @pytest.mark.parametrize(
@@ -123,10 +123,10 @@ def test_an_axis_that_a_mode_does_without_counts_as_long_as_it_is_received(
 
 def test_what_a_mode_senses_is_the_same_snapshot_with_its_own_body() -> None:
     one = seen(5.0, SILENT)
-    wish, located = object(), object()
+    command, located = object(), object()
     before: Snapshot[Any, Any] = Snapshot(
         facts=one.facts,
-        wish=wish,
+        command=command,
         demanded=one.demanded,
         body=one.body,
         pose=one.pose,
@@ -136,7 +136,7 @@ def test_what_a_mode_senses_is_the_same_snapshot_with_its_own_body() -> None:
     assert after.body != before.body
     assert after.body == RULES["left_failed"].body.sensed(before.facts.axes, {})
     assert after.facts is before.facts
-    assert after.wish is wish
+    assert after.command is command
     assert (after.demanded, after.pose) == (one.demanded, one.pose)
     assert after.located is located
 
@@ -149,7 +149,7 @@ def test_an_axis_that_is_not_believed_counts_as_one_that_stands() -> None:
     stands = replace(one.facts.axes["left"], velocity=0.0)
     assert known.facts.axes == {**one.facts.axes, "left": stands}
     assert known.body == rules.body.sensed(known.facts.axes, {})
-    assert known.wish is one.wish
+    assert known.command is one.command
     for others in (set[str](), {"right"}):
         less = rules.believed(one, others)
         assert less is not None

@@ -70,16 +70,16 @@ class TwoBuses:
         until = self.world.now + from_seconds(seconds)
         while self.world.now < until:
             x, r = round(self.ahead * 1000), round(-self.brush * 1000)
-            self.says(dialect.MAVLink_manual_control_message(1, x, 0x7FFF, 0x7FFF, r, 0))
+            self.states(dialect.MAVLink_manual_control_message(1, x, 0x7FFF, 0x7FFF, r, 0))
             self.world.run(min(self.world.now + 50 * MILLISECOND, until))
 
-    def says(self, message: Any) -> None:
+    def states(self, message: Any) -> None:
         self.air.carry(self.place, Packet(OPERATOR, 0, self.ground.codec.encode(message)))
 
     def commands(self, command: int, *params: float) -> int:
         """Send a command; return the MAV_RESULT."""
         padded = (*params, *(0.0,) * (7 - len(params)))
-        self.says(dialect.MAVLink_command_long_message(1, 1, command, 0, *padded))
+        self.states(dialect.MAVLink_command_long_message(1, 1, command, 0, *padded))
         self.world.run(self.world.now + 2 * MILLISECOND)
         return self.ground.acknowledged[-1]
 

@@ -30,9 +30,9 @@ def sweeping(change: Any = lambda _table: None) -> PaperCart:
 
 def test_a_link_of_every_second_cycle_is_reported_in_every_second() -> None:
     bench = sweeping(every_second)
-    before = bench.told()
+    before = bench.reported()
     bench.runs(10)
-    counted = {name: count - before[name] for name, count in bench.told().items()}
+    counted = {name: count - before[name] for name, count in bench.reported().items()}
     assert counted == {"left": 10, "right": 10, "brush": 5}
 
 
@@ -62,7 +62,7 @@ def test_a_brush_that_is_let_go_stops_at_once_due_or_not(odd: int) -> None:
 def test_a_stop_reaches_a_link_at_once_due_or_not(odd: int, request_: EmergencyStop | Disarm) -> None:
     bench = sweeping(every_second)
     bench.runs(odd)
-    assert bench.asks(request_).accepted
+    assert bench.requests(request_).accepted
     bench.pipeline.run(bench.now)
     assert bench.newest("brush") in {Speed(0.0), Stop.POWER_OFF, Stop.QUICK_STOP}
 
@@ -71,9 +71,9 @@ def test_a_stop_is_reported_once_between_two_cycles_of_the_link() -> None:
     bench = sweeping(every_second)
     bench.brush = 0.0
     bench.runs(2)
-    before = bench.told()["brush"]
+    before = bench.reported()["brush"]
     bench.runs(10)
-    assert bench.told()["brush"] - before == 5
+    assert bench.reported()["brush"] - before == 5
 
 
 def test_a_lost_link_stops_the_whole_robot() -> None:
@@ -105,8 +105,8 @@ def test_a_robot_without_one_of_its_links_cannot_be_armed() -> None:
     bench.ahead = bench.brush = 0.0
     bench.links[TOOL].lost = "the adapter is gone"
     bench.runs(20)
-    assert bench.asks(Disarm()).accepted
-    assert bench.asks(Arm()).reason == "arm: the adapter is gone; plug it in again"
+    assert bench.requests(Disarm()).accepted
+    assert bench.requests(Arm()).reason == "arm: the adapter is gone; plug it in again"
 
 
 @pytest.mark.parametrize(("axis", "rolls"), [("brush", True), ("left", False)])

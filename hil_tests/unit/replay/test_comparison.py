@@ -146,11 +146,11 @@ def test_a_messages_header_reports_the_sender() -> None:
 @given(st.lists(st.integers(0, 20)), st.lists(st.integers(0, 25)))
 def test_a_player_states_everything_once_in_order_and_on_time(instants: list[int], wakes: list[int]) -> None:
     script = [(at, Packet(CAN, number, b"")) for number, at in enumerate(sorted(instants))]
-    player, said = Player(script), []
+    player, stated = Player(script), []
     for now in (*sorted(wakes), 30):
         reaction = player.wake(now)
-        said += [(now, packet) for packet in reaction.sent]
+        stated += [(now, packet) for packet in reaction.sent]
         assert reaction.wake_at == min((at for at, _ in script if at > now), default=NEVER)
         assert player.receive(A, now).sent == ()
-    assert [packet for _, packet in said] == [packet for _, packet in script]
-    assert all(now >= at for (now, _), (at, _) in zip(said, script, strict=True))
+    assert [packet for _, packet in stated] == [packet for _, packet in script]
+    assert all(now >= at for (now, _), (at, _) in zip(stated, script, strict=True))

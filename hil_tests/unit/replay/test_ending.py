@@ -8,13 +8,13 @@ import pytest
 
 from emulators.replay import Into, Order
 from emulators.replay import replay as play
-from emulators.replay.ending import asked_to_end
+from emulators.replay.ending import end_requested_at
 from firmware_bridge.intent import ConfirmZero
 from firmware_bridge.kinds import find
 from firmware_bridge.recording import EPOCH
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND
 
-RUN = Path(__file__).with_name("asked_to_end")
+RUN = Path(__file__).with_name("end_requested_at")
 """3 s of `drive rars` at emulated drives in real time, nobody driving, and its end by `--duration`."""
 KNOWN = Path(__file__).with_name("places_known")
 """3 s of `drive rars` after a run that had kept where lift and steering stood."""
@@ -58,7 +58,7 @@ def test_it_is_just_before_the_bridge_s_own_time_of_it(
     file = tmp_path / "events.log"
     file.write_text(events, encoding="utf-8")
     begun = 1_795_676_728 * SECOND + 749_001 * MICROSECOND - EPOCH
-    assert asked_to_end(file) == (None if after is None else begun + after - 2 * MILLISECOND)
+    assert end_requested_at(file) == (None if after is None else begun + after - 2 * MILLISECOND)
 
 
 def test_what_was_known_of_the_run_before_is_known_to_the_replay(tmp_path: Path) -> None:

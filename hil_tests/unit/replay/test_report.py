@@ -43,7 +43,7 @@ emergency_stop = true
 """
 
 
-def told(*words: str) -> Result:
+def reported(*words: str) -> Result:
     return CliRunner().invoke(program, list(words))
 
 
@@ -56,13 +56,13 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of the bench, with its recording."""
     folder = tmp_path_factory.mktemp("driven")
     (folder / "m.toml").write_text(DRIVEN, encoding="utf-8")
-    done = told("bench", "rars", "--mission", str(folder / "m.toml"), "--out", str(folder / "run"))
+    done = reported("bench", "rars", "--mission", str(folder / "m.toml"), "--out", str(folder / "run"))
     assert done.exit_code == 0, done.output
     return folder / "run"
 
 
 def test_it_knows_what_the_bridge_knew_in_the_run(bench: Path, tmp_path: Path) -> None:
-    done = told("report", str(bench), "--out", str(tmp_path))
+    done = reported("report", str(bench), "--out", str(tmp_path))
     assert done.exit_code == 0, done.output
     then, now = table(bench / "samples.csv"), table(tmp_path / "samples.csv")
     assert len(now) == pytest.approx(len(then), abs=2)
@@ -78,16 +78,16 @@ def test_it_knows_what_the_bridge_knew_in_the_run(bench: Path, tmp_path: Path) -
 
 
 def test_its_page_has_numbers_holds_and_pictures(bench: Path, tmp_path: Path) -> None:
-    assert told("report", str(bench), "--out", str(tmp_path)).exit_code == 0
+    assert reported("report", str(bench), "--out", str(tmp_path)).exit_code == 0
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
-    for said in (
+    for stated in (
         "largest speed",
         "limit 0.5",
         "largest current, left rear wheel",
         "emergency stop",
         "by odometry",
     ):
-        assert said in page, said
+        assert stated in page, stated
     pictures = {path.stem for path in tmp_path.glob("*.png")}
     assert pictures == {"path", "speeds", "currents", "holds"}
     assert page.count("data:image/png") == len(pictures)
@@ -96,10 +96,10 @@ def test_its_page_has_numbers_holds_and_pictures(bench: Path, tmp_path: Path) ->
 
 def test_a_real_drive_is_reported_in_its_own_folder(tmp_path: Path) -> None:
     folder = shutil.copytree(REAL, tmp_path / "run")
-    nameless = told("report", str(folder))
+    nameless = reported("report", str(folder))
     assert nameless.exit_code == 2
     assert "has no run.json" in nameless.stderr
-    done = told("report", str(folder), "rars", "--animate")
+    done = reported("report", str(folder), "rars", "--animate")
     assert done.exit_code == 0, done.output
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "What was said" in page
@@ -114,7 +114,7 @@ def test_from_where_this_bridge_does_otherwise_is_stated(bench: Path, tmp_path: 
     # A set-point that the bridge has not sent.
     lines[at] = re.sub(r"501#\w+", "501#0F0011000000", lines[at])
     (folder / "can.log").write_text("".join(lines), encoding="ascii")
-    done = told("report", str(folder), "--out", str(tmp_path / "page"))
+    done = reported("report", str(folder), "--out", str(tmp_path / "page"))
     assert done.exit_code == 0, done.output
     assert "does otherwise than was recorded from" in done.output
     assert "does otherwise than was recorded" in (tmp_path / "page" / "report.html").read_text(
@@ -124,7 +124,7 @@ def test_from_where_this_bridge_does_otherwise_is_stated(bench: Path, tmp_path: 
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "states"),
     [
         (("nowhere",), "is no folder"),
         (("bench",), "`bench` has made its page already; say --out DIR"),
@@ -133,12 +133,12 @@ def test_from_where_this_bridge_does_otherwise_is_stated(bench: Path, tmp_path: 
     ],
 )
 def test_a_folder_that_cannot_be_used_is_refused(
-    bench: Path, tmp_path: Path, words: tuple[str, ...], says: str
+    bench: Path, tmp_path: Path, words: tuple[str, ...], states: str
 ) -> None:
     places = {"bench": str(bench), "nowhere": str(tmp_path / "nowhere"), "page": str(tmp_path / "page")}
-    done = told("report", *(places.get(word, word) for word in words))
+    done = reported("report", *(places.get(word, word) for word in words))
     assert done.exit_code == 2, done.output
-    assert says in done.stderr
+    assert states in done.stderr
 
 
 def test_a_path_is_played_from_where_the_robot_knew_its_place() -> None:

@@ -5,7 +5,7 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
 from hil_tests.rows import every
 
-HEARD = Packet("board", 0, b"!")
+RECEIVED = Packet("board", 0, b"!")
 
 
 class Asking:
@@ -16,7 +16,7 @@ class Asking:
         self.woken: list[Nanoseconds] = []
 
     def receive(self, _packet: Packet, _now: Nanoseconds) -> Reaction:
-        return Reaction((HEARD,), self.wake_at)
+        return Reaction((RECEIVED,), self.wake_at)
 
     def wake(self, now: Nanoseconds) -> Reaction:
         self.woken.append(now)
@@ -25,7 +25,7 @@ class Asking:
 
 # What it asks for, at 100: it spoke at 100, 150 and 400; a machine is up to 50 late.
 @every(
-    ("asked", "after_wake", "after_word"),
+    ("requested", "after_wake", "after_word"),
     [
         (99, 150, 99),
         (100, 150, 100),
@@ -39,19 +39,19 @@ class Asking:
     ],
 )
 def test_it_is_woken_at_the_next_instant_at_which_it_spoke(
-    asked: Nanoseconds, after_wake: Nanoseconds, after_word: Nanoseconds
+    requested: Nanoseconds, after_wake: Nanoseconds, after_word: Nanoseconds
 ) -> None:
-    node = Asking(asked)
+    node = Asking(requested)
     woken = Woken(node, (400, 150, 100), (), 50)
     assert woken.wake(100) == Reaction((), after_wake)
-    assert woken.receive(HEARD, 100) == Reaction((HEARD,), after_word)
+    assert woken.receive(RECEIVED, 100) == Reaction((RECEIVED,), after_word)
 
 
 def test_what_has_come_by_an_instant_is_received_before_anything_that_is_due_then() -> None:
     node = Asking(NEVER)
     woken = Woken(node, (), (7, 7), 50)
     assert woken.wake(7) == Reaction((), 7)
-    woken.receive(HEARD, 7)
+    woken.receive(RECEIVED, 7)
     assert woken.wake(7) == Reaction((), 7)
-    woken.receive(HEARD, 7)
+    woken.receive(RECEIVED, 7)
     assert (woken.wake(7), node.woken) == (Reaction((), NEVER), [7])

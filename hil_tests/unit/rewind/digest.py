@@ -24,22 +24,22 @@ _Hash: Final = type(hashlib.sha256())
 
 def digest(root: object) -> str:
     """Walk everything below `root`."""
-    told = hashlib.sha256()
+    reported = hashlib.sha256()
     places: dict[int, int] = {}
     alive: list[object] = []
     stack: list[object] = [root]
     while stack:
         thing = stack.pop()
-        text, parts = _told(thing, places)
-        told.update(f"{type(thing).__name__} {text}\n".encode())
+        text, parts = _reported(thing, places)
+        reported.update(f"{type(thing).__name__} {text}\n".encode())
         if parts is not None:
             places[id(thing)] = len(places)
             alive.append(thing)
             stack += reversed(parts)
-    return told.hexdigest()
+    return reported.hexdigest()
 
 
-def _told(thing: Any, places: dict[int, int]) -> tuple[str, list[Any] | None]:
+def _reported(thing: Any, places: dict[int, int]) -> tuple[str, list[Any] | None]:
     """Return the thing's own words, and what is below it; None where nothing is."""
     value = _value(thing)
     if value is not None:

@@ -30,7 +30,7 @@ TRACK: Final = "track_m = 0.35"
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reported"),
     [
         (
             (RADIUS, "wheel_radius_m = 0.12"),
@@ -53,11 +53,11 @@ TRACK: Final = "track_m = 0.35"
     ],
 )
 def test_a_sum_of_another_geometry_is_reported_with_the_right_line(
-    change: tuple[str, str], told: list[str]
+    change: tuple[str, str], reported: list[str]
 ) -> None:
     found = problems(CARRIER, change)
-    assert all(text in found for text in told), found
-    assert found.count("guard.sums") == (2 if "wheel" in change[1] and told else len(told))
+    assert all(text in found for text in reported), found
+    assert found.count("guard.sums") == (2 if "wheel" in change[1] and reported else len(reported))
 
 
 def test_the_offered_lines_make_the_file_good() -> None:
@@ -84,7 +84,7 @@ def test_a_drive_s_currents_are_those_of_the_emulated_one(device: Epos2Device) -
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "reported"),
     [
         (
             (('device = "70/10"', 'device = "50/5"'),),
@@ -97,9 +97,9 @@ def test_a_drive_s_currents_are_those_of_the_emulated_one(device: Epos2Device) -
     ],
 )
 def test_currents_beyond_the_drive_s_are_reported_with_what_it_takes(
-    changes: tuple[tuple[str, str], ...], told: str
+    changes: tuple[tuple[str, str], ...], reported: str
 ) -> None:
-    assert told in problems(CARRIER, *changes)
+    assert reported in problems(CARRIER, *changes)
 
 
 def test_one_wrong_key_of_an_axis_makes_no_other_mistake() -> None:
@@ -116,7 +116,7 @@ def test_one_wrong_key_of_an_axis_makes_no_other_mistake() -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reported"),
     [
         ((RADIUS, "wheel_radius_m = 0.4"), "wheel_radius_m = 0.4 is not below track_m = 0.35"),
         (
@@ -129,5 +129,7 @@ def test_one_wrong_key_of_an_axis_makes_no_other_mistake() -> None:
         ),
     ],
 )
-def test_numbers_that_no_robot_has_are_refused_with_the_reason(change: tuple[str, str], told: str) -> None:
-    assert told in problems(CARRIER, change)
+def test_numbers_that_no_robot_has_are_refused_with_the_reason(
+    change: tuple[str, str], reported: str
+) -> None:
+    assert reported in problems(CARRIER, change)

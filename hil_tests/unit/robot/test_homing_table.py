@@ -71,9 +71,9 @@ def test_a_mistake_is_reported_with_its_key(old: str, new: str, key: str, words:
     assert old in LIFT
     with pytest.raises(RobotFileError) as wrong:
         homed(LIFT.replace(old, new))
-    told = str(wrong.value)
-    assert f"homed.toml: {key}: " in told
-    assert words in told
+    reported = str(wrong.value)
+    assert f"homed.toml: {key}: " in reported
+    assert words in reported
 
 
 def test_two_that_wait_for_each_other_are_reported() -> None:

@@ -51,7 +51,7 @@ OTHERS: Final = (
     ),
     *("battery.low_v", "battery.stops_after_s", "cycle_ms", "operator.", "links.", "guard.", "outputs."),
     *("sensors.wall.", "sensors.battery.", "sensors.joint.", "plant."),
-    *(f"geometry.{table}." for table in ("limits", "limp", "control", "paths", "courses", "workspace")),
+    *(f"geometry.{table}." for table in ("limits", "degraded", "control", "paths", "courses", "workspace")),
     *(f"geometry.{table}." for table in ("arm", "base.limits", "base.control", "base.paths", "formation")),
     *(f"geometry.{table}." for table in ("orbit", "pose", "joint")),
     *("geometry.balance.margin_m", "geometry.balance.tool_distance_m", "geometry.base.half_support_width_m"),

@@ -26,7 +26,7 @@ def robots(*words: str) -> Result:
     return CliRunner().invoke(program, ["robots", *words])
 
 
-def told_of(file: Path) -> list[str]:
+def reported_of(file: Path) -> list[str]:
     """Check a file, which must be refused; return what is said of it, a line each."""
     result = robots(str(file))
     assert isinstance(result.exception, SystemExit), result.exception
@@ -60,7 +60,7 @@ def test_a_profile_at_its_bound_is_good(old: str, new: str, tmp_path: Path) -> N
 def test_a_mistake_is_reported_in_one_line_with_file_key_and_what_to_do(
     mistake: Mistake, tmp_path: Path
 ) -> None:
-    (line,) = told_of(written(tmp_path, mistake.made_in(RARS)))
+    (line,) = reported_of(written(tmp_path, mistake.made_in(RARS)))
     assert line.startswith(f"{mistake.key}: ")
     assert [word for word in mistake.words if word not in line] == []
 
@@ -70,7 +70,7 @@ def test_three_mistakes_are_reported_at_once(titles: tuple[str, ...], tmp_path: 
     text = RARS
     for title in titles:
         text = BY_TITLE[title].made_in(text)
-    lines = told_of(written(tmp_path, text))
+    lines = reported_of(written(tmp_path, text))
     assert len(lines) == len(titles)
     for title in titles:
         mistake = BY_TITLE[title]
@@ -82,18 +82,18 @@ def test_three_mistakes_are_reported_at_once(titles: tuple[str, ...], tmp_path: 
 
 def test_a_robot_without_a_lift_is_no_rars(tmp_path: Path) -> None:
     """It once passed as good, and died of a KeyError."""
-    lines = told_of(written(tmp_path, RARS.replace(LIFT, "").replace(EXCLUSIVE, "")))
+    lines = reported_of(written(tmp_path, RARS.replace(LIFT, "").replace(EXCLUSIVE, "")))
     assert lines == ["axes: no axis has the role 'lift', which the group 'lift' needs"]
 
 
 def test_every_role_that_has_no_axis_is_reported(tmp_path: Path) -> None:
     one = RARS[: RARS.index('[[axes]]\nname = "right"')].replace(EXCLUSIVE, "")
-    lines = told_of(written(tmp_path, one[: one.index("[[guard.sums]]")] + one[one.index("[plant]") :]))
+    lines = reported_of(written(tmp_path, one[: one.index("[[guard.sums]]")] + one[one.index("[plant]") :]))
     assert [line.split("'")[1] for line in lines] == ["right_wheel", "steering", "lift"]
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "reported"),
     [
         (b"", "name: is missing"),
         (b"cycle_ms = 50\n", "name: is missing"),
@@ -105,16 +105,16 @@ def test_every_role_that_has_no_axis_is_reported(tmp_path: Path) -> None:
     ],
     ids=["empty", "no name", "binary", "half a line", "a key twice", "too deep", "too long a number"],
 )
-def test_a_file_that_is_no_robot_is_refused(content: bytes, told: str, tmp_path: Path) -> None:
+def test_a_file_that_is_no_robot_is_refused(content: bytes, reported: str, tmp_path: Path) -> None:
     file = tmp_path / "robot.toml"
     file.write_bytes(content)
-    (line,) = told_of(file)
-    assert line.startswith(told)
+    (line,) = reported_of(file)
+    assert line.startswith(reported)
 
 
 def test_a_folder_and_a_file_that_is_not_there_are_refused(tmp_path: Path) -> None:
-    assert told_of(tmp_path) == ["is a folder; name the robot file (.toml) in it"]
-    assert told_of(tmp_path / "nowhere.toml") == ["cannot be read: No such file or directory"]
+    assert reported_of(tmp_path) == ["is a folder; name the robot file (.toml) in it"]
+    assert reported_of(tmp_path / "nowhere.toml") == ["cannot be read: No such file or directory"]
 
 
 def test_all_wrong_files_are_reported_in_one_run(tmp_path: Path) -> None:

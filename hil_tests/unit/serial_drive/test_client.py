@@ -36,7 +36,7 @@ class Desk:
         return self.client.start(transfer, 0) + self.exchange.go_on()
 
     def ends(self, request: Request, outcome: Outcome, now: Nanoseconds = 0) -> tuple[Packet, ...]:
-        return self.exchange.hear(outcome_packet(command(request).address, outcome), now)
+        return self.exchange.receive(outcome_packet(command(request).address, outcome), now)
 
 
 @pytest.fixture
@@ -102,17 +102,17 @@ def test_many_attempts_end_with_the_time_for_them(desk: Desk) -> None:
     """Each one that goes through the gateway holds up the whole line for half a second."""
     request = reading(3, at.STATUSWORD)
     desk.starts(Transfer(at.STATUSWORD, attempts=10))
-    asked, now = 1, 0
+    requested, now = 1, 0
     while desk.client.busy:
         now += 500 * MILLISECOND
-        asked += len(desk.ends(request, Failure.SILENCE, now))
+        requested += len(desk.ends(request, Failure.SILENCE, now))
     assert now == TRY_WITHIN
-    assert asked == 4
+    assert requested == 4
 
 
 def test_a_lost_line_is_not_waited_for(desk: Desk) -> None:
     desk.starts(READ)
-    desk.exchange.hear(Packet("line", LINE_LOST, b""), 0)
+    desk.exchange.receive(Packet("line", LINE_LOST, b""), 0)
     assert isinstance(desk.client.take(), SdoError)
 
 

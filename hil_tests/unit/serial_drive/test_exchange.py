@@ -47,7 +47,7 @@ def test_the_most_urgent_goes_first_and_equals_in_their_order() -> None:
     while sent:
         node = sent[0].payload[3]
         order.append(node)
-        sent = exchange.hear(done(write(node)), 0)
+        sent = exchange.receive(done(write(node)), 0)
     assert order == [6, 5, 3, 4, 2, 1]
 
 
@@ -56,7 +56,7 @@ def test_one_command_is_under_way_at_a_time() -> None:
     exchange.put(Job(Rank.TASK, notes, (write(1), write(2))))
     assert exchange.go_on() == (command(write(1), "line"),)
     assert exchange.go_on() == ()
-    assert exchange.hear(done(write(1)), 5) == (command(write(2), "line"),)
+    assert exchange.receive(done(write(1)), 5) == (command(write(2), "line"),)
 
 
 def test_the_rest_of_an_job_follows_only_a_success() -> None:
@@ -66,7 +66,7 @@ def test_the_rest_of_an_job_follows_only_a_success() -> None:
         job = Job(Rank.SET_POINT, notes, (write(1), write(2)))
         exchange.put(job)
         exchange.go_on()
-        assert exchange.hear(answer, 0) == ()
+        assert exchange.receive(answer, 0) == ()
         assert job.over
         assert [request for request, _ in notes.ends] == [write(1)]
 
@@ -77,15 +77,15 @@ def test_a_dropped_job_ends_with_the_command_that_is_under_way() -> None:
     exchange.put(job)
     exchange.go_on()
     exchange.drop(job)
-    assert exchange.hear(done(write(1)), 0) == ()
+    assert exchange.receive(done(write(1)), 0) == ()
 
 
 def test_what_answers_nothing_is_ignored() -> None:
     notes, exchange = Notes(), Exchange("line")
-    assert exchange.hear(done(write(1)), 0) == ()
+    assert exchange.receive(done(write(1)), 0) == ()
     exchange.put(Job(Rank.TASK, notes, (ReadObject(0x6041, 0, 1),)))
     exchange.go_on()
-    exchange.hear(done(write(1)), 0)
+    exchange.receive(done(write(1)), 0)
     assert notes.ends == []
 
 
@@ -105,14 +105,14 @@ def test_on_a_lost_line_everything_fails_and_nothing_leaves_until_it_is_back() -
     for number in (1, 2):
         exchange.put(Job(Rank.TASK, notes, (write(number),)))
     exchange.go_on()
-    assert exchange.hear(Packet("line", LINE_LOST, b""), 7) == ()
+    assert exchange.receive(Packet("line", LINE_LOST, b""), 7) == ()
     assert notes.ends == [(write(1), Failure.SILENCE), (write(2), Failure.SILENCE)]
     exchange.put(Job(Rank.TASK, notes, (write(3),)))
     assert exchange.go_on() == ()
     assert exchange.wake_at == 0
     exchange.wake(8)
     assert notes.ends[-1] == (write(3), Failure.SILENCE)
-    exchange.hear(Packet("line", LINE_BACK, b""), 9)
+    exchange.receive(Packet("line", LINE_BACK, b""), 9)
     exchange.put(Job(Rank.TASK, notes, (write(4),)))
     assert exchange.go_on() == (command(write(4), "line"),)
 
@@ -142,8 +142,8 @@ def test_whatever_happens_every_job_ends_once_and_one_command_is_on_the_line(
             on_line += exchange.go_on()
         elif event in LINE or on_line:
             on_line = on_line if event in {"back", "garbage"} else []
-            on_line += exchange.hear(LINE.get(event) or ANSWERS[event], now)
+            on_line += exchange.receive(LINE.get(event) or ANSWERS[event], now)
         assert len(on_line) <= 1
-    exchange.hear(LINE["lost"], len(events))
+    exchange.receive(LINE["lost"], len(events))
     exchange.wake(len(events))
     assert all(job.over for job in jobs)

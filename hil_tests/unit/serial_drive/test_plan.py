@@ -62,12 +62,12 @@ def test_rs232_is_refused_with_the_object_and_what_would_help() -> None:
     """At the start, before a byte leaves: a line that is too slow must not make every cycle late."""
     with pytest.raises(PlanError) as refusal:
         fleets_of(over(Generation.V1))
-    said = str(refusal.value)
-    assert "link 'drives': a cycle of 50 ms does not hold statusword of node 4 (scissor lift)" in said
-    assert "2.5 ms too late" in said
-    assert "or more in the robot file" in said
-    assert "(links.drives.port_latency_us)" in said
-    least = re.search(r"cycle_ms = (\d+)", said)
+    stated = str(refusal.value)
+    assert "link 'drives': a cycle of 50 ms does not hold statusword of node 4 (scissor lift)" in stated
+    assert "2.5 ms too late" in stated
+    assert "or more in the robot file" in stated
+    assert "(links.drives.port_latency_us)" in stated
+    least = re.search(r"cycle_ms = (\d+)", stated)
     assert least is not None
     fleets_of(over(Generation.V1, cycle_ms=int(least[1])))
     with pytest.raises(PlanError):

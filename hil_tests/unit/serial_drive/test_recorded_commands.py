@@ -49,10 +49,10 @@ class Asking:
 
     def __init__(self, request: Request) -> None:
         self.left: tuple[Packet, ...] = (command(request, LINE),)
-        self.heard: list[Packet] = []
+        self.received: list[Packet] = []
 
     def receive(self, packet: Packet, _now: int) -> Reaction:
-        self.heard.append(packet)
+        self.received.append(packet)
         return Reaction()
 
     def wake(self, _now: int) -> Reaction:
@@ -60,16 +60,16 @@ class Asking:
         return Reaction(left)
 
 
-def said(reaction: Reaction) -> bytes:
+def stated(reaction: Reaction) -> bytes:
     return b"".join(packet.payload for packet in reaction.sent)
 
 
 @pytest.mark.parametrize(("generation", "request_", "wire"), COMMANDS)
 def test_a_command_is_the_recorded_bytes(generation: Generation, request_: Request, wire: str) -> None:
     line = MaxonLine(Asking(request_), generation, LINE)
-    raw = said(line.wake(0))
+    raw = stated(line.wake(0))
     if generation is V1:
-        raw += said(line.receive(Packet(LINE, 0, b"O"), 1))
+        raw += stated(line.receive(Packet(LINE, 0, b"O"), 1))
     assert raw == bytes.fromhex(wire)
 
 
@@ -77,13 +77,13 @@ def test_the_recorded_dialogue_on_rs232() -> None:
     """Application Notes p. 11-166, with the handshake that the guide tells."""
     node = Asking(reading(2, at.DEVICE_TYPE))
     line = MaxonLine(node, V1, LINE)
-    assert said(line.wake(0)) == b"\x10"
-    assert said(line.receive(Packet(LINE, 0, b"\x4f"), 1)) == bytes.fromhex("01 00 10 00 02 10 CD")
-    assert said(line.receive(Packet(LINE, 0, b"\x4f"), 2)) == b""
-    assert said(line.receive(Packet(LINE, 0, b"\x00"), 3)) == b"\x4f"
+    assert stated(line.wake(0)) == b"\x10"
+    assert stated(line.receive(Packet(LINE, 0, b"\x4f"), 1)) == bytes.fromhex("01 00 10 00 02 10 CD")
+    assert stated(line.receive(Packet(LINE, 0, b"\x4f"), 2)) == b""
+    assert stated(line.receive(Packet(LINE, 0, b"\x00"), 3)) == b"\x4f"
     answer = bytes.fromhex("03 00 00 00 00 92 01 02 00 EB 6D")
-    assert said(line.receive(Packet(LINE, 0, answer), 4)) == b"\x4f"
-    assert node.heard == [Packet(LINE, 0x10, bytes.fromhex("00000000 92010200"))]
+    assert stated(line.receive(Packet(LINE, 0, answer), 4)) == b"\x4f"
+    assert node.received == [Packet(LINE, 0x10, bytes.fromhex("00000000 92010200"))]
 
 
 def test_the_recorded_exchange_on_usb() -> None:
@@ -92,7 +92,7 @@ def test_the_recorded_exchange_on_usb() -> None:
     line = MaxonLine(node, V2, LINE)
     line.wake(0)
     line.receive(Packet(LINE, 0, bytes.fromhex("90 02 00 04 00 00 00 00 92 01 02 00 9A ED")), 1)
-    assert node.heard == [Packet(LINE, 0x10, bytes.fromhex("00000000 92010200"))]
+    assert node.received == [Packet(LINE, 0x10, bytes.fromhex("00000000 92010200"))]
 
 
 @pytest.mark.long(keeps=["Generation.V2"])

@@ -14,19 +14,19 @@ ON_LINE: dict[str, object] = {"driver": "epos2-serial", "gateway": 1}
 KEY = f"links.{LINK}"
 
 
-def rars(said: dict[str, object]) -> AnyRobot:
+def rars(stated: dict[str, object]) -> AnyRobot:
     """RARS with other settings of its link."""
 
     def change(table: dict[str, Any]) -> None:
-        table["links"][LINK] |= said
+        table["links"][LINK] |= stated
 
     return changed(change)
 
 
 def test_a_serial_link_is_named_with_its_gateway() -> None:
     link = rars(ON_LINE).epos2_link(LINK)
-    said = (link.driver, link.gateway, link.protocol, link.line_rate)
-    assert said == (Epos2Driver.SERIAL, 1, Generation.V2, 1_000_000)
+    stated = (link.driver, link.gateway, link.protocol, link.line_rate)
+    assert stated == (Epos2Driver.SERIAL, 1, Generation.V2, 1_000_000)
 
 
 def test_everything_of_the_line_can_be_stated() -> None:
@@ -39,7 +39,7 @@ def test_rars_itself_is_on_can() -> None:
 
 
 @pytest.mark.parametrize(
-    ("said", "key", "problem"),
+    ("stated", "key", "problem"),
     [
         ({"driver": "epos2-serial"}, KEY, "driver = 'epos2-serial' needs gateway"),
         ({"driver": "lpt"}, f"{KEY}.driver", "'lpt'"),
@@ -51,9 +51,9 @@ def test_rars_itself_is_on_can() -> None:
         ({**ON_LINE, "gate_way": 1}, f"{KEY}.gate_way", "perhaps 'gateway'?"),
     ],
 )
-def test_what_is_wrong_is_refused_by_file_and_key(said: dict[str, object], key: str, problem: str) -> None:
+def test_what_is_wrong_is_refused_by_file_and_key(stated: dict[str, object], key: str, problem: str) -> None:
     with pytest.raises(RobotFileError) as refusal:
-        rars(said)
+        rars(stated)
     assert refusal.value.file == "test.toml"
     assert [one.key for one in refusal.value.problems] == [key]
     assert problem in str(refusal.value)
@@ -62,8 +62,8 @@ def test_what_is_wrong_is_refused_by_file_and_key(said: dict[str, object], key: 
 def test_the_command_line_puts_any_robot_on_a_line() -> None:
     """The first drive is the gateway where the file names none; what is not said stays the file's."""
     link = over_serial(RARS, Generation.V1, 38_400).epos2_link(LINK)
-    said = (link.driver, link.gateway, link.protocol, link.line_rate)
-    assert said == (Epos2Driver.SERIAL, 1, Generation.V1, 38_400)
+    stated = (link.driver, link.gateway, link.protocol, link.line_rate)
+    assert stated == (Epos2Driver.SERIAL, 1, Generation.V1, 38_400)
     named = rars({**ON_LINE, "gateway": 3, "protocol": "v1", "baud": 57_600})
     assert over_serial(named).links == named.links
     assert over_serial(named, Generation.V2).epos2_link(LINK).line_rate == 1_000_000

@@ -4,7 +4,7 @@ import pytest
 
 from firmware_bridge.drivers.epos2.scale import Scale
 from firmware_bridge.drivers.epos2.serial.feedback import SerialFeedback
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import State
 from hil_tests.unit.drivers.robots import RARS
@@ -24,20 +24,20 @@ def feedback() -> SerialFeedback:
 
 
 def cycle(
-    feedback: SerialFeedback, number: int, quadcounts: int, asked: Nanoseconds, word: int = ENABLED
+    feedback: SerialFeedback, number: int, quadcounts: int, requested: Nanoseconds, word: int = ENABLED
 ) -> None:
     begun = number * CYCLE
     feedback.begin(begun)
-    feedback.position_read(quadcounts, begun + asked)
+    feedback.position_read(quadcounts, begun + requested)
     feedback.statusword_read(word, begun + 15 * MILLISECOND)
 
 
 def test_a_sample_is_whole_when_position_and_statusword_have_come(feedback: SerialFeedback) -> None:
     feedback.begin(CYCLE)
     feedback.position_read(100, CYCLE + MILLISECOND)
-    assert feedback.heard_at == NEVER_HEARD
+    assert feedback.received_at == NEVER_RECEIVED
     feedback.statusword_read(ENABLED, CYCLE + 9 * MILLISECOND)
-    assert (feedback.position_qc, feedback.sampled_at, feedback.heard_at) == (
+    assert (feedback.position_qc, feedback.sampled_at, feedback.received_at) == (
         100,
         CYCLE,
         CYCLE + 9 * MILLISECOND,
@@ -56,13 +56,13 @@ def test_a_position_of_the_cycle_before_makes_no_sample(feedback: SerialFeedback
     assert feedback.sampled_at == CYCLE
 
 
-@pytest.mark.parametrize("asked_ms", [1, 3, 8])
+@pytest.mark.parametrize("requested_ms", [1, 3, 8])
 def test_whenever_in_the_cycle_it_is_read_the_position_is_that_of_the_begin(
-    feedback: SerialFeedback, asked_ms: int
+    feedback: SerialFeedback, requested_ms: int
 ) -> None:
     """At 20 quadcounts a millisecond: two wheels that are read apart must not look like a turn."""
     for number in (1, 2, 3):
-        cycle(feedback, number, 20 * (50 * number + asked_ms), asked_ms * MILLISECOND)
+        cycle(feedback, number, 20 * (50 * number + requested_ms), requested_ms * MILLISECOND)
     assert feedback.position_qc == 20 * 150
     assert feedback.velocity == pytest.approx(20_000 / QUADCOUNTS_PER_RADIAN)
 
@@ -83,7 +83,7 @@ def test_a_drive_that_is_no_longer_remote_has_restarted(feedback: SerialFeedback
     cycle(feedback, 1, 500, 0)
     cycle(feedback, 2, 0, 0, NOT_REMOTE)
     assert (feedback.restarted, feedback.operational, feedback.state) == (True, False, None)
-    assert (feedback.velocity, feedback.sampled_at) == (0.0, NEVER_HEARD)
+    assert (feedback.velocity, feedback.sampled_at) == (0.0, NEVER_RECEIVED)
 
 
 def test_one_that_has_not_been_started_yet_has_not(feedback: SerialFeedback) -> None:
@@ -100,7 +100,7 @@ def test_of_a_lost_line_nothing_is_known_any_more(feedback: SerialFeedback) -> N
     assert (feedback.state, feedback.operational, feedback.velocity) == (None, False, 0.0)
     assert not feedback.restarted
     cycle(feedback, 3, 5000, 0)
-    assert feedback.sampled_at == NEVER_HEARD
+    assert feedback.sampled_at == NEVER_RECEIVED
 
 
 @pytest.mark.parametrize("turns", [1, -1])

@@ -40,7 +40,7 @@ class Line:
         """Answer a read; return what is sent then."""
         request = reads(node, row)
         answer = encode_answer(request, ObjectRead(error, bytes(4)))
-        return self.exchange.hear(outcome_packet(command(request).address, Answered(answer)), 0)
+        return self.exchange.receive(outcome_packet(command(request).address, Answered(answer)), 0)
 
 
 def reads(node: int, row: ReadRow) -> ReadObject:

@@ -4,7 +4,7 @@ from typing import Final
 
 from emulators.servo import sine, spline
 from emulators.servo.axis import DIRECT, ELECTRONIC_GEAR, MOVE, RAMP, TRAPEZOID, ServoAxis
-from emulators.servo.commands import judge_anew, regulate_position, regulate_velocity
+from emulators.servo.commands import judge_again, regulate_position, regulate_velocity
 from emulators.servo.profile import stopping_distance
 from emulators.servo.scaling import acceleration_units, speed_units
 from emulators.servo.spline import Knot
@@ -29,7 +29,7 @@ def obey_planned(axis: ServoAxis, kind: int, value: int, speed: int, slopes: tup
     axis.stopping_distance = stopping_distance(axis.cruise, axis.deceleration)
     axis.shape, axis.analogue_input = TRAPEZOID, 0
     ORDERS[kind](axis, value, speed, slopes)
-    judge_anew(axis, there=False)
+    judge_again(axis, there=False)
 
 
 def _moves(axis: ServoAxis, value: int, speed: int, slopes: tuple[int, int]) -> None:

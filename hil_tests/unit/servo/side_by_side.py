@@ -11,12 +11,12 @@ from typing import Final, NoReturn, TypeAlias
 from emulators.servo import kernel
 from emulators.servo.axis import CURRENT, DIRECT, MOVE, POSITION, RAMP, TICK, TRAPEZOID, VELOCITY, ServoAxis
 from emulators.servo.bank import ServoBank, ServoError
-from emulators.servo.commands import brake, judge_anew, regulate_position, regulate_velocity
+from emulators.servo.commands import brake, judge_again, regulate_position, regulate_velocity
 from emulators.servo.pins import Line
 from emulators.servo.profile import stopping_distance
 from emulators.servo.record import FIELDS
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
-from emulators.servo.winding import tell
+from emulators.servo.winding import set_winding
 from firmware_bridge.units import Nanoseconds
 from fmu.calls import OK_OR_WARNING, Calls, PlantRecord, prepare
 from fmu.errors import PlantError
@@ -165,7 +165,7 @@ def _move(axis: ServoAxis, order: Order) -> None:
         axis.regulator = POSITION
         axis.position_demand = axis.target_position = order.value << axis.fraction
         axis.velocity_demand = 0
-    judge_anew(axis, there=False)
+    judge_again(axis, there=False)
 
 
 class Side:
@@ -177,9 +177,9 @@ class Side:
         for axis, raw in zip(self.axes, settings, strict=True):
             configure(axis, raw)
         # The motors of plant.c: one told whole, one by its constant, the others not at all.
-        tell(self.axes[0], 0.04, 0.6, 1 / 3000)
+        set_winding(self.axes[0], 0.04, 0.6, 1 / 3000)
         if len(self.axes) > 1:
-            tell(self.axes[1], 0.04)
+            set_winding(self.axes[1], 0.04)
         count = len(self.axes)
         supply = 3 * count
         # Whatever rises above 0.5 closes a switch: the currents in A, the speeds in rad/s.

@@ -10,7 +10,7 @@ from emulators.servo.axis import RAMP, TARGET_REACHED, TICK, VELOCITY, ServoAxis
 from emulators.servo.bank import ServoBank, ServoError, plant_inputs, plant_outputs
 from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
-from emulators.servo.winding import tell
+from emulators.servo.winding import set_winding
 from firmware_bridge.units import MILLISECOND, SECOND
 
 # maxon RE50 200 W, values from memory of the catalogue (ASSUME), with 80 kg reflected through 26:1.
@@ -150,11 +150,11 @@ def test_an_open_winding_carries_no_current_though_the_shaft_turns() -> None:
     assert axes[0].back_emf / 2**24 == pytest.approx(WHEEL.torque_constant, rel=0.01)
 
 
-@pytest.mark.parametrize(("told", "near"), [(True, 0.001), (False, 0.03)])
-def test_a_shaft_that_was_never_powered_turns_freely(near: float, *, told: bool) -> None:
+@pytest.mark.parametrize(("reported", "near"), [(True, 0.001), (False, 0.03)])
+def test_a_shaft_that_was_never_powered_turns_freely(near: float, *, reported: bool) -> None:
     bank, plant, axes = bank_of()
-    if told:
-        tell(axes[0], WHEEL.torque_constant, WHEEL.resistance, WHEEL.inductance)
+    if reported:
+        set_winding(axes[0], WHEEL.torque_constant, WHEEL.resistance, WHEEL.inductance)
     plant.load[0] = 0.1
     while bank.now < SECOND:
         bank.advance(SECOND)

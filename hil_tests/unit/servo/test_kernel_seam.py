@@ -117,7 +117,7 @@ def test_a_plant_without_fmi_functions_is_stepped_by_the_twin(built: dict[str, k
 @pytest.mark.parametrize("side", ["twin", "native"])
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize(
-    ("failing", "said"),
+    ("failing", "stated"),
     [
         (1, "setting the inputs failed after 57 steps with 3"),
         (2, "doStep failed after 57 steps with 3"),
@@ -131,11 +131,11 @@ def test_a_plant_that_fails_states_where_and_when(
     side: str,
     fmi: int,
     failing: int,
-    said: str,
+    stated: str,
 ) -> None:
     one = Side(Motors(plant_library, fmi), (SANE,) * 4, built[side])
     one.plant.breaks(at=57, failing=failing)
-    with pytest.raises(PlantError, match=said):
+    with pytest.raises(PlantError, match=stated):
         one.runs(Leg((), 200))
     # The reading that fails is that of a step already taken.
     assert one.bank.now == (56 if failing == 3 else 57) * 100_000
@@ -161,16 +161,16 @@ def test_a_plant_that_ends_its_simulation_is_not_stepped_on(
 def test_what_is_no_measurement_is_refused_by_both_at_the_same_tick(
     built: dict[str, kernel.Found], plant_library: ctypes.CDLL, replaced: int, quantity: str, value: float
 ) -> None:
-    said, bits = [], []
+    stated, bits = [], []
     for found in built.values():
         # Shaken so much that an open winding is looked at in every tick.
         one = Side(Motors(plant_library, noise=1.0), (SANE,) * 4, found)
         one.plant.breaks(at=33, failing=4, replaced=replaced, replacement=value)
         with pytest.raises(ServoError, match=f"the plant's {quantity}.* at 0.00[34]") as refusal:
             one.runs(Leg((), 200))
-        said.append(str(refusal.value))
+        stated.append(str(refusal.value))
         bits.append((one.bits(), one.bank.now))
-    assert said[0] == said[1]
+    assert stated[0] == stated[1]
     assert bits[0] == bits[1] or value != value  # noqa: PLR0124 - not a number is not equal to itself
 
 

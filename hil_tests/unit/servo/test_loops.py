@@ -92,7 +92,7 @@ def test_the_continuous_current_never_exhausts_the_budget_and_rest_regains_half_
 
 
 @pytest.mark.parametrize(
-    ("away", "limit", "told"),
+    ("away", "limit", "reported"),
     [
         (2000, 2000, 0),
         (2001, 2000, FOLLOWING_ERROR),
@@ -101,11 +101,11 @@ def test_the_continuous_current_never_exhausts_the_budget_and_rest_regains_half_
         (10**9, 0xFFFF_FFFF, 0),
     ],
 )
-def test_a_following_error_beyond_0x6065_is_reported(away: int, limit: int, told: int) -> None:
+def test_a_following_error_beyond_0x6065_is_reported(away: int, limit: int, reported: int) -> None:
     axis = axis_with(POSITION, following_error=limit)
     axis.position_demand = away << axis.fraction
     millisecond(axis, 0)
-    assert axis.flags & FOLLOWING_ERROR == told
+    assert axis.flags & FOLLOWING_ERROR == reported
 
 
 def test_current_mode_keeps_to_the_limit_and_does_not_drive_past_the_largest_speed() -> None:

@@ -18,7 +18,7 @@ from emulators.servo.bank import ServoBank
 from emulators.servo.commands import regulate_velocity
 from emulators.servo.motor import MOTOR, DcMotor, DcMotors
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
-from emulators.servo.winding import DIODES_MV, tell
+from emulators.servo.winding import DIODES_MV, set_winding
 from firmware_bridge.units import MILLISECOND, to_seconds
 from hil_tests.lanes import examples
 
@@ -44,16 +44,16 @@ class Bench:
     """A motor, a drive's axis above it, and the work done at the terminals since the stage was opened."""
 
     motor: DcMotor
-    told: str = "all"
+    reported: str = "all"
 
     def __post_init__(self) -> None:
         self.plant = DcMotors((self.motor,))
         self.axis = ServoAxis("one", 2000, supply_mv=round(SUPPLY_V * 1000))
         configure(self.axis, GAINS)
-        if self.told == "all":
-            tell(self.axis, self.motor.torque_constant, self.motor.resistance, self.motor.inductance)
-        elif self.told == "constant":
-            tell(self.axis, self.motor.torque_constant)
+        if self.reported == "all":
+            set_winding(self.axis, self.motor.torque_constant, self.motor.resistance, self.motor.inductance)
+        elif self.reported == "constant":
+            set_winding(self.axis, self.motor.torque_constant)
         self.bank = ServoBank(self.plant, [self.axis])
         self.work = 0.0
         self.most_current = 0.0
@@ -107,7 +107,7 @@ class Bench:
         return abs(self.plant.load[0] * self.speed) * lasts * min(share, 1.0)
 
 
-TOLD = st.sampled_from(("all", "constant", "nothing"))
+REPORTED = st.sampled_from(("all", "constant", "nothing"))
 MOTORS = st.builds(
     lambda resistance, delay, constant, inertia, friction, damping: DcMotor(
         resistance, resistance * delay, constant, inertia, friction, damping
@@ -124,17 +124,19 @@ MOTORS = st.builds(
 @settings(max_examples=examples(60))
 @given(
     motor=MOTORS,
-    told=TOLD,
+    reported=REPORTED,
     speed=st.floats(-300.0, 300.0),
     current=st.floats(-15.0, 15.0),
     load=st.floats(-0.1, 0.1),
 )
-@example(motor=DcMotor(0.0625, 6.25e-7, 0.1875, 1e-5), told="all", speed=3.0, current=2.0, load=0.0)
-@example(motor=DcMotor(0.0605, 2.85e-5, 0.0957, 6.95e-5), told="nothing", speed=59.0, current=0.0, load=0.0)
+@example(motor=DcMotor(0.0625, 6.25e-7, 0.1875, 1e-5), reported="all", speed=3.0, current=2.0, load=0.0)
+@example(
+    motor=DcMotor(0.0605, 2.85e-5, 0.0957, 6.95e-5), reported="nothing", speed=59.0, current=0.0, load=0.0
+)
 def test_an_open_stage_gives_no_motor_energy(
-    *, motor: DcMotor, told: str, speed: float, current: float, load: float
+    *, motor: DcMotor, reported: str, speed: float, current: float, load: float
 ) -> None:
-    bench = Bench(motor, told)
+    bench = Bench(motor, reported)
     bench.turns(speed, current)
     bench.opens()
     bench.runs(10)
@@ -145,15 +147,15 @@ def test_an_open_stage_gives_no_motor_energy(
 @settings(max_examples=examples(25))
 @given(
     motor=MOTORS,
-    told=TOLD,
+    reported=REPORTED,
     cycles=st.lists(
         st.tuples(st.integers(-6000, 6000), st.floats(0.3, 30.0), st.floats(0.1, 30.0)), max_size=5
     ),
 )
 def test_however_often_the_stage_is_opened_it_gives_no_energy(
-    motor: DcMotor, told: str, cycles: list[tuple[int, float, float]]
+    motor: DcMotor, reported: str, cycles: list[tuple[int, float, float]]
 ) -> None:
-    bench = Bench(motor, told)
+    bench = Bench(motor, reported)
     for rpm, on_ms, off_ms in cycles:
         bench.axis.switch_on()
         regulate_velocity(bench.axis)
@@ -183,14 +185,14 @@ def test_however_often_the_stage_is_opened_it_gives_no_energy(
         "6.5-234.0-nothing",
     ]
 )
-@pytest.mark.parametrize("told", ["all", "constant", "nothing"])
+@pytest.mark.parametrize("reported", ["all", "constant", "nothing"])
 @pytest.mark.parametrize("speed", [-234.0, -7.6, -0.5, 0.0, 3.0, 7.6, 234.0])
 @pytest.mark.parametrize("current", [-6.5, -0.05, 0.0, 0.05, 6.5])
 def test_a_shaft_whose_stage_is_off_never_gets_faster_nor_passes_rest(
-    told: str, speed: float, current: float
+    reported: str, speed: float, current: float
 ) -> None:
     """With what is in its winding alone: the energy of a current that drives is small beside the rotor's."""
-    bench = Bench(PLAIN, told)
+    bench = Bench(PLAIN, reported)
     bench.turns(speed, current)
     bench.opens()
     bench.plant.load[0] = 0.0
@@ -254,13 +256,13 @@ def test_a_voltage_that_only_sags_at_the_drive_brakes_nothing() -> None:
 
 def test_what_was_reported_is_never_learnt_over() -> None:
     bench = Bench(PLAIN)
-    before = (bench.axis.back_emf, bench.axis.ending, bench.axis.evening)
+    before = (bench.axis.back_emf, bench.axis.ending, bench.axis.balance_voltage)
     for current in (6.5, -6.5, 0.0):
         bench.axis.switch_on()
         bench.turns(200.0, current)
         bench.opens()
         bench.runs(20)
-    assert (bench.axis.back_emf, bench.axis.ending, bench.axis.evening) == before
+    assert (bench.axis.back_emf, bench.axis.ending, bench.axis.balance_voltage) == before
 
 
 @pytest.mark.parametrize("speed", [-300.0, -60.0, 60.0, 300.0])
@@ -290,7 +292,7 @@ def test_a_winding_that_is_not_what_was_reported_is_not_fed_by_what_was() -> Non
     bench.axis.switch_off()
     bench.bound = 0.5
     bench.runs(1)
-    assert bench.axis.evening == 0
+    assert bench.axis.balance_voltage == 0
     bench.opens()
     bench.runs(100)
 
@@ -301,10 +303,10 @@ def three_seen() -> list[tuple[float, float]]:
 
 
 @pytest.mark.parametrize(("speed", "current"), three_seen())
-@pytest.mark.parametrize("told", ["all", "constant", "nothing"])
-def test_what_was_seen_to_drive_does_so_no_more(told: str, speed: float, current: float) -> None:
+@pytest.mark.parametrize("reported", ["all", "constant", "nothing"])
+def test_what_was_seen_to_drive_does_so_no_more(reported: str, speed: float, current: float) -> None:
     for motor in (DcMotor(15.0, 13.6e-3, 0.1875, 6.1e-5), MOTOR):
-        bench = Bench(motor, told)
+        bench = Bench(motor, reported)
         bench.turns(speed, current)
         bench.opens()
         bench.plant.load[0] = 0.0

@@ -13,7 +13,7 @@ from emulators.servo.axis_faults import AxisFaults, IndexPulse, SensorWires
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.sensors import align
-from emulators.servo.winding import tell
+from emulators.servo.winding import set_winding
 from firmware_bridge.units import MILLISECOND
 from hil_tests.lanes import examples
 from hil_tests.unit.servo.campaign import legs
@@ -103,7 +103,7 @@ def test_every_finding_is_met_by_some_campaign(plant_library: ctypes.CDLL, nativ
 def test_faults_are_rewound_with_everything_else() -> None:
     plant = DcMotors((DcMotor(1.0, 1e-3, 0.04, 1e-5),))
     axis = servo.ServoAxis("one", 2000)
-    tell(axis, 0.04)
+    set_winding(axis, 0.04)
     bank = ServoBank(plant, [axis])
     axis.encoder_supervised = axis.index_supervised = 1
     plant.outputs[2] = 300.0

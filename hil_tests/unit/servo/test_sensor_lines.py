@@ -96,16 +96,16 @@ def test_kernel_and_twin_sample_the_same_bits(plant_library: ctypes.CDLL) -> Non
 
 
 def test_the_kernel_refuses_what_the_twin_refuses(plant_library: ctypes.CDLL) -> None:
-    said = []
+    stated = []
     for side in sides(plant_library):
         side.plant.breaks(at=20, failing=4, replaced=1, replacement=1e30)
         side.bank = ServoBank(
             side.plant, side.axes, input_lines=(Line(2, MASTER, COUNT),), servo=one_of(side.bank.native)
         )
-        said.append(side.lives(Leg((), 100)))
-    assert said[0] == said[1]
-    assert isinstance(said[0], str)
-    assert "sensor of 'axis2'" in said[0]
+        stated.append(side.lives(Leg((), 100)))
+    assert stated[0] == stated[1]
+    assert isinstance(stated[0], str)
+    assert "sensor of 'axis2'" in stated[0]
 
 
 def one_of(native: bool) -> kernel.Found:  # noqa: FBT001 - which of the two

@@ -114,16 +114,16 @@ def test_they_turn_alike_whatever_they_are_reported(
 def test_a_plant_that_fails_is_named_alike_at_the_same_tick(
     both: Any, fmi: int, failing: int, value: float, error: type[Exception]
 ) -> None:
-    said = []
+    stated = []
     for it in both(fmi=fmi):
         it.drive(0, 200, library.Run.FORWARD)
         it.run(5 * TICK + 30 * MICROSECOND)
         it.plant.breaks(33, failing, ANGLE, value)
         with pytest.raises(error) as refusal:
             it.run(10 * MILLISECOND)
-        said.append((str(refusal.value), it.motors.now, it.motors.edges))
-    assert said[0] == said[1]
-    assert 32 * TICK <= said[0][1] <= 34 * TICK
+        stated.append((str(refusal.value), it.motors.now, it.motors.edges))
+    assert stated[0] == stated[1]
+    assert 32 * TICK <= stated[0][1] <= 34 * TICK
 
 
 def test_the_library_serves_where_it_can(both: Any) -> None:

@@ -13,7 +13,7 @@ from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.profile import stopping_distance
 from emulators.servo.record import FIELDS
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
-from emulators.servo.winding import DIODES_MV, opened, tell, turns
+from emulators.servo.winding import DIODES_MV, opened, set_winding, turns
 from hil_tests.lanes import examples
 
 LARGEST = 2**63 - 1
@@ -157,17 +157,17 @@ def test_the_current_loop_stays_within_64_bits_and_its_voltage_within_the_supply
 
 @settings(max_examples=examples(200))
 @given(
-    told=st.tuples(st.floats(0.0, 300.0), st.floats(0.0, 1e5), st.floats(0.0, 10.0)),
+    reported=st.tuples(st.floats(0.0, 300.0), st.floats(0.0, 1e5), st.floats(0.0, 10.0)),
     supply=st.integers(0, 2**30),
     life=st.lists(
         st.tuples(st.integers(-(2**30), 2**30), st.integers(-(2**30), 2**30)), min_size=1, max_size=30
     ),
 )
 def test_an_open_winding_stays_within_64_bits_whatever_is_reported_and_measured(
-    told: tuple[float, float, float], supply: int, life: list[tuple[int, int]]
+    reported: tuple[float, float, float], supply: int, life: list[tuple[int, int]]
 ) -> None:
     axis = ServoAxis("one", 2000, supply_mv=supply)
-    tell(axis, *told)
+    set_winding(axis, *reported)
     axis = as_words(axis)
     for current, speed in life:
         axis.turning = Word(turns(axis, Word(speed)))

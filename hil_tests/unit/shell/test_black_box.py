@@ -32,26 +32,26 @@ PLACE: Final = number_of("192.168.1.10", 1511)
 LONG: Final = "control: 255/190 at 10.0.0.1:14550 drives, and this is a text of more than fifty characters"
 
 
-def said(text: str) -> list[bytes]:
+def stated(text: str) -> list[bytes]:
     codec, speaker = Codec(1, 1), Speaker()
     return [codec.encode(message) for message in speaker.say(Severity.WARNING, text)]
 
 
 def test_what_passed_is_in_files_that_the_field_reads(tmp_path: Path) -> None:
-    told: list[str] = []
-    with BlackBox(tmp_path, FILES, told.append, texts_of()) as box:
-        box.note(0, Direction.HEARD, Packet(CAN, 0x181, b"\1\2"))
+    reported: list[str] = []
+    with BlackBox(tmp_path, FILES, reported.append, texts_of()) as box:
+        box.note(0, Direction.RECEIVED, Packet(CAN, 0x181, b"\1\2"))
         box.note(MILLISECOND, Direction.SENT, Packet(CAN, 0x201, b"\3"))
         box.note(2 * MILLISECOND, Direction.SENT, Packet("line", 0, b"\x90\x02"))
-        box.note(2 * MILLISECOND + 1, Direction.HEARD, Packet("cameras", PLACE, b"\1"))
+        box.note(2 * MILLISECOND + 1, Direction.RECEIVED, Packet("cameras", PLACE, b"\1"))
         for _station in range(2):
-            for datagram in said(LONG):
+            for datagram in stated(LONG):
                 box.note(3 * MILLISECOND, Direction.SENT, Packet(OPERATOR, 7, datagram))
-        box.note(4 * MILLISECOND, Direction.HEARD, Packet(OPERATOR, 7, said("from a station")[0]))
-        box.tell("armed")
-    assert told == ["armed"]
-    heard, sent = (box.folder / CAN_LOG).read_text().splitlines()
-    first, channel, packet = parse_candump(heard, epoch=0)
+        box.note(4 * MILLISECOND, Direction.RECEIVED, Packet(OPERATOR, 7, stated("from a station")[0]))
+        box.report("armed")
+    assert reported == ["armed"]
+    received, sent = (box.folder / CAN_LOG).read_text().splitlines()
+    first, channel, packet = parse_candump(received, epoch=0)
     assert (channel, packet) == (CAN, Packet(CAN, 0x181, b"\1\2"))
     assert parse_candump(sent, epoch=0)[0] - first == MILLISECOND
     text = (box.folder / SERIAL_LOG).read_text()
@@ -59,9 +59,11 @@ def test_what_passed_is_in_files_that_the_field_reads(tmp_path: Path) -> None:
     at, way, frame = parse_chunk((box.folder / CAPTURE_LOG).read_text().rstrip("\n"), epoch=0)
     (first_word, _), *_ = parse_tlog((box.folder / OPERATOR_LOG).read_bytes(), epoch=0)
     assert at - first_word == 1 - MILLISECOND, "what is cut to microseconds tells the same instants"
-    assert (at - parse_chunk(text.rstrip("\n"), epoch=0)[0], way) == (1, Direction.HEARD), "to the nanosecond"
+    assert (at - parse_chunk(text.rstrip("\n"), epoch=0)[0], way) == (1, Direction.RECEIVED), (
+        "to the nanosecond"
+    )
     assert frame == Packet("cameras", PLACE, b"\1")
-    assert len(list(parse_tlog((box.folder / OPERATOR_LOG).read_bytes()))) == 2 * len(said(LONG)) + 1
+    assert len(list(parse_tlog((box.folder / OPERATOR_LOG).read_bytes()))) == 2 * len(stated(LONG)) + 1
     events = [line.partition(" ")[2] for line in (box.folder / "events.log").read_text().splitlines()]
     assert events == [f"to the operator: {LONG}", "armed"]
 
@@ -91,13 +93,13 @@ def small_disk() -> Iterator[None]:
 
 @pytest.mark.usefixtures("small_disk")
 def test_a_disk_that_is_full_ends_the_recording_with_one_message_and_nothing_else(tmp_path: Path) -> None:
-    told: list[str] = []
-    with BlackBox(tmp_path, {SERIAL: SERIAL_LOG}, told.append) as box:
+    reported: list[str] = []
+    with BlackBox(tmp_path, {SERIAL: SERIAL_LOG}, reported.append) as box:
         for at in range(1000):
-            box.note(at, Direction.HEARD, Packet(SERIAL, 0, bytes(8)))
+            box.note(at, Direction.RECEIVED, Packet(SERIAL, 0, bytes(8)))
     for _ in range(3):
-        box.note(0, Direction.HEARD, Packet(SERIAL, 0, bytes(8)))
-    assert told == [f"recording in {box.folder} has ended: File too large; the run goes on"]
+        box.note(0, Direction.RECEIVED, Packet(SERIAL, 0, bytes(8)))
+    assert reported == [f"recording in {box.folder} has ended: File too large; the run goes on"]
 
 
 def test_a_disk_that_is_too_slow_ends_it_before_the_memory_does(
@@ -105,18 +107,18 @@ def test_a_disk_that_is_too_slow_ends_it_before_the_memory_does(
 ) -> None:
     monkeypatch.setattr("firmware_bridge.shell.black_box.MOST", 10)
     monkeypatch.setattr("firmware_bridge.shell.black_box.EVERY_S", 60.0)
-    told: list[str] = []
-    with BlackBox(tmp_path, FILES, told.append) as box:
+    reported: list[str] = []
+    with BlackBox(tmp_path, FILES, reported.append) as box:
         for at in range(100):
-            box.note(at, Direction.HEARD, Packet(CAN, 0x80, b""))
-        assert told == [f"recording in {box.folder} has ended: the disk is too slow; the run goes on"]
+            box.note(at, Direction.RECEIVED, Packet(CAN, 0x80, b""))
+        assert reported == [f"recording in {box.folder} has ended: the disk is too slow; the run goes on"]
 
 
 def test_a_device_records_its_lines_under_what_they_speak_each_in_its_file(tmp_path: Path) -> None:
     files = {"base": f"base-{SERIAL_LOG}", "arm": f"arm-{SERIAL_LOG}"}
     called = {"base": device_side("base", "mw"), "arm": device_side("arm", "ar2-2.0")}
     with BlackBox(tmp_path, files, lambda _: None, called=called) as box:
-        box.note(0, Direction.HEARD, Packet("base", 0, b"a"))
+        box.note(0, Direction.RECEIVED, Packet("base", 0, b"a"))
         box.note(1, Direction.SENT, Packet("arm", 0, b"b"))
     assert (box.folder / "base-serial.log").read_text().endswith(" base~mw R 61\n")
     assert (box.folder / "arm-serial.log").read_text().endswith(" arm~ar2-2.0 T 62\n")
@@ -133,8 +135,8 @@ def test_from_where_a_station_speaks_is_noted_when_it_is_new(tmp_path: Path) -> 
     elsewhere = number_of("192.168.1.11", 14550)
     with BlackBox(tmp_path, FILES, lambda _text: None) as box:
         for at, place in enumerate((PLACE, PLACE, elsewhere, elsewhere)):
-            box.note(at * MILLISECOND, Direction.HEARD, Packet(OPERATOR, place, said("here")[0]))
-        box.note(9 * MILLISECOND, Direction.SENT, Packet(OPERATOR, PLACE, said("there")[0]))
+            box.note(at * MILLISECOND, Direction.RECEIVED, Packet(OPERATOR, place, stated("here")[0]))
+        box.note(9 * MILLISECOND, Direction.SENT, Packet(OPERATOR, PLACE, stated("there")[0]))
     lines = (box.folder / STATIONS_LOG).read_text().splitlines()
     found = [parse_chunk(line, epoch=0) for line in lines]
     assert [packet for _, _, packet in found] == [

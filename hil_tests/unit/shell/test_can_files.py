@@ -92,9 +92,9 @@ def test_a_monitor_draws_the_same_of_them_as_of_candumps(
 def test_what_is_no_such_recording_is_one_line(suffix: str, content: bytes, tmp_path: Path) -> None:
     path = tmp_path / f"broken{suffix}"
     path.write_bytes(content)
-    with pytest.raises(RecordingFileError, match=re.escape(path.name)) as told:
+    with pytest.raises(RecordingFileError, match=re.escape(path.name)) as reported:
         read_can(path, None)
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(reported.value)
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:

@@ -51,17 +51,17 @@ def test_what_was_waited_for_is_lived_and_what_came_on_top_is_not(
     suspend: Suspend, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     clock = LivedClock()
-    asked: list[float] = []
+    requested: list[float] = []
 
     def select(*arguments: float) -> tuple[list[int], list[int], list[int]]:
-        asked.append(arguments[-1])
+        requested.append(arguments[-1])
         suspend(3 * SECOND + 700 * MILLISECOND)
         return [], [], []
 
     monkeypatch.setattr("select.select", select)
     until = clock.now() + 3 * SECOND
     clock.wait([], until)
-    assert asked[0] == pytest.approx(3.0, abs=0.05)
+    assert requested[0] == pytest.approx(3.0, abs=0.05)
     assert until <= clock.now() <= until + STALL
     assert (clock.stalls, clock.stalled // SECOND) == (1, 0)
 
@@ -99,10 +99,10 @@ def test_a_device_that_was_stopped_while_it_spoke_gives_its_host_all_of_its_time
         def flush(self, now: Nanoseconds) -> None:
             del now
             self.retry_at = NEVER
-            self.hear(b"answer")
+            self.take(b"answer")
 
     node, port = Patient(), Stopped()
-    port.hear(b"command")
+    port.take(b"command")
     run(node, {"can": port}, kind(), until=200 * MILLISECOND)
     assert node.did[:2] == ["command", then]
 

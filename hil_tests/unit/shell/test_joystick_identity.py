@@ -14,10 +14,10 @@ NAME, AXES, AXIS_MAP = 0x80806A13, 0x80016A11, 0x80406A32
 
 
 def test_its_name_and_the_codes_of_its_axes_are_requested(monkeypatch: pytest.MonkeyPatch) -> None:
-    says = {NAME: b"Pad\0rubbish", AXES: b"\3", AXIS_MAP: bytes((0, 3, 4, 9))}
+    states = {NAME: b"Pad\0rubbish", AXES: b"\3", AXIS_MAP: bytes((0, 3, 4, 9))}
 
     def ioctl(_fileno: int, request: int, answer: bytearray) -> int:
-        answer[: len(says[request])] = says[request]
+        answer[: len(states[request])] = states[request]
         return 0
 
     monkeypatch.setattr(fcntl, "ioctl", ioctl)
@@ -40,5 +40,5 @@ def test_a_gamepad_must_be_called_one(
     with pytest.raises(typer.Exit) as ended:
         run(PilotOptions(robot="rars", joystick=True, device=str(device)))
     assert ended.value.exit_code == 2
-    told = capsys.readouterr().err
-    assert "'Some X-Box pad' is a gamepad; say --controls gamepad, or pedals where it is none" in told
+    reported = capsys.readouterr().err
+    assert "'Some X-Box pad' is a gamepad; say --controls gamepad, or pedals where it is none" in reported

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.alone
 KIND = "loopback_multicast"
 ONE, OTHER = "239.74.163.40", "239.74.163.41"
 SAME_PORT = "239.74.164.40"
-HEARD_S = 2.0
+RECEIVED_S = 2.0
 QUIET_S = 0.05
 
 
@@ -39,8 +39,10 @@ def test_all_others_receive_a_frame_and_its_sender_does_not(joined: Callable[[st
     sender.send(frame(0x18DA0001, b"12345678"))
     sender.send(can.Message(arbitration_id=0x701, is_remote_frame=True, is_extended_id=False))
     for listener in (first, second):
-        heard = [listener.recv(HEARD_S) for _ in range(3)]
-        assert [(it.arbitration_id, bytes(it.data), it.is_remote_frame, it.is_rx) for it in heard if it] == [
+        received = [listener.recv(RECEIVED_S) for _ in range(3)]
+        assert [
+            (it.arbitration_id, bytes(it.data), it.is_remote_frame, it.is_rx) for it in received if it
+        ] == [
             (0x201, b"\x0f\0", False, True),
             (0x18DA0001, b"12345678", False, True),
             (0x701, b"", True, True),
@@ -52,7 +54,7 @@ def test_all_others_receive_a_frame_and_its_sender_does_not(joined: Callable[[st
 def test_one_bus_does_not_receive_another(joined: Callable[[str], can.BusABC], other: str) -> None:
     sender, listener, elsewhere = joined(ONE), joined(ONE), joined(other)
     sender.send(frame(0x601))
-    assert listener.recv(HEARD_S) is not None
+    assert listener.recv(RECEIVED_S) is not None
     assert elsewhere.recv(QUIET_S) is None
 
 
@@ -62,9 +64,9 @@ def test_what_is_no_frame_is_passed_over(joined: Callable[[str], can.BusABC]) ->
         other.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
         other.sendto(b"somebody else's words", (ONE, 43_240))
     sender.send(frame(0x181))
-    heard = listener.recv(HEARD_S)
-    assert heard is not None
-    assert heard.arbitration_id == 0x181
+    received = listener.recv(RECEIVED_S)
+    assert received is not None
+    assert received.arbitration_id == 0x181
 
 
 def test_a_frame_from_another_address_is_not_taken(joined: Callable[[str], can.BusABC]) -> None:
@@ -74,23 +76,23 @@ def test_a_frame_from_another_address_is_not_taken(joined: Callable[[str], can.B
             sender.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
             sender.bind((address, 0))
             sender.sendto(pack_message(frame(number)), (ONE, 43_240))
-    heard = listener.recv(HEARD_S)
-    assert heard is not None
-    assert heard.arbitration_id == 0x202
+    received = listener.recv(RECEIVED_S)
+    assert received is not None
+    assert received.arbitration_id == 0x202
     assert listener.recv(QUIET_S) is None
 
 
 def test_the_bridge_opens_it_by_its_name_and_a_foreign_node_talks_to_it(
     joined: Callable[[str], can.BusABC],
 ) -> None:
-    stranger, port, clock = joined(ONE), open_can(KIND, ONE), Clock()
-    stranger.send(frame(0x601, b"\x40\0\x10\0\0\0\0\0"))
+    foreign_node, port, clock = joined(ONE), open_can(KIND, ONE), Clock()
+    foreign_node.send(frame(0x601, b"\x40\0\x10\0\0\0\0\0"))
     assert clock.wait([port.fileno()], SECOND)
     assert port.read(0) == [(0x601, b"\x40\0\x10\0\0\0\0\0")]
     port.write(0x581, b"\x43\0\x10\0\x92\1\2\0", 0)
-    heard = stranger.recv(HEARD_S)
-    assert heard is not None
-    assert bytes(heard.data) == b"\x43\0\x10\0\x92\1\2\0"
+    received = foreign_node.recv(RECEIVED_S)
+    assert received is not None
+    assert bytes(received.data) == b"\x43\0\x10\0\x92\1\2\0"
     assert port.read(0) == []
     port.close()
 

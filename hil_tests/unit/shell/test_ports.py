@@ -35,7 +35,7 @@ def opened(*ports: Port) -> Iterator[None]:
             port.close()
 
 
-def heard(port: Port, count: int, within: Nanoseconds = SECOND) -> list[tuple[int, bytes]]:
+def received(port: Port, count: int, within: Nanoseconds = SECOND) -> list[tuple[int, bytes]]:
     clock, packets = Clock(), list[tuple[int, bytes]]()
     while len(packets) < count and clock.now() < within:
         if clock.wait([port.fileno()], within):
@@ -48,21 +48,21 @@ def test_frames_pass_a_virtual_bus_in_both_directions() -> None:
     with opened(one, two):
         for address, content in FRAMES:
             one.write(address, content, 0)
-        assert heard(two, len(FRAMES)) == FRAMES
+        assert received(two, len(FRAMES)) == FRAMES
         two.write(0x581, b"\1", 0)
-        assert heard(one, 1) == [(0x581, b"\1")]
-        assert heard(two, 1, within=5 * MILLISECOND) == []
+        assert received(one, 1) == [(0x581, b"\1")]
+        assert received(two, 1, within=5 * MILLISECOND) == []
 
 
 def test_frames_come_from_and_go_to_any_program_that_uses_python_can() -> None:
     port = open_can("virtual", "test-strangers")
-    with opened(port), can.Bus(interface="virtual", channel="test-strangers") as stranger:
-        stranger.send(can.Message(arbitration_id=0x701, data=[5], is_extended_id=False))
-        stranger.send(can.Message(arbitration_id=0, is_error_frame=True))
-        stranger.send(can.Message(arbitration_id=0x702, data=[5], is_extended_id=False))
-        assert heard(port, 2) == [(0x701, b"\5"), (0x702, b"\5")]
+    with opened(port), can.Bus(interface="virtual", channel="test-strangers") as foreign_node:
+        foreign_node.send(can.Message(arbitration_id=0x701, data=[5], is_extended_id=False))
+        foreign_node.send(can.Message(arbitration_id=0, is_error_frame=True))
+        foreign_node.send(can.Message(arbitration_id=0x702, data=[5], is_extended_id=False))
+        assert received(port, 2) == [(0x701, b"\5"), (0x702, b"\5")]
         port.write(0x80 | REMOTE, bytes(3), 0)
-        message = stranger.recv(1)
+        message = foreign_node.recv(1)
         assert message is not None
         assert (message.arbitration_id, message.is_remote_frame, message.dlc) == (0x80, True, 3)
 
@@ -228,11 +228,11 @@ def test_a_datagram_carries_the_place_it_came_from_and_goes_where_its_number_sta
             one, two = (number_of(host.strip("[]"), caller.port) for caller in (first, second))
             first.write(0, b"one", 0)
             second.write(0, b"two", 0)
-            assert sorted(heard(bridge, 2)) == sorted([(one, b"one"), (two, b"two")])
+            assert sorted(received(bridge, 2)) == sorted([(one, b"one"), (two, b"two")])
             bridge.write(two, b"to the second", 0)
-            assert heard(second, 1) == [(0, b"to the second")]
+            assert received(second, 1) == [(0, b"to the second")]
             bridge.write(0, b"to nobody", 0)
-            assert heard(first, 1, within=5 * MILLISECOND) == []
+            assert received(first, 1, within=5 * MILLISECOND) == []
             assert bridge.unsent == 0
 
 
@@ -244,12 +244,12 @@ def test_a_caller_whom_no_one_answers_goes_on_calling() -> None:
     with opened(caller):
         for _ in range(3):
             caller.write(0, b"hello", 0)
-            assert heard(caller, 1, within=MILLISECOND) == []
+            assert received(caller, 1, within=MILLISECOND) == []
         answerer = UdpPort(f"udpin:127.0.0.1:{number}")
         with opened(answerer):
             caller.write(0, b"hello", 0)
             caller.write(0, b"hello", 0)
-            assert (number_of("127.0.0.1", caller.port), b"hello") in heard(answerer, 1)
+            assert (number_of("127.0.0.1", caller.port), b"hello") in received(answerer, 1)
 
 
 def test_a_port_in_use_states_so() -> None:

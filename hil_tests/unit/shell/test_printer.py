@@ -34,8 +34,8 @@ def test_what_no_one_takes_is_dropped_and_counted_and_reported_when_someone_does
 ) -> None:
     reader, stream = pipe
     printer, line = Printer(), "x" * 999
-    said = 2 * MOST
-    for _ in range(said):
+    stated = 2 * MOST
+    for _ in range(stated):
         printer.print(line, stream)
     taken = b""
     while taken.count(b"\n") < MOST:
@@ -49,11 +49,11 @@ def test_what_no_one_takes_is_dropped_and_counted_and_reported_when_someone_does
         except BlockingIOError:
             break
     lines = taken.decode().splitlines()
-    told = [text for text in lines if text.startswith("(")]
-    assert told, "it is said"
-    assert all(text.endswith(" lines before this one could not be printed)") for text in told)
-    lost = sum(int(text[1:].split(" ")[0]) for text in told)
-    assert lines.count(line) == said - lost < said
+    reported = [text for text in lines if text.startswith("(")]
+    assert reported, "it is said"
+    assert all(text.endswith(" lines before this one could not be printed)") for text in reported)
+    lost = sum(int(text[1:].split(" ")[0]) for text in reported)
+    assert lines.count(line) == stated - lost < stated
     assert lines[-1] == "last"
 
 

@@ -204,7 +204,7 @@ def test_a_recorder_notes_everything_and_changes_nothing() -> None:
     assert node.stop(6) == Stopping().stop(6)
     assert noted == [
         (0, Direction.SENT, 7),
-        (4, Direction.HEARD, 3),
+        (4, Direction.RECEIVED, 3),
         (4, Direction.SENT, 4),
         (6, Direction.SENT, 9),
     ]

@@ -22,11 +22,11 @@ class Unhurried(Winding):
 
     unattended = "its wheels may turn"
     leave = False
-    asked = 0
+    requested = 0
 
     def may_leave(self, now: Nanoseconds) -> bool:
         del now
-        self.asked += 1
+        self.requested += 1
         return self.leave
 
 
@@ -46,7 +46,7 @@ class Interrupted(Unhurried):
 def test_what_must_come_to_rest_is_cut_short_by_no_signal() -> None:
     node, port = Interrupted(), Flat()
     ending = run(node, {"can": port}, Clock())
-    assert (ending.reason, ending.in_order, node.asked) == ("SIGINT", True, 2)
+    assert (ending.reason, ending.in_order, node.requested) == ("SIGINT", True, 2)
     assert port.written[-3:] == STOPS
 
 
@@ -126,7 +126,7 @@ class Failing(Winding):
 
     def tick(self, number: int) -> None:
         if number == 2:
-            self.port.hear(b"x")
+            self.port.take(b"x")
             self.fault.at("wake")
         if number == 4:
             signal.raise_signal(signal.SIGTERM)
@@ -138,7 +138,7 @@ class Failing(Winding):
         return super().wake(now)
 
     def stop(self, now: Nanoseconds) -> Reaction:
-        self.port.hear(b"x")
+        self.port.take(b"x")
         self.fault.at("stop")
         return super().stop(now)
 
@@ -211,10 +211,10 @@ def test_what_fails_on_one_packet_receives_the_next_ones() -> None:
             return [(1, b"good"), (2, b"bad"), (3, b"good")]
 
     node, port = Picky(), Three()
-    port.hear(b"x")
+    port.take(b"x")
     with pytest.raises(ValueError, match="bad"):
         run(node, {"can": port}, Clock())
-    assert [packet.address for packet in node.heard] == [1, 3]
+    assert [packet.address for packet in node.received] == [1, 3]
 
 
 def test_a_file_that_someone_closed_is_a_port_that_is_lost() -> None:
@@ -260,38 +260,38 @@ def test_a_process_that_was_not_let_run_stops_as_long_as_it_may() -> None:
 
 
 def test_a_node_that_never_takes_it_is_requested_until_its_time_is_over() -> None:
-    class Deaf(Winding):
-        asked = 0
+    class NotReceiving(Winding):
+        requested = 0
 
         def stop(self, now: Nanoseconds) -> Reaction:
-            self.asked += 1
+            self.requested += 1
             raise ValueError(now)
 
-    node = Deaf()
+    node = NotReceiving()
     with pytest.raises(ValueError, match="0"):
         run(node, {}, Clock(), until=MILLISECOND, stop_within=4 * AGAIN)
-    assert 2 <= node.asked <= 5
+    assert 2 <= node.requested <= 5
 
 
 def test_a_node_that_has_not_taken_it_is_not_done_whatever_it_states_to_a_packet() -> None:
     class Idle(Winding):
-        asked = 0
+        requested = 0
 
         def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
             super().receive(packet, now)
             return Reaction()
 
         def stop(self, now: Nanoseconds) -> Reaction:
-            self.asked += 1
-            if self.asked == 1:
-                port.hear(b"x")
+            self.requested += 1
+            if self.requested == 1:
+                port.take(b"x")
                 raise ValueError(now)
             return super().stop(now)
 
     node, port = Idle(), Flat()
     with pytest.raises(ValueError, match=r"\d"):
         run(node, {"can": port}, Clock(), until=10 * MILLISECOND)
-    assert node.asked == 2
+    assert node.requested == 2
     assert port.written[-3:] == STOPS
 
 

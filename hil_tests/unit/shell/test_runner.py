@@ -25,11 +25,11 @@ class Ticking:
 
     def __init__(self) -> None:
         self.woken: list[Nanoseconds] = []
-        self.heard: list[Packet] = []
+        self.received: list[Packet] = []
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         del now
-        self.heard.append(packet)
+        self.received.append(packet)
         return Reaction((), self._next())
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -96,7 +96,7 @@ class Flat:
         for end in self._ends:
             end.close()
 
-    def hear(self, content: bytes) -> None:
+    def take(self, content: bytes) -> None:
         self._ends[1].send(content)
 
 
@@ -150,7 +150,7 @@ def test_frames_reach_the_node_by_a_thread_and_datagrams_by_a_socket(pair: tuple
     place = number_of("127.0.0.1", caller.port)
     run(node, {"can": near, "operator": operator}, Clock(), until=30 * MILLISECOND)
     caller.close()
-    by_link = sorted(node.heard, key=lambda packet: packet.link)
+    by_link = sorted(node.received, key=lambda packet: packet.link)
     assert by_link == [Packet("can", 0x181, b"\1"), Packet("operator", place, b"hello")]
     assert (0x80, b"") in far.read(0)
 
@@ -211,7 +211,7 @@ class Gripping(Winding):
     """Asked to end, by a signal at its 2nd tick, it holds something until it is asked again."""
 
     holding = False
-    asked = 0
+    requested = 0
     held = 0
     ticks_before_second = 12
 
@@ -228,8 +228,8 @@ class Gripping(Winding):
             signal.raise_signal(signal.SIGINT)
 
     def stop(self, now: Nanoseconds) -> Reaction:
-        self.asked += 1
-        self.holding = self.asked == 1
+        self.requested += 1
+        self.holding = self.requested == 1
         return Reaction((), now + self.period) if self.holding else super().stop(now)
 
 
@@ -237,7 +237,7 @@ def test_a_node_that_holds_something_is_not_cut_off_and_is_requested_again_by_a_
     node, port = Gripping(), Flat()
     ending = run(node, {"can": port}, Exact(), stop_within=20 * MILLISECOND)
     assert ending.in_order
-    assert node.asked == 2
+    assert node.requested == 2
     assert port.written.count(0x200) == node.ticks_before_second, "60 ms, and the limit is 20 ms"
     assert port.written[-3:] == [0x100, 0x100, 0x100]
 
@@ -312,7 +312,7 @@ def test_a_bus_that_is_lost_while_nothing_is_sent_is_noticed_by_reading() -> Non
         def wake(self, now: Nanoseconds) -> Reaction:
             super().wake(now)
             if len(self.woken) == 2:
-                port.hear(b"x")
+                port.take(b"x")
             return Reaction((), self._next())
 
     class Broken(Flat):

@@ -26,11 +26,11 @@ from hil_tests.unit.world.players import Player
 
 TIOCGEXCL = 0x80045440
 """Whether a terminal is one client's alone (Linux, asm-generic/ioctls.h)."""
-ASKED_V2 = encode_v2(Frame(0x10, bytes.fromhex("00100001")))
+REQUESTED_V2 = encode_v2(Frame(0x10, bytes.fromhex("00100001")))
 ANSWERED_V2 = bytes.fromhex("90 02 00 04 00 00 00 00 92 01 02 00 9A ED")
 
 
-def heard(port: Port, count: int, within: Nanoseconds = SECOND) -> bytes:
+def received(port: Port, count: int, within: Nanoseconds = SECOND) -> bytes:
     clock, chunks = Clock(), b""
     while len(chunks) < count and clock.now() < within:
         if clock.wait([port.fileno()], within):
@@ -42,7 +42,7 @@ def test_bytes_pass_a_pseudo_terminal_as_they_are_both_ways() -> None:
     raw = bytes(range(256))
     with closing(PseudoTerminal()) as port, serial.Serial(port.path, 115_200, timeout=1) as client:
         client.write(raw)
-        assert heard(port, 256) == raw
+        assert received(port, 256) == raw
         port.write(0, raw, 0)
         assert client.read(256) == raw
         assert port.retry_at == NEVER
@@ -51,7 +51,7 @@ def test_bytes_pass_a_pseudo_terminal_as_they_are_both_ways() -> None:
 def test_nothing_comes_back_before_a_client_is_there() -> None:
     with closing(PseudoTerminal()) as port:
         port.write(0, b"\x90\x02\r\n", 0)
-        assert heard(port, 1, within=5 * MILLISECOND) == b""
+        assert received(port, 1, within=5 * MILLISECOND) == b""
 
 
 def packets(port: Port, count: int = 1, within: Nanoseconds = SECOND) -> list[tuple[int, bytes]]:
@@ -94,7 +94,7 @@ def test_clients_come_and_go() -> None:
         for name in (b"one", b"two", b"three"):
             with serial.Serial(port.path, timeout=1) as client:
                 client.write(name)
-                assert heard(port, len(name)) == name
+                assert received(port, len(name)) == name
             assert port.read(0) == []
             port.write(0, b"nobody hears this", 0)
 
@@ -103,35 +103,37 @@ def test_clients_come_and_go() -> None:
 def test_a_client_at_another_bit_rate_and_the_device_do_not_receive_each_other_which_is_stated_once(
     kind: type[PseudoTerminal],
 ) -> None:
-    said: list[str] = []
+    stated: list[str] = []
     with (
-        closing(kind(None, 57_600, said.append)) as port,
+        closing(kind(None, 57_600, stated.append)) as port,
         serial.Serial(port.path, 9_600, timeout=0) as client,
     ):
         for _ in range(2):
             client.write(b"e\r")
-            assert not heard(port, 2, SECOND // 10)
+            assert not received(port, 2, SECOND // 10)
             port.write(0, b"0 0\r\n", 0)
             assert client.read(9) == b""
-        assert said == [f"{port.name}: its client has not set the device's 57600 Bd; neither hears the other"]
+        assert stated == [
+            f"{port.name}: its client has not set the device's 57600 Bd; neither hears the other"
+        ]
         client.baudrate = 57_600
         client.write(b"e\r")
-        assert heard(port, 2) == b"e\r"
+        assert received(port, 2) == b"e\r"
         port.write(0, b"0 0\r\n", 0)
         client.timeout = 1
         assert client.read(5) == b"0 0\r\n"
-    assert len(said) == 1
+    assert len(stated) == 1
 
 
 def test_a_client_that_takes_the_line_for_itself_and_leaves_can_come_again() -> None:
-    with closing(SeenOpening(tells_dtr=False)) as port:
+    with closing(SeenOpening(reports_dtr=False)) as port:
         for _ in range(3):
             with serial.Serial(port.path, exclusive=True) as client:
                 # The superuser may open it all the same: the system is asked whether it is taken.
                 fcntl.ioctl(client.fileno(), termios.TIOCEXCL)
                 assert _taken(client.fileno())
                 client.write(b"e\r")
-                assert heard(port, 2) == b"e\r"
+                assert received(port, 2) == b"e\r"
             assert packets(port, 0) == []
             with serial.Serial(port.path) as looking:
                 assert not _taken(looking.fileno())
@@ -148,9 +150,9 @@ def test_where_the_system_reports_no_one_who_opens_a_line_there_is_one_all_the_s
         assert isinstance(port, PseudoTerminal)
         with serial.Serial(port.path, 57_600) as client:
             client.write(b"e\r")
-            assert heard(port, 2) == b"e\r"
+            assert received(port, 2) == b"e\r"
     with pytest.raises(PortError, match="leave --reset-on-open away"):
-        open_serial("pty", 57_600, tells_dtr=True)
+        open_serial("pty", 57_600, reports_dtr=True)
 
 
 def _taken(line: int) -> bool:
@@ -178,7 +180,7 @@ def test_a_link_leads_to_the_terminal_and_is_gone_with_it(tmp_path: Path) -> Non
     assert str(link) in port.name
     with serial.Serial(str(link), timeout=1) as client:
         client.write(b"x")
-        assert heard(port, 1) == b"x"
+        assert received(port, 1) == b"x"
     port.close()
     port.close()
     assert not link.is_symlink()
@@ -199,10 +201,10 @@ def test_a_link_of_someone_else_s_is_left_alone(tmp_path: Path) -> None:
 
 def test_a_serial_line_through_pyserial() -> None:
     with closing(PseudoTerminal()) as other, closing(SerialLine(other.path, 115_200)) as line:
-        line.write(0, ASKED_V2, 0)
-        assert heard(other, len(ASKED_V2)) == ASKED_V2
+        line.write(0, REQUESTED_V2, 0)
+        assert received(other, len(REQUESTED_V2)) == REQUESTED_V2
         other.write(0, ANSWERED_V2, 0)
-        assert heard(line, len(ANSWERED_V2)) == ANSWERED_V2
+        assert received(line, len(ANSWERED_V2)) == ANSWERED_V2
         line.close()
 
 
@@ -235,8 +237,8 @@ def test_a_link_of_one_member_reaches_that_one_only() -> None:
     cluster.wake(0)
     assert cluster.wake(10).sent == (Packet(SERIAL, 0, b"hello"), Packet("can", 1, b""))
     cluster.receive(Packet(SERIAL, 0, b"you"), 20)
-    assert [packet.payload for _, packet in one.heard] == [b"you"]
-    assert [packet.link for _, packet in two.heard] == ["can"]
+    assert [packet.payload for _, packet in one.received] == [b"you"]
+    assert [packet.link for _, packet in two.received] == ["can"]
 
 
 class Client:
@@ -258,12 +260,14 @@ class Client:
         """Do the client's next step, at most one in ten milliseconds."""
         if self._serial is None:
             self._serial = serial.Serial(self._path, 115_200, timeout=0)
-            said, self._awaited = (b"\x90\x02half", b"") if len(self.answers) % 2 else (ASKED_V2, ANSWERED_V2)
-            self._serial.write(said)
-            self._heard, self._since = b"", now
-        self._heard += self._serial.read(100)
-        if now - self._since >= 30 * MILLISECOND and len(self._heard) >= len(self._awaited):
-            self.answers.append(self._heard)
+            stated, self._awaited = (
+                (b"\x90\x02half", b"") if len(self.answers) % 2 else (REQUESTED_V2, ANSWERED_V2)
+            )
+            self._serial.write(stated)
+            self._received, self._since = b"", now
+        self._received += self._serial.read(100)
+        if now - self._since >= 30 * MILLISECOND and len(self._received) >= len(self._awaited):
+            self.answers.append(self._received)
             self._serial.close()
             self._serial = None
         return Reaction(reaction.sent, min(reaction.wake_at, now + 5 * MILLISECOND))
@@ -298,7 +302,7 @@ def test_a_cable_that_is_pulled_takes_the_port_away_and_a_new_one_comes_back_und
         with serial.Serial(str(link), timeout=1) as client:
             assert packets(port) == [(DTR_UP, b"")]
             client.write(b"again")
-            assert heard(port, 5) == b"again"
+            assert received(port, 5) == b"again"
             port.write(0, b"here", 0)
             assert client.read(4) == b"here"
     assert not link.is_symlink()

@@ -40,15 +40,15 @@ def test_frames_of_every_kind_pass_between_us_and_python_can() -> None:
         (0x181 | REMOTE, bytes(6)),
         (0x1234567 | EXTENDED, bytes(range(8))),
     ]
-    with can.Bus(interface="socketcan", channel="vcan0") as stranger:
+    with can.Bus(interface="socketcan", channel="vcan0") as foreign_node:
         for address, content in frames:
             port.write(address, content, 0)
-            message = stranger.recv(1)
+            message = foreign_node.recv(1)
             assert message is not None
-            heard = message.arbitration_id | (EXTENDED if message.is_extended_id else 0)
-            assert heard | (REMOTE if message.is_remote_frame else 0) == address
+            received = message.arbitration_id | (EXTENDED if message.is_extended_id else 0)
+            assert received | (REMOTE if message.is_remote_frame else 0) == address
             assert (message.dlc, bytes(message.data)) == (len(content), b"" if address & REMOTE else content)
-            stranger.send(message)
+            foreign_node.send(message)
         came: list[tuple[int, bytes]] = []
         while len(came) < len(frames):  # the kernel brings the last one when it comes to it
             assert Clock().wait([port.fileno()], SECOND)

@@ -8,7 +8,7 @@ import pytest
 
 from emulators.arduino_omni.board import FIRMWARES, Board
 from emulators.arduino_omni.motors import four_motors
-from firmware_bridge.drivers.driver import Speed, Stop, Task, Tells
+from firmware_bridge.drivers.driver import Reports, Speed, Stop, Task
 from firmware_bridge.drivers.shield.dialects import DIALECTS, Dialect
 from firmware_bridge.drivers.shield.expressed import expressed
 from firmware_bridge.drivers.shield.fleet import over_protocol, shield_fleet
@@ -38,7 +38,7 @@ def dialect(protocol: str, encoders: int | None = None) -> Dialect:
     return DIALECTS[link.protocol](link, [axis.shield for axis in robot.axes])
 
 
-def said(protocol: str, words: str, *given: Any) -> list[str]:
+def stated(protocol: str, words: str, *given: Any) -> list[str]:
     """What a dialect says, in hexadecimal; text where it is a line."""
     made = [say.data for say in getattr(dialect(protocol), words)(*given)]
     return [data.decode().rstrip("\r") if data.endswith(b"\r") else data.hex(" ") for data in made]
@@ -65,14 +65,14 @@ def said(protocol: str, words: str, *given: Any) -> list[str]:
 def test_what_is_stated_is_what_the_firmware_reads(
     protocol: str, words: str, given: tuple[Any, ...], expected: list[str]
 ) -> None:
-    assert said(protocol, words, *given) == expected
+    assert stated(protocol, words, *given) == expected
 
 
 def test_mwprotocol_states_the_worked_frames() -> None:
     """Shield, motors and encoders as in the worked frames, but for libraries in our order."""
-    frames = said("mw", "drive", {3: -255}, FORWARD)
+    frames = stated("mw", "drive", {3: -255}, FORWARD)
     assert [frame.split()[3:-1] for frame in frames] == [["81", "02", "05", "00", "02", "ff", "02"]]
-    stopped = said("mw", "release", (1,))
+    stopped = stated("mw", "release", (1,))
     assert [frame.split()[4:-1] for frame in stopped] == [["02", "04", "00", "00"]]
 
 
@@ -105,8 +105,8 @@ def test_counters_are_unwrapped(protocol: str, counts: tuple[int, int], moved: i
 def test_a_motor_that_is_not_counted_is_believed_and_states_so() -> None:
     """The third one over ArduinoIO: it goes as it was told, and tells neither place nor speed."""
     one = motor("arduinoio", 2)
-    assert one.tells == frozenset()
-    assert motor("arduinoio", 2, 3).tells == {Tells.POSITION, Tells.VELOCITY, Tells.STOP}
+    assert one.reports == frozenset()
+    assert motor("arduinoio", 2, 3).reports == {Reports.POSITION, Reports.VELOCITY, Reports.STOP}
     one.enabled = True
     one.command(Speed(2.0))
     for cycle in range(3):
@@ -138,8 +138,8 @@ def test_at_rest_it_forgets_how_far_it_was_behind() -> None:
 
 
 def test_without_an_encoder_it_feeds_forward_alone() -> None:
-    told = run(Pwm(ROME.axes[0], CYCLE), 7.0, None, 40)
-    assert told[-1] == round(255 * 7.0 / (8_500 * 6.283185307179586 / 60 / 64) + 4)
+    reported = run(Pwm(ROME.axes[0], CYCLE), 7.0, None, 40)
+    assert reported[-1] == round(255 * 7.0 / (8_500 * 6.283185307179586 / 60 / 64) + 4)
 
 
 def test_a_loop_on_the_board_is_read_whole_counts_a_frame_and_no_more_than_the_guard_lets_through() -> None:
@@ -205,12 +205,12 @@ def test_what_answers_a_task_that_a_stop_has_ended_is_nobodys() -> None:
     """The bridge lives on; and motors that it has not released are not, whoever drove them before."""
     fleet = shield_fleet(over("ros-arduino-bridge"), "board")
     board, one = fleet.link, fleet.drivers[0]
-    asked = one.begin((Task.IDENTIFY, Task.CONFIGURE), SECOND)
-    asked += board.wake(SECOND + 100 * MILLISECOND)
-    assert [packet.payload for packet in asked] == [b"b\r"]
+    requested = one.begin((Task.IDENTIFY, Task.CONFIGURE), SECOND)
+    requested += board.wake(SECOND + 100 * MILLISECOND)
+    assert [packet.payload for packet in requested] == [b"b\r"]
     one.command(Stop.POWER_OFF)
     assert not one.busy
-    released = board.hear(Packet("board", 0, b"57600\r\n"), SECOND + 110 * MILLISECOND)
+    released = board.receive(Packet("board", 0, b"57600\r\n"), SECOND + 110 * MILLISECOND)
     assert [packet.payload for packet in released] == [b"m 0 0 0\r"]
     assert not one.unpowered
 
@@ -239,11 +239,11 @@ def test_a_start_shows_whether_the_reset_of_a_board_works_that_does_not_stop_by_
         while sent:
             packet = sent.popleft()
             if wires or packet.payload:
-                for said in board.receive(Packet(SERIAL, packet.address, packet.payload), now).sent:
-                    sent.extend(link.hear(Packet("board", said.address, said.payload), now))
+                for stated in board.receive(Packet(SERIAL, packet.address, packet.payload), now).sent:
+                    sent.extend(link.receive(Packet("board", stated.address, stated.payload), now))
         now += MILLISECOND
-        for said in board.wake(now).sent:
-            sent.extend(link.hear(Packet("board", said.address, said.payload), now))
+        for stated in board.wake(now).sent:
+            sent.extend(link.receive(Packet("board", stated.address, stated.payload), now))
         if link.wake_at <= now:
             sent.extend(link.wake(now))
         ended = link.configured  # type: ignore[attr-defined]
@@ -257,13 +257,13 @@ def test_a_silent_board_is_reported_every_word_that_lets_go_before_one_again(
     protocol: ShieldProtocol, task: Task
 ) -> None:
     link = shield_fleet(over(protocol), "board").link
-    told = [packet.payload for packet in link.begin((task,), SECOND)]  # type: ignore[attr-defined]
+    reported = [packet.payload for packet in link.begin((task,), SECOND)]  # type: ignore[attr-defined]
     for at in range(SECOND, 2 * SECOND, MILLISECOND):
-        told += [packet.payload for packet in (link.wake(at) if link.wake_at <= at else ())]
-    words = len(set(told))
+        reported += [packet.payload for packet in (link.wake(at) if link.wake_at <= at else ())]
+    words = len(set(reported))
     assert words > 1
-    assert len(set(told[:words])) == words
-    assert len(told) > words + 3, "and again, while it may be heard"
+    assert len(set(reported[:words])) == words
+    assert len(reported) > words + 3, "and again, while it may be heard"
 
 
 def test_motors_that_are_released_stay_so_while_speed_0_is_stated_again() -> None:

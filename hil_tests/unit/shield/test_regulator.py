@@ -44,15 +44,15 @@ def test_words_between_two_cycles_are_none_that_the_guard_refuses(
             regulator.reset()
         else:
             regulator.next(wanted, 0.0, after * MILLISECOND)
-        told = inputs(regulator.output)
-        assert guard.refuses(told, now) is None
-        guard.sent(told, now)
+        reported = inputs(regulator.output)
+        assert guard.refuses(reported, now) is None
+        guard.sent(reported, now)
 
 
 def test_the_way_back_begins_at_the_next_cycle_not_at_a_word_in_between() -> None:
     regulator = regulator_of(ROBOTS["ros-arduino-bridge"])
-    told = [
+    reported = [
         regulator.next(wanted, None, after * MILLISECOND)
         for wanted, after in ((0.2, 50), (-0.2, 50), (-0.2, 20), (-0.2, 23))
     ]
-    assert told == [3, 0, 0, -3]
+    assert reported == [3, 0, 0, -3]

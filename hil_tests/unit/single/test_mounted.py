@@ -38,13 +38,13 @@ class Came(NamedTuple):
 
     codes: list[int]
     rpm: float
-    said: list[str]
+    warnings: list[str]
 
 
 def turned(mounted: Mounted, settings: dict[Address, int]) -> Came:
     """Set a drive up, and have it turn in profile velocity mode with its default gains."""
-    said: list[str] = []
-    made, bank = drives(Order((1,), PROFILES["70/10"], 1_000_000, mounted=mounted), said.append)
+    warnings: list[str] = []
+    made, bank = drives(Order((1,), PROFILES["70/10"], 1_000_000, mounted=mounted), warnings.append)
     world, wire = World(bank), CanWire(1_000_000)
     writes = [(0x000, "0100"), *(_write(*each) for each in (settings | {at.MODE: 3}).items())]
     writes += [(0x201, "0600"), (0x201, "0F00"), (0x501, "0F00" + RPM.to_bytes(4, "little").hex())]
@@ -55,9 +55,9 @@ def turned(mounted: Mounted, settings: dict[Address, int]) -> Came:
     world.run(3 * SECOND // 2)
     before = bank.axes[0].encoder
     world.run(2 * SECOND)
-    codes = [int.from_bytes(p.payload[:2], "little") for _, p in master.heard if p.address == 0x081]
+    codes = [int.from_bytes(p.payload[:2], "little") for _, p in master.received if p.address == 0x081]
     turns = (bank.axes[0].encoder - before) / (4 * mounted.pulses)
-    return Came(codes, 120.0 * turns, said)
+    return Came(codes, 120.0 * turns, warnings)
 
 
 def _write(address: Address, value: int) -> tuple[int, str]:
@@ -74,7 +74,7 @@ def with_encoder(pulses: int, sensor: int = 1) -> dict[Address, int]:
 def test_with_the_settings_of_what_is_mounted_it_turns_as_it_is_commanded() -> None:
     for pulses in (500, 1024, 2048):
         came = turned(Mounted(motor=RE_40, pulses=pulses), with_encoder(pulses))
-        assert (came.codes, came.said) == ([], [])
+        assert (came.codes, came.warnings) == ([], [])
         assert came.rpm == pytest.approx(RPM, rel=0.02)
 
 
@@ -83,7 +83,7 @@ def test_a_wrong_pulse_number_is_found_by_the_index_and_named_by_the_console() -
     for mounted, written in ((500, 1024), (1024, 500), (500, 256)):
         came = turned(Mounted(motor=RE_40, pulses=mounted), with_encoder(written))
         assert came.codes[0] in {0xFF02, 0xFF03}
-        assert came.said == [
+        assert came.warnings == [
             f"node 1: 0x2210:1 says {written} pulses, the mounted encoder has {mounted} (--encoder)"
         ]
 
@@ -97,7 +97,7 @@ def test_without_an_index_a_wrong_pulse_number_is_a_wrong_speed() -> None:
 def test_an_index_that_is_set_up_and_not_there_is_missed() -> None:
     came = turned(Mounted(motor=RE_40, index=False), with_encoder(500))
     assert came.codes == [0xFF02]
-    assert came.said == ["node 1: 0x2210:2 says 1, with index; the mounted encoder has none (--encoder)"]
+    assert came.warnings == ["node 1: 0x2210:2 says 1, with index; the mounted encoder has none (--encoder)"]
 
 
 def test_a_wrong_sign_runs_away_until_a_limit_trips() -> None:
@@ -106,7 +106,7 @@ def test_a_wrong_sign_runs_away_until_a_limit_trips() -> None:
 
 
 @every(
-    ("kind", "pairs", "codes", "rpm", "says"),
+    ("kind", "pairs", "codes", "rpm", "states"),
     [
         (10, 8, [], RPM, ""),
         (11, 8, [], RPM, ""),
@@ -115,24 +115,24 @@ def test_a_wrong_sign_runs_away_until_a_limit_trips() -> None:
     ],
 )
 def test_an_ec_motor_turns_where_the_drive_is_set_up_for_it(
-    kind: int, pairs: int, codes: list[int], rpm: int, says: str
+    kind: int, pairs: int, codes: list[int], rpm: int, states: str
 ) -> None:
     came = turned(Mounted(motor=EC_45), {at.MOTOR_TYPE: kind, POLE_PAIRS: pairs})
     assert came.codes == codes
     assert came.rpm == pytest.approx(rpm, rel=0.03, abs=1.0)
-    assert came.said == ([f"node 1: {says}"] if says else [])
+    assert came.warnings == ([f"node 1: {states}"] if states else [])
 
 
 def test_a_brushed_motor_shows_no_hall_sensors() -> None:
     came = turned(Mounted(motor=RE_40), {at.MOTOR_TYPE: 10, POLE_PAIRS: 1})
     assert came.codes == [0xFF04], "hall sensor not found"
-    assert came.said == ["node 1: 0x6402 says motor type 10, a brushed motor is mounted (--motor)"]
+    assert came.warnings == ["node 1: 0x6402 says motor type 10, a brushed motor is mounted (--motor)"]
 
 
 def test_what_is_no_particular_motor_is_right_with_any_type() -> None:
     for kind in (1, 10):
         came = turned(Mounted(), {at.MOTOR_TYPE: kind})
-        assert (came.codes, came.said) == ([], [])
+        assert (came.codes, came.warnings) == ([], [])
         assert came.rpm == pytest.approx(RPM, rel=0.02)
 
 
@@ -244,7 +244,7 @@ def test_a_configuration_file_is_what_the_drive_begins_with(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
-    ("text", "says"),
+    ("text", "states"),
     [
         ("no sections", "cannot be read as a data sheet"),
         ("[6402]\nParameterName=Motor Type\n", "no ParameterValue"),
@@ -256,18 +256,18 @@ def test_a_configuration_file_is_what_the_drive_begins_with(tmp_path: Path) -> N
     ],
 )
 def test_what_is_no_configuration_file_is_refused_with_section_and_key(
-    tmp_path: Path, text: str, says: str
+    tmp_path: Path, text: str, states: str
 ) -> None:
     file = tmp_path / "drive.dcf"
     file.write_text(text, encoding="ascii")
-    with pytest.raises(SheetError, match=says):
+    with pytest.raises(SheetError, match=states):
         configured(file)
     with pytest.raises(SheetError, match="cannot be read"):
         configured(tmp_path / "none.dcf")
 
 
 @pytest.mark.parametrize(
-    ("words", "says"),
+    ("words", "states"),
     [
         ("--motor RE41", "--motor: no motor 'RE41' is known; perhaps 'RE40'"),
         ("--encoder 8", "--encoder 8: say PULSES[,no-index], 16 to 2500000 in a turn"),
@@ -285,8 +285,8 @@ def test_what_is_no_configuration_file_is_refused_with_section_and_key(
         ("--boot-time 3", "--boot-time 3: say a time, as 262.5ms"),
     ],
 )
-def test_a_wrong_option_is_refused_in_one_line(words: str, says: str) -> None:
+def test_a_wrong_option_is_refused_in_one_line(words: str, states: str) -> None:
     result = CliRunner().invoke(program, ["emulate", "epos2", "--serial", "pty", *words.split()])
     assert result.exit_code == 2
-    assert says in result.stderr
+    assert states in result.stderr
     assert result.stderr.count("\n") == 1

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.servo.axis import RAMP, TICK, ServoAxis
 from emulators.servo.commands import regulate_velocity
-from emulators.servo.fmu_axes import tell_motor
+from emulators.servo.fmu_axes import set_motor
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
 from emulators.single import Order, drives
 from emulators.wires import CanWire
@@ -52,7 +52,7 @@ def test_a_drive_of_any_type_turns_its_motor_with_its_default_gains(name: str) -
     world.attach("master", master, {CAN: wire})
     world.run(3 * SECOND)
     assert bank.axes[0].position == pytest.approx(40_000, abs=20)
-    assert not [packet for _, packet in master.heard if packet.address == 0x081], "no emergency"
+    assert not [packet for _, packet in master.received if packet.address == 0x081], "no emergency"
 
 
 def test_eight_drives_have_serial_numbers_of_their_own() -> None:
@@ -92,7 +92,7 @@ def test_mistakes_are_answered_with_what_there_is() -> None:
     assert "INERTIA,FRICTION" in refused("--load", "1")
     assert "more than 0" in refused("--load", "0,0.1")
     assert "did you mean boot-time" in refused("--choice", "boot-tme=1s")
-    assert "say yes or no" in refused("--choice", "tells-cured=perhaps")
+    assert "say yes or no" in refused("--choice", "reports-reset=perhaps")
     assert "one for each" in refused("--node", "1-2", "--axes", "left")
     assert "all begin as node 1" in refused("--node", "1-2", "--dip-off")
     assert "nowhere.fmu" in refused("--plant", "nowhere.fmu")
@@ -105,8 +105,8 @@ def test_a_file_that_holds_no_parameters_is_named(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("words", [(), ("--no-latency", "--node", "1-8", "--profile", "24/5")])
 def test_the_command_brings_drives_onto_a_bus_and_ends_in_good_order(words: tuple[str, ...]) -> None:
-    asked = ["emulate", "epos2", *words, "-i", "virtual", "-c", "single", "--duration", "0.2"]
-    result = CliRunner().invoke(program, asked)
+    requested = ["emulate", "epos2", *words, "-i", "virtual", "-c", "single", "--duration", "0.2"]
+    result = CliRunner().invoke(program, requested)
     assert result.exit_code == 0, result.output
     assert "ended: the time is over" in result.output
 
@@ -147,7 +147,7 @@ def test_an_axis_is_reported_its_motor_by_the_plant_and_learns_only_what_the_pla
     made, bank = drives(order)
     assert made
     (axis,) = bank.axes
-    assert (axis.back_emf > 0, axis.ending > 0, axis.evening > axis.ending, axis.learning) == (
+    assert (axis.back_emf > 0, axis.ending > 0, axis.balance_voltage > axis.ending, axis.learning) == (
         True,
         True,
         True,
@@ -159,8 +159,8 @@ def test_an_axis_is_reported_its_motor_by_the_plant_and_learns_only_what_the_pla
             raise PlantError(f"no parameter {name}")
 
     unknown = ServoAxis("axis", 2000)
-    tell_motor(cast("FmuPlant", Silent()), unknown)
-    assert (unknown.back_emf, unknown.ending, unknown.evening) == (0, 0, 0)
+    set_motor(cast("FmuPlant", Silent()), unknown)
+    assert (unknown.back_emf, unknown.ending, unknown.balance_voltage) == (0, 0, 0)
     assert unknown.learning > 0
 
 

@@ -12,11 +12,11 @@ class Echo:
     """Answers each packet at once on the link on which it came, and says something by itself at 1 s."""
 
     def __init__(self) -> None:
-        self.heard: list[tuple[float, bytes]] = []
+        self.received: list[tuple[float, bytes]] = []
         self.wake_at: Nanoseconds = SECOND
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        self.heard.append((to_seconds(now), packet.payload))
+        self.received.append((to_seconds(now), packet.payload))
         return Reaction((packet,), self.wake_at)
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -61,7 +61,7 @@ def test_a_links_words_are_read(text: str, expected: Conditions) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         ("dealy=0.5", "there is no key 'dealy'; perhaps 'delay'?"),
         ("delay", "say delay=NUMBER"),
@@ -75,10 +75,10 @@ def test_a_links_words_are_read(text: str, expected: Conditions) -> None:
         ("", "there is no key ''"),
     ],
 )
-def test_wrong_words_are_one_line_with_what_was_meant(text: str, told: str) -> None:
+def test_wrong_words_are_one_line_with_what_was_meant(text: str, reported: str) -> None:
     with pytest.raises(ConditionsError) as refused:
         conditions(text)
-    assert told in str(refused.value)
+    assert reported in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
@@ -111,7 +111,7 @@ def test_the_last_word_goes_the_slow_way_and_what_comes_then_is_received_by_no_o
     link.receive(Packet(OPERATOR, 0, b"too late"), 0)
     assert link.stop(0) == Reaction((), 200 * MILLISECOND)
     done = link.wake(200 * MILLISECOND)
-    assert (done.sent[0].payload, done.wake_at, echo.heard) == (b"last word", NEVER, [])
+    assert (done.sent[0].payload, done.wake_at, echo.received) == (b"last word", NEVER, [])
 
 
 def test_a_jitter_stays_within_its_bound_and_lets_packets_overtake() -> None:

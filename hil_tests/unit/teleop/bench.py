@@ -7,7 +7,7 @@ from typing import Any, Generic, TypeVar
 
 from firmware_bridge import kinds
 from firmware_bridge.drivers.driver import Feedback, Power, Reading
-from firmware_bridge.intent import NEVER_HEARD, Arm, Disarm, EmergencyStop, EnterMode, Request, Verdict
+from firmware_bridge.intent import NEVER_RECEIVED, Arm, Disarm, EmergencyStop, EnterMode, Request, Verdict
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot, Table
 from firmware_bridge.robots.rars.geometry import Geometry
@@ -49,10 +49,10 @@ class Bench(Generic[G, M, S]):
     operator: Operator[G, M, S] = field(init=False)
     station: Codec = field(default_factory=lambda: Codec(255, 190))
     now: Nanoseconds = 0
-    asked: list[Request] = field(default_factory=list)
+    requested: list[Request] = field(default_factory=list)
     verdict: Verdict | None = None
     trust: Trust = EVERYBODY
-    heard: list[Any] = field(default_factory=list)
+    received: list[Any] = field(default_factory=list)
     """Everything that has been reported."""
 
     def __post_init__(self) -> None:
@@ -62,7 +62,7 @@ class Bench(Generic[G, M, S]):
             now=0,
             armed=False,
             emergency_stopped=False,
-            heard_at=NEVER_HEARD,
+            received_at=NEVER_RECEIVED,
             neutral=True,
             axes={axis.name: standing(axis.name) for axis in self.robot.axes},
             sensors=sensors,
@@ -76,12 +76,12 @@ class Bench(Generic[G, M, S]):
         )
 
     @property
-    def wish(self) -> M:
+    def command(self) -> M:
         """What the operator wants now."""
-        return self.operator.intent.wish
+        return self.operator.intent.command
 
     def decide(self, request: Request) -> Verdict:
-        self.asked.append(request)
+        self.requested.append(request)
         verdict = self.verdict or Verdict(accepted=True, reason="")
         if verdict.accepted:
             match request:
@@ -100,24 +100,26 @@ class Bench(Generic[G, M, S]):
         return self.send(self.station.encode(message))
 
     def send(self, datagram: bytes) -> list[Any]:
-        replies = self.operator.hear(datagram, self.now, self.decide)
+        replies = self.operator.receive(datagram, self.now, self.decide)
         return [message for reply in replies for message in self.station.decode(reply.payload)]
 
     def snapshot(self) -> Snapshot[M, S]:
         """Return what the bridge knows now."""
-        return Snapshot(facts=self.facts, wish=self.wish, demanded=self.rest, body=self.body, pose=self.pose)
+        return Snapshot(
+            facts=self.facts, command=self.command, demanded=self.rest, body=self.body, pose=self.pose
+        )
 
     def report(self, *holds: Hold) -> list[Any]:
         """Let a cycle pass; return what the station hears of it."""
         self.now += CYCLE
-        self.facts = replace(self.facts, now=self.now, heard_at=self.operator.intent.heard_at)
+        self.facts = replace(self.facts, now=self.now, received_at=self.operator.intent.received_at)
         sent = self.operator.report(self.snapshot(), holds, self.now)
         own = [packet.payload for packet in sent if packet.address == 0]
-        heard = [message for datagram in own for message in self.station.decode(datagram)]
-        self.heard += heard
-        return heard
+        received = [message for datagram in own for message in self.station.decode(datagram)]
+        self.received += received
+        return received
 
-    def told(self, number: int) -> Any:
+    def reported(self, number: int) -> Any:
         """Let a cycle pass; ask for one message and return it."""
         self.report()
         return self.order(512, number)[0]
@@ -180,7 +182,7 @@ def target_message(
 
 def standing(axis: str) -> Feedback:
     """Return an axis that has power and stands at its zero."""
-    return Feedback(axis, Power.ON, heard_at=0, sampled_at=0, current_a=0.0)
+    return Feedback(axis, Power.ON, received_at=0, sampled_at=0, current_a=0.0)
 
 
 class RarsBench(Bench[Geometry, Motion, State]):

@@ -32,34 +32,34 @@ class Station:
         self.answers = QUESTIONS
         self.answers_at_once = False
         """However late its other messages come."""
-        self.asked: list[Any] = []
-        self.said(BEAT)
+        self.requested: list[Any] = []
+        self.sends(BEAT)
 
-    def frame(self, message: Any, said_at: Nanoseconds) -> bytes:
-        return self.codec.encode(message, (NOW + said_at + self.ahead - EPOCH) // UNIT)
+    def frame(self, message: Any, sent_at: Nanoseconds) -> bytes:
+        return self.codec.encode(message, (NOW + sent_at + self.ahead - EPOCH) // UNIT)
 
-    def said(self, message: Any) -> list[Any]:
+    def sends(self, message: Any) -> list[Any]:
         """Say something that comes now, `late` after it was said."""
         return self.comes(self.frame(message, self.bench.now - self.late))
 
     def comes(self, frame: bytes, source: int | None = None) -> list[Any]:
         bench, place = self.bench, self.source if source is None else source
-        replies = bench.operator.hear(frame, bench.now, bench.decide, place)
+        replies = bench.operator.receive(frame, bench.now, bench.decide, place)
         return [message for reply in replies for message in Codec(9, 9).decode(reply.payload)]
 
     def goes(self, vx: float = 0.2) -> list[Any]:
-        return self.said(self.set_point(vx))
+        return self.sends(self.set_point(vx))
 
-    def set_point(self, vx: float, said_at: Nanoseconds | None = None) -> Any:
+    def set_point(self, vx: float, sent_at: Nanoseconds | None = None) -> Any:
         message = target_message(vx)
-        at = self.bench.now - self.late if said_at is None else said_at
+        at = self.bench.now - self.late if sent_at is None else sent_at
         ahead = self.ahead if self.boot_ahead is None else self.boot_ahead
         message.time_boot_ms = (at + ahead) // MILLISECOND % BOOT_WRAPS
         return message
 
     def orders(self, command: int, *params: float) -> list[Any]:
         seven = (*params, *(0.0,) * (7 - len(params)))
-        return self.said(dialect.MAVLink_command_long_message(1, 1, command, 0, *seven))
+        return self.sends(dialect.MAVLink_command_long_message(1, 1, command, 0, *seven))
 
     def answer(self, question: Any) -> bytes:
         """An answer that was written `late` ago."""
@@ -77,7 +77,7 @@ class Station:
             for packet in bench.operator.report(bench.snapshot(), (), bench.now):
                 for one in Codec(9, 9).decode(packet.payload):
                     if one.get_type() in QUESTIONS and packet.address == self.source:
-                        self.asked.append(one)
+                        self.requested.append(one)
                         if one.get_type() in self.answers:
                             self.comes(self.answer(one))
 
@@ -98,4 +98,4 @@ def driving(*, key: bytes | None = None, seconds: float = 2.0, **how: Any) -> St
 def age_of(station: Station) -> Any:
     """The newest motion command's age in s, and whether it is dated."""
     intent = station.bench.operator.intent
-    return None if intent.said_at is None else (intent.heard_at - intent.said_at) / SECOND, intent.dated
+    return None if intent.sent_at is None else (intent.received_at - intent.sent_at) / SECOND, intent.dated

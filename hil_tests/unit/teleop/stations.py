@@ -28,7 +28,7 @@ class Hand:
 
     def send(self, datagram: bytes) -> list[Any]:
         bench = self.bench
-        replies = bench.operator.hear(datagram, bench.now, bench.decide, self.source)
+        replies = bench.operator.receive(datagram, bench.now, bench.decide, self.source)
         assert {reply.address for reply in replies} <= {self.source}
         return [message for reply in replies for message in self.codec.decode(reply.payload)]
 

@@ -15,7 +15,7 @@ from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.bench import CYCLE, rars, target_message
 from hil_tests.unit.teleop.dated import BEAT, HERE, NOW, QUESTIONS, THERE, Station, age_of, driving
-from hil_tests.unit.teleop.heard import texts
+from hil_tests.unit.teleop.received import texts
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -31,20 +31,20 @@ def test_only_who_drives_is_requested_and_twice_a_second() -> None:
     bench = rars()
     station, other = Station(bench), Station(bench, THERE)
     other.codec = Codec(254, 190)
-    other.said(BEAT)
+    other.sends(BEAT)
     for _ in range(40):
         bench.now += CYCLE
         sent = bench.operator.report(bench.snapshot(), (), bench.now)
         assert not any(_kinds([packet.payload]) & QUESTIONS for packet in sent), "nobody drives"
     station.orders(400, 1.0)
-    asked: dict[int, int] = {}
+    requested: dict[int, int] = {}
     for _ in range(40):
         bench.now += CYCLE
         for packet in bench.operator.report(bench.snapshot(), (), bench.now):
             if _kinds([packet.payload]) & QUESTIONS:
-                asked[packet.address] = asked.get(packet.address, 0) + len(packet.payload)
-    assert set(asked) == {HERE}
-    assert asked[HERE] <= 2 * 150
+                requested[packet.address] = requested.get(packet.address, 0) + len(packet.payload)
+    assert set(requested) == {HERE}
+    assert requested[HERE] <= 2 * 150
 
 
 def _kinds(payloads: Iterable[bytes]) -> set[str]:
@@ -78,7 +78,7 @@ def test_a_set_point_without_a_time_is_undated(clock: int | str) -> None:
     message = target_message(0.1)
     if clock == "none":
         message = dialect.MAVLink_manual_control_message(1, 200, 0, 0, 0, 0)
-    station.said(message)
+    station.sends(message)
     assert age_of(station) == (0.0, False), "half a round trip of nothing"
 
 
@@ -108,15 +108,15 @@ def test_a_timesync_that_runs_behind_the_set_points_makes_no_word_younger(
 def test_clocks_that_disagree_are_reported_once() -> None:
     station = driving(boot_ahead=1_003 * SECOND, seconds=4.0)
     station.late = 3_100 * MILLISECOND
-    said = []
+    stated = []
     for _ in range(60):
         station.bench.now += CYCLE
         station.goes()
         assert age_of(station) == (pytest.approx(3.1, abs=0.003), False)
         for packet in station.bench.operator.report(station.bench.snapshot(), (), station.bench.now):
-            said += texts(Codec(9, 9).decode(packet.payload)) if packet.address == HERE else []
-    (told,) = [text for text in said if "clocks disagree" in text]
-    assert told.startswith("link: this station's clocks disagree by 3.00 s")
+            stated += texts(Codec(9, 9).decode(packet.payload)) if packet.address == HERE else []
+    (reported,) = [text for text in stated if "clocks disagree" in text]
+    assert reported.startswith("link: this station's clocks disagree by 3.00 s")
 
 
 @pytest.mark.parametrize("in_time", [0.05, 0.25, 0.45, 0.7, 1.0])
@@ -147,7 +147,7 @@ def test_clocks_that_were_set_together_date_messages_again() -> None:
 def test_without_any_answer_words_are_undated_and_nothing_is_reported() -> None:
     station = driving(answers=set())
     message = dialect.MAVLink_manual_control_message(1, 200, 0, 0, 0, 0)
-    station.said(message)
+    station.sends(message)
     assert age_of(station) == (None, False)
 
 
@@ -155,17 +155,17 @@ def test_a_signature_reports_the_age_of_a_stick_by_the_stamps_of_answers() -> No
     station = driving(key=KEY, answers={"PING"})
     station.late = 350 * MILLISECOND
     station.bench.now += SECOND
-    station.said(dialect.MAVLink_manual_control_message(1, 200, 0, 0, 0, 0))
+    station.sends(dialect.MAVLink_manual_control_message(1, 200, 0, 0, 0, 0))
     assert age_of(station) == (pytest.approx(0.35, abs=0.001), True)
 
 
 def test_a_station_whose_stamps_count_frames_does_not_date_its_words() -> None:
     """So pymavlink and the C library sign: the stamp of the start, and one more for each frame."""
     station = driving(key=KEY, seconds=0.05)
-    station.frame = lambda message, said_at: station.codec.encode(message)  # type: ignore[method-assign] # noqa: ARG005
+    station.frame = lambda message, sent_at: station.codec.encode(message)  # type: ignore[method-assign] # noqa: ARG005
     for _ in range(200):
         station.bench.now += CYCLE
-        station.said(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
+        station.sends(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
         assert not age_of(station)[1]
         for packet in station.bench.operator.report(station.bench.snapshot(), (), station.bench.now):
             for one in Codec(9, 9).decode(packet.payload):
@@ -178,11 +178,11 @@ def test_only_an_answer_of_who_drives_to_an_open_question_counts() -> None:
     station = driving(answers=set())
     other = Station(station.bench, THERE)
     ages = station.bench.operator._session.ages  # noqa: SLF001 - what is not told anywhere
-    question = next(one for one in reversed(station.asked) if one.get_type() == "TIMESYNC")
+    question = next(one for one in reversed(station.requested) if one.get_type() == "TIMESYNC")
     station.comes(other.answer(question), THERE)
     assert ages.trips.newest(station.bench.now) is None, "of another place"
     forged = dialect.MAVLink_timesync_message(5, question.ts1 + 1)
-    station.said(forged)
+    station.sends(forged)
     assert ages.trips.newest(station.bench.now) is None, "to a question that nobody asked"
     station.comes(station.answer(question))
     trip = ages.trips.newest(station.bench.now)
@@ -195,7 +195,7 @@ def test_only_an_answer_of_who_drives_to_an_open_question_counts() -> None:
 def test_a_timesync_with_the_newer_fields_counts() -> None:
     """Two bytes more, of target system and component: an extension of MAVLink 2 (common.xml, 2024)."""
     station = driving(answers=set())
-    question = next(one for one in reversed(station.asked) if one.get_type() == "TIMESYNC")
+    question = next(one for one in reversed(station.requested) if one.get_type() == "TIMESYNC")
     short = station.answer(question)
     payload = short[10:-2].ljust(16, b"\0") + bytes((1, 1))
     header = bytes((0xFD, len(payload), *short[2:10]))
@@ -222,7 +222,7 @@ def test_a_go_with_an_older_time_and_an_older_number_is_overtaken_however_late()
         bench.now += CYCLE
         station.goes(0.0)
     station.comes(old)
-    assert bench.wish.speed_mps == 0.0
+    assert bench.command.speed_mps == 0.0
     assert bench.operator.dropped.overtaken == 1
 
 
@@ -243,15 +243,15 @@ def test_what_was_stated_before_a_stop_does_not_undo_it(
     seven = (go[1], *(0.0,) * 6)
     late = station.frame(dialect.MAVLink_command_long_message(1, 1, go[0], 0, *seven), bench.now)
     station.orders(*stop)
-    bench.asked.clear()
+    bench.requested.clear()
     for _ in range(5):
         bench.now += CYCLE
         station.goes(0.0)
     [*_, ack] = station.comes(late)
     assert (ack.command, ack.result) == (go[0], 1), "temporarily rejected"
-    assert bench.asked == []
+    assert bench.requested == []
     station.orders(*go)
-    assert bench.asked == [request_], "said after it"
+    assert bench.requested == [request_], "said after it"
 
 
 @pytest.mark.parametrize(
@@ -267,41 +267,41 @@ def test_what_was_stated_before_a_stop_does_not_undo_it(
 )
 def test_a_command_to_stop_is_obeyed_however_old(order: tuple[int, ...], request_: Any) -> None:
     station = driving(key=KEY)
-    station.bench.asked.clear()
+    station.bench.requested.clear()
     station.bench.now += 40 * SECOND
     station.late = 39 * SECOND
     station.orders(order[0], *map(float, order[1:]))
-    assert station.bench.asked[-1] == request_
+    assert station.bench.requested[-1] == request_
 
 
 def test_an_old_order_to_go_is_refused_where_its_age_is_known() -> None:
     station = driving(key=KEY)
     station.orders(400, 0.0)
-    station.bench.asked.clear()
+    station.bench.requested.clear()
     station.bench.now += SECOND
     station.late = 500 * MILLISECOND
-    told = station.orders(400, 1.0)
-    assert station.bench.asked == []
-    assert "it was said 0.50 s ago, limit 0.50 s" in "".join(texts(told))
+    reported = station.orders(400, 1.0)
+    assert station.bench.requested == []
+    assert "it was said 0.50 s ago, limit 0.50 s" in "".join(texts(reported))
     station.late = 490 * MILLISECOND
     station.bench.now += SECOND
     station.orders(400, 1.0)
-    assert station.bench.asked == [Arm()]
+    assert station.bench.requested == [Arm()]
 
 
 def test_an_old_press_of_a_button_switches_nothing() -> None:
     station = driving(key=KEY)
-    station.said(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
+    station.sends(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
     station.bench.now += SECOND
     station.late = 600 * MILLISECOND
-    before = station.bench.wish
-    station.said(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 2))
-    assert station.bench.wish.headlamp == before.headlamp
-    station.said(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
+    before = station.bench.command
+    station.sends(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 2))
+    assert station.bench.command.headlamp == before.headlamp
+    station.sends(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
     station.late = 0
     station.bench.now += SECOND
-    station.said(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 2))
-    assert station.bench.wish.headlamp != before.headlamp
+    station.sends(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 2))
+    assert station.bench.command.headlamp != before.headlamp
 
 
 @pytest.mark.parametrize("key", [None, KEY])
@@ -323,13 +323,13 @@ def test_who_drives_is_reported_once_that_no_one_knows_how_old_his_words_are() -
     bench = rars()
     station = Station(bench)
     station.orders(400, 1.0)
-    heard = []
+    received = []
     for _ in range(200):
         bench.now += CYCLE
-        station.said(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
+        station.sends(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
         sent = bench.operator.report(bench.snapshot(), (), bench.now)
-        heard += [one for p in sent if p.address == HERE for one in Codec(9, 9).decode(p.payload)]
-    assert "".join(texts(heard)).count("nobody can tell how old this station's words are") == 1
+        received += [one for p in sent if p.address == HERE for one in Codec(9, 9).decode(p.payload)]
+    assert "".join(texts(received)).count("nobody can tell how old this station's words are") == 1
 
 
 def test_round_trips_forget_what_is_long_ago_and_what_was_never_answered() -> None:
@@ -355,7 +355,7 @@ def test_round_trips_forget_what_is_long_ago_and_what_was_never_answered() -> No
 def test_the_share_that_is_lost(numbers: Iterable[int], share: float) -> None:
     losses = Losses()
     for number in numbers:
-        losses.heard(number & 0xFF, 0)
+        losses.received(number & 0xFF, 0)
     assert losses.share is None
-    losses.heard(0, LOSS_OVER)
+    losses.received(0, LOSS_OVER)
     assert losses.share == pytest.approx(share, abs=0.01)

@@ -18,7 +18,7 @@ from firmware_bridge.teleop.station import Actuator, Fixed, Station, Switch, Val
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.lanes import examples
 from hil_tests.unit.teleop.bench import acks, hold
-from hil_tests.unit.teleop.heard import texts, types
+from hil_tests.unit.teleop.received import texts, types
 from hil_tests.unit.teleop.toy import MODES, ROWS, Felt, Glide, ToyBench, toy
 
 ACCEPTED, DENIED, UNSUPPORTED = 0, 2, 3
@@ -35,8 +35,8 @@ def bench() -> ToyBench:
 def test_a_stick_moves_it_any_way(x: int, y: int, r: int) -> None:
     bench = toy()
     assert bench.stick(x=x, y=y, r=r) == []
-    wish = bench.wish
-    assert (wish.ahead, wish.right, wish.spin) == pytest.approx((2e-3 * x, 2e-3 * y, 1e-3 * r))
+    command = bench.command
+    assert (command.ahead, command.right, command.spin) == pytest.approx((2e-3 * x, 2e-3 * y, 1e-3 * r))
 
 
 @pytest.mark.parametrize(
@@ -46,13 +46,13 @@ def test_z_counts_without_a_button_beyond_this_robots_dead_band(
     bench: ToyBench, z: int, raising: float
 ) -> None:
     bench.stick(z=z)
-    assert bench.wish.raising == pytest.approx(raising)
+    assert bench.command.raising == pytest.approx(raising)
     assert texts(bench.stick(z=1001))
 
 
 def test_a_velocity_goes_sideways_too(bench: ToyBench) -> None:
     assert bench.target(0.5, 0.25, vy=-1.5) == []
-    assert bench.wish == Glide(0.5, -1.5, 0.25)
+    assert bench.command == Glide(0.5, -1.5, 0.25)
 
 
 @pytest.mark.parametrize(
@@ -68,23 +68,23 @@ def test_what_is_absurd_hangs_on_its_own_limits(
 def test_its_own_refusal_reaches_the_operator(bench: ToyBench) -> None:
     [text] = texts(bench.target(0.5, mask=3559))[:1]
     assert "SET_POSITION_TARGET_LOCAL_NED refused: this" in text
-    assert bench.wish == Glide()
+    assert bench.command == Glide()
 
 
 def test_its_stop_button_is_another(bench: ToyBench) -> None:
     bench.stick(buttons=0x7FFF)
-    assert bench.asked == []
+    assert bench.requested == []
     bench.stick(buttons=0x8000)
-    assert bench.asked == [EmergencyStop()]
+    assert bench.requested == [EmergencyStop()]
 
 
 def test_a_switch_without_a_button_is_switched_by_its_relay_alone(bench: ToyBench) -> None:
     bench.stick()
     bench.stick(buttons=0x7FFF)
-    assert (bench.wish.water, bench.wish.air) == (False, True)
+    assert (bench.command.water, bench.command.air) == (False, True)
     assert acks(bench.order(181, 7, 1)) == [(181, ACCEPTED)]
     assert acks(bench.order(181, 3, 0)) == [(181, ACCEPTED)]
-    assert (bench.wish.water, bench.wish.air) == (True, False)
+    assert (bench.command.water, bench.command.air) == (True, False)
 
 
 @pytest.mark.parametrize("relay", [0, 1, 2, 8, -1, 3.5, NAN, math.inf])
@@ -92,7 +92,7 @@ def test_other_relays_are_denied_and_those_that_exist_named(bench: ToyBench, rel
     replies = bench.order(181, relay, 1)
     assert acks(replies) == [(181, DENIED)]
     assert texts(replies) == ["relay: 7 water, 3 air; there are no others"]
-    assert bench.wish == Glide()
+    assert bench.command == Glide()
 
 
 def test_what_it_lacks_is_unsupported(bench: ToyBench) -> None:
@@ -111,8 +111,8 @@ def test_what_it_lacks_is_unsupported(bench: ToyBench) -> None:
     assert acks(bench.order(187, 0)) == [(187, UNSUPPORTED)]
     bench.stick()
     bench.stick(x=100, z=1000, buttons=0xFFFF)
-    assert bench.asked == []
-    assert bench.wish.raising == 1.0
+    assert bench.requested == []
+    assert bench.command.raising == 1.0
     assert not {"NAMED_VALUE_INT", "WHEEL_DISTANCE"} & set(types(bench.report()))
 
 
@@ -132,7 +132,7 @@ def test_two_actuators(
     bench.order(400, 1)
     bench.report()
     assert acks(bench.order(187, *params)) == [(187, ACCEPTED)]
-    assert (bench.wish.boom, bench.wish.grip) == (boom, grip)
+    assert (bench.command.boom, bench.command.grip) == (boom, grip)
 
 
 @pytest.mark.parametrize(
@@ -154,7 +154,7 @@ def test_one_part_of_an_actuator_command_that_cannot_be_meant_denies_it_whole(
     replies = bench.order(187, *params)
     assert acks(replies) == [(187, DENIED)]
     assert named in "".join(texts(replies))
-    assert (bench.wish.boom, bench.wish.grip) == (None, None)
+    assert (bench.command.boom, bench.command.grip) == (None, None)
 
 
 def test_a_disarmed_robot_moves_no_actuator(bench: ToyBench) -> None:
@@ -167,25 +167,25 @@ def test_a_disarmed_robot_moves_no_actuator(bench: ToyBench) -> None:
 def test_a_change_of_state_forgets_what_the_station_states_and_no_more(bench: ToyBench) -> None:
     bench.order(400, 1)
     bench.report()
-    heard_at = bench.now
+    received_at = bench.now
     bench.stick(x=500)
     bench.order(181, 7, 1)
     bench.order(187, 1, 1)
     bench.now += SECOND
     bench.order(179, 1)
-    assert bench.wish == Glide(ahead=1.0, boom=0.25, grip=0.0, water=True)
+    assert bench.command == Glide(ahead=1.0, boom=0.25, grip=0.0, water=True)
     bench.order(400, 0)
-    assert bench.wish == Glide(ahead=1.0, water=True)
-    assert bench.operator.intent.heard_at == heard_at
+    assert bench.command == Glide(ahead=1.0, water=True)
+    assert bench.operator.intent.received_at == received_at
 
 
 @pytest.mark.parametrize(("number", "mode"), [(0, ""), (20, MODES[0]), (21, MODES[1])])
 def test_modes_are_requested_by_their_number_and_reported(bench: ToyBench, number: int, mode: str) -> None:
     assert acks(bench.order(176, 1, number)) == [(176, ACCEPTED)]
-    assert bench.asked == [EnterMode(mode)]
-    assert bench.told(0).custom_mode == number
+    assert bench.requested == [EnterMode(mode)]
+    assert bench.reported(0).custom_mode == number
     assert acks(bench.say(dialect.MAVLink_set_mode_message(1, 1, number))) == [(11, ACCEPTED)]
-    assert bench.asked == [EnterMode(mode)] * 2
+    assert bench.requested == [EnterMode(mode)] * 2
 
 
 @pytest.mark.parametrize("number", [5, -1, 0.5, NAN, math.inf, 1e30])
@@ -197,7 +197,7 @@ def test_modes_that_it_lacks_are_denied(bench: ToyBench, number: float) -> None:
         == "mode: 0 Manual, 15 Guided, 4 Hold, 20 without_port, 21 without_boom; "
         "there are no others; it is paused"
     )
-    assert bench.asked == [Pause()]
+    assert bench.requested == [Pause()]
 
 
 def test_a_refused_mode_keeps_its_reason(bench: ToyBench) -> None:
@@ -209,7 +209,7 @@ def test_a_refused_mode_keeps_its_reason(bench: ToyBench) -> None:
 def test_its_place_and_speed_are_reported_with_mavlinks_signs(bench: ToyBench) -> None:
     bench.pose = Pose(1.0, 2.0, math.radians(30))
     bench.body = Felt(ahead=0.4, right=0.3, spin=0.2)
-    odometry, position = bench.told(331), bench.told(32)
+    odometry, position = bench.reported(331), bench.reported(32)
     assert (odometry.vx, odometry.vy, odometry.yawspeed) == pytest.approx((0.4, 0.3, 0.2))
     # to the right of a heading of 30 degrees to the left: 60 degrees east of north
     north, east = (math.cos(math.radians(60)), math.sin(math.radians(60)))
@@ -223,8 +223,8 @@ def test_its_wheels_values_and_switches_are_reported(bench: ToyBench) -> None:
     )
     bench.body = Felt(reach=0.75)
     bench.order(181, 7, 1)
-    assert bench.told(350).data[:4] == [1.0, 2.0, 3.0, 0.0]
-    distance = bench.told(9000)
+    assert bench.reported(350).data[:4] == [1.0, 2.0, 3.0, 0.0]
+    distance = bench.reported(9000)
     assert (distance.count, distance.distance[:4]) == (3, [0.25, -0.5, 1.0, 0.0])
     values = {
         one.name: one.value
@@ -232,12 +232,12 @@ def test_its_wheels_values_and_switches_are_reported(bench: ToyBench) -> None:
         if "NAMED" in one.get_type()
     }
     assert values == {"REACH": 0.75, "I1": 0.5, "I3": -1.0, "I4": 0.0, "WATER": 1}
-    assert bench.told(1).current_battery == 150
+    assert bench.reported(1).current_battery == 150
 
 
 def test_what_no_device_measures_is_unknown(bench: ToyBench) -> None:
     bench.axes(current_a=[None] * 4)
-    system = bench.told(1)
+    system = bench.reported(1)
     assert (system.current_battery, system.voltage_battery) == (-1, 0xFFFF)
     assert not system.onboard_control_sensors_present & dialect.MAV_SYS_STATUS_SENSOR_BATTERY
     assert acks(bench.order(512, 147)) == [(512, UNSUPPORTED)]
@@ -265,11 +265,11 @@ def test_a_fault_in_any_words_is_reported_by_the_axis_and_its_device(bench: ToyB
     assert texts(bench.report()) == ["node 3 (steering): fault stalled"]
 
 
-SWITCH: Any = {"read": lambda wish: wish.air, "write": lambda wish, _: wish}
+SWITCH: Any = {"read": lambda command: command.air, "write": lambda command, _: command}
 
 
 @pytest.mark.parametrize(
-    ("rows", "said"),
+    ("rows", "stated"),
     [
         ({"stop_button": 3, "up_button": 3}, "buttons stand twice: 3"),
         ({"stop_button": 16}, "counted from 0 to 15"),
@@ -284,16 +284,16 @@ SWITCH: Any = {"read": lambda wish: wish.air, "write": lambda wish, _: wish}
         ({"values": (Value("X", SECOND, lambda _: 0.0, ""),) * 2}, "values stand twice: X"),
         ({"values": (Value("X", 19 * MILLISECOND, lambda _: 0.0, ""),)}, "more often than each 20 ms"),
         ({"parameters": (Fixed("P" * 17, lambda _: 0.0, ""),)}, "1 to 16 letters"),
-        ({"actuators": (Actuator("a", lambda wish, _share, _robot: wish),) * 7}, "at most 6"),
+        ({"actuators": (Actuator("a", lambda command, _share, _robot: command),) * 7}, "at most 6"),
     ],
 )
 def test_rows_that_mavlink_cannot_carry_are_refused_where_they_are_made(
-    rows: dict[str, Any], said: str
+    rows: dict[str, Any], stated: str
 ) -> None:
     plain: dict[str, Any] = {
         name: getattr(ROWS, name) for name in ("stick", "target", "twist", "forgotten", "largest")
     }
-    with pytest.raises(ValueError, match=said):
+    with pytest.raises(ValueError, match=stated):
         Station(**(plain | rows))
 
 
@@ -324,11 +324,11 @@ def test_a_parameter_that_all_robots_have_is_not_a_kinds_own(bench: ToyBench) ->
 )
 @settings(max_examples=examples(200))
 def test_whatever_is_stated_it_has_a_command_of_numbers_and_every_command_an_answer(
-    said: list[tuple[Any, ...]],
+    stated: list[tuple[Any, ...]],
 ) -> None:
     bench = toy()
     bench.order(400, 1)
-    for kind, *values, word in said:
+    for kind, *values, word in stated:
         bench.report()
         if kind == "order":
             assert acks(bench.order(word, *values))[0][0] == word
@@ -337,6 +337,13 @@ def test_whatever_is_stated_it_has_a_command_of_numbers_and_every_command_an_ans
         else:
             vx, yaw_rate, vy, vz = values
             bench.target(vx, yaw_rate, vy=vy, vz=vz, mask=1511 if word & 1 else word)
-        wish = bench.wish
-        numbers = (wish.ahead, wish.right, wish.spin, wish.raising, wish.boom or 0.0, wish.grip or 0.0)
+        command = bench.command
+        numbers = (
+            command.ahead,
+            command.right,
+            command.spin,
+            command.raising,
+            command.boom or 0.0,
+            command.grip or 0.0,
+        )
         assert all(map(math.isfinite, numbers))

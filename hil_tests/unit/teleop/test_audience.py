@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_bridge.teleop.audience import LAPSES_AFTER, LARGEST_CREDIT, MOST_STATIONS, MOST_STRANGERS
+from firmware_bridge.teleop.audience import LAPSES_AFTER, LARGEST_CREDIT, MOST_STATIONS
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.wire.internet import number_of
 from hil_tests.lanes import examples
@@ -29,15 +29,17 @@ def cycle(bench: RarsBench) -> tuple[Packet, ...]:
     return bench.operator.report(bench.snapshot(), (), bench.now)
 
 
-def told(bench: RarsBench) -> set[int]:
+def reported(bench: RarsBench) -> set[int]:
     """Return the places that telemetry goes to, beside the one end of a link that has no other."""
     return {packet.address for packet in cycle(bench)} - {0}
 
 
-def hears(bench: RarsBench, source: int, *messages: object, codec: Codec | None = None) -> tuple[Packet, ...]:
+def receives(
+    bench: RarsBench, source: int, *messages: object, codec: Codec | None = None
+) -> tuple[Packet, ...]:
     codec = codec or Codec(255, 190)
     datagram = b"".join(codec.encode(message) for message in messages)
-    return bench.operator.hear(datagram, bench.now, bench.decide, source)
+    return bench.operator.receive(datagram, bench.now, bench.decide, source)
 
 
 @pytest.mark.parametrize(
@@ -52,15 +54,15 @@ def hears(bench: RarsBench, source: int, *messages: object, codec: Codec | None 
     ids=["garbage", "nothing", "much garbage", "for another", "our own"],
 )
 def test_what_is_no_good_frame_for_us_is_answered_with_nothing(bench: RarsBench, datagram: bytes) -> None:
-    assert bench.operator.hear(datagram, 0, bench.decide, PLACES[0]) == ()
-    assert told(bench) == set()
+    assert bench.operator.receive(datagram, 0, bench.decide, PLACES[0]) == ()
+    assert reported(bench) == set()
 
 
 def test_a_frame_makes_no_station_and_a_heartbeat_does(bench: RarsBench) -> None:
-    hears(bench, PLACES[0], STICK)
-    assert told(bench) == set()
-    hears(bench, PLACES[0], BEAT)
-    assert told(bench) == {PLACES[0]}
+    receives(bench, PLACES[0], STICK)
+    assert reported(bench) == set()
+    receives(bench, PLACES[0], BEAT)
+    assert reported(bench) == {PLACES[0]}
 
 
 @pytest.mark.parametrize("keeps", [BEAT, STICK])
@@ -68,43 +70,46 @@ def test_a_frame_makes_no_station_and_a_heartbeat_does(bench: RarsBench) -> None
 def test_a_station_lapses_unless_it_is_received(
     bench: RarsBench, keeps: object, silence: int, expected: set[int]
 ) -> None:
-    hears(bench, PLACES[0], BEAT)
+    receives(bench, PLACES[0], BEAT)
     bench.now += LAPSES_AFTER - 1
-    hears(bench, PLACES[0], keeps)
+    receives(bench, PLACES[0], keeps)
     bench.now += silence - CYCLE
-    assert told(bench) == expected
+    assert reported(bench) == expected
 
 
 def test_there_are_so_many_stations_and_a_place_is_free_when_one_lapses(bench: RarsBench) -> None:
     for source in PLACES[: MOST_STATIONS + 1]:
-        hears(bench, source, BEAT)
-    assert told(bench) == set(PLACES[:MOST_STATIONS])
+        receives(bench, source, BEAT)
+    assert reported(bench) == set(PLACES[:MOST_STATIONS])
     bench.now += LAPSES_AFTER
-    hears(bench, PLACES[20], BEAT)
-    assert told(bench) == {PLACES[20]}
+    receives(bench, PLACES[20], BEAT)
+    assert reported(bench) == {PLACES[20]}
 
 
 def test_who_drives_is_reported_however_many_others_there_are(bench: RarsBench) -> None:
     for source in PLACES[:40]:
-        hears(bench, source, BEAT)
+        receives(bench, source, BEAT)
     driver = Hand(bench, PLACES[50])
-    assert PLACES[50] not in told(bench)
+    assert PLACES[50] not in reported(bench)
     assert driver.result(ARM, 1) == 0
     for _ in range(40):
         for source in PLACES[:40]:
-            hears(bench, source, BEAT, STICK)
-        assert PLACES[50] in told(bench)
-    assert len(told(bench)) == MOST_STATIONS + 1
+            receives(bench, source, BEAT, STICK)
+        assert PLACES[50] in reported(bench)
+    assert len(reported(bench)) == MOST_STATIONS + 1
     driver.result(CONTROL, 0)
-    assert PLACES[50] not in told(bench)
+    assert PLACES[50] not in reported(bench)
 
 
 def test_each_station_receives_a_sequence_without_gaps(bench: RarsBench) -> None:
     counts: dict[int, list[int]] = {source: [] for source in PLACES[:3]}
     for source in PLACES[:2]:
-        hears(bench, source, BEAT)
+        receives(bench, source, BEAT)
     for turn in range(20):
-        sent = (*cycle(bench), *hears(bench, PLACES[turn % 3], dialect.MAVLink_ping_message(1, turn, 0, 0)))
+        sent = (
+            *cycle(bench),
+            *receives(bench, PLACES[turn % 3], dialect.MAVLink_ping_message(1, turn, 0, 0)),
+        )
         for packet in sent:
             if packet.address in counts:
                 counts[packet.address].append(packet.payload[4])
@@ -115,14 +120,14 @@ def test_each_station_receives_a_sequence_without_gaps(bench: RarsBench) -> None
 
 def test_an_answer_goes_to_who_requested(bench: RarsBench) -> None:
     for source in PLACES[:2]:
-        hears(bench, source, BEAT)
-    [answer] = hears(bench, PLACES[1], dialect.MAVLink_ping_message(1, 2, 0, 0))
+        receives(bench, source, BEAT)
+    [answer] = receives(bench, PLACES[1], dialect.MAVLink_ping_message(1, 2, 0, 0))
     assert answer.address == PLACES[1]
 
 
 def test_an_acknowledgement_goes_before_a_text_where_one_alone_is_paid_for(bench: RarsBench) -> None:
     order = dialect.MAVLink_command_long_message(1, 1, 400, 0, 2, *(0.0,) * 6)
-    [answer] = hears(bench, PLACES[0], order)
+    [answer] = receives(bench, PLACES[0], order)
     assert Codec(9, 9).decode(answer.payload)[0].get_type() == "COMMAND_ACK"
 
 
@@ -140,15 +145,15 @@ QUESTIONS = st.sampled_from(
 @given(st.lists(st.tuples(st.integers(0, 100), st.lists(QUESTIONS, max_size=6)), max_size=40))
 @settings(max_examples=examples(100))
 def test_no_place_that_is_no_station_gets_more_bytes_than_it_sent(
-    asked: list[tuple[int, list[object]]],
+    requested: list[tuple[int, list[object]]],
 ) -> None:
     bench = rars()
     paid: dict[int, int] = {}
-    for place, messages in asked:
+    for place, messages in requested:
         codec = Codec(255, 190)
         datagram = b"".join(codec.encode(message) for message in messages)
         paid[place + 1] = paid.get(place + 1, 0) + len(datagram)
-        sent = (*bench.operator.hear(datagram, bench.now, bench.decide, place + 1), *cycle(bench))
+        sent = (*bench.operator.receive(datagram, bench.now, bench.decide, place + 1), *cycle(bench))
         for packet in sent:
             if packet.address:
                 paid[packet.address] -= len(packet.payload)
@@ -156,13 +161,13 @@ def test_no_place_that_is_no_station_gets_more_bytes_than_it_sent(
 
 
 def test_the_memory_of_foreign_nodes_is_bounded_and_so_is_their_credit(bench: RarsBench) -> None:
-    for source in range(1, 3 * MOST_STRANGERS):
-        hears(bench, source, STICK)
+    for source in range(1, 3 * MOST_STATIONS):
+        receives(bench, source, STICK)
     for _ in range(200):
-        hears(bench, 1, STICK)
+        receives(bench, 1, STICK)
     ping = dialect.MAVLink_command_long_message(1, 1, 512, 0, 331, *(0.0,) * 6)
     bench.report()
-    answers = b"".join(packet.payload for packet in hears(bench, 1, *[ping] * 20))
+    answers = b"".join(packet.payload for packet in receives(bench, 1, *[ping] * 20))
     assert len(answers) <= LARGEST_CREDIT
 
 

@@ -15,7 +15,7 @@ from firmware_bridge.teleop.setpoints import channels_of, stick_of_channels
 from firmware_bridge.teleop.station import USUAL_CHANNELS, Channel, Stick, StickAxis, Unusable
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.internet import number_of
-from hil_tests.unit.teleop.heard import texts
+from hil_tests.unit.teleop.received import texts
 from hil_tests.unit.teleop.stations import ARM, Hand
 
 if TYPE_CHECKING:
@@ -47,8 +47,8 @@ def test_channels_are_a_stick(
     bench: RarsBench, values: dict[str, int], speed: float, steer: float | None
 ) -> None:
     assert bench.say(override(**values)) == []
-    assert bench.wish.speed_mps == pytest.approx(speed)
-    angle = bench.wish.steer_rad
+    assert bench.command.speed_mps == pytest.approx(speed)
+    angle = bench.command.steer_rad
     assert angle is None if steer is None else angle == pytest.approx(math.radians(steer))
     assert bench.operator.intent.neutral is (speed == 0.0)
 
@@ -56,8 +56,8 @@ def test_channels_are_a_stick(
 @pytest.mark.parametrize("value", [1, 899, 2101, 0x7FFF, 0xFFFE])
 def test_what_no_stick_sends_moves_nothing_and_is_no_sign_of_life(bench: RarsBench, value: int) -> None:
     before = bench.operator.intent
-    told = texts(bench.say(override(ch3=value)))
-    assert f"channel 3 = {value} us" in "".join(told)
+    reported = texts(bench.say(override(ch3=value)))
+    assert f"channel 3 = {value} us" in "".join(reported)
     assert bench.operator.intent is before
     assert bench.operator.dropped.refused == 1
 
@@ -72,7 +72,7 @@ def test_a_channel_that_is_given_back_is_let_go_at_once(bench: RarsBench) -> Non
     bench.say(override(ch3=1800, ch1=1300))
     bench.now += 20 * MILLISECOND
     bench.say(override(ch3=RELEASED))
-    assert bench.wish.speed_mps == 0.0
+    assert bench.command.speed_mps == 0.0
     assert not bench.operator.intent.neutral, "the other one is held"
     bench.say(override(ch1=RELEASED, ch3=RELEASED))
     assert bench.operator.intent.neutral
@@ -82,8 +82,8 @@ def test_a_channel_that_is_left_as_it_is_stays(bench: RarsBench) -> None:
     bench.say(override(ch3=1800))
     bench.now += 20 * MILLISECOND
     bench.say(override(ch1=1000))
-    assert bench.wish.speed_mps == pytest.approx(0.3)
-    assert bench.wish.steer_rad == pytest.approx(1.0472, abs=1e-4)
+    assert bench.command.speed_mps == pytest.approx(0.3)
+    assert bench.command.steer_rad == pytest.approx(1.0472, abs=1e-4)
 
 
 @pytest.mark.parametrize(("silence", "held"), [(499, True), (500, False)])
@@ -93,16 +93,16 @@ def test_a_channel_of_which_no_one_speaks_is_given_back_as_after_a_silence(
     bench.say(override(ch3=1800))
     bench.now += silence * MILLISECOND
     bench.say(override(ch1=1500))
-    assert (bench.wish.speed_mps > 0.0) is held
+    assert (bench.command.speed_mps > 0.0) is held
 
 
 @pytest.mark.parametrize("values", [{}, {"ch2": 1900, "ch5": 1900, "ch18": 1900}])
 def test_what_sends_nothing_of_driving_is_no_sign_of_life(bench: RarsBench, values: dict[str, int]) -> None:
     bench.say(override(ch3=1800))
-    heard_at = bench.operator.intent.heard_at
+    received_at = bench.operator.intent.received_at
     bench.now += 100 * MILLISECOND
     bench.say(override(**values))
-    assert bench.operator.intent.heard_at == heard_at
+    assert bench.operator.intent.received_at == received_at
 
 
 def test_an_overtaken_one_is_forgotten(bench: RarsBench) -> None:
@@ -110,7 +110,7 @@ def test_an_overtaken_one_is_forgotten(bench: RarsBench) -> None:
     bench.say(override(ch3=1500))
     bench.now += 20 * MILLISECOND
     bench.send(early)
-    assert (bench.wish.speed_mps, bench.operator.dropped.overtaken) == (0.0, 1)
+    assert (bench.command.speed_mps, bench.operator.dropped.overtaken) == (0.0, 1)
 
 
 def test_who_does_not_drive_moves_nothing_with_it(bench: RarsBench) -> None:
@@ -122,14 +122,14 @@ def test_who_does_not_drive_moves_nothing_with_it(bench: RarsBench) -> None:
     assert "RC_CHANNELS_OVERRIDE of " in "".join(texts(other.say(override(ch3=2000))))
     assert bench.operator.intent is before
     driver.say(override(ch3=2000))
-    assert bench.wish.speed_mps == 0.5
+    assert bench.command.speed_mps == 0.5
 
 
 def test_each_station_holds_its_own_channels(bench: RarsBench) -> None:
     first, second = Hand(bench, HERE), Hand(bench, THERE)
     first.say(override(ch3=2000))
     second.say(override(ch1=1500))
-    assert bench.wish.speed_mps == 0.0
+    assert bench.command.speed_mps == 0.0
 
 
 @given(st.integers(0, 0xFFFF))

@@ -14,7 +14,7 @@ from firmware_bridge.teleop.clock_fit import (
     PROVEN_AFTER,
     TOLERANCE,
     AnsweredClock,
-    HeardClock,
+    ReceivedClock,
 )
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
@@ -30,24 +30,24 @@ RESOLUTIONS = st.sampled_from([1, 10_000, MILLISECOND])
 class Word(NamedTuple):
     """Something that was said, and when it comes."""
 
-    said_at: Nanoseconds
+    sent_at: Nanoseconds
     delay: Nanoseconds
 
     @property
     def comes_at(self) -> Nanoseconds:
-        return self.said_at + self.delay
+        return self.sent_at + self.delay
 
 
 class Answer(NamedTuple):
     """A question, and how long each way takes."""
 
-    asked_at: Nanoseconds
+    requested_at: Nanoseconds
     there: Nanoseconds
     back: Nanoseconds
 
     @property
     def comes_at(self) -> Nanoseconds:
-        return self.asked_at + self.there + self.back
+        return self.requested_at + self.there + self.back
 
 
 WORDS = st.builds(Word, st.integers(0, 60 * SECOND), DELAYS)
@@ -75,23 +75,25 @@ def test_an_age_is_off_by_half_the_shortest_round_trip_at_most(
 ) -> None:
     shows, fit = clock(offset, drift, resolution), AnsweredClock()
     answers: list[Answer] = []
-    told = 0
+    reported = 0
     for one in sorted([*events, *(REGULAR if regular else ())], key=lambda event: event.comes_at):
         now = one.comes_at
         if isinstance(one, Answer):
-            fit.answered(one.asked_at, shows(one.asked_at + one.there), now, resolution)
+            fit.answered(one.requested_at, shows(one.requested_at + one.there), now, resolution)
             answers.append(one)
             continue
-        age = fit.age(shows(one.said_at), now)
+        age = fit.age(shows(one.sent_at), now)
         if age is None:
             continue
-        told += 1
+        reported += 1
         # Each answer bounds it: half its round trip, and what the clocks part since, and on the way.
         bounds = [(each.there + each.back) // 2 + (now - each.comes_at) // 10_000 for each in answers]
         off = min(bounds) + resolution + 4 * SECOND // 10_000
         assert one.delay - off <= age <= one.delay + off
     assert (
-        told or not regular or not any(isinstance(one, Word) and one.said_at > 2 * SECOND for one in events)
+        reported
+        or not regular
+        or not any(isinstance(one, Word) and one.sent_at > 2 * SECOND for one in events)
     ), "a clock that is answered for every half second is known"
 
 
@@ -99,11 +101,11 @@ def test_an_age_is_off_by_half_the_shortest_round_trip_at_most(
 def test_a_clock_that_is_only_received_reports_no_more_than_the_truth(
     offset: int, drift: int, resolution: int, words: list[Word]
 ) -> None:
-    shows, fit = clock(offset, drift, resolution), HeardClock()
+    shows, fit = clock(offset, drift, resolution), ReceivedClock()
     least = None
     for word in sorted(words, key=lambda one: one.comes_at):
         least = word.delay if least is None else min(least, word.delay)
-        excess = fit.excess(shows(word.said_at), word.comes_at)
+        excess = fit.excess(shows(word.sent_at), word.comes_at)
         if excess is None:
             continue
         drifted = 2 * LEAST_OVER // 10_000 + 2 * resolution
@@ -116,21 +118,21 @@ def regular_words(delay: Callable[[Nanoseconds], Nanoseconds], seconds: int) -> 
 
 
 def test_a_clock_that_is_only_received_reports_how_much_later_a_word_comes_than_the_fastest() -> None:
-    shows, fit = clock(-12345, 50, MILLISECOND), HeardClock()
-    told = {}
+    shows, fit = clock(-12345, 50, MILLISECOND), ReceivedClock()
+    reported = {}
     for word in regular_words(lambda at: 400 * MILLISECOND if at >= 5 * SECOND else 30 * MILLISECOND, 8):
-        told[word.said_at] = fit.excess(shows(word.said_at), word.comes_at)
-    assert told[SECOND + 500 * MILLISECOND] is None, "nobody knows yet whether it runs"
-    assert told[4 * SECOND] == pytest.approx(0, abs=2 * MILLISECOND)
-    assert told[7 * SECOND] == pytest.approx(370 * MILLISECOND, abs=2 * MILLISECOND)
+        reported[word.sent_at] = fit.excess(shows(word.sent_at), word.comes_at)
+    assert reported[SECOND + 500 * MILLISECOND] is None, "nobody knows yet whether it runs"
+    assert reported[4 * SECOND] == pytest.approx(0, abs=2 * MILLISECOND)
+    assert reported[7 * SECOND] == pytest.approx(370 * MILLISECOND, abs=2 * MILLISECOND)
 
 
 @pytest.mark.parametrize("each", [0, 10_000], ids=["stands", "counts frames"])
 def test_what_does_not_run_with_time_is_no_clock(each: int) -> None:
-    heard, answered = HeardClock(), AnsweredClock()
+    received, answered = ReceivedClock(), AnsweredClock()
     for n, now in enumerate(range(0, 60 * SECOND, 50 * MILLISECOND)):
         reading = 7 * SECOND + n * each
-        assert heard.excess(reading, now) is None
+        assert received.excess(reading, now) is None
         if n % 10 == 0:
             answered.answered(now, reading, now + 20 * MILLISECOND, 1)
         assert answered.age(reading + each, now + 20 * MILLISECOND) is None
@@ -138,15 +140,15 @@ def test_what_does_not_run_with_time_is_no_clock(each: int) -> None:
 
 @given(
     answered_back=st.integers(1, 10),
-    heard_back=st.integers(0, 10),
+    received_back=st.integers(0, 10),
     delays=st.lists(st.integers(0, 4_000), min_size=1, max_size=80),
     trip_ms=st.integers(0, 200),
 )
 def test_a_clock_that_is_only_received_moves_with_an_answered_one_only_where_it_was_set_by_as_much(
-    answered_back: int, heard_back: int, delays: list[int], trip_ms: int
+    answered_back: int, received_back: int, delays: list[int], trip_ms: int
 ) -> None:
     """Both run for 3 s and are set back by so many seconds; the first message since comes at once."""
-    answered, heard = AnsweredClock(), HeardClock()
+    answered, received = AnsweredClock(), ReceivedClock()
     limit, trip = SECOND // 2, trip_ms * MILLISECOND
     excess: Nanoseconds | None = None
     for cycle, late_ms in enumerate([*[0] * 60, 0, *delays]):
@@ -155,19 +157,19 @@ def test_a_clock_that_is_only_received_moves_with_an_answered_one_only_where_it_
         if cycle % 5 == 0:
             answered.answered(now - trip, now - trip // 2 - after * answered_back, now, 1)
         late = late_ms * MILLISECOND
-        heard.set_with(answered, now - late - after * heard_back, now, limit)
-        excess = heard.excess(now - late - after * heard_back, now)
+        received.set_with(answered, now - late - after * received_back, now, limit)
+        excess = received.excess(now - late - after * received_back, now)
         assert excess is None or excess >= late, "no message is made younger"
     assert excess is not None
-    if answered_back == heard_back and len(delays) >= 20:
+    if answered_back == received_back and len(delays) >= 20:
         assert excess <= late + 2 * trip + TOLERANCE, "nor older, once the answered one is proven again"
 
 
 def proven(theirs: Nanoseconds = 0, trip: Nanoseconds = 20 * MILLISECOND) -> AnsweredClock:
     """A clock that shows our time, and `theirs` more; answered for until 1 s."""
     fit = AnsweredClock()
-    for asked_at in (0, SECOND - trip):
-        fit.answered(asked_at, asked_at + trip // 2 + theirs, asked_at + trip, 1)
+    for requested_at in (0, SECOND - trip):
+        fit.answered(requested_at, requested_at + trip // 2 + theirs, requested_at + trip, 1)
     return fit
 
 
@@ -187,8 +189,10 @@ def test_a_clock_that_was_set_forward_is_not_known_until_it_has_answered_twice(a
     assert fit.age(now - 100 * MILLISECOND, now) == pytest.approx(100 * MILLISECOND, abs=10 * MILLISECOND)
     assert fit.age(now + ahead, now) is None
     assert fit.age(now - 100 * MILLISECOND, now) is None
-    for asked_at in (2 * SECOND, 3 * SECOND):
-        fit.answered(asked_at, asked_at + ahead + 10 * MILLISECOND, asked_at + 20 * MILLISECOND, 1)
+    for requested_at in (2 * SECOND, 3 * SECOND):
+        fit.answered(
+            requested_at, requested_at + ahead + 10 * MILLISECOND, requested_at + 20 * MILLISECOND, 1
+        )
     now = 4 * SECOND
     assert fit.age(now + ahead - 100 * MILLISECOND, now) == pytest.approx(
         100 * MILLISECOND, abs=10 * MILLISECOND
@@ -222,20 +226,20 @@ def test_stamps_may_run_a_little_ahead() -> None:
 
 
 def excess_of(
-    heard: HeardClock, answered: AnsweredClock, late_ms: int, *, now: int, back: int = 0
+    received: ReceivedClock, answered: AnsweredClock, late_ms: int, *, now: int, back: int = 0
 ) -> int | None:
     """A message of a station that answers at once; both its clocks were set back by `back` ms; in ms."""
     at, reading = now * MILLISECOND, (now - late_ms - back) * MILLISECOND
     answered.answered(at, (now - back) * MILLISECOND, at, 1)
-    heard.set_with(answered, reading, at, SECOND // 2)
-    excess = heard.excess(reading, at)
+    received.set_with(answered, reading, at, SECOND // 2)
+    excess = received.excess(reading, at)
     return None if excess is None else round(excess / MILLISECOND)
 
 
 def test_a_message_is_compared_with_the_fastest_one_not_with_the_first_or_the_last() -> None:
-    heard, answered = HeardClock(), AnsweredClock()
+    received, answered = ReceivedClock(), AnsweredClock()
     for number, late_ms in enumerate([300, 200, 100, 250, 300] * 8):
-        excess = excess_of(heard, answered, late_ms, now=100 * number)
+        excess = excess_of(received, answered, late_ms, now=100 * number)
     assert excess == 200
 
 
@@ -245,13 +249,13 @@ def test_a_clock_that_was_set_with_an_answered_one_keeps_what_both_windows_knew(
     back: int, faster: int
 ) -> None:
     """The fastest message is of the first window, or of the second one."""
-    heard, answered = HeardClock(), AnsweredClock()
+    received, answered = ReceivedClock(), AnsweredClock()
     window = LEAST_OVER // MILLISECOND
     for now in range(0, 2 * window - 1_000, 100):
-        excess_of(heard, answered, 300 * ((now >= window) ^ faster), now=now)
+        excess_of(received, answered, 300 * ((now >= window) ^ faster), now=now)
     for now in range(2 * window - 1_000, 2 * window - 100, 100):
-        excess = excess_of(heard, answered, 300, now=now, back=back)
+        excess = excess_of(received, answered, 300, now=now, back=back)
     assert excess == pytest.approx(300, abs=1)
     for now in range(2 * window, 4 * window, 100):
-        excess = excess_of(heard, answered, 300, now=now, back=back)
+        excess = excess_of(received, answered, 300, now=now, back=back)
     assert excess == 0, "of the last minute"

@@ -24,7 +24,7 @@ from firmware_bridge.intent import (
 from firmware_bridge.teleop.commands import ROWS
 from firmware_bridge.teleop.mavlink import dialect
 from hil_tests.unit.teleop.bench import acks, bench_of
-from hil_tests.unit.teleop.heard import texts
+from hil_tests.unit.teleop.received import texts
 
 if TYPE_CHECKING:
     from hil_tests.unit.teleop.bench import RarsBench
@@ -89,29 +89,29 @@ TABLE: list[tuple[int, tuple[float, ...], int, list[Request]]] = [
 ]
 
 
-@pytest.mark.parametrize(("command", "params", "result", "asked"), TABLE)
+@pytest.mark.parametrize(("command", "params", "result", "requested"), TABLE)
 def test_a_command_is_answered_once_and_requests_this(
-    bench: RarsBench, command: int, params: tuple[float, ...], result: int, asked: list[Request]
+    bench: RarsBench, command: int, params: tuple[float, ...], result: int, requested: list[Request]
 ) -> None:
     replies = bench.order(command, *params)
     assert acks(replies) == [(command, result)]
-    assert bench.asked == asked
+    assert bench.requested == requested
     assert bool(texts(replies)) is (result in (DENIED, TEMPORARILY_REJECTED) or command == 246)
 
 
-@pytest.mark.parametrize(("command", "params", "result", "asked"), TABLE)
+@pytest.mark.parametrize(("command", "params", "result", "requested"), TABLE)
 def test_the_other_message_for_commands_does_the_same(
-    bench: RarsBench, command: int, params: tuple[float, ...], result: int, asked: list[Request]
+    bench: RarsBench, command: int, params: tuple[float, ...], result: int, requested: list[Request]
 ) -> None:
     four = (*params, *(0.0,) * (4 - len(params)))
     replies = bench.say(dialect.MAVLink_command_int_message(1, 1, 0, command, 0, 0, *four, 0, 0, 0.0))
     assert acks(replies) == [(command, result)]
-    assert bench.asked == asked
+    assert bench.requested == requested
 
 
 def test_every_row_is_tested_here() -> None:
-    told = {row[0] for row in TABLE} | {181, 187, 405, 510, 511, 512, 520}
-    assert {row.command for row in ROWS} <= told
+    reported = {row[0] for row in TABLE} | {181, 187, 405, 510, 511, 512, 520}
+    assert {row.command for row in ROWS} <= reported
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_a_repetition_is_answered_and_not_obeyed_again(bench: RarsBench) -> None
     first = bench.order(400, 1, confirmation=0)
     again = bench.order(400, 1, confirmation=1)
     assert acks(first) == acks(again) == [(400, ACCEPTED)]
-    assert bench.asked == [Arm()]
+    assert bench.requested == [Arm()]
 
 
 @pytest.mark.parametrize(
@@ -164,12 +164,12 @@ def test_a_repetition_that_stops_is_obeyed_again(
     """Somebody may have cleared the stop, or armed, in between."""
     for confirmation in range(3):
         assert acks(bench.order(command, *params, confirmation=confirmation)) == [(command, ACCEPTED)]
-    assert bench.asked == [request_] * 3
+    assert bench.requested == [request_] * 3
 
 
 def test_a_repetition_whose_first_was_lost_is_obeyed(bench: RarsBench) -> None:
     assert acks(bench.order(400, 1, confirmation=1)) == [(400, ACCEPTED)]
-    assert bench.asked == [Arm()]
+    assert bench.requested == [Arm()]
 
 
 @pytest.mark.parametrize(
@@ -179,13 +179,13 @@ def test_what_is_no_repetition_is_obeyed(bench: RarsBench, later_ns: int, params
     bench.order(400, 1, confirmation=0)
     bench.now += later_ns
     bench.order(400, *params, confirmation=1)
-    assert len(bench.asked) == 2
+    assert len(bench.requested) == 2
 
 
 def test_the_same_command_requested_again_is_obeyed_again(bench: RarsBench) -> None:
     bench.order(400, 1)
     bench.order(400, 1)
-    assert bench.asked == [Arm(), Arm()]
+    assert bench.requested == [Arm(), Arm()]
 
 
 @pytest.mark.parametrize(
@@ -209,7 +209,7 @@ def test_lamp_and_detector(
     lamp_and_detector: tuple[bool, bool],
 ) -> None:
     assert acks(bench.order(command, *params)) == [(command, result)]
-    assert (bench.wish.headlamp, bench.wish.detector) == lamp_and_detector
+    assert (bench.command.headlamp, bench.command.detector) == lamp_and_detector
 
 
 # N l (sin 45 - sin 5) = 6 x 0.3 m x 0.61995 (thesis 2.16)
@@ -221,7 +221,7 @@ def test_the_lift_goes_to_a_share_of_its_travel(bench: RarsBench, share: float, 
     bench.order(400, 1)
     bench.report()
     assert acks(bench.order(187, share)) == [(187, ACCEPTED)]
-    assert bench.wish.lift_m == pytest.approx(height, abs=1e-5)
+    assert bench.command.lift_m == pytest.approx(height, abs=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -231,7 +231,7 @@ def test_a_lift_command_that_cannot_be_meant_is_denied(bench: RarsBench, params:
     bench.order(400, 1)
     bench.report()
     assert acks(bench.order(187, *params)) == [(187, DENIED)]
-    assert bench.wish.lift_m is None
+    assert bench.command.lift_m is None
 
 
 def test_a_disarmed_robot_keeps_no_lift_target_for_later(bench: RarsBench) -> None:
@@ -241,7 +241,7 @@ def test_a_disarmed_robot_keeps_no_lift_target_for_later(bench: RarsBench) -> No
     bench.report()
     bench.order(187, 0.5)
     bench.order(5300, 0)
-    assert bench.wish.lift_m is None
+    assert bench.command.lift_m is None
 
 
 def test_a_reboot_from_afar_does_not_happen(bench: RarsBench) -> None:
@@ -310,8 +310,12 @@ def test_rates_that_make_no_sense_are_refused(
 
 @pytest.mark.parametrize(("number", "interval_us"), [(331, 50_000), (0, 1_000_000), (147, 2_000_000), (2, 0)])
 def test_the_rate_of_a_message_is_reported(bench: RarsBench, number: int, interval_us: int) -> None:
-    told, ack = bench.order(510, number)
-    assert (told.get_type(), told.message_id, told.interval_us) == ("MESSAGE_INTERVAL", number, interval_us)
+    reported, ack = bench.order(510, number)
+    assert (reported.get_type(), reported.message_id, reported.interval_us) == (
+        "MESSAGE_INTERVAL",
+        number,
+        interval_us,
+    )
     assert ack.result == ACCEPTED
 
 
@@ -327,19 +331,19 @@ def test_old_mode_messages_are_answered_under_their_own_number(bench: RarsBench)
     assert acks(bench.say(dialect.MAVLink_set_mode_message(1, 1, 0))) == [(11, ACCEPTED)]
     assert acks(bench.say(dialect.MAVLink_set_mode_message(1, 0x81, 16))) == [(11, DENIED)]
     assert acks(bench.say(dialect.MAVLink_set_mode_message(1, 1, 4))) == [(11, ACCEPTED)]
-    assert bench.asked == [EnterMode(""), Pause(), Pause()]
+    assert bench.requested == [EnterMode(""), Pause(), Pause()]
 
 
 def test_a_mode_that_cannot_be_entered_now_stops_the_robot_nevertheless(bench: RarsBench) -> None:
     bench.verdict = Verdict(accepted=False, reason="mode: stop and disarm first", temporary=True)
     assert acks(bench.order(176, 1, 0)) == [(176, TEMPORARILY_REJECTED)]
-    assert bench.asked == [EnterMode(""), Pause()]
+    assert bench.requested == [EnterMode(""), Pause()]
 
 
 @pytest.mark.parametrize("target", [(2, 1), (1, 2), (255, 0)])
 def test_commands_for_others_are_left_alone(bench: RarsBench, target: tuple[int, int]) -> None:
     assert bench.order(400, 1, target=target) == []
-    assert bench.asked == []
+    assert bench.requested == []
     assert bench.operator.dropped.foreign == 1
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from firmware_bridge.intent import (
-    NEVER_HEARD,
+    NEVER_RECEIVED,
     Arm,
     ChangeDriver,
     ClearEmergencyStop,
@@ -22,7 +22,7 @@ from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.session import MOST_PEERS
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.internet import number_of
-from hil_tests.unit.teleop.heard import texts, types
+from hil_tests.unit.teleop.received import texts, types
 from hil_tests.unit.teleop.stations import (
     ARM,
     CLEAR,
@@ -50,7 +50,7 @@ def driver(bench: RarsBench) -> Hand:
     assert hand.result(ARM, 1) == ACCEPTED
     bench.report()
     hand.stick(500)
-    bench.asked.clear()
+    bench.requested.clear()
     return hand
 
 
@@ -69,11 +69,11 @@ def drives(bench: RarsBench) -> Sender | None:
 
 def test_who_arms_while_no_one_drives_drives(bench: RarsBench, driver: Hand) -> None:
     assert drives(bench) == (driver.source, 255, 190)
-    assert "control: 255/190 at 10.0.0.1:14550 drives" in told(bench)
+    assert "control: 255/190 at 10.0.0.1:14550 drives" in reported(bench)
 
 
-def told(bench: RarsBench) -> str:
-    return "".join(texts(bench.heard))
+def reported(bench: RarsBench) -> str:
+    return "".join(texts(bench.received))
 
 
 def test_who_is_denied_to_arm_does_not_drive(bench: RarsBench) -> None:
@@ -102,7 +102,7 @@ def test_words_of_anybody_else_are_refused(bench: RarsBench, driver: Hand, row: 
     before = bench.operator.intent
     other = Hand(driver.bench, THERE)
     assert other.result(row.command, 1, 1, 1) == DENIED  # type: ignore[attr-defined] # a row
-    assert bench.asked == []
+    assert bench.requested == []
     assert bench.operator.intent is before
 
 
@@ -113,7 +113,7 @@ def test_arming_clearing_and_pausing_are_the_drivers(
     replies = other.order(command, *params)
     assert (types(replies)[-1], replies[-1].result) == ("COMMAND_ACK", DENIED)
     assert "255/190 at 10.0.0.1:14550 drives" in "".join(texts(replies))
-    assert bench.asked == []
+    assert bench.requested == []
 
 
 def test_a_parameter_is_the_drivers(bench: RarsBench, other: Hand) -> None:
@@ -136,14 +136,14 @@ def test_an_emergency_stop_is_anybodys_and_one_that_can_be_cleared(
 ) -> None:
     replies = other.order(command, *params)
     assert replies[-1].result == ACCEPTED
-    assert bench.asked == [EmergencyStop()]
+    assert bench.requested == [EmergencyStop()]
     assert "emergency stop by" in "".join(texts(bench.report()))
 
 
 def test_a_stop_button_is_anybodys(bench: RarsBench, other: Hand) -> None:
     other.stick(0x7FFE, buttons=4)
-    assert bench.asked == [EmergencyStop()]
-    assert bench.operator.intent.heard_at == bench.now
+    assert bench.requested == [EmergencyStop()]
+    assert bench.operator.intent.received_at == bench.now
 
 
 def test_each_station_counts_its_own_frames(bench: RarsBench) -> None:
@@ -151,7 +151,7 @@ def test_each_station_counts_its_own_frames(bench: RarsBench) -> None:
     for _ in range(100):
         first.stick()
     second.stick(500)
-    assert bench.wish.speed_mps == 0.25
+    assert bench.command.speed_mps == 0.25
     assert bench.operator.dropped.overtaken == 0
 
 
@@ -161,7 +161,7 @@ def test_the_arming_stations_own_stick_is_judged(bench: RarsBench) -> None:
     bench.now += 50 * MILLISECOND
     first.stick(1000)
     second.result(ARM, 1)
-    assert (bench.wish.speed_mps, bench.operator.intent.neutral) == (0.0, True)
+    assert (bench.command.speed_mps, bench.operator.intent.neutral) == (0.0, True)
 
 
 def test_a_deflected_stick_of_who_arms_counts_until_it_is_gone(bench: RarsBench) -> None:
@@ -180,13 +180,13 @@ def test_control_is_requested_and_given_up(bench: RarsBench) -> None:
     assert hand.result(CONTROL, 1) == ACCEPTED
     assert drives(bench) == (HERE, 255, 190)
     assert hand.result(CONTROL, 1) == ACCEPTED
-    assert bench.asked == [ChangeDriver()], "asked for once more, nothing changes"
+    assert bench.requested == [ChangeDriver()], "asked for once more, nothing changes"
     assert hand.result(CONTROL, 0) == ACCEPTED
     assert drives(bench) is None
-    assert bench.asked == [ChangeDriver(), Disarm(), ChangeDriver()]
+    assert bench.requested == [ChangeDriver(), Disarm(), ChangeDriver()]
     assert hand.result(CONTROL, 0) == DENIED
     bench.report()
-    assert "control: 255/190 at 10.0.0.1:14550 has given it up, nobody drives" in told(bench)
+    assert "control: 255/190 at 10.0.0.1:14550 has given it up, nobody drives" in reported(bench)
 
 
 @pytest.mark.parametrize(
@@ -208,10 +208,10 @@ def test_what_is_neither_is_denied(bench: RarsBench, params: tuple[float, ...]) 
 
 def test_a_request_is_refused_and_brought_to_who_drives(bench: RarsBench, other: Hand, driver: Hand) -> None:
     [ack] = other.order(CONTROL, 1)
-    [asked] = [one for one in bench.report() if one.get_type() == "COMMAND_LONG"]
-    assert "asks for it" in told(bench)
-    assert (asked.command, asked.target_system, asked.target_component) == (CONTROL, 255, 190)
-    assert (asked.param1, asked.param4) == (1.0, float(other.codec.system))
+    [requested] = [one for one in bench.report() if one.get_type() == "COMMAND_LONG"]
+    assert "asks for it" in reported(bench)
+    assert (requested.command, requested.target_system, requested.target_component) == (CONTROL, 255, 190)
+    assert (requested.param1, requested.param4) == (1.0, float(other.codec.system))
     assert (ack.command, ack.result) == (CONTROL, FAILED)
     other.order(CONTROL, 1)
     assert "COMMAND_LONG" not in types(bench.report()), "not at the rate at which it asks"
@@ -222,8 +222,8 @@ def test_control_is_handed_over_to_who_requests(bench: RarsBench, other: Hand, d
     driver.order(CONTROL, 1, 1)
     assert other.result(CONTROL, 1) == ACCEPTED
     assert drives(bench) == (other.source, other.codec.system, other.codec.component)
-    assert bench.asked == [ChangeDriver()]
-    assert (bench.wish.speed_mps, bench.operator.intent.heard_at) == (0.0, NEVER_HEARD)
+    assert bench.requested == [ChangeDriver()]
+    assert (bench.command.speed_mps, bench.operator.intent.received_at) == (0.0, NEVER_RECEIVED)
     assert driver.result(ARM, 0) == DENIED
 
 
@@ -231,19 +231,19 @@ def test_a_lamp_stays_lit_when_control_changes(bench: RarsBench, driver: Hand) -
     driver.order(RELAY, 1, 1)
     driver.order(CONTROL, 1, 1)
     Hand(bench, THERE).order(CONTROL, 1)
-    assert bench.wish.headlamp
+    assert bench.command.headlamp
 
 
 def test_the_old_message_does_the_same(bench: RarsBench) -> None:
     first, second = Hand(bench, HERE), Hand(bench, THERE)
-    asks = dialect.MAVLink_change_operator_control_message(1, 0, 0, b"")
+    requests = dialect.MAVLink_change_operator_control_message(1, 0, 0, b"")
     gives = dialect.MAVLink_change_operator_control_message(1, 1, 0, b"")
     for hand, message, ack in (
-        (first, asks, 0),
-        (second, asks, 3),
+        (first, requests, 0),
+        (second, requests, 3),
         (second, gives, 3),
         (first, gives, 0),
-        (second, asks, 0),
+        (second, requests, 0),
     ):
         answer = hand.say(message)[-1]
         assert (answer.get_type(), answer.ack) == ("CHANGE_OPERATOR_CONTROL_ACK", ack)
@@ -256,8 +256,8 @@ def test_who_sends_nothing_loses_control(bench: RarsBench, driver: Hand, silence
     assert bench.operator.lapse(bench.now) is lost
     assert (drives(bench) is None) is lost
     bench.report()
-    assert ("is gone, nobody drives" in told(bench)) is lost
-    assert (bench.operator.intent.heard_at == NEVER_HEARD) is lost
+    assert ("is gone, nobody drives" in reported(bench)) is lost
+    assert (bench.operator.intent.received_at == NEVER_RECEIVED) is lost
     assert driver.result(ARM, 1) == ACCEPTED
 
 
@@ -292,7 +292,7 @@ def test_foreign_nodes_do_not_fill_the_memory_nor_push_the_driver_out(bench: Rar
         Hand(bench, place + 1).stick()
     bench.now += MILLISECOND
     driver.stick(200)
-    assert bench.wish.speed_mps == pytest.approx(0.1)
+    assert bench.command.speed_mps == pytest.approx(0.1)
     assert len(bench.operator.stations) <= MOST_PEERS
     assert bench.operator.stations[0] == bench.operator.driver, "remembered from the first"
 
@@ -301,7 +301,7 @@ def test_while_no_one_drives_anybody_clears_and_arms(bench: RarsBench) -> None:
     bench.facts = replace(bench.facts, emergency_stopped=True)
     assert Hand(bench, HERE).result(CLEAR, 1) == ACCEPTED
     assert Hand(bench, THERE).result(ARM, 1) == ACCEPTED
-    assert bench.asked == [ClearEmergencyStop(), Arm()]
+    assert bench.requested == [ClearEmergencyStop(), Arm()]
     assert drives(bench) == (THERE, 255, 190)
 
 
@@ -349,6 +349,8 @@ def test_a_station_that_calls_itself_as_the_robot_is_named_once(bench: RarsBench
     assert "as this robot" not in "".join(texts(bench.report())), "an echo of the robot's own"
     for _ in range(3):
         bench.send(namesake.encode(dialect.MAVLink_manual_control_message(1, 500, 0, 0, 0, 0)))
-    said = "".join(texts(bench.report()))
-    assert said.count("a station calls itself 1/1, as this robot: it is not heard; let it be system 255") == 1
-    assert bench.wish.speed_mps == 0.0
+    stated = "".join(texts(bench.report()))
+    assert (
+        stated.count("a station calls itself 1/1, as this robot: it is not heard; let it be system 255") == 1
+    )
+    assert bench.command.speed_mps == 0.0

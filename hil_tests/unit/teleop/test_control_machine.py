@@ -37,47 +37,47 @@ class Ownership(RuleBasedStateMachine):
         self.hands = [Hand(self.bench, *place) for place in PLACES]
         self.driver: int | None = None
         self.yields = False
-        self.heard_at = 0
+        self.received_at = 0
         self.answered_at: dict[int, int] = {}
         """When a stop of a station was answered that did not drive."""
 
-    def heard(self, who: int) -> bool:
+    def received(self, who: int) -> bool:
         """Note that a station speaks; return whether it may drive."""
         if who == self.driver:
-            self.heard_at = self.bench.now
-        self.bench.asked.clear()
+            self.received_at = self.bench.now
+        self.bench.requested.clear()
         return self.driver in (None, who)
 
     def taken(self, who: int, *, yields: bool) -> None:
-        self.driver, self.yields, self.heard_at = who, yields, self.bench.now
+        self.driver, self.yields, self.received_at = who, yields, self.bench.now
 
     @rule(who=STATIONS, x=st.integers(-1000, 1000), buttons=st.sampled_from([0, 1, 2]))
     def sticks(self, who: int, x: int, buttons: int) -> None:
-        before, may = self.bench.operator.intent, self.heard(who)
+        before, may = self.bench.operator.intent, self.received(who)
         self.hands[who].stick(x, buttons=buttons)
         assert (self.bench.operator.intent is not before) is may
-        assert self.bench.asked == []
+        assert self.bench.requested == []
 
     @rule(who=STATIONS)
     def arms(self, who: int) -> None:
-        may = self.heard(who)
+        may = self.received(who)
         accepted = self.hands[who].result(ARM, 1.0) == 0
         assert accepted is may
-        assert self.bench.asked == ([Arm()] if may else [])
+        assert self.bench.requested == ([Arm()] if may else [])
         if may and self.driver is None:
             self.taken(who, yields=False)
 
     @rule(who=STATIONS, word=st.sampled_from(WORDS))
-    def says(self, who: int, word: tuple[int, tuple[float, ...]]) -> None:
-        before, may = self.bench.operator.intent, self.heard(who)
+    def states(self, who: int, word: tuple[int, tuple[float, ...]]) -> None:
+        before, may = self.bench.operator.intent, self.received(who)
         assert (self.hands[who].result(word[0], *word[1]) == 0) is may
         if not may:
-            assert self.bench.asked == []
+            assert self.bench.requested == []
             assert self.bench.operator.intent is before
 
     @rule(who=STATIONS, word=st.sampled_from(STOPS))
     def stops(self, who: int, word: tuple[int, tuple[float, ...]]) -> None:
-        may = self.heard(who)
+        may = self.received(who)
         answers = acks(self.hands[who].order(word[0], *word[1]))
         now = self.bench.now
         if may or now - self.answered_at.get(who, -SECOND) >= SECOND:
@@ -85,32 +85,32 @@ class Ownership(RuleBasedStateMachine):
             self.answered_at |= {} if may else {who: now}
         else:
             assert answers == []
-        [asked] = self.bench.asked
-        assert isinstance(asked, EmergencyStop | Disarm)
-        assert may or asked == EmergencyStop()
+        [requested] = self.bench.requested
+        assert isinstance(requested, EmergencyStop | Disarm)
+        assert may or requested == EmergencyStop()
 
     @rule(who=STATIONS, yields=st.booleans())
-    def asks_for_control(self, who: int, *, yields: bool) -> None:
-        may = self.heard(who) or self.yields
+    def requests_for_control(self, who: int, *, yields: bool) -> None:
+        may = self.received(who) or self.yields
         changes = may and self.driver != who
         assert (self.hands[who].result(CONTROL, 1.0, float(yields)) == 0) is may
-        assert self.bench.asked == ([ChangeDriver()] if changes else [])
+        assert self.bench.requested == ([ChangeDriver()] if changes else [])
         if may:
             self.taken(who, yields=yields)
 
     @rule(who=STATIONS)
     def gives_up(self, who: int) -> None:
-        self.heard(who)
+        self.received(who)
         mine = self.driver == who
         assert (self.hands[who].result(CONTROL, 0.0) == 0) is mine
         if mine:
-            assert Disarm() in self.bench.asked
+            assert Disarm() in self.bench.requested
             self.driver, self.yields = None, False
 
     @rule(passes=st.integers(1, 12_000))
     def time(self, passes: int) -> None:
         self.bench.now += passes * MILLISECOND
-        gone = self.driver is not None and self.bench.now - self.heard_at >= LAPSES_AFTER
+        gone = self.driver is not None and self.bench.now - self.received_at >= LAPSES_AFTER
         assert self.bench.operator.lapse(self.bench.now) is gone
         if gone:
             self.driver, self.yields = None, False

@@ -9,7 +9,7 @@ import pytest
 
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND
-from hil_tests.unit.teleop.heard import types
+from hil_tests.unit.teleop.received import types
 
 if TYPE_CHECKING:
     from hil_tests.unit.teleop.bench import RarsBench
@@ -44,21 +44,21 @@ EXCHANGES = {
 }
 
 
-@pytest.mark.parametrize(("asked", "answered"), EXCHANGES.values(), ids=EXCHANGES.keys())
-def test_exchanges_byte_for_byte(bench: RarsBench, asked: str, answered: str) -> None:
-    replies = bench.operator.hear(bytes.fromhex(asked), 0, bench.decide)
+@pytest.mark.parametrize(("requested", "answered"), EXCHANGES.values(), ids=EXCHANGES.keys())
+def test_exchanges_byte_for_byte(bench: RarsBench, requested: str, answered: str) -> None:
+    replies = bench.operator.receive(bytes.fromhex(requested), 0, bench.decide)
     assert b"".join(reply.payload for reply in replies) == bytes.fromhex(answered)
 
 
 def test_the_frames_of_the_two_set_points_mean_this(bench: RarsBench) -> None:
     bench.send(bytes.fromhex(EXCHANGES["half speed, a quarter left"][0]))
-    assert bench.wish.speed_mps == 0.25
-    assert bench.wish.steer_rad == pytest.approx(math.radians(15.0))
+    assert bench.command.speed_mps == 0.25
+    assert bench.command.steer_rad == pytest.approx(math.radians(15.0))
     bench.restart()
     bench.send(bytes.fromhex(EXCHANGES["60 mm/s and 0.1 rad/s"][0]))
     # clockwise with R = 0.6 m: atan(0.515 / (0.6 - 0.105)) to the right
-    assert bench.wish.speed_mps == pytest.approx(0.06)
-    assert bench.wish.steer_rad == pytest.approx(math.radians(-46.134), abs=1e-5)
+    assert bench.command.speed_mps == pytest.approx(0.06)
+    assert bench.command.steer_rad == pytest.approx(math.radians(-46.134), abs=1e-5)
 
 
 def test_qgroundcontrol_gets_through_its_connection(bench: RarsBench) -> None:
@@ -71,10 +71,10 @@ def test_qgroundcontrol_gets_through_its_connection(bench: RarsBench) -> None:
     [ack] = bench.order(512, 397)  # COMPONENT_METADATA
     assert ack.result == 3
     assert bench.say(dialect.MAVLink_param_request_list_message(1, 1)) == []
-    asked_at = bench.now
+    requested_at = bench.now
     first = [one for one in bench.report() if one.get_type() == "PARAM_VALUE"]
     assert first
-    assert bench.now - asked_at <= 100 * MILLISECOND
+    assert bench.now - requested_at <= 100 * MILLISECOND
     [count] = bench.say(dialect.MAVLink_mission_request_list_message(1, 1))
     assert (count.get_type(), count.count) == ("MISSION_COUNT", 0)
 

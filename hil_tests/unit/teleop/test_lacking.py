@@ -13,7 +13,7 @@ from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.internet import number_of
 from hil_tests.unit.teleop.bench import rars, target_message
-from hil_tests.unit.teleop.heard import texts, types
+from hil_tests.unit.teleop.received import texts, types
 from hil_tests.unit.teleop.stations import ARM, Hand
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ def test_whatever_is_requested_is_answered_once_and_changes_nothing(number: int,
     message = dialect.MAVLink(None).decode(bytearray(_frame(number, payload.ljust(size, b"\0")[:size], kind)))
     before = bench.operator.intent
     assert len(bench.send(bytes(message.get_msgbuf()))) <= 1
-    assert (bench.asked, bench.operator.intent) == ([], before)
+    assert (bench.requested, bench.operator.intent) == ([], before)
 
 
 def _frame(number: int, payload: bytes, kind: Any) -> bytes:
@@ -117,13 +117,13 @@ SET_POINTS = (
 
 @pytest.mark.parametrize("message", SET_POINTS, ids=lambda one: str(one.get_type()))
 def test_a_set_point_of_another_kind_is_refused_in_words_now_and_then(bench: RarsBench, message: Any) -> None:
-    told = []
+    reported = []
     for _ in range(200):  # ten seconds at 20 Hz
-        told += texts(bench.say(message))
+        reported += texts(bench.say(message))
         bench.now += 50 * MILLISECOND
-    assert "".join(told[:2]) == f"{message.get_type()} refused: send SET_POSITION_TARGET_LOCAL_NED"
-    assert len([one for one in told if "refused" in one]) == 3, "at once, after 2 s and 4 s more"
-    assert bench.operator.intent.heard_at < 0
+    assert "".join(reported[:2]) == f"{message.get_type()} refused: send SET_POSITION_TARGET_LOCAL_NED"
+    assert len([one for one in reported if "refused" in one]) == 3, "at once, after 2 s and 4 s more"
+    assert bench.operator.intent.received_at < 0
     assert bench.operator.dropped.refused == 200
 
 
@@ -134,4 +134,4 @@ def test_it_stops_no_one_elses_driving(bench: RarsBench) -> None:
     driver.say(target_message(0.2))
     bench.now += SECOND // 10
     assert "moves nothing" in "".join(texts(other.say(SET_POINTS[0])))
-    assert bench.wish.speed_mps == pytest.approx(0.2)
+    assert bench.command.speed_mps == pytest.approx(0.2)

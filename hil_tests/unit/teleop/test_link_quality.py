@@ -10,7 +10,7 @@ from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.rows import every
 
 QUESTION = (111, 1)
-ASKED_AT = 7 * SECOND
+REQUESTED_AT = 7 * SECOND
 WHOLE = 2 * SECOND
 """How old a word may be here: not the usual limit, so that who reads another one is seen."""
 UNDATED = "link: nobody can tell how old this station's words are, only when they cease"
@@ -22,13 +22,13 @@ def link(
     lost: float | None = None,
     differs: Nanoseconds = 0,
     dated: bool = True,
-    asked_for: Nanoseconds | None = None,
+    requested_for: Nanoseconds | None = None,
 ) -> Link:
     """Return a link on which one question was answered after `trip`, or one was asked so long ago."""
     ages = Ages(signed=False)
-    now = ASKED_AT + (trip or asked_for or 0)
-    if trip is not None or asked_for is not None:
-        ages.trips.ask(QUESTION, now=ASKED_AT)
+    now = REQUESTED_AT + (trip or requested_for or 0)
+    if trip is not None or requested_for is not None:
+        ages.trips.ask(QUESTION, now=REQUESTED_AT)
     if trip is not None:
         ages.trips.answered(QUESTION, now)
     ages.losses.share = lost
@@ -36,7 +36,7 @@ def link(
     return Link(ages, AgeLimit(most=WHOLE), dated, now)
 
 
-def told(*links: Link) -> list[list[tuple[Severity, str]]]:
+def reported(*links: Link) -> list[list[tuple[Severity, str]]]:
     """Return what one who drives is told on a link that changes so."""
     quality = Quality()
     return [quality.changes(one) for one in links]
@@ -88,18 +88,18 @@ EDGES = {
     ),
     "a share between the bounds, from the good side": ([link(lost=0.07)], [[]]),
     "words without a time, asked for 3 s": (
-        [link(dated=False, asked_for=3 * SECOND - 1), link(dated=False, asked_for=3 * SECOND)],
+        [link(dated=False, requested_for=3 * SECOND - 1), link(dated=False, requested_for=3 * SECOND)],
         [[], warned(UNDATED)],
     ),
     "... and still without": (
-        [link(dated=False, asked_for=3 * SECOND), link(dated=False, asked_for=4 * SECOND)],
+        [link(dated=False, requested_for=3 * SECOND), link(dated=False, requested_for=4 * SECOND)],
         [warned(UNDATED), []],
     ),
     "... and then with one": (
-        [link(dated=False, asked_for=3 * SECOND), link(dated=True, asked_for=3 * SECOND)],
+        [link(dated=False, requested_for=3 * SECOND), link(dated=True, requested_for=3 * SECOND)],
         [warned(UNDATED), eased("link: how old this station's words are is known")],
     ),
-    "words with a time": ([link(dated=True, asked_for=3 * SECOND)], [[]]),
+    "words with a time": ([link(dated=True, requested_for=3 * SECOND)], [[]]),
     "a station that was never asked": ([link(dated=False)], [[]]),
 }
 
@@ -107,21 +107,21 @@ EDGES = {
 @every("edge", EDGES)
 def test_what_is_reported_at_both_edges(edge: str) -> None:
     links, expected = EDGES[edge]
-    assert told(*links) == expected
+    assert reported(*links) == expected
 
 
 def test_what_is_bad_is_reported_once_and_again_after_it_was_good() -> None:
     bad, good = link(WHOLE), link(MILLISECOND)
-    assert [len(texts) for texts in told(bad, bad, bad, good, good, bad)] == [1, 0, 0, 1, 0, 1]
+    assert [len(texts) for texts in reported(bad, bad, bad, good, good, bad)] == [1, 0, 0, 1, 0, 1]
 
 
 def test_a_figure_that_is_not_known_any_more_ends_nothing() -> None:
-    assert [len(texts) for texts in told(link(WHOLE), link(), link(WHOLE))] == [1, 0, 0]
+    assert [len(texts) for texts in reported(link(WHOLE), link(), link(WHOLE))] == [1, 0, 0]
 
 
 def test_each_figure_is_reported_by_itself() -> None:
     both = link(WHOLE, lost=0.5)
-    assert told(both, link(WHOLE, lost=0.01), link(MILLISECOND, lost=0.5)) == [
+    assert reported(both, link(WHOLE, lost=0.01), link(MILLISECOND, lost=0.5)) == [
         [
             *warned("link: round trip 2.00 s"),
             *warned("link: 50% of this station's frames are lost"),

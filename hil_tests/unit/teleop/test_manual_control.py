@@ -12,7 +12,7 @@ from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.station import USUAL_AXES, Station, Stick, StickAxis
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.bench import CYCLE, RarsBench, bench_of, rars
-from hil_tests.unit.teleop.heard import texts
+from hil_tests.unit.teleop.received import texts
 from hil_tests.unit.teleop.toy import toy
 
 LIFTS = 1 << 3
@@ -99,8 +99,8 @@ def test_an_axis_that_is_deflected_and_not_read_is_stated_once_a_station() -> No
     extended.enabled_extensions, extended.s, extended.aux1, extended.t = 0b101, 300, -300, 300
     bench.say(extended)
     bench.say(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
-    told = "".join(texts(bench.report()))
-    assert re.findall(r"(\w+) of 255/190.*? stands at (-?\d+): this robot does not read it", told) == [
+    reported = "".join(texts(bench.report()))
+    assert re.findall(r"(\w+) of 255/190.*? stands at (-?\d+): this robot does not read it", reported) == [
         ("z", "500"),
         ("s", "300"),
         ("aux1", "-300"),
@@ -113,7 +113,7 @@ def lifted(bench: RarsBench, *steps: tuple[int, bool]) -> list[float]:
     for z, held in steps:
         bench.say(manual(z=z, buttons=LIFTS if held else 0))
         bench.now += CYCLE
-        found.append(round(bench.wish.lift_rate_mps / 0.1, 6))
+        found.append(round(bench.command.lift_rate_mps / 0.1, 6))
     return found
 
 
@@ -158,31 +158,31 @@ def test_after_a_silence_a_button_that_is_still_held_counts_as_pressed_then() ->
 def test_an_axis_that_is_not_used_any_more_is_neutral_at_once(robot: str) -> None:
     bench = bench_of(robot)
     bench.say(manual())
-    still = bench.wish
+    still = bench.command
     bench.say(manual(r=400))
-    assert bench.wish != still
+    assert bench.command != still
     bench.say(manual(r=UNUSED, y=UNUSED))
-    assert bench.wish == still
+    assert bench.command == still
 
 
 @pytest.mark.parametrize("robot", ["rars", "climber", "carrier", "rome"])
 def test_a_channel_that_is_given_back_is_neutral_at_once(robot: str) -> None:
     bench = bench_of(robot)
     bench.say(manual())
-    still = bench.wish
+    still = bench.command
     bench.say(dialect.MAVLink_rc_channels_override_message(1, 1, 1700, 65535, 1600, *(65535,) * 5))
     bench.say(dialect.MAVLink_rc_channels_override_message(1, 1, 0, 65535, 65535, *(65535,) * 5))
-    only_ahead = bench.wish
+    only_ahead = bench.command
     bench.say(dialect.MAVLink_rc_channels_override_message(1, 1, 65535, 65535, 0, *(65535,) * 5))
     assert only_ahead != still
-    assert bench.wish == still
+    assert bench.command == still
 
 
 def test_what_steers_instead_of_an_axis_that_was_given_back_steers_at_once() -> None:
     bench = rars()
     bench.say(manual(r=400))
     bench.say(manual(r=UNUSED, y=-500))
-    assert bench.wish.steer_rad == pytest.approx(0.5 * bench.robot.geometry.limits.steer_angle_rad)
+    assert bench.command.steer_rad == pytest.approx(0.5 * bench.robot.geometry.limits.steer_angle_rad)
 
 
 def test_an_up_button_without_its_axis_is_refused() -> None:

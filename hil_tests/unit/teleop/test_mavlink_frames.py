@@ -127,9 +127,9 @@ def test_a_message_becomes_this_frame(sender: tuple[int, int], message: Any, fra
 
 @pytest.mark.parametrize(("sender", "message", "frame"), GOLDEN)
 def test_this_frame_becomes_the_message(sender: tuple[int, int], message: Any, frame: str) -> None:
-    [heard] = Codec(9, 9).decode(bytes.fromhex(frame))
-    assert (heard.get_srcSystem(), heard.get_srcComponent()) == sender
-    assert fields(heard) == {
+    [received] = Codec(9, 9).decode(bytes.fromhex(frame))
+    assert (received.get_srcSystem(), received.get_srcComponent()) == sender
+    assert fields(received) == {
         name: pytest.approx(value, rel=1e-7) if isinstance(value, float) else value
         for name, value in fields(message).items()
     }
@@ -141,10 +141,10 @@ def test_garbage_around_a_frame_is_counted_and_skipped(
 ) -> None:
     codec = Codec(9, 9)
     wire = bytes.fromhex(frame)
-    heard = codec.decode(b"\xfd\xfe\x00\xfd" + wire + b"\xfe\xfd\x20" + wire + b"\xfd\xff")
-    assert [one.get_type() for one in heard] == [message.get_type()] * 2
+    received = codec.decode(b"\xfd\xfe\x00\xfd" + wire + b"\xfe\xfd\x20" + wire + b"\xfd\xff")
+    assert [one.get_type() for one in received] == [message.get_type()] * 2
     assert (codec.counters.frames, codec.counters.corrupt) == (2, 3)
-    assert heard[0].get_srcSystem() == sender[0]
+    assert received[0].get_srcSystem() == sender[0]
 
 
 def test_sequence_numbers_count_up_and_wrap_around() -> None:
@@ -159,8 +159,8 @@ def test_one_wrong_bit_anywhere_is_no_command(at: int) -> None:
         codec = Codec(9, 9)
         wrong = bytearray(ARM)
         wrong[at] ^= 1 << bit
-        heard = codec.decode(bytes(wrong))
-        assert heard == []
+        received = codec.decode(bytes(wrong))
+        assert received == []
         # A wrong message number may name a message that we lack; nobody can check its checksum.
         assert codec.counters.corrupt + codec.counters.unknown == 1
 
@@ -175,13 +175,13 @@ def test_a_cut_datagram_does_not_harm_the_next_one(length: int) -> None:
 def test_a_mavlink_1_frame_is_understood() -> None:
     gate = dialect.MAVLink(None, srcSystem=255, srcComponent=190)
     message = dialect.MAVLink_command_long_message(1, 1, 400, 0, 1, 0, 0, 0, 0, 0, 0)
-    [heard] = Codec(9, 9).decode(message.pack(gate, force_mavlink1=True))
-    assert fields(heard) == fields(message)
+    [received] = Codec(9, 9).decode(message.pack(gate, force_mavlink1=True))
+    assert fields(received) == fields(message)
 
 
 def test_a_signed_frame_is_read_without_checking_its_signature() -> None:
-    [heard] = Codec(9, 9).decode(SIGNED)
-    assert heard.get_type() == "HEARTBEAT"
+    [received] = Codec(9, 9).decode(SIGNED)
+    assert received.get_type() == "HEARTBEAT"
 
 
 def test_an_incompatible_frame_is_dropped() -> None:
@@ -258,5 +258,5 @@ def test_no_payload_under_a_right_checksum_makes_the_codec_raise(number: int, pa
     body = bytes([len(payload), 0, 0, 0, 255, 190]) + number.to_bytes(3, "little") + payload
     crc = dialect.x25crc(body)
     crc.accumulate(bytes([dialect.mavlink_map[number].crc_extra]))
-    [heard] = Codec(1, 1).decode(b"\xfd" + body + crc.crc.to_bytes(2, "little"))
-    assert heard.get_msgId() == number
+    [received] = Codec(1, 1).decode(b"\xfd" + body + crc.crc.to_bytes(2, "little"))
+    assert received.get_msgId() == number

@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 from firmware_bridge.intent import EnterMode, Pause
 from firmware_bridge.teleop.mavlink import dialect
-from firmware_bridge.teleop.modes import ROWS, Way, asked, in_px4, number_of, px4
+from firmware_bridge.teleop.modes import ROWS, Way, in_px4, number_of, px4, requested
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.internet import number_of as place_at
 from hil_tests.unit.teleop.bench import CYCLE, acks, target_message
-from hil_tests.unit.teleop.heard import texts, types
+from hil_tests.unit.teleop.received import texts, types
 from hil_tests.unit.teleop.stations import CONTROL, Hand
 from hil_tests.unit.teleop.toy import toy
 
@@ -38,7 +38,7 @@ OF_PX4 = {
     (px4(4, 3), 0): Way.HOLD,
 }
 OF_ROVER = {(0, 0): Way.MANUAL, (15, 0): Way.GUIDED, (4, 0): Way.HOLD}
-OF_NOBODY = [
+OF_NO_ONE = [
     (4, 2),
     (4, 4),
     (4, 5),
@@ -56,22 +56,22 @@ OF_NOBODY = [
 @pytest.mark.parametrize(("numbers", "way"), [*OF_PX4.items(), *OF_ROVER.items()])
 def test_a_way_is_requested_in_both_numberings(bench: RarsBench, numbers: tuple[int, int], way: Way) -> None:
     assert acks(bench.order(MODE, 1, *numbers)) == [(MODE, ACCEPTED)]
-    assert bench.asked == [Pause() if way is Way.HOLD else EnterMode("")]
+    assert bench.requested == [Pause() if way is Way.HOLD else EnterMode("")]
     if way is not Way.HOLD:  # the bench's bridge pauses nothing
         rover, px4s = (MANUAL, px4(1)) if way is Way.MANUAL else (GUIDED, px4(6))
-        assert told_mode(bench) == (px4s if numbers in OF_PX4 else rover)
+        assert reported_mode(bench) == (px4s if numbers in OF_PX4 else rover)
 
 
-@pytest.mark.parametrize("numbers", OF_NOBODY)
+@pytest.mark.parametrize("numbers", OF_NO_ONE)
 def test_any_other_is_denied_by_name_and_pauses(bench: RarsBench, numbers: tuple[int, int]) -> None:
     replies = bench.order(MODE, 1, *numbers)
     assert acks(replies) == [(MODE, DENIED)]
     assert "0 Manual, 15 Guided, 4 Hold; there are no others" in "".join(texts(replies))
-    assert bench.asked == [Pause()]
+    assert bench.requested == [Pause()]
 
 
-def told_mode(bench: RarsBench) -> int:
-    mode: int = bench.told(436).custom_mode
+def reported_mode(bench: RarsBench) -> int:
+    mode: int = bench.reported(436).custom_mode
     return mode
 
 
@@ -97,24 +97,24 @@ def test_the_robots_own_modes_are_listed_behind_them() -> None:
 
 
 def test_the_heartbeat_and_current_mode_report_the_way(bench: RarsBench) -> None:
-    assert (bench.told(0).base_mode, told_mode(bench)) == (0x41, MANUAL)
+    assert (bench.reported(0).base_mode, reported_mode(bench)) == (0x41, MANUAL)
     bench.order(MODE, 1, GUIDED)
-    heartbeat = bench.told(0)
-    assert (heartbeat.base_mode, heartbeat.custom_mode, told_mode(bench)) == (0x09, GUIDED, GUIDED)
+    heartbeat = bench.reported(0)
+    assert (heartbeat.base_mode, heartbeat.custom_mode, reported_mode(bench)) == (0x09, GUIDED, GUIDED)
     bench.facts = replace(bench.facts, paused=True)
-    heartbeat = bench.told(0)
-    assert (heartbeat.base_mode, heartbeat.custom_mode, told_mode(bench)) == (0x01, HOLD, HOLD)
+    heartbeat = bench.reported(0)
+    assert (heartbeat.base_mode, heartbeat.custom_mode, reported_mode(bench)) == (0x01, HOLD, HOLD)
 
 
 def test_set_points_that_move_are_reported_as_guided_and_a_stick_as_manual(bench: RarsBench) -> None:
     bench.target(0.0)
-    assert told_mode(bench) == MANUAL
+    assert reported_mode(bench) == MANUAL
     bench.target(0.2)
-    assert told_mode(bench) == GUIDED
+    assert reported_mode(bench) == GUIDED
     bench.target(0.0)
-    assert told_mode(bench) == GUIDED
+    assert reported_mode(bench) == GUIDED
     bench.stick()
-    assert told_mode(bench) == MANUAL
+    assert reported_mode(bench) == MANUAL
 
 
 def test_what_is_reported_of_arming_and_of_modes_does_not_wait(bench: RarsBench) -> None:
@@ -122,13 +122,13 @@ def test_what_is_reported_of_arming_and_of_modes_does_not_wait(bench: RarsBench)
     for _ in range(3):
         assert not {"HEARTBEAT", "CURRENT_MODE", "EXTENDED_SYS_STATE"} & set(types(bench.report()))
     bench.order(400, 1)
-    heard = bench.report()
-    assert [one.base_mode for one in heard if one.get_type() == "HEARTBEAT"] == [0xC1]
-    assert [one.landed_state for one in heard if one.get_type() == "EXTENDED_SYS_STATE"] == [2]
+    received = bench.report()
+    assert [one.base_mode for one in received if one.get_type() == "HEARTBEAT"] == [0xC1]
+    assert [one.landed_state for one in received if one.get_type() == "EXTENDED_SYS_STATE"] == [2]
     bench.order(MODE, 1, GUIDED)
-    heard = bench.report()
-    assert [one.custom_mode for one in heard if one.get_type() == "HEARTBEAT"] == [GUIDED]
-    assert [one.custom_mode for one in heard if one.get_type() == "CURRENT_MODE"] == [GUIDED]
+    received = bench.report()
+    assert [one.custom_mode for one in received if one.get_type() == "HEARTBEAT"] == [GUIDED]
+    assert [one.custom_mode for one in received if one.get_type() == "CURRENT_MODE"] == [GUIDED]
     assert "HEARTBEAT" not in types(bench.report())
 
 
@@ -139,9 +139,9 @@ def test_an_idle_stick_beside_set_points_counts_for_nothing_once_guided_was_requ
     bench.target(0.2)
     bench.now += CYCLE
     bench.stick()
-    assert bench.wish.speed_mps == pytest.approx(0.2)
+    assert bench.command.speed_mps == pytest.approx(0.2)
     assert bench.operator.dropped.idle == 1
-    assert bench.operator.intent.heard_at == bench.now - CYCLE, "it is no sign of life either"
+    assert bench.operator.intent.received_at == bench.now - CYCLE, "it is no sign of life either"
 
 
 @pytest.mark.parametrize(("silence", "counts"), [(499, False), (500, True)])
@@ -150,23 +150,23 @@ def test_it_counts_again_when_the_set_points_cease(bench: RarsBench, silence: in
     bench.target(0.2)
     bench.now += silence * MILLISECOND
     bench.stick()
-    assert (bench.operator.intent.heard_at == bench.now) is counts
-    assert (bench.wish.speed_mps == 0.0) is counts
+    assert (bench.operator.intent.received_at == bench.now) is counts
+    assert (bench.command.speed_mps == 0.0) is counts
 
 
 def test_a_stick_that_is_moved_takes_over_and_its_letting_go_stops(bench: RarsBench) -> None:
     bench.order(MODE, 1, GUIDED)
     bench.target(0.2)
     bench.stick(x=-500)
-    assert (bench.wish.speed_mps, told_mode(bench)) == (-0.25, MANUAL)
+    assert (bench.command.speed_mps, reported_mode(bench)) == (-0.25, MANUAL)
     bench.stick()
-    assert bench.wish.speed_mps == 0.0
+    assert bench.command.speed_mps == 0.0
 
 
 def test_without_an_order_the_newest_word_counts_as_ever(bench: RarsBench) -> None:
     bench.target(0.2)
     bench.stick()
-    assert bench.wish.speed_mps == 0.0
+    assert bench.command.speed_mps == 0.0
     assert bench.operator.dropped.idle == 0
 
 
@@ -182,7 +182,7 @@ def test_guided_ends_by_another_order_and_by_another_driver(bench: RarsBench, en
             bench.order(CONTROL, 1)
     bench.target(0.2)
     bench.stick()
-    assert bench.wish.speed_mps == 0.0
+    assert bench.command.speed_mps == 0.0
 
 
 def test_guided_leaves_the_robots_own_mode_as_it_is() -> None:
@@ -190,26 +190,26 @@ def test_guided_leaves_the_robots_own_mode_as_it_is() -> None:
     bench.order(MODE, 1, 21)
     bench.report()
     bench.order(MODE, 1, GUIDED)
-    assert bench.asked[-1] == EnterMode("without_boom")
+    assert bench.requested[-1] == EnterMode("without_boom")
     bench.order(MODE, 1, 0)
-    assert bench.asked[-1] == EnterMode("")
+    assert bench.requested[-1] == EnterMode("")
 
 
 def test_each_place_is_reported_in_the_numbers_that_it_requests_in(bench: RarsBench) -> None:
     rover, other = Hand(bench, HERE), Hand(bench, THERE)
     rover.order(MODE, 1, GUIDED)
-    assert told_to(bench, other)["CURRENT_MODE"] == GUIDED
+    assert inputs_of(bench, other)["CURRENT_MODE"] == GUIDED
     other.order(MODE, 1, 6)
-    seen = told_to(bench, other)
+    seen = inputs_of(bench, other)
     assert (seen["HEARTBEAT"], seen["CURRENT_MODE"]) == (px4(6), px4(6))
     assert [one.custom_mode for one in other.order(512, 435)[:3]] == [px4(1), px4(6), px4(4, 3)]
-    seen = told_to(bench, rover)
+    seen = inputs_of(bench, rover)
     assert (seen["HEARTBEAT"], seen["CURRENT_MODE"]) == (GUIDED, GUIDED)
     other.order(MODE, 1, MANUAL)
-    assert told_to(bench, other)["HEARTBEAT"] == MANUAL
+    assert inputs_of(bench, other)["HEARTBEAT"] == MANUAL
 
 
-def told_to(bench: RarsBench, hand: Hand) -> dict[str, int]:
+def inputs_of(bench: RarsBench, hand: Hand) -> dict[str, int]:
     """Let two seconds pass; return the newest mode of each message that goes to one station."""
     seen = {}
     for _ in range(2 * SECOND // CYCLE):
@@ -228,21 +228,21 @@ def told_to(bench: RarsBench, hand: Hand) -> dict[str, int]:
 def test_who_does_not_drive_changes_no_mode_and_not_his_numbers(bench: RarsBench) -> None:
     driver, other = Hand(bench, HERE), Hand(bench, THERE)
     driver.order(CONTROL, 1)
-    bench.asked.clear()
+    bench.requested.clear()
     assert other.result(MODE, 1, 6) == DENIED
-    assert bench.asked == []
-    assert told_to(bench, other)["HEARTBEAT"] == MANUAL
+    assert bench.requested == []
+    assert inputs_of(bench, other)["HEARTBEAT"] == MANUAL
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(0, 255), st.integers(1, 6))
 def test_whatever_is_requested_is_one_of_the_rows_or_the_robots_own(main: int, sub: int, own: int) -> None:
-    found = asked(main, sub, own)
+    found = requested(main, sub, own)
     if found is not None:
         assert found.own is None or 0 <= found.own < own
         number = number_of(found.way, found.own or 0)
-        assert asked(number, 0, own) is not None
+        assert requested(number, 0, own) is not None
         assert in_px4(number) >= 1 << 16
-    assert asked(main, sub, own) == found
+    assert requested(main, sub, own) == found
 
 
 def test_rows_have_numbers_of_their_own() -> None:
@@ -253,5 +253,5 @@ def test_rows_have_numbers_of_their_own() -> None:
 def test_a_set_point_of_mavsdk_moves_it(bench: RarsBench) -> None:
     """Offboard.set_velocity_body: frame 8, mask 1479."""
     assert bench.say(target_message(0.2, 0.1, mask=1479)) == []
-    assert bench.wish.speed_mps == pytest.approx(0.2)
+    assert bench.command.speed_mps == pytest.approx(0.2)
     assert dialect.MAV_FRAME_BODY_NED == 8

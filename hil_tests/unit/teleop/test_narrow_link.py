@@ -17,7 +17,7 @@ RADIO = 57_600
 def bench_at(bandwidth_bit_s: int | None) -> RarsBench:
     """Return RARS on a link that carries so much; a driver, so that all is told."""
     bench = rars()
-    bench.robot = bench.robot.told_by(bandwidth_bit_s)
+    bench.robot = bench.robot.discriminated_by(bandwidth_bit_s)
     bench.restart()
     return bench
 
@@ -63,8 +63,8 @@ def test_a_wide_link_is_reported_as_much_as_a_network() -> None:
 
 def test_the_parameters_report_the_rates_that_there_are() -> None:
     bench = bench_at(RADIO)
-    [told] = bench.say(dialect.MAVLink_param_request_read_message(1, 1, b"RATE_ODOM", -1))
-    assert told.param_value == 2.0
+    [reported] = bench.say(dialect.MAVLink_param_request_read_message(1, 1, b"RATE_ODOM", -1))
+    assert reported.param_value == 2.0
 
 
 def test_a_list_of_parameters_leaves_room_for_words(bench: RarsBench) -> None:
@@ -91,8 +91,8 @@ def test_the_robot_file_and_the_option_say_the_same() -> None:
     table = rars_file().model_dump()
     table["operator"]["bandwidth_bit_s"] = RADIO
     of_file = type(rars_file()).model_validate(table)
-    assert of_file == rars_file().told_by(RADIO)
-    assert of_file.told_by(None) is of_file
+    assert of_file == rars_file().discriminated_by(RADIO)
+    assert of_file.discriminated_by(None) is of_file
     table["operator"]["bandwidth_bit_s"] = 4_799
     with pytest.raises(ValueError, match="bandwidth_bit_s"):
         type(rars_file()).model_validate(table)

@@ -13,15 +13,15 @@ from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.numbered import Numbered
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.bench import RarsBench, rars
-from hil_tests.unit.teleop.heard import texts
+from hil_tests.unit.teleop.received import texts
 
 EVERY = 40 * MILLISECOND
 
 
-def heard(numbered: Numbered, frames: Iterator[tuple[int, int]]) -> list[bool]:
+def repeats(numbered: Numbered, frames: Iterator[tuple[int, int]]) -> list[bool]:
     """Whether two were seen after each of these frames, 40 ms apart: number and content."""
     return [
-        numbered.hear(number & 0xFF, content, at * EVERY) or numbered.two
+        numbered.receive(number & 0xFF, content, at * EVERY) or numbered.two
         for at, (number, content) in enumerate(frames)
     ]
 
@@ -29,7 +29,7 @@ def heard(numbered: Numbered, frames: Iterator[tuple[int, int]]) -> list[bool]:
 @given(begin=st.integers(0, 255), lost=st.lists(st.booleans(), min_size=50, max_size=400))
 def test_of_one_station_frames_may_be_lost(begin: int, lost: list[bool]) -> None:
     frames = ((begin + at, at) for at, gone in enumerate(lost) if not gone)
-    assert not any(heard(Numbered(), frames))
+    assert not any(repeats(Numbered(), frames))
 
 
 @given(
@@ -39,34 +39,34 @@ def test_of_one_station_frames_may_be_lost(begin: int, lost: list[bool]) -> None
 def test_of_one_station_frames_may_be_overtaken_and_doubled(order: list[int], doubled: set[int]) -> None:
     came = sorted(range(len(order)), key=lambda at: at + order[at] / 10.0)
     frames = [at for at in came for _ in range(2 if at in doubled else 1)]
-    assert not any(heard(Numbered(), ((at, at) for at in frames)))
+    assert not any(repeats(Numbered(), ((at, at) for at in frames)))
 
 
 @pytest.mark.parametrize("restarts", [[20], [20, 60], [5, 10, 15]])
 def test_a_station_that_begins_again_is_one(restarts: list[int]) -> None:
     begins = [0, *restarts, 120]
     frames = ((at - begin, at) for begin, end in pairwise(begins) for at in range(begin, end))
-    assert not any(heard(Numbered(), frames))
+    assert not any(repeats(Numbered(), frames))
 
 
 @given(apart=st.integers(1, 255).filter(lambda it: it not in {127, 128, 129}), joins=st.integers(5, 60))
 def test_two_are_seen_and_distinguished(apart: int, joins: int) -> None:
     numbered = Numbered()
     for at in range(joins):
-        assert not numbered.hear(at & 0xFF, at, at * EVERY)
-    said = []
+        assert not numbered.receive(at & 0xFF, at, at * EVERY)
+    stated = []
     for at in range(joins, joins + 400):
-        first = numbered.hear(at & 0xFF, at, at * EVERY)
-        later = numbered.hear((at + apart) & 0xFF, 1_000_000 + at, at * EVERY + EVERY // 2)
-        said.append((first, later))
+        first = numbered.receive(at & 0xFF, at, at * EVERY)
+        later = numbered.receive((at + apart) & 0xFF, 1_000_000 + at, at * EVERY + EVERY // 2)
+        stated.append((first, later))
     assert numbered.two
     if apart == 1:
-        assert said[-1] in {(False, True), (True, False)}, (
+        assert stated[-1] in {(False, True), (True, False)}, (
             "who joins with the next number is the first to say it"
         )
     else:
-        assert said[-1] == (False, True)
-        assert not any(first for first, _ in said), "who was there first is never taken for the other"
+        assert stated[-1] == (False, True)
+        assert not any(first for first, _ in stated), "who was there first is never taken for the other"
 
 
 def test_when_one_of_them_is_gone_there_is_one() -> None:
@@ -74,8 +74,8 @@ def test_when_one_of_them_is_gone_there_is_one() -> None:
 
     def speak(at: int, *, both: bool) -> bool:
         if both:
-            numbered.hear(at & 0xFF, at, at * EVERY)
-        return numbered.hear((at + 9) & 0xFF, 1_000_000 + at, at * EVERY + EVERY // 2) or numbered.two
+            numbered.receive(at & 0xFF, at, at * EVERY)
+        return numbered.receive((at + 9) & 0xFF, 1_000_000 + at, at * EVERY + EVERY // 2) or numbered.two
 
     assert [speak(at, both=True) for at in range(200)][-1]
     alone = [speak(at, both=False) for at in range(200, 200 + 4 * SECOND // EVERY)]
@@ -96,16 +96,18 @@ class Two:
 
     def say(self, first: Any, second: Any, seconds: float) -> list[str]:
         """Let both speak so long; return what they are told."""
-        told: list[str] = []
+        received: list[str] = []
         for _ in range(round(seconds * 20)):
             for codec, message in ((self.first, first), (self.second, second)):
                 if message is not None:
                     self.bench.now += 25 * MILLISECOND
-                    sent = self.bench.operator.hear(codec.encode(message), self.bench.now, self.bench.decide)
-                    told += texts([it for packet in sent for it in Codec(9, 9).decode(packet.payload)])
+                    sent = self.bench.operator.receive(
+                        codec.encode(message), self.bench.now, self.bench.decide
+                    )
+                    received += texts([it for packet in sent for it in Codec(9, 9).decode(packet.payload)])
         reported = self.bench.operator.report(self.bench.snapshot(), (), self.bench.now)
-        told += texts([it for packet in reported for it in Codec(9, 9).decode(packet.payload)])
-        return told
+        received += texts([it for packet in reported for it in Codec(9, 9).decode(packet.payload)])
+        return received
 
 
 def stick(x: int, buttons: int = 0) -> Any:
@@ -115,13 +117,13 @@ def stick(x: int, buttons: int = 0) -> Any:
 def test_the_later_one_is_named_and_moves_nothing_and_the_first_goes_on_to_drive() -> None:
     two = Two()
     two.say(stick(400), None, 2.0)
-    told = two.say(stick(400), stick(-800), 3.0)
-    assert any("two stations call themselves 255/190" in text for text in told)
-    wishes = set()
+    received = two.say(stick(400), stick(-800), 3.0)
+    assert any("two stations call themselves 255/190" in text for text in received)
+    commands = set()
     for _ in range(20):
         two.say(stick(400), stick(-800), 0.05)
-        wishes.add(round(two.bench.operator.intent.wish.speed_mps, 3))
-    assert wishes == {0.2}
+        commands.add(round(two.bench.operator.intent.command.speed_mps, 3))
+    assert commands == {0.2}
 
 
 def test_who_of_both_lets_go_lets_go() -> None:
@@ -131,15 +133,15 @@ def test_who_of_both_lets_go_lets_go() -> None:
         for _ in range(20):
             two.say(first, second, 0.05)
             intent = two.bench.operator.intent
-            assert intent.wish.speed_mps == 0.0
+            assert intent.command.speed_mps == 0.0
             assert intent.deflected == ""
         two.say(stick(400), stick(400), 2.0)
-        assert two.bench.operator.intent.wish.speed_mps == pytest.approx(0.2)
+        assert two.bench.operator.intent.command.speed_mps == pytest.approx(0.2)
 
 
 def test_the_later_one_may_stop_it() -> None:
     two = Two()
     two.say(stick(400), stick(400), 4.0)
-    assert two.bench.asked == []
+    assert two.bench.requested == []
     two.say(stick(400), stick(400, 1 << 2), 0.1)
-    assert EmergencyStop() in two.bench.asked
+    assert EmergencyStop() in two.bench.requested

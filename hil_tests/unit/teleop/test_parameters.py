@@ -12,7 +12,7 @@ from firmware_bridge.teleop.parameters import parameters_of
 from firmware_bridge.teleop.schedule import Schedule
 from firmware_bridge.units import SECOND
 from hil_tests.unit.teleop.bench import rars
-from hil_tests.unit.teleop.heard import texts
+from hil_tests.unit.teleop.received import texts
 
 if TYPE_CHECKING:
     from hil_tests.unit.teleop.bench import RarsBench

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from firmware_bridge.robots.rars.motion import Motion
 from firmware_bridge.robots.rars.station import steer_for
 from hil_tests.unit.teleop.bench import rars
-from hil_tests.unit.teleop.heard import texts
+from hil_tests.unit.teleop.received import texts
 
 RARS = rars().robot
 DEG = math.pi / 180.0
@@ -21,9 +21,9 @@ HELD = 30 * DEG
 def stick(x: int = 0, y: int = 0x7FFF, z: int = 0, r: int = 0, buttons: int = 0) -> Motion:
     bench = rars()
     bench.stick(r=-500)
-    assert bench.wish.steer_rad == pytest.approx(HELD)
+    assert bench.command.steer_rad == pytest.approx(HELD)
     assert bench.stick(x=x, y=y, z=z, r=r, buttons=buttons) == []
-    return bench.wish
+    return bench.command
 
 
 def target(vx: float = 0.0, yaw_rate: float = 0.0, **other: Any) -> Motion | str:
@@ -31,7 +31,7 @@ def target(vx: float = 0.0, yaw_rate: float = 0.0, **other: Any) -> Motion | str
     bench = rars()
     bench.stick(r=-500)
     replies = bench.target(vx, yaw_rate, **other)
-    return "".join(texts(replies)) or bench.wish
+    return "".join(texts(replies)) or bench.command
 
 
 @pytest.mark.parametrize(
@@ -60,10 +60,10 @@ def target(vx: float = 0.0, yaw_rate: float = 0.0, **other: Any) -> Motion | str
     ],
 )
 def test_a_stick(given_axes: dict[str, int], speed: float, steer: float, lift_rate: float) -> None:
-    wish = stick(**given_axes)
-    assert wish.speed_mps == pytest.approx(speed)
-    assert wish.steer_rad == pytest.approx(steer)
-    assert wish.lift_rate_mps == pytest.approx(lift_rate)
+    wanted = stick(**given_axes)
+    assert wanted.speed_mps == pytest.approx(speed)
+    assert wanted.steer_rad == pytest.approx(steer)
+    assert wanted.lift_rate_mps == pytest.approx(lift_rate)
 
 
 # R = a_k / 2 + w cot(theta), a_k = 0.21 m, w = 0.515 m (thesis 2.13): 45 degrees turn with R = 0.62 m.
@@ -79,24 +79,24 @@ def test_a_stick(given_axes: dict[str, int], speed: float, steer: float, lift_ra
     ],
 )
 def test_a_yaw_rate_becomes_the_inner_wheels_angle(vx: float, yaw_rate: float, steer_deg: float) -> None:
-    wish = target(vx, yaw_rate)
-    assert isinstance(wish, Motion)
-    assert wish.steer_rad == pytest.approx(steer_deg * DEG)
-    assert wish.speed_mps == pytest.approx(vx)
+    wanted = target(vx, yaw_rate)
+    assert isinstance(wanted, Motion)
+    assert wanted.steer_rad == pytest.approx(steer_deg * DEG)
+    assert wanted.speed_mps == pytest.approx(vx)
 
 
 def test_without_a_yaw_rate_it_goes_straight_on() -> None:
-    wish = target(0.3, 0.5, mask=0x0DE7)
-    assert isinstance(wish, Motion)
-    assert wish.steer_rad == 0.0
+    wanted = target(0.3, 0.5, mask=0x0DE7)
+    assert isinstance(wanted, Motion)
+    assert wanted.steer_rad == 0.0
 
 
 @pytest.mark.parametrize("yaw_rate", [0.5, 0.0, -0.5])
 @pytest.mark.parametrize("vx", [0.0, 0.0009, -0.0009])
 def test_a_robot_that_stands_keeps_its_steering(vx: float, yaw_rate: float) -> None:
-    wish = target(vx, yaw_rate)
-    assert isinstance(wish, Motion)
-    assert wish.steer_rad == pytest.approx(HELD)
+    wanted = target(vx, yaw_rate)
+    assert isinstance(wanted, Motion)
+    assert wanted.steer_rad == pytest.approx(HELD)
 
 
 @given(st.floats(-0.5, 0.5).filter(lambda v: abs(v) >= 0.001), st.floats(-60.0, 60.0))
@@ -136,13 +136,13 @@ def test_a_velocity_ends_the_lifts_rate_and_keeps_its_target() -> None:
     bench = rars()
     bench.stick(z=1000, buttons=0b1000)
     bench.target(0.1, 0.0)
-    assert bench.wish.lift_rate_mps == 0.0
+    assert bench.command.lift_rate_mps == 0.0
     bench.order(400, 1)
     bench.report()
     bench.order(187, 1)
-    height = bench.wish.lift_m
+    height = bench.command.lift_m
     bench.target(0.1, 0.0)
-    assert bench.wish.lift_m == height is not None
+    assert bench.command.lift_m == height is not None
 
 
 @pytest.mark.parametrize(("command", "params"), [(400, (1,)), (400, (0, 21196)), (5300, (0,)), (5300, (1,))])
@@ -150,4 +150,4 @@ def test_a_change_of_state_ends_the_lifts_rate(command: int, params: tuple[float
     bench = rars()
     bench.stick(x=500, z=1000, buttons=0b1000)
     bench.order(command, *params)
-    assert (bench.wish.lift_rate_mps, bench.wish.speed_mps) == (0.0, 0.25)
+    assert (bench.command.lift_rate_mps, bench.command.speed_mps) == (0.0, 0.25)

@@ -13,7 +13,7 @@ from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.setpoints import pressed, velocity_of
 from firmware_bridge.teleop.station import Stick, Twist, Unusable, Velocity
 from hil_tests.unit.teleop.bench import bench_of, target_message
-from hil_tests.unit.teleop.heard import texts
+from hil_tests.unit.teleop.received import texts
 
 STATION = kinds.kind_of(kinds.find("rars")).station
 LARGEST = Twist(0.5, 0.0, 1.25)
@@ -21,8 +21,8 @@ LARGEST = Twist(0.5, 0.0, 1.25)
 
 def stick(x: int = 0, y: int = 0, z: int = 0, r: int = 0, up: int = 1) -> Stick | Unusable:
     message = dialect.MAVLink_manual_control_message(1, x, y, z, r, 0)
-    told = stick_of(message, STATION, Lever(held=bool(up)))
-    return told if isinstance(told, Unusable) else told.stick
+    reported = stick_of(message, STATION, Lever(held=bool(up)))
+    return reported if isinstance(reported, Unusable) else reported.stick
 
 
 def target(vx: float = 0.0, yaw_rate: float = 0.0, **other: Any) -> Velocity | Unusable:
@@ -118,7 +118,7 @@ def test_other_masks_are_refused(mask: int) -> None:
 def test_to_stand_still_is_understood_in_any_frame_with_any_heading(mask: int, frame: int) -> None:
     found = target(0.0, 0.0, mask=mask, frame=frame)
     assert isinstance(found, Velocity)
-    assert found.asked == ""
+    assert found.deflected == ""
 
 
 @pytest.mark.parametrize("frame", [1, 7])
@@ -204,9 +204,9 @@ def test_a_yaw_rate_alone_is_one_whatever_stands_in_the_velocity() -> None:
 def test_a_yaw_rate_alone_turns_a_robot_that_can_turn_where_it_stands(name: str, *, turns: bool) -> None:
     bench = bench_of(name)
     bench.target(0.0, 0.0)
-    still = bench.wish
-    said = "".join(texts(bench.target(0.0, 0.25, mask=YAW_RATE_ALONE)))
-    assert (bench.wish != still) is turns
+    still = bench.command
+    stated = "".join(texts(bench.target(0.0, 0.25, mask=YAW_RATE_ALONE)))
+    assert (bench.command != still) is turns
     why = "this robot does not turn where it stands; send a velocity, too"
-    assert said == ("" if turns else f"SET_POSITION_TARGET_LOCAL_NED refused: {why}")
+    assert stated == ("" if turns else f"SET_POSITION_TARGET_LOCAL_NED refused: {why}")
     assert "".join(texts(bench.target(0.0, 0.0, mask=YAW_RATE_ALONE))) == "", "to stand still it can"

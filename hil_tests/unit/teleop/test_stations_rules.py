@@ -122,9 +122,9 @@ def test_its_screen_offers_a_stop_while_the_robot_is_armed_and_it_brakes(
     bench.order(ARM, 1)
     qgc.cycle()
     shown.append(qgc.shows_emergency_stop)
-    bench.asked.clear()
+    bench.requested.clear()
     assert acks(bench.order(ARM, 0, FORCE)) == [(ARM, 0)]
-    assert bench.asked == [Disarm(force=True)], "which brakes first, and takes the power at rest"
+    assert bench.requested == [Disarm(force=True)], "which brakes first, and takes the power at rest"
     qgc.cycle()
     assert [*shown, qgc.shows_emergency_stop] == [False, True, False]
     assert not qgc.shows_disarm
@@ -134,9 +134,9 @@ def test_the_stop_on_the_screen_of_a_station_that_only_watches_brakes_too(bench:
     driver, watcher = Hand(bench, HERE), Hand(bench, THERE)
     driver.stick()
     driver.result(ARM, 1)
-    bench.asked.clear()
+    bench.requested.clear()
     assert watcher.result(ARM, 0, FORCE) == 0
-    assert bench.asked == [EmergencyStop()]
+    assert bench.requested == [EmergencyStop()]
 
 
 @pytest.mark.parametrize(
@@ -147,17 +147,17 @@ def test_its_joystick_drives_wherever_the_throttle_rests(
 ) -> None:
     """Vehicle::sendJoystickDataThreadSafe: x pitch, y roll, z thrust from 0, r yaw."""
     bench.say(dialect.MAVLink_manual_control_message(1, pitch, roll, thrust, yaw, 0))
-    assert bench.wish.speed_mps == 0.25
-    assert bench.wish.steer_rad == pytest.approx(0.2618, abs=1e-4)
-    assert bench.wish.lift_rate_mps == 0.0
+    assert bench.command.speed_mps == 0.25
+    assert bench.command.steer_rad == pytest.approx(0.2618, abs=1e-4)
+    assert bench.command.lift_rate_mps == 0.0
 
 
 def test_its_own_action_of_a_file_stops(bench: RarsBench) -> None:
     """MavlinkAction: a command of a file, as docs/ground-stations.md has it."""
     bench.order(ARM, 1)
-    bench.asked.clear()
+    bench.requested.clear()
     assert acks(bench.order(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 0)) == [(5300, 0)]
-    assert bench.asked == [EmergencyStop()]
+    assert bench.requested == [EmergencyStop()]
 
 
 @pytest.mark.parametrize(("number", "name"), [(0, "MANUAL"), (15, "GUIDED"), (4, "HOLD")])
@@ -169,45 +169,47 @@ def test_pymavlink_reads_the_mode_by_its_name_and_requests_it_so(
     assert numbers[name] == number
     bench.order(176, 1, numbers[name])
     bench.facts = replace(bench.facts, paused=name == "HOLD")
-    assert mavutil.mode_string_v10(bench.told(0)) == name
+    assert mavutil.mode_string_v10(bench.reported(0)) == name
 
 
 def test_what_dronekit_waits_for_comes_within_its_time(bench: RarsBench) -> None:
     """`connect(wait_ready=True)`: parameters, gps_0, armed, mode, attitude, in 30 s."""
     bench.say(dialect.MAVLink_param_request_list_message(1, 1))
-    heard = {one.get_type() for _ in range(10 * SECOND // CYCLE) for one in bench.report()}
-    assert {"PARAM_VALUE", "GPS_RAW_INT", "HEARTBEAT", "ATTITUDE", "VFR_HUD"} <= heard
+    received = {one.get_type() for _ in range(10 * SECOND // CYCLE) for one in bench.report()}
+    assert {"PARAM_VALUE", "GPS_RAW_INT", "HEARTBEAT", "ATTITUDE", "VFR_HUD"} <= received
 
 
 def test_dronekits_velocity_drives(bench: RarsBench) -> None:
     """send_body_ned_velocity of its guide: frame 9, mask 4039."""
     assert bench.say(target_message(0.2, mask=4039, frame=9)) == []
-    assert bench.wish.speed_mps == pytest.approx(0.2)
+    assert bench.command.speed_mps == pytest.approx(0.2)
 
 
 def test_dronekits_overrides_drive_and_are_given_back(bench: RarsBench) -> None:
     bench.say(override(ch3=1600))
-    assert bench.wish.speed_mps == pytest.approx(0.1)
+    assert bench.command.speed_mps == pytest.approx(0.1)
     bench.say(dialect.MAVLink_rc_channels_override_message(1, 1, *(0,) * 8))
-    assert (bench.wish.speed_mps, bench.operator.intent.neutral) == (0.0, True)
+    assert (bench.command.speed_mps, bench.operator.intent.neutral) == (0.0, True)
 
 
 def test_mavros_drives_by_velocity_in_the_robots_frame(bench: RarsBench) -> None:
     """setpoint_velocity with `mav_frame: BODY_NED`: frame 8, mask 1479; without it, frame 1."""
     assert bench.say(target_message(0.2, -0.1, mask=1479)) == []
-    assert bench.wish.speed_mps == pytest.approx(0.2)
+    assert bench.command.speed_mps == pytest.approx(0.2)
     bench.report()
-    told = bench.say(target_message(0.2, -0.1, mask=1479, frame=1))
-    assert "frame 1; only body frames 8, 9 and 12: it cannot go sideways" in "".join(one.text for one in told)
+    reported = bench.say(target_message(0.2, -0.1, mask=1479, frame=1))
+    assert "frame 1; only body frames 8, 9 and 12: it cannot go sideways" in "".join(
+        one.text for one in reported
+    )
 
 
 def test_arming_needs_no_more_than_it_did(bench: RarsBench) -> None:
     bench.order(ARM, 1)
-    assert bench.asked == [Arm()]
+    assert bench.requested == [Arm()]
 
 
 def test_mavproxy_reads_of_no_fence_that_is_breached(bench: RarsBench) -> None:
     """Its fence module takes a geofence without its health for one that has been left, present or not."""
-    status = bench.told(1)
+    status = bench.reported(1)
     assert status.onboard_control_sensors_health & dialect.MAV_SYS_STATUS_GEOFENCE
     assert not status.onboard_control_sensors_present & dialect.MAV_SYS_STATUS_GEOFENCE

@@ -37,7 +37,7 @@ BOOT, STANDBY, ACTIVE, CRITICAL, EMERGENCY, TERMINATED = 1, 3, 4, 5, 6, 8
 
 
 def status(bench: RarsBench) -> tuple[int, int]:
-    heartbeat = bench.told(0)
+    heartbeat = bench.reported(0)
     assert (heartbeat.type, heartbeat.autopilot, heartbeat.custom_mode, heartbeat.mavlink_version) == (
         10,
         0,

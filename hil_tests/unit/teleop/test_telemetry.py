@@ -90,7 +90,7 @@ def test_the_next_message_is_announced(bench: RarsBench) -> None:
 def test_left_of_the_start_is_west_in_the_telemetry(bench: RarsBench) -> None:
     bench.pose = Pose(1.0, 2.0, math.radians(30))
     bench.body = replace(bench.body, speed_mps=0.4, yaw_rate_rad_s=0.2)
-    odometry = bench.told(331)
+    odometry = bench.reported(331)
     assert (odometry.x, odometry.y, odometry.z) == (1.0, -2.0, 0.0)
     assert 2.0 * math.atan2(odometry.q[3], odometry.q[0]) == pytest.approx(-math.radians(30))
     assert (odometry.vx, odometry.vy) == (pytest.approx(0.4), 0.0)
@@ -98,11 +98,11 @@ def test_left_of_the_start_is_west_in_the_telemetry(bench: RarsBench) -> None:
     assert (odometry.frame_id, odometry.child_frame_id, odometry.estimator_type) == (1, 12, 1)
     assert math.isnan(odometry.pose_covariance[0])
     assert math.isnan(odometry.velocity_covariance[0])
-    position = bench.told(32)
+    position = bench.reported(32)
     assert (position.x, position.y) == (1.0, -2.0)
     assert position.vx == pytest.approx(0.4 * math.cos(math.radians(30)))
     assert position.vy == pytest.approx(-0.4 * math.sin(math.radians(30)))
-    attitude = bench.told(30)
+    attitude = bench.reported(30)
     assert attitude.yaw == pytest.approx(-math.radians(30))
     assert attitude.yawspeed == pytest.approx(-0.2)
 
@@ -110,15 +110,15 @@ def test_left_of_the_start_is_west_in_the_telemetry(bench: RarsBench) -> None:
 @pytest.mark.parametrize(("turns", "yaw"), [(1.25, -math.pi / 2), (-2.25, math.pi / 2), (3.0, 0.0)])
 def test_many_turns_are_reported_as_a_direction(bench: RarsBench, turns: float, yaw: float) -> None:
     bench.pose = Pose(0.0, 0.0, turns * 2.0 * math.pi)
-    assert bench.told(30).yaw == pytest.approx(yaw, abs=1e-6)
+    assert bench.reported(30).yaw == pytest.approx(yaw, abs=1e-6)
 
 
 def test_times_are_those_of_the_snapshot(bench: RarsBench) -> None:
     bench.now = 12_300_000_000
-    assert bench.told(30).time_boot_ms == 12_350
-    assert bench.told(331).time_usec == 12_400_000
+    assert bench.reported(30).time_boot_ms == 12_350
+    assert bench.reported(331).time_usec == 12_400_000
     bench.now = 2**32 * MILLISECOND
-    assert bench.told(30).time_boot_ms == 50
+    assert bench.reported(30).time_boot_ms == 50
 
 
 def test_steering_is_reported_in_degrees_left_positive(bench: RarsBench) -> None:
@@ -142,15 +142,15 @@ def test_wheels_and_currents(bench: RarsBench) -> None:
         current_a=[0.1, -0.2, 0.3, 0.004],
         position=[turn, -turn / 2.0, 1.0, 1.0],
     )
-    wheels = bench.told(350)
+    wheels = bench.reported(350)
     assert (wheels.name, wheels.data[:3]) == ("wheels", [1.0, 2.0, 0.0])
     # one turn of a wheel: 2 pi x 50 mm
-    distance = bench.told(9000)
+    distance = bench.reported(9000)
     assert distance.count == 2
     assert distance.distance[:3] == pytest.approx([0.314159, -0.157080, 0.0], abs=1e-6)
     assert [named(bench, f"I{n}") for n in (1, 2, 3, 4)] == pytest.approx([0.1, -0.2, 0.3, 0.004])
-    assert bench.told(147).current_battery == 60
-    assert bench.told(1).current_battery == 60
+    assert bench.reported(147).current_battery == 60
+    assert bench.reported(1).current_battery == 60
 
 
 @pytest.mark.parametrize(
@@ -160,7 +160,7 @@ def test_the_current_is_reported_in_whole_steps_as_far_as_the_field_goes(
     bench: RarsBench, amperes: float, centiamperes: int
 ) -> None:
     bench.axes(current_a=[amperes, 0.0, 0.0, 0.0])
-    assert bench.told(1).current_battery == centiamperes
+    assert bench.reported(1).current_battery == centiamperes
 
 
 @pytest.mark.parametrize(
@@ -180,10 +180,10 @@ def test_the_battery(
     bench: RarsBench, volts: float | None, millivolts: int, charge: int, *, healthy: bool
 ) -> None:
     bench.sensors({} if volts is None else {"battery": volts})
-    battery = bench.told(147)
+    battery = bench.reported(147)
     assert battery.voltages == [millivolts] + [65_535] * 9
     assert (battery.charge_state, battery.battery_remaining) == (charge, -1)
-    system = bench.told(1)
+    system = bench.reported(1)
     assert system.voltage_battery == millivolts
     assert bool(system.onboard_control_sensors_health & 33_554_432) is healthy
 
@@ -199,14 +199,14 @@ def test_corrupt_bytes_and_faulted_drives_are_counted(bench: RarsBench) -> None:
     bench.send(b"nonsense")
     bench.send(b"\xfdnonsense")
     bench.axes(fault=["", "0x8611", "0x2310", ""])
-    system = bench.told(1)
+    system = bench.reported(1)
     assert (system.errors_comm, system.errors_count1) == (2, 2)
 
 
 def test_odometry_reports_how_often_it_was_reset(bench: RarsBench) -> None:
     bench.order(179, 1)
     bench.order(179, 1)
-    assert bench.told(331).reset_counter == 2
+    assert bench.reported(331).reset_counter == 2
 
 
 CYCLE = 50 * MILLISECOND

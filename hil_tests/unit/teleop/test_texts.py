@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from firmware_bridge.safety.row import Row, Severity
 from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.teleop.mavlink import Codec
-from firmware_bridge.teleop.texts import Heard, HoldTexts, Listener, Speaker, chunks
+from firmware_bridge.teleop.texts import HoldTexts, Listener, Received, Speaker, chunks
 from firmware_bridge.units import SECOND
 
 PLAIN = st.text(st.characters(min_codepoint=32, max_codepoint=126), min_size=1, max_size=400)
@@ -52,33 +52,33 @@ def test_degrees_and_minus_signs_are_written_in_ascii() -> None:
 def test_what_is_stated_is_received(texts: list[str]) -> None:
     speaker, listener = Speaker(), Listener()
     robot, station = Codec(1, 1), Codec(255, 190)
-    heard: list[Heard] = []
+    received: list[Received] = []
     for text in texts:
         for message in speaker.say(Severity.NOTICE, text):
             for arrived in station.decode(robot.encode(message)):
-                heard += listener.hear(arrived)
-    assert heard == [Heard(5, text.rstrip() if len(text) > 50 else text) for text in texts]
+                received += listener.receive(arrived)
+    assert received == [Received(5, text.rstrip() if len(text) > 50 else text) for text in texts]
 
 
 def test_a_lost_chunk_shows() -> None:
     speaker, listener = Speaker(), Listener()
     first, _, third = speaker.say(Severity.NOTICE, "a" * 50 + "b" * 50 + "c")
-    assert listener.hear(first) == []
-    assert listener.hear(third) == [Heard(5, "a" * 50 + "..."), Heard(5, "c")]
+    assert listener.receive(first) == []
+    assert listener.receive(third) == [Received(5, "a" * 50 + "..."), Received(5, "c")]
 
 
 def test_the_same_refusal_is_stated_every_two_seconds() -> None:
     speaker = Speaker()
-    said = [bool(speaker.say_sometimes("stick", "no", now)) for now in range(0, 5 * SECOND, SECOND // 2)]
-    assert said == [True, False, False, False, True, False, False, False, True, False]
+    stated = [bool(speaker.say_sometimes("stick", "no", now)) for now in range(0, 5 * SECOND, SECOND // 2)]
+    assert stated == [True, False, False, False, True, False, False, False, True, False]
     assert speaker.say_sometimes("frame", "no", 4 * SECOND)
 
 
 def test_what_a_stream_deserves_again_and_again_is_stated_more_and_more_seldom() -> None:
     speaker = Speaker()
     every = range(0, 200 * SECOND, SECOND // 20)
-    said = [now / SECOND for now in every if speaker.say_sometimes("mask", "no", now)]
-    assert said == [0.0, 2.0, 6.0, 14.0, 30.0, 62.0, 94.0, 126.0, 158.0, 190.0]
+    stated = [now / SECOND for now in every if speaker.say_sometimes("mask", "no", now)]
+    assert stated == [0.0, 2.0, 6.0, 14.0, 30.0, 62.0, 94.0, 126.0, 158.0, 190.0]
 
 
 def test_after_a_pause_it_is_stated_at_once_and_a_hand_is_answered_each_time() -> None:
@@ -87,27 +87,27 @@ def test_after_a_pause_it_is_stated_at_once_and_a_hand_is_answered_each_time() -
         speaker.say_sometimes("mask", "no", now)
     pause = 120 * SECOND
     assert speaker.say_sometimes("mask", "no", pause)
-    said = [bool(speaker.say_sometimes("mask", "no", pause + 3 * SECOND * turn)) for turn in range(1, 9)]
-    assert all(said)
+    stated = [bool(speaker.say_sometimes("mask", "no", pause + 3 * SECOND * turn)) for turn in range(1, 9)]
+    assert all(stated)
 
 
 def test_kinds_of_texts_are_not_remembered_without_end() -> None:
     speaker = Speaker()
     for turn in range(1000):
         assert speaker.say_sometimes(f"command {turn}", "no", 0)
-    assert len(speaker._said) <= Speaker.MOST  # noqa: SLF001 - what it keeps is what is tested
+    assert len(speaker._repeats) <= Speaker.MOST  # noqa: SLF001 - what it keeps is what is tested
 
 
 HOLD = Hold("lift extended", "it is out", Row("lift extended", "lower it"), 0)
 
 
 def test_a_hold_that_comes_and_goes_is_reported_three_times_in_two_seconds_and_as_it_is_at_the_end() -> None:
-    told = HoldTexts(Speaker())
+    reported = HoldTexts(Speaker())
     texts: list[tuple[float, str]] = []
     for cycle in range(200):
         holds = (HOLD,) if cycle % 2 == 0 or cycle >= 100 else ()
         now = cycle * SECOND // 20
-        texts += [(now / SECOND, one.text) for one in told.told(holds, now)]
+        texts += [(now / SECOND, one.text) for one in reported.due(holds, now)]
     begun = [at for at, text in texts if text.startswith("it is out")]
     assert all(sum(1 for other in begun if at <= other < at + 2.0) <= 3 for at in begun)
     assert len(begun) == 3 * 3 + 1
@@ -116,21 +116,21 @@ def test_a_hold_that_comes_and_goes_is_reported_three_times_in_two_seconds_and_a
 
 
 def test_a_hold_that_lets_go_while_it_is_kept_back_is_not_reported_at_all() -> None:
-    told = HoldTexts(Speaker())
+    reported = HoldTexts(Speaker())
     for cycle in range(8):
-        told.told((HOLD,) if cycle % 2 == 0 else (), cycle)
-    assert told.told((), 10 * SECOND) == []
+        reported.due((HOLD,) if cycle % 2 == 0 else (), cycle)
+    assert reported.due((), 10 * SECOND) == []
 
 
 def test_information_is_reported_once_and_what_lets_go_of_it_not_at_all() -> None:
     """Every ordinary move of a stick passes the acceleration limit."""
-    told = HoldTexts(Speaker())
+    reported = HoldTexts(Speaker())
     ramps = Hold(
         "acceleration limit", "too fast", Row("acceleration limit", "slowly", severity=Severity.INFO), 0
     )
     texts = []
     for cycle in range(200):
         holds = ((ramps,) if cycle % 20 < 10 else ()) + ((HOLD,) if cycle % 100 < 50 else ())
-        texts += [one.text for one in told.told(holds, cycle * SECOND // 20)]
+        texts += [one.text for one in reported.due(holds, cycle * SECOND // 20)]
     assert texts.count("too fast; slowly") == 1
     assert [text for text in texts if text.startswith("released")] == ["released: lift extended"] * 2

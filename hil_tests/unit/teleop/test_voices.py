@@ -37,10 +37,10 @@ class Old:
         self._words: Any = mavlink_1.MAVLink(None, srcSystem=255, srcComponent=190)
         self._words.robust_parsing = True
 
-    def says(self, message: Any) -> list[Any]:
+    def states(self, message: Any) -> list[Any]:
         frame = message.pack(self._words)
         self._words.seq = (self._words.seq + 1) & 0xFF
-        return self.reads(self.bench.operator.hear(frame, self.bench.now, self.bench.decide, self.source))
+        return self.reads(self.bench.operator.receive(frame, self.bench.now, self.bench.decide, self.source))
 
     def reads(self, packets: Any) -> list[Any]:
         found: list[Any] = []
@@ -61,7 +61,7 @@ class Old:
 
     def orders(self, command: int, *params: float) -> list[Any]:
         seven = (*params, *(0.0,) * (7 - len(params)))
-        return self.says(mavlink_1.MAVLink_command_long_message(1, 1, command, 0, *seven))
+        return self.states(mavlink_1.MAVLink_command_long_message(1, 1, command, 0, *seven))
 
 
 @every("number", sorted(SENT))
@@ -76,22 +76,22 @@ def test_nothing_is_stated_whose_length_was_not_looked_up(bench: RarsBench) -> N
 
 def test_a_station_of_mavlink_1_is_reported_and_answered_in_it(bench: RarsBench) -> None:
     old = Old(bench)
-    old.says(BEAT)
-    heard = Counter(one.get_type() for _ in range(100) for one in [*old.says(BEAT), *old.cycle()])
-    assert heard["HEARTBEAT"] in (5, 6)
-    assert heard["ATTITUDE"] == heard["LOCAL_POSITION_NED"] == 100
-    assert {"SYS_STATUS", "BATTERY_STATUS", "VFR_HUD", "NAMED_VALUE_FLOAT"} <= heard.keys()
-    assert not {"ODOMETRY", "WHEEL_DISTANCE", "CURRENT_MODE"} & heard.keys(), "it has no numbers for them"
+    old.states(BEAT)
+    received = Counter(one.get_type() for _ in range(100) for one in [*old.states(BEAT), *old.cycle()])
+    assert received["HEARTBEAT"] in (5, 6)
+    assert received["ATTITUDE"] == received["LOCAL_POSITION_NED"] == 100
+    assert {"SYS_STATUS", "BATTERY_STATUS", "VFR_HUD", "NAMED_VALUE_FLOAT"} <= received.keys()
+    assert not {"ODOMETRY", "WHEEL_DISTANCE", "CURRENT_MODE"} & received.keys(), "it has no numbers for them"
 
 
 def test_it_arms_drives_and_stops(bench: RarsBench) -> None:
     old = Old(bench)
-    old.says(BEAT)
-    old.says(mavlink_1.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
+    old.states(BEAT)
+    old.states(mavlink_1.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
     [ack] = old.orders(ARM, 1.0)
     assert (ack.get_type(), ack.command, ack.result) == ("COMMAND_ACK", ARM, 0)
-    old.says(mavlink_1.MAVLink_rc_channels_override_message(1, 1, *(0xFFFF, 0xFFFF, 2000), *(0xFFFF,) * 5))
-    assert bench.wish.speed_mps == 0.5
+    old.states(mavlink_1.MAVLink_rc_channels_override_message(1, 1, *(0xFFFF, 0xFFFF, 2000), *(0xFFFF,) * 5))
+    assert bench.command.speed_mps == 0.5
     [ack] = old.orders(ARM, 0.0, FORCE)
     assert ack.result == 0
     assert not bench.facts.armed
@@ -101,7 +101,7 @@ def test_it_arms_drives_and_stops(bench: RarsBench) -> None:
 
 def test_a_station_that_goes_over_to_mavlink_2_is_reported_in_it(bench: RarsBench) -> None:
     old = Old(bench)
-    old.says(BEAT)
+    old.states(BEAT)
     assert old.cycle()
     new = Hand(bench, HERE)
     bench.now += CYCLE
@@ -115,7 +115,7 @@ def test_two_stations_of_both_versions_each_receive_their_own_without_gaps(bench
     new = Hand(bench, THERE)
     counts: dict[int, list[int]] = {HERE: [], THERE: []}
     for _ in range(60):
-        old.says(BEAT)
+        old.states(BEAT)
         new.beats()
         bench.now += CYCLE
         for packet in bench.operator.report(bench.snapshot(), (), bench.now):
@@ -128,7 +128,7 @@ def test_two_stations_of_both_versions_each_receive_their_own_without_gaps(bench
 
 
 def test_a_foreign_node_of_mavlink_1_is_answered_in_it(bench: RarsBench) -> None:
-    [pong] = Old(bench).says(mavlink_1.MAVLink_ping_message(11, 7, 0, 0))
+    [pong] = Old(bench).states(mavlink_1.MAVLink_ping_message(11, 7, 0, 0))
     assert (pong.get_type(), pong.seq) == ("PING", 7)
 
 
@@ -138,14 +138,14 @@ def test_who_signs_what_he_states_sends_nothing_unsigned() -> None:
     bench.restart()
     frame = Codec(255, 190).encode_1(dialect.MAVLink_command_long_message(1, 1, 185, 0, 1.0, *(0.0,) * 6))
     assert frame is not None
-    sent = bench.operator.hear(frame, bench.now, bench.decide, HERE)
+    sent = bench.operator.receive(frame, bench.now, bench.decide, HERE)
     assert [packet.payload[0] for packet in sent] == [0xFD] * len(sent)
     assert all(packet.payload[2] & 1 for packet in sent)
 
 
 def counted(bench: RarsBench, hands: tuple[Hand, ...], cycles: int = 40) -> dict[int, Counter[str]]:
     """Let cycles pass; return what each station was told."""
-    heard: dict[int, Counter[str]] = {hand.source: Counter() for hand in hands}
+    received: dict[int, Counter[str]] = {hand.source: Counter() for hand in hands}
     for _ in range(cycles):
         bench.now += CYCLE
         bench.facts = replace(bench.facts, now=bench.now)
@@ -154,21 +154,21 @@ def counted(bench: RarsBench, hands: tuple[Hand, ...], cycles: int = 40) -> dict
         for packet in bench.operator.report(bench.snapshot(), (), bench.now):
             for hand in hands:
                 if packet.address == hand.source:
-                    heard[hand.source].update(one.get_type() for one in hand.codec.decode(packet.payload))
-    return heard
+                    received[hand.source].update(one.get_type() for one in hand.codec.decode(packet.payload))
+    return received
 
 
 def test_an_interval_is_that_of_the_station_that_requests(bench: RarsBench) -> None:
     first, second = Hand(bench, HERE), Hand(bench, THERE)
     assert first.result(INTERVAL, 331, 500_000) == 0
     assert second.result(INTERVAL, 30, -1) == 0
-    heard = counted(bench, (first, second))
-    assert (heard[HERE]["ODOMETRY"], heard[HERE]["ATTITUDE"]) == (5, 40)  # the first at once
-    assert (heard[THERE]["ODOMETRY"], heard[THERE]["ATTITUDE"]) == (40, 0)
-    [told, _] = first.order(510, 331)
-    assert told.interval_us == 500_000
-    [told, _] = second.order(510, 331)
-    assert told.interval_us == 50_000
+    received = counted(bench, (first, second))
+    assert (received[HERE]["ODOMETRY"], received[HERE]["ATTITUDE"]) == (5, 40)  # the first at once
+    assert (received[THERE]["ODOMETRY"], received[THERE]["ATTITUDE"]) == (40, 0)
+    [reported, _] = first.order(510, 331)
+    assert reported.interval_us == 500_000
+    [reported, _] = second.order(510, 331)
+    assert reported.interval_us == 50_000
 
 
 def test_a_station_that_lapses_has_requested_nothing(bench: RarsBench) -> None:
@@ -182,7 +182,7 @@ def test_a_station_that_lapses_has_requested_nothing(bench: RarsBench) -> None:
 
 def test_who_is_no_station_has_no_intervals(bench: RarsBench) -> None:
     ask = dialect.MAVLink_command_long_message(1, 1, INTERVAL, 0, 331.0, 20_000.0, *(0.0,) * 5)
-    [answer] = bench.operator.hear(Codec(255, 190).encode(ask), bench.now, bench.decide, HERE)
+    [answer] = bench.operator.receive(Codec(255, 190).encode(ask), bench.now, bench.decide, HERE)
     [ack] = Codec(9, 9).decode(answer.payload)
     assert (ack.command, ack.result) == (INTERVAL, 2)
 
@@ -192,6 +192,6 @@ def test_a_rate_that_is_a_parameter_is_that_of_all_who_have_requested_no_other(b
     second.result(INTERVAL, 331, 1_000_000)
     first.say(dialect.MAVLink_param_set_message(1, 1, b"RATE_ODOM", 10.0, 9))
     first.say(dialect.MAVLink_param_set_message(1, 1, b"RATE_ATT", 5.0, 9))
-    heard = counted(bench, (first, second))
-    assert (heard[HERE]["ODOMETRY"], heard[THERE]["ODOMETRY"]) == (21, 3)  # the first at once
-    assert (heard[HERE]["ATTITUDE"], heard[THERE]["ATTITUDE"]) == (11, 11)
+    received = counted(bench, (first, second))
+    assert (received[HERE]["ODOMETRY"], received[THERE]["ODOMETRY"]) == (21, 3)  # the first at once
+    assert (received[HERE]["ATTITUDE"], received[THERE]["ATTITUDE"]) == (11, 11)

@@ -59,10 +59,10 @@ class Felt:
     reach: float | None = None
 
 
-def _stick(stick: Stick, wish: Glide, robot: Robot[Sizes]) -> Glide:
+def _stick(stick: Stick, command: Glide, robot: Robot[Sizes]) -> Glide:
     top = robot.geometry.top_mps
     return replace(
-        wish,
+        command,
         ahead=(stick.forward or 0.0) * top,
         right=-(stick.left or 0.0) * top,
         spin=-(stick.turn or 0.0),
@@ -70,17 +70,19 @@ def _stick(stick: Stick, wish: Glide, robot: Robot[Sizes]) -> Glide:
     )
 
 
-def _target(velocity: Velocity, wish: Glide, _: Robot[Sizes]) -> Glide | Unusable:
+def _target(velocity: Velocity, command: Glide, _: Robot[Sizes]) -> Glide | Unusable:
     if velocity.yaw_rate_rad_s is None:
         return Unusable("turn", "this robot wants to know how fast it shall turn")
-    return replace(wish, ahead=velocity.forward_mps, right=-velocity.left_mps, spin=-velocity.yaw_rate_rad_s)
+    return replace(
+        command, ahead=velocity.forward_mps, right=-velocity.left_mps, spin=-velocity.yaw_rate_rad_s
+    )
 
 
 ROWS: Final[Station[Sizes, Glide, Felt]] = Station(
     stick=_stick,
     target=_target,
     twist=lambda felt: Twist(felt.ahead, -felt.right, -felt.spin),
-    forgotten=lambda wish: replace(wish, boom=None, grip=None),
+    forgotten=lambda command: replace(command, boom=None, grip=None),
     largest=lambda robot: Twist(robot.geometry.top_mps, robot.geometry.top_mps, math.pi),
     metres_rolled=lambda robot: robot.geometry.roller_m,
     stop_button=15,
@@ -89,18 +91,24 @@ ROWS: Final[Station[Sizes, Glide, Felt]] = Station(
     switches=(
         Switch(
             "water",
-            read=lambda wish: wish.water,
-            write=lambda wish, on: replace(wish, water=on),
+            read=lambda command: command.water,
+            write=lambda command, on: replace(command, water=on),
             relay=7,
             telemetry="WATER",
         ),
         Switch(
-            "air", read=lambda wish: wish.air, write=lambda wish, on: replace(wish, air=on), relay=3, button=9
+            "air",
+            read=lambda command: command.air,
+            write=lambda command, on: replace(command, air=on),
+            relay=3,
+            button=9,
         ),
     ),
     actuators=(
-        Actuator("boom", lambda wish, share, robot: replace(wish, boom=share * robot.geometry.roller_m)),
-        Actuator("gripper", lambda wish, share, _: replace(wish, grip=1.0 - share)),
+        Actuator(
+            "boom", lambda command, share, robot: replace(command, boom=share * robot.geometry.roller_m)
+        ),
+        Actuator("gripper", lambda command, share, _: replace(command, grip=1.0 - share)),
     ),
     values=(Value("REACH", SECOND // 10, lambda seen: seen.body.reach, "m of the boom"),),
     parameters=(Fixed("ROLLER_R", lambda robot: robot.geometry.roller_m, "m"),),

@@ -10,12 +10,12 @@ class Player:
     """Sends packets at given instants, and notes when it hears what."""
 
     def __init__(self, *plan: tuple[Nanoseconds, Packet]) -> None:
-        self.heard: list[tuple[Nanoseconds, Packet]] = []
+        self.received: list[tuple[Nanoseconds, Packet]] = []
         self.woken: list[Nanoseconds] = []
         self._plan = sorted(plan, key=lambda entry: entry[0])
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        self.heard.append((now, packet))
+        self.received.append((now, packet))
         return Reaction((), self._next())
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -33,11 +33,11 @@ class Echo:
     """Answers every packet at once with the packets that a function makes of it."""
 
     def __init__(self, answer: Callable[[Packet], Sequence[Packet]]) -> None:
-        self.heard: list[tuple[Nanoseconds, Packet]] = []
+        self.received: list[tuple[Nanoseconds, Packet]] = []
         self._answer = answer
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        self.heard.append((now, packet))
+        self.received.append((now, packet))
         return Reaction(tuple(self._answer(packet)))
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -50,12 +50,12 @@ class Ticks:
 
     def __init__(self, step: Nanoseconds, *events: tuple[Nanoseconds, str]) -> None:
         self.reached: Nanoseconds = 0
-        self.asked: list[Nanoseconds] = []
+        self.requested: list[Nanoseconds] = []
         self._step = step
         self._events = sorted(events)
 
     def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
-        self.asked.append(until)
+        self.requested.append(until)
         target = until // self._step * self._step
         if self._events and self._events[0][0] <= target:
             self.reached, name = self._events.pop(0)

@@ -31,7 +31,7 @@ def bus_of(*players: Player, bit_rate: int = 1_000_000) -> Bus:
 def test_a_frame_takes_its_bits_at_the_bit_rate(bit_rate: int, end: Nanoseconds) -> None:
     world, _, (_, hearer), _ = bus_of(Player((0, frame(0x080))), Player(), bit_rate=bit_rate)
     world.run(SECOND)
-    assert hearer.heard == [(end, frame(0x080))]
+    assert hearer.received == [(end, frame(0x080))]
 
 
 @pytest.mark.parametrize("bit_rate", [0, -1, 83_333, 3])
@@ -43,8 +43,8 @@ def test_a_bit_is_a_whole_number_of_nanoseconds(bit_rate: int) -> None:
 def test_everybody_receives_but_the_sender() -> None:
     world, _, (one, two, three), _ = bus_of(Player((0, frame(0x123, "01"))), Player(), Player())
     world.run(SECOND)
-    assert one.heard == []
-    assert two.heard == three.heard == [(frame_bits(0x123, b"\1") * 1000, frame(0x123, "01"))]
+    assert one.received == []
+    assert two.received == three.received == [(frame_bits(0x123, b"\1") * 1000, frame(0x123, "01"))]
 
 
 def test_frames_keep_the_interframe_space() -> None:
@@ -88,11 +88,11 @@ def test_answers_to_one_frame_come_in_the_order_of_their_identifiers() -> None:
     for node in (3, 1, 4, 2):
         world.attach(f"drive{node}", drive_that_answers_sync(0x280 + node), {"can": wire})
     world.run(SECOND)
-    assert [packet.address for _, packet in master.heard] == [0x281, 0x282, 0x283, 0x284]
+    assert [packet.address for _, packet in master.received] == [0x281, 0x282, 0x283, 0x284]
     at = 48_000
-    for heard_at, packet in master.heard:
+    for received_at, packet in master.received:
         at += 3_000 + frame_bits(packet.address, packet.payload) * 1_000
-        assert heard_at == at
+        assert received_at == at
 
 
 def test_two_nodes_with_one_identifier_are_counted() -> None:
@@ -105,7 +105,7 @@ def test_a_frame_whose_sender_is_cut_off_under_way_is_destroyed() -> None:
     world, wire, (_, hearer), _ = bus_of(Player((0, frame(0x080)), (0, frame(0x081))), Player())
     world.silence("node0", 47_999)
     world.run(SECOND)
-    assert hearer.heard == []
+    assert hearer.received == []
     assert (wire.frames, wire.destroyed) == (1, 1)
 
 
@@ -116,8 +116,8 @@ def test_a_frame_whose_sender_is_detached_under_way_is_destroyed_and_the_bus_goe
     third = Player()
     world.attach("third", third, {"can": wire})
     world.run(SECOND)
-    assert hearer.heard == []
-    assert [packet.address for _, packet in third.heard] == [0x700]
+    assert hearer.received == []
+    assert [packet.address for _, packet in third.received] == [0x700]
 
 
 def test_links_have_the_names_that_their_nodes_give_them() -> None:
@@ -126,7 +126,7 @@ def test_links_have_the_names_that_their_nodes_give_them() -> None:
     world.attach("one", Player((0, frame(0x080))), {"can": wire})
     world.attach("two", hearer, {"bus": wire})
     world.run(SECOND)
-    assert hearer.heard == [(48_000, Packet("bus", 0x080, b""))]
+    assert hearer.received == [(48_000, Packet("bus", 0x080, b""))]
 
 
 def test_what_is_no_frame_is_refused_where_it_is_sent() -> None:
@@ -168,9 +168,9 @@ def test_the_bus_carries_everything_once_in_whole_bits_and_one_at_a_time(
     world.run(SECOND)
     assert sorted(address for _, _, address in seen) == sorted(address for _, _, address, _ in story)
     for number, player in enumerate(players):
-        assert len(player.heard) == len(story) - sum(who == number for who, _, _, _ in story)
+        assert len(player.received) == len(story) - sum(who == number for who, _, _, _ in story)
         begun = None
-        for ended, packet in player.heard:
+        for ended, packet in player.received:
             start = ended - frame_bits(packet.address, packet.payload) * 1_000
             assert begun is None or start >= begun + 3_000
             begun = ended
@@ -193,5 +193,5 @@ def test_a_node_behind_an_acceptance_filter_receives_what_it_listens_to_at_that_
     world.run(2 * MILLISECOND - 1)
     choosy.wanted = 0x200
     world.run(SECOND)
-    assert [packet.address for _, packet in choosy.heard] == [0x100, 0x100, 0x200, 0x200]
-    assert len(open_minded.heard) == len(seen) == wire.frames == len(plan)
+    assert [packet.address for _, packet in choosy.received] == [0x100, 0x100, 0x200, 0x200]
+    assert len(open_minded.received) == len(seen) == wire.frames == len(plan)

@@ -16,8 +16,8 @@ def test_members_wake_when_they_are_due_and_their_packets_reach_the_bus_and_the_
     assert cluster.wake(20) == Reaction((frame(0x281),), 30)
     assert cluster.wake(35) == Reaction((frame(0x182),), NEVER)
     assert one.woken == [0, 10, 35]
-    assert one.heard == [(20, frame(0x281))]
-    assert two.heard == [(10, frame(0x181)), (35, frame(0x182))]
+    assert one.received == [(20, frame(0x281))]
+    assert two.received == [(10, frame(0x181)), (35, frame(0x182))]
 
 
 def test_after_a_pause_who_answers_is_received_before_the_one_who_has_waited_for_it() -> None:
@@ -34,7 +34,7 @@ def test_after_a_pause_who_answers_is_received_before_the_one_who_has_waited_for
     cluster = Cluster({"gateway": patient, "far": other})
     cluster.wake(0)
     assert cluster.wake(700).sent == (frame(0x581),)
-    assert patient.heard == [(700, frame(0x581))]
+    assert patient.received == [(700, frame(0x581))]
     assert patient.woken == [0]
 
 
@@ -45,8 +45,8 @@ def test_a_packet_from_the_bus_reaches_every_member_and_answers_are_exchanged() 
     echo, hearer = Echo(answer), Player()
     cluster = Cluster({"echo": echo, "hearer": hearer})
     assert cluster.receive(frame(0x080), 5).sent == (frame(0x281),)
-    assert hearer.heard == [(5, frame(0x080)), (5, frame(0x281))]
-    assert echo.heard == [(5, frame(0x080))]
+    assert hearer.received == [(5, frame(0x080)), (5, frame(0x281))]
+    assert echo.received == [(5, frame(0x080))]
 
 
 def test_the_physics_is_polled_and_wakes_members_at_the_instant_it_reached() -> None:
@@ -61,7 +61,7 @@ def test_the_physics_is_polled_and_wakes_members_at_the_instant_it_reached() -> 
     assert cluster.wake(950) == Reaction((frame(0x081),), 950 + MILLISECOND)
     assert physics.reached == 900
     assert siren.woken == [0, 300]
-    assert other.heard == [(300, frame(0x081))]
+    assert other.received == [(300, frame(0x081))]
     cluster.receive(frame(0x080), 1_250)
     assert physics.reached == 1_200
 
@@ -74,9 +74,9 @@ def test_a_silent_member_neither_receives_nor_sends_but_lives_on() -> None:
     assert cluster.wake(10).sent == (frame(0x181),)
     assert cluster.wake(20).sent == ()
     cluster.receive(frame(0x080), 25)
-    assert one.heard == []
+    assert one.received == []
     assert one.woken == [0, 10, 20]
-    assert two.heard == [(10, frame(0x181)), (25, frame(0x080))]
+    assert two.received == [(10, frame(0x181)), (25, frame(0x080))]
 
 
 def test_a_member_that_is_not_there_cannot_be_silenced() -> None:

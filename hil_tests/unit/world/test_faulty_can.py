@@ -33,17 +33,17 @@ def bus_of(*players: Player, depth: int | None = None) -> Bus:
 
 
 def frames(player: Player) -> list[tuple[Nanoseconds, Packet]]:
-    return [(at, packet) for at, packet in player.heard if not packet.address & ERROR]
+    return [(at, packet) for at, packet in player.received if not packet.address & ERROR]
 
 
 def reports(player: Player) -> list[int]:
-    return [packet.address for _, packet in player.heard if packet.address & ERROR]
+    return [packet.address for _, packet in player.received if packet.address & ERROR]
 
 
 def test_an_undisturbed_bus_is_as_any_other() -> None:
     world, wire, (_, hearer) = bus_of(Player((0, frame(0x080))), Player())
     world.run(SECOND)
-    assert hearer.heard == [(48_000, frame(0x080))]
+    assert hearer.received == [(48_000, frame(0x080))]
     assert wire.damaged == 0
 
 
@@ -77,7 +77,7 @@ def test_a_sender_whose_frames_are_all_damaged_grows_passive_then_leaves_the_bus
     assert wire.confinement("node1").receive == 32
     assert wire.confinement("node1").condition is Condition.ACTIVE
     assert reports(sender) == [CONTROLLER, BUS_OFF]
-    passive = next(packet for _, packet in sender.heard if packet.address == CONTROLLER)
+    passive = next(packet for _, packet in sender.received if packet.address == CONTROLLER)
     assert decode_report(passive.payload)[0] == TRANSMIT_PASSIVE
     assert passive.payload[6] == 128
     assert frames(hearer) == []
@@ -88,8 +88,8 @@ def test_a_controller_that_is_off_returns_after_128_times_11_bits_with_what_wait
     world, wire, (sender, hearer) = bus_of(late, Player((2_600_000, frame(0x200))))
     wire.disturb(Disturbance(sender="node0", end=1_800_000))
     world.run(SECOND)
-    off = next(at for at, packet in sender.heard if packet.address == BUS_OFF)
-    back = next(at for at, packet in sender.heard if packet.address == RESTARTED)
+    off = next(at for at, packet in sender.received if packet.address == BUS_OFF)
+    back = next(at for at, packet in sender.received if packet.address == RESTARTED)
     assert back - off == 128 * 11 * 1000
     assert [packet.address for _, packet in frames(hearer)] == [0x124], "what was under way is lost"
     assert frames(sender) == [] or frames(sender)[0][0] > back, "off, it hears nothing"
@@ -122,13 +122,13 @@ def test_the_counters_by_the_standard() -> None:
         return counters.condition
 
     for _ in range(14):
-        assert not counters.failed_to_hear(first=True)
-    assert counters.failed_to_hear(first=True)
+        assert not counters.failed_to_receive(first=True)
+    assert counters.failed_to_receive(first=True)
     assert condition() is Condition.PASSIVE
     assert counters.receive == 135
-    counters.failed_to_hear(first=True)
+    counters.failed_to_receive(first=True)
     assert counters.receive == 135, "a passive receiver stops to count"
-    assert counters.heard()
+    assert counters.received()
     assert (counters.receive, condition()) == (119, Condition.ACTIVE)
     for _ in range(15):
         assert not counters.failed_to_send()
@@ -163,7 +163,7 @@ def test_a_frame_that_overruns_its_receiver_is_right_for_all_others() -> None:
     world.run(SECOND)
     assert [packet.address for _, packet in frames(slow)] == [0x103]
     assert len(frames(other)) == 4
-    (report,) = (packet for _, packet in slow.heard if packet.address & ERROR)
+    (report,) = (packet for _, packet in slow.received if packet.address & ERROR)
     assert decode_report(report.payload) == (RECEIVE_OVERFLOW, Loss.OBJECT), "told once"
     assert reports(sender) == reports(other) == []
     assert wire.confinement("node1").receive == 0, "nothing was wrong on the bus"
@@ -171,7 +171,7 @@ def test_a_frame_that_overruns_its_receiver_is_right_for_all_others() -> None:
 
 @pytest.mark.parametrize("effect", list(Effect))
 def test_a_share_is_drawn_from_a_generator_of_its_own(effect: Effect) -> None:
-    def heard(seed: int) -> list[int]:
+    def received(seed: int) -> list[int]:
         story = Player(*((k * MILLISECOND, frame(0x100 + k)) for k in range(100)))
         world, wire, (_, hearer, _) = bus_of(story, Player(), Player())
         chance = np.random.default_rng(seed)
@@ -182,8 +182,8 @@ def test_a_share_is_drawn_from_a_generator_of_its_own(effect: Effect) -> None:
         assert met > 15, "of a hundred"
         return [at for at, _ in frames(hearer)]
 
-    assert heard(1) == heard(1)
-    assert heard(1) != heard(2)
+    assert received(1) == received(1)
+    assert received(1) != received(2)
 
 
 def test_a_disturbance_names_nodes_that_are_there() -> None:
@@ -228,7 +228,7 @@ def test_a_cut_parts_the_bus_in_two() -> None:
         [0x103],
         [0x102],
     ]
-    wire.mend()
+    wire.repair()
     world.run(SECOND)
     assert all(len(frames(player)) == 4 for player in players)
     assert all(not reports(player) for player in players)
@@ -242,7 +242,7 @@ def test_a_node_alone_repeats_its_frame_until_it_is_passive_and_sends_it_when_th
     assert frames(hearer) == []
     assert wire.confinement("node0").condition is Condition.PASSIVE
     assert wire.confinement("node0").transmit == 128, "an error of acknowledgement leads no further"
-    wire.mend()
+    wire.repair()
     world.run(SECOND)
     sent = [packet.address for _, packet in frames(hearer)]
     assert sent[:3] == [0x100, 0x101, 0x102], "the oldest ones have waited"
@@ -250,7 +250,7 @@ def test_a_node_alone_repeats_its_frame_until_it_is_passive_and_sends_it_when_th
     assert wire.lost == 20 - len(sent)
     assert wire.confinement("node0").transmit == 128 - len(sent)
     assert TRANSMIT_OVERFLOW in {
-        decode_report(p.payload)[0] for _, p in sender.heard if p.address == CONTROLLER
+        decode_report(p.payload)[0] for _, p in sender.received if p.address == CONTROLLER
     }
 
 
@@ -267,14 +267,14 @@ def test_a_node_that_joins_acknowledges_what_has_waited() -> None:
 def test_swapped_wires_destroy_everything_as_soon_as_their_node_wants_to_say_something() -> None:
     talker = Player(*((k * MILLISECOND, frame(0x100 + k)) for k in range(12)))
     swapped = Player((4_500_000, frame(0x300)))
-    world, wire, (_, hearer, deaf) = bus_of(talker, Player(), swapped)
+    world, wire, (_, hearer, not_receiving) = bus_of(talker, Player(), swapped)
     wire.swap(["node2"])
     world.run(11_900_000)
     assert [packet.address for _, packet in frames(hearer)] == [0x100 + k for k in range(5)]
-    assert frames(deaf) == []
+    assert frames(not_receiving) == []
     assert wire.confinement("node2").condition is Condition.PASSIVE
     assert wire.damaged > 32, "the talker has left the bus at least once"
-    wire.mend()
+    wire.repair()
     world.run(SECOND)
     assert 0x300 in {packet.address for _, packet in frames(hearer)}
     assert wire.confinement("node0").condition is Condition.ACTIVE
@@ -290,7 +290,9 @@ def test_a_controller_that_is_thrown_off_stays_off_until_it_is_restarted(until: 
     wire.throw_off("node0", until)
     world.run(SECOND)
     assert wire.damaged == 32
-    off, back = (next(at for at, p in sender.heard if p.address == event) for event in (BUS_OFF, RESTARTED))
+    off, back = (
+        next(at for at, p in sender.received if p.address == event) for event in (BUS_OFF, RESTARTED)
+    )
     assert back == max(until, off + 128 * 11 * 1000)
     instants = [at for at, _ in frames(hearer)]
     assert back < instants[0] < 299 * MILLISECOND < instants[-1]
@@ -299,16 +301,16 @@ def test_a_controller_that_is_thrown_off_stays_off_until_it_is_restarted(until: 
 def test_when_all_is_well_again_the_bus_is_the_plain_one() -> None:
     """Its frames come when those of a bus come that never had a fault."""
 
-    def heard(*, faulty: bool) -> list[tuple[Nanoseconds, Packet]]:
+    def received(*, faulty: bool) -> list[tuple[Nanoseconds, Packet]]:
         story = Player(*((k * MILLISECOND, frame(0x100, "0102")) for k in range(500)))
         world, wire, (_, hearer, _) = bus_of(story, Player(), Player())
         if faulty:
             wire.disturb(Disturbance(end=5 * MILLISECOND, count=12))
             wire.cut(["node1"])
         world.run(20 * MILLISECOND)
-        wire.mend()
+        wire.repair()
         world.run(SECOND)
         assert wire.confinement("node0").transmit == 0
         return [(at, packet) for at, packet in frames(hearer) if at > 300 * MILLISECOND]
 
-    assert heard(faulty=True) == heard(faulty=False)
+    assert received(faulty=True) == received(faulty=False)

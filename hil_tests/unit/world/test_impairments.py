@@ -10,10 +10,10 @@ from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.unit.world.players import Player
 
 COUNT = 100
-Heard = list[tuple[Nanoseconds, bytes]]
+Received = list[tuple[Nanoseconds, bytes]]
 
 
-def carried(*impairments: Impairment, jitter: Nanoseconds = 0) -> tuple[Heard, DatagramWire]:
+def carried(*impairments: Impairment, jitter: Nanoseconds = 0) -> tuple[Received, DatagramWire]:
     """What arrives of a datagram each ms, by a link of 1 ms and its own chance."""
     wire = DatagramWire(MILLISECOND, jitter, 0.0, np.random.default_rng(7))
     world, hearer = World(), Player()
@@ -23,25 +23,25 @@ def carried(*impairments: Impairment, jitter: Nanoseconds = 0) -> tuple[Heard, D
     for one in impairments:
         wire.impair(one)
     world.run(SECOND)
-    return [(at, packet.payload) for at, packet in hearer.heard], wire
+    return [(at, packet.payload) for at, packet in hearer.received], wire
 
 
 def test_datagrams_of_a_time_are_lost() -> None:
-    heard, wire = carried(Impairment(begin=10 * MILLISECOND, end=20 * MILLISECOND, lost=True))
-    assert [payload[0] for _, payload in heard] == [*range(10), *range(20, COUNT)]
+    received, wire = carried(Impairment(begin=10 * MILLISECOND, end=20 * MILLISECOND, lost=True))
+    assert [payload[0] for _, payload in received] == [*range(10), *range(20, COUNT)]
     assert wire.lost == 10
 
 
 def test_late_datagrams_are_overtaken_at_the_end() -> None:
-    heard, _ = carried(Impairment(end=5 * MILLISECOND, late=10 * MILLISECOND))
-    assert [at for at, payload in heard if payload[0] < 5] == [(k + 11) * MILLISECOND for k in range(5)]
-    assert [payload[0] for _, payload in heard[:6]] == [5, 6, 7, 8, 9, 0]
+    received, _ = carried(Impairment(end=5 * MILLISECOND, late=10 * MILLISECOND))
+    assert [at for at, payload in received if payload[0] < 5] == [(k + 11) * MILLISECOND for k in range(5)]
+    assert [payload[0] for _, payload in received[:6]] == [5, 6, 7, 8, 9, 0]
 
 
 @pytest.mark.parametrize("after", [0, 3 * MILLISECOND])
 def test_doubled_datagrams_come_twice(after: Nanoseconds) -> None:
-    heard, _ = carried(Impairment(again=after))
-    assert sorted(heard) == sorted(
+    received, _ = carried(Impairment(again=after))
+    assert sorted(received) == sorted(
         (at, bytes((k,)))
         for k in range(COUNT)
         for at in ((k + 1) * MILLISECOND, (k + 1) * MILLISECOND + after)
@@ -54,8 +54,8 @@ def test_an_impairment_of_one_sender_leaves_the_other_alone() -> None:
 
 def test_impairments_add_up() -> None:
     late = Impairment(late=2 * MILLISECOND)
-    heard, _ = carried(late, late, Impairment(begin=50 * MILLISECOND, lost=True))
-    assert heard == [((k + 5) * MILLISECOND, bytes((k,))) for k in range(50)]
+    received, _ = carried(late, late, Impairment(begin=50 * MILLISECOND, lost=True))
+    assert received == [((k + 5) * MILLISECOND, bytes((k,))) for k in range(50)]
 
 
 def test_its_chance_is_its_own() -> None:

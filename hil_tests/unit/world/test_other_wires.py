@@ -20,20 +20,20 @@ def line(wire: SerialWire, sender: Player, hearer: Player) -> World:
 def test_every_byte_takes_ten_bits_and_fractions_do_not_add_up() -> None:
     hearer = Player()
     line(SerialWire(115_200), Player((0, Packet("serial", 0, bytes(range(100))))), hearer).run(SECOND)
-    assert [packet.payload[0] for _, packet in hearer.heard] == list(range(100))
-    assert [now for now, _ in hearer.heard] == [(k + 1) * 10 * SECOND // 115_200 for k in range(100)]
+    assert [packet.payload[0] for _, packet in hearer.received] == list(range(100))
+    assert [now for now, _ in hearer.received] == [(k + 1) * 10 * SECOND // 115_200 for k in range(100)]
 
 
 def test_bytes_queue_behind_those_that_are_being_sent_and_both_ways_are_free() -> None:
     one = Player((0, Packet("serial", 0, b"ab")), (500 * MICROSECOND, Packet("serial", 0, b"c")))
     two = Player((500 * MICROSECOND, Packet("serial", 0, b"z")))
     line(SerialWire(10_000), one, two).run(SECOND)
-    assert [(now // MILLISECOND, packet.payload) for now, packet in two.heard] == [
+    assert [(now // MILLISECOND, packet.payload) for now, packet in two.received] == [
         (1, b"a"),
         (2, b"b"),
         (3, b"c"),
     ]
-    assert one.heard == [(1_500 * MICROSECOND, Packet("serial", 0, b"z"))]
+    assert one.received == [(1_500 * MICROSECOND, Packet("serial", 0, b"z"))]
 
 
 def test_a_late_reader_gets_chunks_and_loses_what_its_buffer_cannot_hold() -> None:
@@ -41,7 +41,7 @@ def test_a_late_reader_gets_chunks_and_loses_what_its_buffer_cannot_hold() -> No
     wire = SerialWire(10_000, {"board": Inbox(buffer_bytes=8, read_every=10 * MILLISECOND)})
     hearer = Player()
     line(wire, Player((500 * MICROSECOND, Packet("serial", 0, bytes(range(20))))), hearer).run(SECOND)
-    assert hearer.heard == [
+    assert hearer.received == [
         (10 * MILLISECOND, Packet("serial", 0, bytes(range(8)))),
         (20 * MILLISECOND, Packet("serial", 0, bytes([9, *range(10, 17)]))),
         (30 * MILLISECOND, Packet("serial", 0, bytes([19]))),
@@ -63,7 +63,7 @@ def test_a_detached_end_sends_no_more() -> None:
     world.run(1_500 * MICROSECOND)
     world.detach("pc")
     world.run(SECOND)
-    assert [packet.payload for _, packet in hearer.heard] == [b"a"]
+    assert [packet.payload for _, packet in hearer.received] == [b"a"]
 
 
 def test_lines_that_cannot_be_are_refused() -> None:
@@ -73,17 +73,17 @@ def test_lines_that_cannot_be_are_refused() -> None:
         SerialWire(9_600, {"x": Inbox(0, 1)})
 
 
-def heard_times(wire: DatagramWire, count: int) -> list[tuple[Nanoseconds, bytes]]:
+def received_times(wire: DatagramWire, count: int) -> list[tuple[Nanoseconds, bytes]]:
     world, hearer = World(), Player()
     plan = ((k * MILLISECOND, Packet("operator", 0, k.to_bytes(2, "big"))) for k in range(count))
     world.attach("operator", Player(*plan), {"operator": wire})
     world.attach("bridge", hearer, {"operator": wire})
     world.run(SECOND * count)
-    return [(now, packet.payload) for now, packet in hearer.heard]
+    return [(now, packet.payload) for now, packet in hearer.received]
 
 
 def test_without_chance_every_datagram_arrives_after_the_delay() -> None:
-    assert heard_times(DatagramWire(delay=3 * MILLISECOND), 2) == [
+    assert received_times(DatagramWire(delay=3 * MILLISECOND), 2) == [
         (3 * MILLISECOND, b"\0\0"),
         (4 * MILLISECOND, b"\0\1"),
     ]
@@ -91,7 +91,7 @@ def test_without_chance_every_datagram_arrives_after_the_delay() -> None:
 
 def test_jitter_stays_in_bounds_and_overtakes() -> None:
     wire = DatagramWire(5 * MILLISECOND, jitter=4 * MILLISECOND, generator=np.random.default_rng(1))
-    times = heard_times(wire, 500)
+    times = received_times(wire, 500)
     late = [now - int.from_bytes(content, "big") * MILLISECOND - 5 * MILLISECOND for now, content in times]
     assert len(times) == 500
     assert all(0 <= extra <= 4 * MILLISECOND for extra in late)
@@ -104,12 +104,12 @@ def test_loss_is_counted_and_the_generator_decides() -> None:
         return DatagramWire(loss=0.3, generator=np.random.default_rng(seed))
 
     wire = lossy(1)
-    times = heard_times(wire, 1000)
+    times = received_times(wire, 1000)
     assert wire.sent == 1000
     assert len(times) == 1000 - wire.lost
     assert 240 < wire.lost < 360
-    assert heard_times(lossy(1), 1000) == times
-    assert heard_times(lossy(2), 1000) != times
+    assert received_times(lossy(1), 1000) == times
+    assert received_times(lossy(2), 1000) != times
 
 
 @pytest.mark.parametrize(

@@ -97,7 +97,7 @@ def test_the_physics_moves_before_anything_is_delivered() -> None:
     world.run(1000)
     assert seen == [(250, 200)]
     assert physics.reached == 1000
-    assert physics.asked == sorted(set(physics.asked)), "each instant is asked for once"
+    assert physics.requested == sorted(set(physics.requested)), "each instant is asked for once"
 
 
 def test_nodes_that_the_physics_names_are_woken_at_the_instant_it_reached_and_may_send() -> None:
@@ -112,7 +112,7 @@ def test_nodes_that_the_physics_names_are_woken_at_the_instant_it_reached_and_ma
     world.attach("hearer", hearer, {"operator": link})
     world.run(1000)
     assert siren.woken == [0, 300, 700]
-    assert [now for now, _ in hearer.heard] == [350, 750]
+    assert [now for now, _ in hearer.received] == [350, 750]
 
 
 def test_the_physics_may_name_a_node_that_is_gone_but_none_that_never_was() -> None:
@@ -133,12 +133,12 @@ def test_a_silent_node_neither_receives_nor_sends_but_lives_on() -> None:
     world.attach("two", two, {"operator": link})
     world.silence("one", 20)
     world.run(25)
-    assert [now for now, _ in one.heard] == [10]
-    assert [now for now, _ in two.heard] == [10]
+    assert [now for now, _ in one.received] == [10]
+    assert [now for now, _ in two.received] == [10]
     assert one.woken == [0, 10, 20]
     world.silence("one", NEVER)
     world.run(100)
-    assert [now for now, _ in one.heard] == [10, 30]
+    assert [now for now, _ in one.received] == [10, 30]
 
 
 def test_a_detached_node_is_gone_and_its_name_is_free() -> None:
@@ -152,8 +152,8 @@ def test_a_detached_node_is_gone_and_its_name_is_free() -> None:
     world.attach("one", again, {"operator": link})
     world.run(100)
     assert one.woken == [0, 10]
-    assert [now for now, _ in two.heard] == [10]
-    assert [now for now, _ in again.heard] == [20]
+    assert [now for now, _ in two.received] == [10]
+    assert [now for now, _ in again.received] == [20]
 
 
 @pytest.mark.parametrize("mistake", ["silence", "detach"])
@@ -216,7 +216,7 @@ stories = st.lists(
 )
 
 
-def told(story: Story, *stops: Nanoseconds) -> tuple[str, list[list[tuple[Nanoseconds, Packet]]], int]:
+def reported(story: Story, *stops: Nanoseconds) -> tuple[str, list[list[tuple[Nanoseconds, Packet]]], int]:
     world, bus = World(Ticks(100_000, (500_000, "0"), (1_500_000, "2"))), CanWire(500_000)
     players = [
         Player(*((at, Packet("can", address, content)) for who, at, address, content in story if who == name))
@@ -228,10 +228,10 @@ def told(story: Story, *stops: Nanoseconds) -> tuple[str, list[list[tuple[Nanose
     world.attach("echo", echo, {"can": bus})
     for stop in (*sorted(stops), 20 * MILLISECOND):
         world.run(stop)
-    return world.trace_sha256, [player.heard for player in players], bus.bits
+    return world.trace_sha256, [player.received for player in players], bus.bits
 
 
 @settings(max_examples=examples(60))
 @given(stories, st.lists(st.integers(0, 20 * MILLISECOND), max_size=5))
 def test_two_runs_are_one_run_however_often_they_are_halted(story: Story, stops: list[Nanoseconds]) -> None:
-    assert told(story) == told(story, *stops)
+    assert reported(story) == reported(story, *stops)

@@ -39,7 +39,7 @@ class FigureEight:
         self._angle = 0.0
         self._swept = 0.0
 
-    def wished(self, seen: Snapshot[Motion, State], _elapsed: Nanoseconds) -> Motion:
+    def command(self, seen: Snapshot[Motion, State], _elapsed: Nanoseconds) -> Motion:
         """Return the speed and turn rate that keep to the circle, and come back to it."""
         start = self._start = self._start or seen.pose
         ahead, left = self._from_centre(seen.pose, start)

@@ -21,16 +21,16 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
     stick=ROBOT.stick,
     target=ROBOT.target,
     twist=ROBOT.twist,
-    # A stick is said again and again: nothing of a wish has to be forgotten.
-    forgotten=lambda wish: wish,
+    # A stick is sent again and again: nothing of a command has to be forgotten.
+    forgotten=lambda command: command,
     largest=ROBOT.largest,
     metres_rolled=ROBOT.metres_rolled,
     stop_button=2,
     switches=(
         Switch(
             "lamp",
-            read=lambda wish: wish.lamp,
-            write=lambda wish, on: replace(wish, lamp=on),
+            read=lambda command: command.lamp,
+            write=lambda command, on: replace(command, lamp=on),
             relay=0,
             button=0,
             telemetry="LAMP",

@@ -82,12 +82,12 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
         self._requests.append(request)
         return self._waiting(self._next_request(now))
 
-    def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
+    def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take a packet of this drive; one that makes no sense is ignored."""
         if packet.address == self._answers:
-            sent = self._client.hear(packet.payload, now) + self._scripts.go_on(now)
+            sent = self._client.receive(packet.payload, now) + self._scripts.go_on(now)
             return self._went_on(sent, now)
-        self._feedback.hear(packet.address, packet.payload, now)
+        self._feedback.receive(packet.address, packet.payload, now)
         return self._waiting(self._tasks.proceed(now)) if self.busy else ()
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:

@@ -2,7 +2,7 @@
 
 from firmware_bridge.drivers.epos2.feedback import DriveFeedback
 from firmware_bridge.drivers.epos2.process_data import SAMPLE, SAMPLE_COB_ID, STATUS, STATUS_COB_ID
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire import canopen
@@ -14,7 +14,7 @@ class CanFeedback(DriveFeedback):
 
     def __init__(self, axis: Axis) -> None:
         super().__init__(axis)
-        self._synchronised_at: Nanoseconds = NEVER_HEARD
+        self._synchronised_at: Nanoseconds = NEVER_RECEIVED
         self._readers = {
             STATUS_COB_ID: self._status,
             SAMPLE_COB_ID: self._sample,
@@ -26,7 +26,7 @@ class CanFeedback(DriveFeedback):
         """Learn that a SYNC left: the next sample was taken then."""
         self._synchronised_at = now
 
-    def hear(self, cob_id: int, payload: bytes, now: Nanoseconds) -> None:
+    def receive(self, cob_id: int, payload: bytes, now: Nanoseconds) -> None:
         """Take a frame with this identifier, 11 bits without flags."""
         reader = self._readers.get(cob_id & ~NODE_MASK)
         if reader is not None:
@@ -42,7 +42,7 @@ class CanFeedback(DriveFeedback):
             return
         statusword, counter, current = SAMPLE.unpack(payload)
         self._state(statusword)
-        if self.sampled_at == NEVER_HEARD or self.zeroing:
+        if self.sampled_at == NEVER_RECEIVED or self.zeroing:
             self.position_qc, self.velocity = counter, 0.0
         else:
             moved = self.moved_to(counter)
@@ -52,12 +52,12 @@ class CanFeedback(DriveFeedback):
             self.position_qc += moved
         self.current_ma = current
         self.sampled_at = self._synchronised_at
-        self.heard_at = self.current_at = now
+        self.received_at = self.current_at = now
 
     def _state(self, statusword: int) -> None:
         # Process data comes in NMT operational only.
         self.operational = True
-        self.state = self.told(statusword)
+        self.state = self.on_statusword(statusword)
 
     def _emergency(self, payload: bytes, _now: Nanoseconds) -> None:
         message = canopen.decode_emergency(payload)

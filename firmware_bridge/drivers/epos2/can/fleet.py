@@ -75,7 +75,7 @@ class CanLink:
         """Send the bridge's heartbeat."""
         return (self._beat,)
 
-    def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
+    def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take a frame; those of strangers, remote requests and error reports are ignored."""
         if packet.address & ~can.STANDARD_MASK:
             return ()
@@ -89,7 +89,7 @@ class CanLink:
             if isinstance(sdo.decode_request(packet.payload), _WRITES):
                 drive.rewritten(f"{packet.address:03X}#{packet.payload.hex().upper()}", now)
             return ()
-        return drive.hear(packet, now)
+        return drive.receive(packet, now)
 
     def wake(self, _now: Nanoseconds) -> tuple[Packet, ...]:
         """Do nothing."""

@@ -45,7 +45,7 @@ from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, Request,
 
 TARGET: Final = {Command.SPEED: at.TARGET_VELOCITY, Command.POSITION: at.TARGET_POSITION}
 _NEWEST_ERROR: Final = ReadRow(NEWEST_ERROR, DataType.UNSIGNED32, "newest error")
-HEARD_BEATS: Final = 3
+RECEIVED_BEATS: Final = 3
 """After so many beats a drive has begun to watch; it does so at the first that it hears (CiA 301)."""
 NOTICED_CYCLES: Final = 4
 """So many cycles after its watch has ended at the latest a drive's fault is read."""
@@ -68,7 +68,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
             axis,
             feedback,
             traffic.watched,
-            speaks_for=HEARD_BEATS * link.bridge_heartbeat_ms * MILLISECOND,
+            speaks_for=RECEIVED_BEATS * link.bridge_heartbeat_ms * MILLISECOND,
             within=link.bridge_silent_ms * MILLISECOND + NOTICED_CYCLES * link.every * robot.cycle,
         )
         rows = configuration(axis, link, outputs_at(robot, axis), traffic)
@@ -180,7 +180,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
             address = Address(request.index, request.subindex)
             self._taken[address] = int.from_bytes(request.raw, "little")
         elif isinstance(request, ReadObject) and isinstance(result, ObjectRead):
-            self._hear(Address(request.index, request.subindex), result, now)
+            self._receive(Address(request.index, request.subindex), result, now)
 
     def _note(self, result: Result) -> None:
         was, self.present = self.present, not silent(result)
@@ -192,10 +192,10 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
             # Each of them would hold up the line for the gateway's time-out once more.
             self._exchange.drop_reads(self)
 
-    def _hear(self, address: Address, result: ObjectRead, now: Nanoseconds) -> None:
+    def _receive(self, address: Address, result: ObjectRead, now: Nanoseconds) -> None:
         raw, feedback = value_in(address, result), self._feedback
         if address == POSITION.address:
-            feedback.position_read(POSITION.type.decode(raw), self._exchange.asked_at)
+            feedback.position_read(POSITION.type.decode(raw), self._exchange.requested_at)
         elif address == STATUSWORD.address:
             feedback.statusword_read(STATUSWORD.type.decode(raw), now)
             if feedback.state in FAULT_STATES and not feedback.fault:
@@ -254,14 +254,14 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
 class _Requested:
     """Ends a request when its command has ended."""
 
-    __slots__ = ("_asked_at", "_note", "_request")
+    __slots__ = ("_note", "_request", "_requested_at")
 
     def __init__(self, request: ObjectRequest, note: Callable[[Result], None], now: Nanoseconds) -> None:
         self._request = request
         self._note = note
-        self._asked_at = now
+        self._requested_at = now
 
     def ended(self, _job: Job, _request: Request, result: Result, now: Nanoseconds) -> None:
         """Take how the command ended."""
         self._note(result)
-        self._request.end(outcome_of(self._request.transfer, result, now - self._asked_at), now)
+        self._request.end(outcome_of(self._request.transfer, result, now - self._requested_at), now)

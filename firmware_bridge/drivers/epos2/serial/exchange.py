@@ -71,7 +71,7 @@ class Exchange:
         self._waiting: list[Job] = []
         self.clock: Nanoseconds = 0
         """The newest instant that is known."""
-        self.asked_at: Nanoseconds = 0
+        self.requested_at: Nanoseconds = 0
         """When the newest command began."""
 
     @property
@@ -103,11 +103,11 @@ class Exchange:
         job.begun, job.left = True, tuple(left)
         self._waiting.remove(job)
         self.under_way, self._request = job, request
-        self.asked_at = self.clock
+        self.requested_at = self.clock
         self._until = self.clock + PATIENCE
         return (command(request, self._link),)
 
-    def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
+    def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take what the line says; what answers no command of ours is ignored."""
         self.clock = now
         if packet.address == LINE_LOST and not packet.payload:

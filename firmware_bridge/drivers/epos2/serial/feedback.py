@@ -9,7 +9,7 @@ from typing import Final
 
 from firmware_bridge.drivers.epos2.feedback import DriveFeedback
 from firmware_bridge.drivers.epos2.scale import wrapped
-from firmware_bridge.intent import NEVER_HEARD
+from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.cia402 import Status, state_of
@@ -54,7 +54,7 @@ class SerialFeedback(DriveFeedback):
 
     def __init__(self, axis: Axis) -> None:
         super().__init__(axis)
-        self._cycle_at: Nanoseconds = NEVER_HEARD
+        self._cycle_at: Nanoseconds = NEVER_RECEIVED
         self._position: tuple[int, Nanoseconds] | None = None
         """What this cycle has read, and when it was asked for."""
         self._before: tuple[int, Nanoseconds] | None = None
@@ -65,9 +65,9 @@ class SerialFeedback(DriveFeedback):
         self._cycle_at = now
         self._position = None
 
-    def position_read(self, counter: int, asked_at: Nanoseconds) -> None:
+    def position_read(self, counter: int, requested_at: Nanoseconds) -> None:
         """Take the position. The drive read it when it was asked, whenever this machine's port gave it."""
-        self._position = counter, asked_at
+        self._position = counter, requested_at
 
     def statusword_read(self, word: int, now: Nanoseconds) -> None:
         """Take the statusword, and with this cycle's position the sample.
@@ -79,7 +79,7 @@ class SerialFeedback(DriveFeedback):
         if self.expected and self.operational and not remote:
             self.restart()
         self.operational = remote
-        self.told(word)
+        self.on_statusword(word)
         self.state = state_of(word) if remote else None
         if self._position is not None and self.expected:
             self._sample(*self._position, now)
@@ -95,7 +95,7 @@ class SerialFeedback(DriveFeedback):
         self.expected = self.unpowered = False
         self.forget_motion()
 
-    def _sample(self, counter: int, asked_at: Nanoseconds, now: Nanoseconds) -> None:
+    def _sample(self, counter: int, requested_at: Nanoseconds, now: Nanoseconds) -> None:
         """Take a whole sample, and shift it to the begin of the cycle: to the same instant for all drives.
 
         Two wheels that are read one after the other would look like a robot that turns a little.
@@ -107,10 +107,10 @@ class SerialFeedback(DriveFeedback):
             before, before_at = self._before
             moved = wrapped(counter - before)
             position = before + moved
-            elapsed = max(asked_at - before_at, 1)
+            elapsed = max(requested_at - before_at, 1)
             self.move(moved, elapsed)
-            shift = round(moved * (asked_at - self._cycle_at) / elapsed)
-        self._before = position, asked_at
+            shift = round(moved * (requested_at - self._cycle_at) / elapsed)
+        self._before = position, requested_at
         self.position_qc = position - shift
         self.sampled_at = self._cycle_at
-        self.heard_at = now
+        self.received_at = now

@@ -56,7 +56,7 @@ class MaxonLine:
             self._gone = False
             self._take(self.node.receive(Packet(self._link, LINE_BACK, b""), now))
         else:
-            self._end(self._host.hear(packet.payload, now), now)
+            self._end(self._host.receive(packet.payload, now), now)
         return self._reaction(now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
@@ -108,6 +108,6 @@ class MaxonLine:
         return Reaction(sent, min(self._wake_at, host.due, ready_at))
 
     def _say(self) -> None:
-        said = self._host.taken()
-        if said:
-            self._outbox.append(Packet(self._link, 0, said))
+        taken = self._host.taken()
+        if taken:
+            self._outbox.append(Packet(self._link, 0, taken))

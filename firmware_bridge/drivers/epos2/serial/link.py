@@ -127,10 +127,10 @@ class SerialLink:
     def ended(self, _job: Job, _request: Request, _result: Result, _now: Nanoseconds) -> None:
         """Do nothing: who misses a beat says so itself."""
 
-    def hear(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
+    def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take what became of a command, or of the line."""
         gone = self._exchange.gone
-        sent = self._exchange.hear(packet, now)
+        sent = self._exchange.receive(packet, now)
         if self._exchange.gone and not gone:
             for drive in self._drives:
                 drive.lose(now)

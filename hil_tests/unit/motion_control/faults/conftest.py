@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from emulators.servo.axis_faults import SensorWires
-from emulators.servo.winding import tell
+from emulators.servo.winding import set_winding
 from firmware_bridge.wire.cia402 import State
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -28,7 +28,7 @@ SINUS, BLOCK = 10, 11
 @pytest.fixture
 def drive(drive: "Drive") -> "Drive":
     """The drive knows its motor, so that an open winding carries no current from the first instant."""
-    tell(drive.axis, STEERING.torque_constant, STEERING.resistance, STEERING.inductance)
+    set_winding(drive.axis, STEERING.torque_constant, STEERING.resistance, STEERING.inductance)
     return drive
 
 
@@ -70,9 +70,9 @@ def resets(drive: "Drive") -> bool:
     return drive.state is State.SWITCH_ON_DISABLED
 
 
-def resets_after(drive: "Drive", cure: Callable[[], None]) -> None:
+def resets_after(drive: "Drive", remedy_of: Callable[[], None]) -> None:
     """Expect that the fault can be left when its cause is gone, and not before."""
     assert not resets(drive)
-    cure()
+    remedy_of()
     drive.run(2)
     assert resets(drive)

@@ -1,7 +1,7 @@
 """A hundred thousand frames of a stranger, in every network state: no exception, the standard's answers, no
 current in the winding where none may be.
 
-`STRANGER_FRAMES=10000000 pytest hil_tests/unit/epos2/test_stranger_bursts.py` runs longer, from other seeds.
+`FOREIGN_FRAMES=10000000 pytest hil_tests/unit/epos2/test_foreign_node_bursts.py` is longer, with other seeds.
 """
 
 import os
@@ -13,7 +13,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, rule, run_sta
 
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.abort import AbortCode
-from hil_tests.unit.epos2.stranger import NODE, RARE, Stranger
+from hil_tests.unit.epos2.foreign_node import NODE, RARE, ForeignNode
 
 BURST = 128
 EXAMPLES = 90
@@ -32,43 +32,43 @@ class Bursts(RuleBasedStateMachine):
 
     @initialize()
     def plug_in(self) -> None:
-        self.stranger = Stranger()
+        self.foreign_node = ForeignNode()
 
     @rule(seed=st.integers(0, 1 << 30))
     def bursts(self, seed: int) -> None:
-        self.stranger.bursts(seed, BURST)
+        self.foreign_node.bursts(seed, BURST)
 
     @rule(wait=st.integers(0, 40 * MILLISECOND))
     def waits(self, wait: Nanoseconds) -> None:
-        self.stranger.waits(wait)
+        self.foreign_node.waits(wait)
 
     @rule(seed=st.integers(0, 1 << 30))
     def enables_then_bursts(self, seed: int) -> None:
-        stranger = self.stranger
-        stranger.sends(0x000, bytes((0x01, NODE)))
-        stranger.sends(0x600 + NODE, bytes.fromhex("2b02640001000000"))
+        foreign_node = self.foreign_node
+        foreign_node.sends(0x000, bytes((0x01, NODE)))
+        foreign_node.sends(0x600 + NODE, bytes.fromhex("2b02640001000000"))
         for word in (0x00, 0x80, 0x06, 0x0F):
-            stranger.sends(0x600 + NODE, bytes((0x2B, 0x40, 0x60, 0, word, 0, 0, 0)))
-            stranger.waits(MILLISECOND)
-        stranger.bursts(seed, BURST)
+            foreign_node.sends(0x600 + NODE, bytes((0x2B, 0x40, 0x60, 0, word, 0, 0, 0)))
+            foreign_node.waits(MILLISECOND)
+        foreign_node.bursts(seed, BURST)
 
     @rule(place=st.integers(0, 2), payload=st.binary(min_size=8, max_size=8))
     def disturbs(self, place: int, payload: bytes) -> None:
         address, _ = RARE[0](lambda below: place % below)
-        self.stranger.sends(address, payload)
+        self.foreign_node.sends(address, payload)
 
     def teardown(self) -> None:
-        Bursts.frames += self.stranger.frames
-        Bursts.powered += self.stranger.powered_frames
-        Bursts.off += self.stranger.winding.off_frames
-        Bursts.aborts |= self.stranger.aborts
+        Bursts.frames += self.foreign_node.frames
+        Bursts.powered += self.foreign_node.powered_frames
+        Bursts.off += self.foreign_node.winding.off_frames
+        Bursts.aborts |= self.foreign_node.aborts
 
 
 @pytest.mark.timeout(0)
 @pytest.mark.parametrize("enough", [SOME, pytest.param(ENOUGH, marks=pytest.mark.long)])
 def test_whatever_a_foreign_node_sends_the_drive_stays_a_drive(enough: int) -> None:
     Bursts.frames, Bursts.powered, Bursts.off, Bursts.aborts = 0, 0, 0, set()
-    wanted = int(os.environ.get("STRANGER_FRAMES", "0")) if enough == ENOUGH else 0
+    wanted = int(os.environ.get("FOREIGN_FRAMES", "0")) if enough == ENOUGH else 0
     examples = max(EXAMPLES * enough // ENOUGH, EXAMPLES * wanted // ENOUGH)
     run_state_machine_as_test(
         Bursts,
@@ -91,13 +91,13 @@ def test_whatever_a_foreign_node_sends_the_drive_stays_a_drive(enough: int) -> N
 def test_one_seed_is_one_story() -> None:
     stories = []
     for _ in range(2):
-        stranger = Stranger()
-        stranger.bursts(7, 500)
+        foreign_node = ForeignNode()
+        foreign_node.bursts(7, 500)
         stories.append(
             (
-                stranger.now,
-                stranger.axis.position,
-                tuple(value for _, value in stranger.drive.store.numbers()),
+                foreign_node.now,
+                foreign_node.axis.position,
+                tuple(value for _, value in foreign_node.drive.store.numbers()),
             )
         )
     assert stories[0] == stories[1]

@@ -26,15 +26,15 @@ class _Taken:
     """Takes what a server sends, in place of a bus."""
 
     def __init__(self) -> None:
-        self.heard: dict[int, Callable[..., None]] = {}
+        self.received: dict[int, Callable[..., None]] = {}
         self.answer: bytes | None = None
 
     # durand
     def add_subscription(self, cob_id: int, callback: Callable[..., None]) -> None:
-        self.heard[cob_id] = callback
+        self.received[cob_id] = callback
 
     def remove_subscription(self, cob_id: int) -> None:
-        del self.heard[cob_id]
+        del self.received[cob_id]
 
     def send(self, _cob_id: int, payload: bytes) -> None:
         self.answer = payload
@@ -94,10 +94,10 @@ def _durand_node(network: Any) -> Any:
 def _durand_server() -> Callable[[bytes], bytes | None]:
     taken = _Taken()
     _durand_node(taken)
-    heard = taken.heard[REQUEST]
+    received = taken.received[REQUEST]
 
     def served(request: bytes) -> bytes | None:
-        heard(REQUEST, request)
+        received(REQUEST, request)
         return taken.answer
 
     return served

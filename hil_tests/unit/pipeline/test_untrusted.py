@@ -22,7 +22,7 @@ def frozen() -> PaperCart:
 
 def test_it_alone_loses_its_power() -> None:
     cart = frozen()
-    assert cart.permission.disbelieved == {"left"}
+    assert cart.permission.untrusted == {"left"}
     assert not cart.permission.armed
     assert cart.newest("left") is Stop.POWER_OFF
     assert cart.newest("right") != Stop.POWER_OFF
@@ -33,7 +33,7 @@ def test_it_alone_loses_its_power() -> None:
 
 def test_an_emergency_stop_does_not_give_it_back() -> None:
     cart = frozen()
-    cart.asks(EmergencyStop())
+    cart.requests(EmergencyStop())
     cart.runs(40)
     assert cart.newest("left") is Stop.POWER_OFF
     assert cart.newest("right") is Stop.QUICK_STOP
@@ -51,13 +51,13 @@ def test_arming_gives_it_back() -> None:
     driver = cart.drivers["left"]
     driver.feedback, driver.unpowered = replace(driver.feedback, power=Power.OFF), True
     cart.runs(40)
-    assert "enabling node 1 (left) again" in cart.asks(Arm()).reason
+    assert "enabling node 1 (left) again" in cart.requests(Arm()).reason
     assert driver.begun[-1:] == [Task.ENABLE]
     cart.runs()
     assert cart.newest("left") is not Stop.POWER_OFF
     driver.feedback = replace(driver.feedback, power=Power.ON)
     cart.runs(10)
-    assert cart.asks(Arm()).accepted
+    assert cart.requests(Arm()).accepted
 
 
 def test_so_does_arming_one_that_has_kept_its_power() -> None:
@@ -65,6 +65,6 @@ def test_so_does_arming_one_that_has_kept_its_power() -> None:
     cart.ahead = 0.0
     cart.runs(40)
     assert cart.newest("left") is Stop.POWER_OFF
-    assert cart.asks(Arm()).accepted
+    assert cart.requests(Arm()).accepted
     cart.runs()
     assert cart.newest("left") is not Stop.POWER_OFF

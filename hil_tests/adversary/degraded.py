@@ -25,7 +25,7 @@ DEAD: Final[tuple[dict[str, Any], ...]] = ({"kind": "gate_supply_sag", "to_v": 0
 """A motor that nobody can switch on, told; or a drive of which nothing is heard any more."""
 
 
-class Limp:
+class Degraded:
     """One evening's failure, if it has one, and the mode that goes with it; nothing for other robots.
 
     On a slope nothing dies: nobody holds a robot whose drives lose their power there.

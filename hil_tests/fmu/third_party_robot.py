@@ -15,7 +15,7 @@ INERTIA = {"left": 3e-4, "right": 3e-4, "steer": 2e-6, "lift": 1e-6}
 READINGS = ("x", "y", "heading", "speed", "yaw_rate", "rack", "steer", "lift_height")
 
 
-class Stranger(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type information
+class ThirdParty(Fmi2Slave):  # type: ignore[misc] # PythonFMU has no type information
     """Motors with inertia alone; wheels that roll; a rack that turns the wheels as arctan does."""
 
     def __init__(self, **options: object) -> None:

@@ -121,9 +121,9 @@ def tiny_robot() -> Model:
 
 
 @pytest.fixture(scope="module")
-def strangers(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def new_stations(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("strangers")
-    made = FmuBuilder.build_FMU(Path(__file__).with_name("stranger_robot.py"), dest=folder)
+    made = FmuBuilder.build_FMU(Path(__file__).with_name("third_party_robot.py"), dest=folder)
     found = {"PythonFMU": Path(made)}
     for fmi in (2, 3):
         found[f"tiny {fmi}"] = folder / f"tiny{fmi}.fmu"
@@ -157,7 +157,7 @@ class Process:
 
     def __init__(self, cluster: Cluster) -> None:
         self.cluster = cluster
-        self.said = ""
+        self.logged = ""
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         return self.does(lambda: self.cluster.receive(packet, now))
@@ -166,12 +166,12 @@ class Process:
         return self.does(lambda: self.cluster.wake(now))
 
     def does(self, act: Callable[[], Reaction]) -> Reaction:
-        if self.said:
+        if self.logged:
             return Reaction()
         try:
             return act()
         except PlantError as error:
-            self.said = str(error)
+            self.logged = str(error)
             return Reaction()
 
 
@@ -190,9 +190,11 @@ def rigs() -> Iterator[list[Rig]]:
 
 @pytest.mark.long(keeps=["tiny 3"])
 @pytest.mark.parametrize("who", ["PythonFMU", "tiny 2", "tiny 3"])
-def test_a_third_party_plant_drives_the_robot(strangers: dict[str, Path], rigs: list[Rig], who: str) -> None:
+def test_a_third_party_plant_drives_the_robot(
+    new_stations: dict[str, Path], rigs: list[Rig], who: str
+) -> None:
     robot = robot_with()
-    rigs.append(rig := Rig(robot, REHEARSAL, operator(robot), plant_path=strangers[who]))
+    rigs.append(rig := Rig(robot, REHEARSAL, operator(robot), plant_path=new_stations[who]))
     rig.run(from_seconds(5.0))
     last = rig.samples[-1]
     assert last["speed_mps"] == pytest.approx(0.2, rel=0.02)
@@ -203,10 +205,10 @@ def test_a_third_party_plant_drives_the_robot(strangers: dict[str, Path], rigs: 
 
 
 @pytest.mark.long(beside="test_two_runs_with_one_seed_are_the_same_bytes")
-def test_the_same_ride_twice_gives_the_same_bytes(strangers: dict[str, Path], rigs: list[Rig]) -> None:
+def test_the_same_ride_twice_gives_the_same_bytes(new_stations: dict[str, Path], rigs: list[Rig]) -> None:
     robot = robot_with()
     for _ in range(2):
-        rigs.append(rig := Rig(robot, REHEARSAL, operator(robot), plant_path=strangers["PythonFMU"]))
+        rigs.append(rig := Rig(robot, REHEARSAL, operator(robot), plant_path=new_stations["PythonFMU"]))
         rig.run(from_seconds(3.6))
     assert rigs[0].world.trace_sha256 == rigs[1].world.trace_sha256
     assert rigs[0].samples == rigs[1].samples
@@ -215,18 +217,18 @@ def test_the_same_ride_twice_gives_the_same_bytes(strangers: dict[str, Path], ri
 @pytest.mark.parametrize("who", ["PythonFMU", "tiny 3"])
 @pytest.mark.parametrize("name", ["voltage_steer", "current_left", "angle_lift", "battery_voltage"])
 def test_a_plant_that_lacks_a_variable_is_refused_by_name(
-    strangers: dict[str, Path], tmp_path: Path, who: str, name: str
+    new_stations: dict[str, Path], tmp_path: Path, who: str, name: str
 ) -> None:
-    path = changed(strangers[who], tmp_path / "odd.fmu", (f'name="{name}"', f'name="{name}_x"'))
+    path = changed(new_stations[who], tmp_path / "odd.fmu", (f'name="{name}"', f'name="{name}_x"'))
     with pytest.raises(PlantError, match=rf"odd\.fmu: the FMU lacks the \w+ '{name}'.*'{name}_x'"):
         devices(robot_with(), path)
 
 
 @pytest.mark.parametrize("who", ["PythonFMU", "tiny 2", "tiny 3"])
 def test_a_plant_that_lacks_a_variable_of_the_body_is_refused_by_whichever_client_looks_at_it(
-    strangers: dict[str, Path], tmp_path: Path, who: str
+    new_stations: dict[str, Path], tmp_path: Path, who: str
 ) -> None:
-    path = changed(strangers[who], tmp_path / "odd.fmu", ('name="yaw_rate"', 'name="yaw_rate_x"'))
+    path = changed(new_stations[who], tmp_path / "odd.fmu", ('name="yaw_rate"', 'name="yaw_rate_x"'))
     robot = robot_with()
     with pytest.raises(PlantError, match=r"odd\.fmu: the FMU lacks the output 'yaw_rate'.*'yaw_rate_x'"):
         Rig(robot, REHEARSAL, operator(robot), plant_path=path)
@@ -238,11 +240,11 @@ def test_a_plant_that_lacks_a_variable_of_the_body_is_refused_by_whichever_clien
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_a_plant_in_another_unit_is_refused_by_name(
-    strangers: dict[str, Path], tmp_path: Path, fmi: int
+    new_stations: dict[str, Path], tmp_path: Path, fmi: int
 ) -> None:
     # Revolutions per minute in place of rad/s: the same dimension, another factor.
     path = changed(
-        strangers[f"tiny {fmi}"],
+        new_stations[f"tiny {fmi}"],
         tmp_path / "rpm.fmu",
         ('"rad/s"', '"rpm"'),
         ('s="-1" rad="1"', 's="-1" rad="1" factor="0.10471975511965977"'),
@@ -252,20 +254,20 @@ def test_a_plant_in_another_unit_is_refused_by_name(
 
 
 def test_a_plant_that_fails_under_way_ends_the_run_with_its_time(
-    strangers: dict[str, Path], rigs: list[Rig]
+    new_stations: dict[str, Path], rigs: list[Rig]
 ) -> None:
     robot = robot_with(fails_at=3.6)
-    rigs.append(rig := Rig(robot, REHEARSAL, operator(robot), plant_path=strangers["PythonFMU"]))
-    with pytest.raises(PlantError, match=r"Stranger\.fmu: doStep failed at 3\.6000 s"):
+    rigs.append(rig := Rig(robot, REHEARSAL, operator(robot), plant_path=new_stations["PythonFMU"]))
+    with pytest.raises(PlantError, match=r"ThirdParty\.fmu: doStep failed at 3\.6000 s"):
         rig.run(from_seconds(5.0))
     # Up to that instant everything is as it was.
     assert rig.samples[-1].at == from_seconds(3.6)
     assert rig.samples[-1]["speed_mps"] > 0.15
 
 
-def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(strangers: dict[str, Path]) -> None:
+def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(new_stations: dict[str, Path]) -> None:
     robot = robot_with(fails_at=3.6)
-    emulated = devices(robot, strangers["PythonFMU"])
+    emulated = devices(robot, new_stations["PythonFMU"])
     bus, air = CanWire(robot.epos2_link("drives").bit_rate), DatagramWire(0, 0, 0.0, np.random.default_rng(0))
     bridge, world = Bridge(robot, KIND), World()
     process = Process(Cluster(emulated.drives, emulated.bank))
@@ -282,7 +284,7 @@ def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(strangers:
     failed_at = round(3.6 * SECOND)
     world.run(failed_at + 1 * SECOND)
     emulated.plant.close()
-    assert re.search(r"doStep failed at 3\.6000 s", process.said)
+    assert re.search(r"doStep failed at 3\.6000 s", process.logged)
     assert [target for at, target in targets if at < failed_at][-1] > 0
     late = [target for at, target in targets if at > failed_at + 500 * MILLISECOND]
     assert set(late) == {0}
@@ -290,21 +292,21 @@ def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(strangers:
     assert {f"axis silent: {axis}" for axis in AXES} <= {hold.name for hold in bridge.holds}
 
 
-def test_the_command_line_states_it_in_one_line(strangers: dict[str, Path], tmp_path: Path) -> None:
+def test_the_command_line_states_it_in_one_line(new_stations: dict[str, Path], tmp_path: Path) -> None:
     mission = tmp_path / "crawl.toml"
     mission.write_text(MISSION, encoding="utf-8")
     text = KIND.file.read_text(encoding="utf-8")
     own = tmp_path / "own.toml"
     own.write_text(text.replace("[plant]\n", "[plant]\nparameters = { fails_at = 3.25 }\n"), encoding="utf-8")
     words = ["bench", str(own), "-m", str(mission), "--out", str(tmp_path / "out")]
-    result = CliRunner().invoke(program, [*words, "--plant", str(strangers["PythonFMU"])])
+    result = CliRunner().invoke(program, [*words, "--plant", str(new_stations["PythonFMU"])])
     assert result.exit_code == 2
     (line,) = result.stderr.splitlines()
-    assert re.match(r"firmware-bridge: .*Stranger\.fmu: doStep failed at 3\.2500 s", line)
+    assert re.match(r"firmware-bridge: .*ThirdParty\.fmu: doStep failed at 3\.2500 s", line)
 
 
-def test_foreign_nodes_need_no_more_than_the_bench_reads(strangers: dict[str, Path]) -> None:
-    with ZipFile(strangers["PythonFMU"]) as archive:
+def test_foreign_nodes_need_no_more_than_the_bench_reads(new_stations: dict[str, Path]) -> None:
+    with ZipFile(new_stations["PythonFMU"]) as archive:
         text = archive.read("modelDescription.xml").decode()
     names = set(re.findall(r'name="(\w+)"', text))
     assert names >= {*INPUTS, *plant_outputs(AXES), SUPPLY}

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from emulators.replay.ending import asked_to_end
+from emulators.replay.ending import end_requested_at
 from emulators.replay.files import files_of, within
 from emulators.replay.order import Order
 from emulators.replay.recordings import (
@@ -30,7 +30,7 @@ from firmware_bridge.units import MICROSECOND, Nanoseconds
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class Inputs:
     """What a bridge has heard and said."""
 
     robot: AnyRobot
@@ -61,7 +61,7 @@ class Told:
         return chunks_of(recording)
 
 
-def told_to(order: Order) -> Told:
+def inputs_of(order: Order) -> Inputs:
     """Read the files of an order; RecordingFileError where they do not go together, or a link is missing."""
     robot = order.robot
     found = _found(order)
@@ -70,16 +70,16 @@ def told_to(order: Order) -> Told:
     virtual = all(one.virtual for one in found.values())
     begin = 0 if virtual else _begin_of(found, robot)
     ended = None if virtual else _ended(order, begin)
-    told = Told(robot, {name: one.since(begin) for name, one in found.items()}, virtual, ended)
-    if not any(one.sender == BRIDGE for name in links for one in told.on(name)):
-        raise RecordingFileError(f"{told.name}: holds no word of a bridge to the devices of {robot.name}")
-    return told
+    inputs = Inputs(robot, {name: one.since(begin) for name, one in found.items()}, virtual, ended)
+    if not any(one.sender == BRIDGE for name in links for one in inputs.on(name)):
+        raise RecordingFileError(f"{inputs.name}: holds no word of a bridge to the devices of {robot.name}")
+    return inputs
 
 
 def _ended(order: Order, begin: Nanoseconds) -> Nanoseconds | None:
     events = within(order.recording, EVENTS_LOG) if order.recording.is_dir() else None
-    asked = None if events is None else asked_to_end(events)
-    return None if asked is None else asked - begin
+    requested = None if events is None else end_requested_at(events)
+    return None if requested is None else requested - begin
 
 
 def _found(order: Order) -> dict[str, Recording]:
@@ -114,11 +114,11 @@ def _placed(words: Recording, order: Order) -> Recording:
     file = within(order.recording, STATIONS_LOG) if order.recording.is_dir() else None
     if file is None:
         return words
-    told, entries, places = deque(read_lines(file).entries), [], dict[tuple[int, ...], int]()
+    inputs, entries, places = deque(read_lines(file).entries), [], dict[tuple[int, ...], int]()
     for entry in words.entries:
         # The telemetry log has whole microseconds.
-        while told and told[0].at <= entry.at + MICROSECOND:
-            new = told.popleft().packet
+        while inputs and inputs[0].at <= entry.at + MICROSECOND:
+            new = inputs.popleft().packet
             places[tuple(new.payload)] = new.address
         packet = entry.packet
         address = places.get(mavlink_origin(packet.payload)[:2], packet.address)
@@ -133,8 +133,8 @@ def _begin_of(found: Mapping[str, Recording], robot: AnyRobot) -> Nanoseconds:
     """
     buses = {name: CanWire(link.bit_rate).bit_time for name, link in robot.epos2_links.items()}
     begin = min(one.start(buses.get(name, 0)) for name, one in found.items() if name != OPERATOR)
-    said = messages_of(found[OPERATOR], robot) if OPERATOR in found else []
-    own = first_of(said, BRIDGE)
+    sent = messages_of(found[OPERATOR], robot) if OPERATOR in found else []
+    own = first_of(sent, BRIDGE)
     return begin if own is None else min(begin, own.entry.at)
 
 

@@ -31,7 +31,7 @@ VALUES = st.sampled_from([0, 1, 2, 6, 7, 0xF, 0x1F, 0x80, 0xFD, 0xFF, 0x8000_020
 SPEAKING = frozenset({NmtState.PRE_OPERATIONAL, NmtState.OPERATIONAL})
 
 
-class Stranger(RuleBasedStateMachine):
+class ForeignNode(RuleBasedStateMachine):
     """Each rule is something that a stranger may do."""
 
     @initialize()
@@ -131,7 +131,7 @@ class Stranger(RuleBasedStateMachine):
         assert self.drive.nmt_state in (*SPEAKING, NmtState.STOPPED)
 
 
-TestStranger = Stranger.TestCase
-TestStranger.settings = settings(
+TestForeign = ForeignNode.TestCase
+TestForeign.settings = settings(
     max_examples=examples(60), stateful_step_count=40, derandomize=True, database=None
 )

@@ -13,7 +13,7 @@ WITHIN: Final[Nanoseconds] = 5 * SECOND
 """From the first time that the bridge could take it."""
 
 
-class SaidAtStart:
+class ConfirmedAtStart:
     """The requests that are left."""
 
     def __init__(self, requests: Iterable[ConfirmZero]) -> None:
@@ -24,7 +24,7 @@ class SaidAtStart:
         """Let what is left wait, however long: one of its own is under way, as a homing is."""
         self._until = NEVER
 
-    def tell(self, decide: Callable[[ConfirmZero], Verdict], now: Nanoseconds) -> None:
+    def confirm(self, decide: Callable[[ConfirmZero], Verdict], now: Nanoseconds) -> None:
         """Ask for what is left; called in every cycle of a bridge that runs."""
         if not self._left:
             return

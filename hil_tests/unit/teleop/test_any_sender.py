@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_bridge.intent import NEVER_HEARD, Verdict
+from firmware_bridge.intent import NEVER_RECEIVED, Verdict
 from firmware_bridge.robots.rars.motion import Motion
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from hil_tests.lanes import examples
 from hil_tests.unit.teleop.bench import rars
-from hil_tests.unit.teleop.heard import types
+from hil_tests.unit.teleop.received import types
 
 if TYPE_CHECKING:
     from hil_tests.unit.teleop.bench import RarsBench
@@ -23,27 +23,27 @@ def test_the_newest_of_two_stations_counts(bench: RarsBench) -> None:
     other = Codec(254, 190)
     bench.stick(x=500)
     bench.send(other.encode(dialect.MAVLink_manual_control_message(1, 100, 0x7FFF, 0, 0, 0)))
-    assert bench.wish.speed_mps == pytest.approx(0.05)
+    assert bench.command.speed_mps == pytest.approx(0.05)
     bench.stick(x=-500)
-    assert bench.wish.speed_mps == pytest.approx(-0.25)
+    assert bench.command.speed_mps == pytest.approx(-0.25)
 
 
 @pytest.mark.parametrize("target", [0, 1])
 def test_sticks_for_us(bench: RarsBench, target: int) -> None:
     bench.stick(x=100, target=target)
-    assert bench.wish.speed_mps > 0.0
+    assert bench.command.speed_mps > 0.0
 
 
 def test_sticks_for_others(bench: RarsBench) -> None:
     bench.stick(x=100, target=2)
-    assert (bench.wish, bench.operator.intent.heard_at) == (Motion(), NEVER_HEARD)
+    assert (bench.command, bench.operator.intent.received_at) == (Motion(), NEVER_RECEIVED)
     assert bench.operator.dropped.foreign == 1
 
 
 def test_our_own_words_come_back_unheard(bench: RarsBench) -> None:
     echo = Codec(1, 1).encode(dialect.MAVLink_command_long_message(0, 0, 400, 0, 1, 0, 0, 0, 0, 0, 0))
     assert bench.send(echo) == []
-    assert bench.asked == []
+    assert bench.requested == []
     assert bench.operator.dropped.echoed == 1
 
 
@@ -53,7 +53,7 @@ def test_several_messages_in_one_datagram_are_received_in_order(bench: RarsBench
     second = encode(dialect.MAVLink_command_long_message(1, 1, 400, 0, 1, 0, 0, 0, 0, 0, 0))
     third = encode(dialect.MAVLink_manual_control_message(1, 200, 0, 0, 0, 0))
     assert types(bench.send(first + b"noise" + second + third)) == ["COMMAND_ACK"]
-    assert bench.wish.speed_mps == pytest.approx(0.1)
+    assert bench.command.speed_mps == pytest.approx(0.1)
     assert bench.operator.counters.corrupt == 1
 
 
@@ -80,7 +80,7 @@ def test_whatever_foreign_nodes_send_is_answered_without_an_exception(
         crc.accumulate(bytes([dialect.mavlink_map[number].crc_extra]))
         datagram += b"\xfd" + body + crc.crc.to_bytes(2, "little") + junk
     station = Codec(255, 190)
-    for reply in operator.hear(datagram, 5, lambda _: Verdict(accepted=False, reason="no")):
+    for reply in operator.receive(datagram, 5, lambda _: Verdict(accepted=False, reason="no")):
         [_] = station.decode(reply.payload)
 
 
@@ -95,6 +95,6 @@ floats = st.floats(width=32)
 def test_every_command_has_exactly_one_answer(command: int, params: tuple[float, ...]) -> None:
     operator, station = rars().operator, Codec(255, 190)
     order = station.encode(dialect.MAVLink_command_long_message(1, 1, command, 0, *params))
-    replies = operator.hear(order, 5, lambda _: Verdict(accepted=True, reason=""))
+    replies = operator.receive(order, 5, lambda _: Verdict(accepted=True, reason=""))
     answers = [message for reply in replies for message in station.decode(reply.payload)]
     assert [one.command for one in answers if one.get_type() == "COMMAND_ACK"] == [command]

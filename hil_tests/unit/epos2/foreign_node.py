@@ -14,7 +14,7 @@ from emulators.epos2.drive import Epos2
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank
 from emulators.servo.motor import MOTOR, DcMotors
-from emulators.servo.winding import tell
+from emulators.servo.winding import set_winding
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
@@ -42,12 +42,12 @@ FRAME_TIME: Final[Nanoseconds] = 120 * MICROSECOND
 Draw = Callable[[int], int]
 
 
-class Stranger:
+class ForeignNode:
     """One drive, one motor, and the number of frames sent so far."""
 
     def __init__(self) -> None:
         self.axis = ServoAxis("stranger's", 2000)
-        tell(self.axis, MOTOR.torque_constant, MOTOR.resistance, MOTOR.inductance)
+        set_winding(self.axis, MOTOR.torque_constant, MOTOR.resistance, MOTOR.inductance)
         plant = DcMotors((MOTOR,))
         self.bank = ServoBank(plant, [self.axis])
         self.winding = WatchedWinding(plant, MOTOR, self.axis)
@@ -90,7 +90,7 @@ class Stranger:
 
     def sends(self, address: int, payload: bytes) -> None:
         """Send a frame and check what comes back."""
-        state, mute = self.drive.nmt_state, not self.drive.on_bus
+        state, silent = self.drive.nmt_state, not self.drive.on_bus
         reaction = self._checked(self.drive.receive(Packet(CAN, address, payload), self.now))
         self._due = reaction.wake_at
         self.frames += 1
@@ -98,7 +98,7 @@ class Stranger:
             return
         answers = [packet.payload for packet in reaction.sent if packet.address == 0x580 + NODE]
         request = sdo.decode_request(payload)
-        wanted = state in SPEAKING and not mute and not isinstance(request, sdo.Abort)
+        wanted = state in SPEAKING and not silent and not isinstance(request, sdo.Abort)
         assert len(answers) == wanted, f"{payload.hex()} in {state.name}: {answers}"
         if answers:
             self._judge(request, answers[0])
@@ -151,7 +151,7 @@ def _own(draw: Draw) -> tuple[int, bytes]:
     return bases[draw(len(bases))] + NODE | (REMOTE if draw(5) == 0 else 0), _payload(draw, draw(9))
 
 
-def _asked(draw: Draw) -> tuple[int, bytes]:
+def _requested(draw: Draw) -> tuple[int, bytes]:
     return 0x600 + NODE, _payload(draw, draw(9))
 
 
@@ -214,7 +214,7 @@ def _controller(draw: Draw) -> tuple[int, bytes]:
 
 
 KINDS: Final = (
-    *(_anything, _own, _asked, _read, _read, _written, _written, _segment, _set_point, _set_point, _mode),
+    *(_anything, _own, _requested, _read, _read, _written, _written, _segment, _set_point, _set_point, _mode),
     *(_controlword,) * 10,
     *(_network, _beat, _layer),
 )

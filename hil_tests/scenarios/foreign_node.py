@@ -13,7 +13,7 @@ PERIOD = SECOND // 20
 ARM, CLEAR, CONTROL = 400, 5300, 32100
 
 
-class Stranger:
+class ForeignNode:
     """Speaks 20 times a second from `talks_from` on; `x` is its stick, and `orders` go out once."""
 
     def __init__(
@@ -30,7 +30,7 @@ class Stranger:
         self.texts: list[str] = []
         self._due: Nanoseconds = 0
 
-    def joins(self, ride: Ride) -> "Stranger":
+    def joins(self, ride: Ride) -> "ForeignNode":
         """Sit down on the operator's link."""
         ride.rig.world.attach(f"stranger {self.source}", self, {OPERATOR: ride.rig.operator_wire})
         return self
