@@ -21,7 +21,7 @@ def test_one_that_loses_its_power_stops_the_other(bus, drives, under_test):
     drives("1", on=bus())
     drives("2", on=bus())
     master = under_test([*MASTER, *bus(), "600"])
-    master.states("both turn", within=60)
+    master.prints("both turn", within=60)
     drives.lose_power("2")
     assert master.ends(within=20) == 1
     assert "silent: node 2; the other one stands" in master.printed
