@@ -72,7 +72,7 @@ def devices(
 ) -> Devices:
     """Build a robot's drives above its plant; PlantError where the plant cannot be used.
 
-    `outputs` are the plant's that somebody wants to look at, whether an axis needs them or not, `optional`
+    `outputs` are the plant's that someone wants to look at, whether an axis needs them or not, `optional`
     those that he looks at where it has them. With `realistic_latency` the drives take the published time for
     an SDO answer; otherwise they answer at once.
     `serial` names the axes whose drives have a host on their serial port, and the protocol that they speak,

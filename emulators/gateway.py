@@ -96,7 +96,7 @@ class Cluster:
             self._between.extend((member, packet) for packet in sent)
 
     def _exchange(self, now: Nanoseconds) -> None:
-        """Let the members hear one another, until nobody has anything to add."""
+        """Let the members hear one another, until no one has anything to add."""
         between = self._between
         while between:
             sender, packet = between.popleft()

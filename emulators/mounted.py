@@ -56,7 +56,7 @@ class Mounted:
 
     @property
     def pairs(self) -> int:
-        """The motor's pole pairs; 0 where nobody has told them."""
+        """The motor's pole pairs; 0 where no one has told them."""
         own = None if self.motor is None else self.motor.pole_pairs
         return self.pole_pairs or own or 0
 

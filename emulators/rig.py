@@ -173,7 +173,7 @@ class Rig:
         self._attach_bridge(self._lines())
 
     def start_second(self) -> None:
-        """Start a second bridge on the buses; nobody is at its operator's link, and no cameras serve it."""
+        """Start a second bridge on the buses; no one is at its operator's link, and no cameras serve it."""
         if self.world.here(SECOND_BRIDGE):
             self.world.detach(SECOND_BRIDGE)
         second = guarded(Bridge(self.robot, kind_of(self.robot)), self.robot)

@@ -114,7 +114,7 @@ def drive(order: Order, progress: Progress) -> Summary:
     (order.folder / "samples.csv").write_text(rig.samples.csv(), encoding="ascii")
     title, pictures = f"{order.robot.name} · {order.mission_name} · seed {order.seed}", list[Path]()
     if installed("plots"):
-        # Half a second for Matplotlib, which nobody needs before the run is over.
+        # Half a second for Matplotlib, which no one needs before the run is over.
         from emulators.bench.plots import draw  # noqa: PLC0415 - see above
 
         pictures = draw(

@@ -49,7 +49,7 @@ class Order:
     dip_off: bool = False
     """Whether the DIP switches say 0, so that the saved number counts."""
     commissioned: Mapping[Address, int] = field(default_factory=lambda: MappingProxyType({}))
-    """Parameters of a drive that somebody has set up, until it saves others."""
+    """Parameters of a drive that someone has set up, until it saves others."""
     serial: Mapping[int, Generation | None] = field(default_factory=lambda: MappingProxyType({}))
     """The nodes with a host on their serial port, and the protocol that they speak; None as the host does."""
 

@@ -39,7 +39,7 @@ class PlantJoints(Joints):
     """Joints whose places are the plant's; the track is not on it."""
 
     def __init__(self, plant: FmuPlant, *, carried: bool = False) -> None:
-        """Stand where the plant begins. `carried`: somebody else takes the plant on."""
+        """Stand where the plant begins. `carried`: someone else takes the plant on."""
         super().__init__()
         self.swings = True
         self._plant: Final = plant

@@ -18,7 +18,7 @@ HEX: Final = 16
 
 
 class Commissioned:
-    """The copy of a drive that somebody has set up: these values, until one is saved."""
+    """The copy of a drive that someone has set up: these values, until one is saved."""
 
     def __init__(self, values: Mapping[Address, int], kept: Storage) -> None:
         self._values = dict(values)

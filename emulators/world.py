@@ -28,7 +28,7 @@ class Physics(Protocol):
     def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
         """Move on to `until`, or to the first event before it; return the instant and the nodes to wake then.
 
-        With nobody to wake, everything up to `until` has been done. Each event is reported once.
+        With no one to wake, everything up to `until` has been done. Each event is reported once.
         """
 
 
@@ -165,7 +165,7 @@ class World:
     def snapshot(self) -> Checkpoint:
         """Keep this instant, whole: clock, wires, nodes, physics, chance, trace. Between two calls of `run`.
 
-        What is outside is not kept: observers, and what they write. RewindError where somebody has a state
+        What is outside is not kept: observers, and what they write. RewindError where someone has a state
         that cannot be kept; PlantError where a plant cannot.
         """
         return self._rewind.snapshot()

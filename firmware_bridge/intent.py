@@ -20,7 +20,7 @@ class AgeLimit:
     most: Nanoseconds = 500 * MILLISECOND
     """Since it was said. It belongs to the operator's side: an order may change it while the bridge runs."""
     needed: bool = False
-    """Whether one whose age nobody knows is not obeyed."""
+    """Whether one whose age no one knows is not obeyed."""
     usual: Nanoseconds = 500 * MILLISECOND
     """How old it may be at the robot's top speed; an order for a session lets `most` be more."""
 
@@ -104,7 +104,7 @@ class ConfirmZero:
 
     axis: str
     value: float = math.nan
-    """NaN: nobody has looked, it is to find out by itself."""
+    """NaN: no one has looked, it is to find out by itself."""
 
 
 @dataclass(frozen=True, slots=True)

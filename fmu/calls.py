@@ -183,7 +183,7 @@ def _step_3(step: Callable[..., int], over: ctypes.c_bool, early: ctypes.c_bool,
 
 
 def _function(library: ctypes.CDLL, name: str) -> Any:
-    # Looked up anew: FMPy's own function objects convert and check each argument.
+    # Looked up again: FMPy's own function objects convert and check each argument.
     function = library[name]
     function.restype = ctypes.c_int
     return function

@@ -134,7 +134,7 @@ def _listen2(environment: int | None, name: bytes, status: int, category: bytes,
     """Take a message of FMI 2.0, its arguments filled in, for the instance that it is of."""
     messages = _RECEIVED.get(environment or 0)
     if messages is None:
-        # Of an instance that somebody else in this process has made with FMPy.
+        # Of an instance that someone else in this process has made with FMPy.
         fmi2.printLogMessage(environment, name, status, category, message)
     elif status >= OK_OR_WARNING:
         messages.append(message.decode(errors="replace"))

@@ -26,7 +26,7 @@ READING: Final = "reading the outputs"
 OTHER_BITS: Final = (
     "this plant was compiled in another way: its reference run does not give the bits that its equations"
     " give, so results will differ from those of other machines; compile it with -ffp-contract=off and"
-    " without -ffast-math, or build it anew with `firmware-bridge fmu build`"
+    " without -ffast-math, or build it again with `firmware-bridge fmu build`"
 )
 
 _NOTHING: Final[Mapping[str, float]] = MappingProxyType({})

@@ -21,7 +21,7 @@ FLAGS: Final = (
     "-std=c99", "-O3", "-fno-guess-branch-probability", "-fno-math-errno", "-fno-trapping-math",
     "-ffp-contract=off", "-fPIC", "-fvisibility=hidden",
 )  # fmt: skip
-"""Nobody asks for errno or traps, and without them roots and choices take no branches; the bits are the same.
+"""No one asks for errno or traps, and without them roots and choices take no branches; the bits are the same.
 gcc guesses on which side of a bound a value lies, and moves the other side away: 7 % of a run's time.
 Contraction into fused multiply-adds would make the result depend on compiler and CPU."""
 

@@ -1,4 +1,4 @@
-"""FMUs that came with the installed package, where it brings its plants built: then nobody needs a compiler.
+"""FMUs that came with the installed package, where it brings its plants built: then no one needs a compiler.
 
 Each is named by plant, FMI, sources and machine: one whose sources have changed since, or that is another
 machine's, is not taken. A checkout has none: there, and for a plant of your own, the cache serves.

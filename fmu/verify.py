@@ -73,7 +73,7 @@ def compare(path: Path, fmu: Any, major: int, references: References) -> Verdict
         inputs = references.find(list(wanted.inputs), ("input",), {})
         outputs = references.find(wanted.outputs, ("output",), {})
     except PlantError:
-        # Somebody has renamed what was measured. Whether a master misses it, the master says.
+        # Someone has renamed what was measured. Whether a master misses it, the master says.
         return Verdict.NONE
     second = copy.copy(fmu)
     if major == 2:  # noqa: PLR2004 - the version

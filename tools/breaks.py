@@ -50,7 +50,7 @@ LEFT_OUT: Final = {"abs", "to_seconds", "from_seconds", "radians", "degrees"}
 SYMMETRIC: Final = {"min", "max", "hypot", "isclose", "zip"}
 """Calls that do the same with their arguments in another order, or nearly so."""
 OF_TYPES: Final = {"TypeVar", "NewType", "cast", "isinstance", "issubclass", "getattr", "hasattr"}
-"""Calls whose arguments nobody mixes up, or that nobody asks when the program runs."""
+"""Calls whose arguments no one mixes up, or that no one asks when the program runs."""
 OPPOSITES: Final = (
     ("left", "right"),
     ("front", "rear"),
@@ -69,7 +69,7 @@ UNITS: Final = (
 """Names of units and what each is taken for; numbers that turn one unit into another."""
 
 TUNED: Final = re.compile(r"(^|_)(MS|US|S|BYTES|LENGTH|SIZE|MOST|WITHIN|AFTER|EVERY|OVER|UP_TO)(_|$)")
-"""Names of constants that somebody has chosen, a time or the length of a buffer: one more is as right."""
+"""Names of constants that someone has chosen, a time or the length of a buffer: one more is as right."""
 COUNTER: Final = "__import__('builtins').__dict__.setdefault('__times__', __import__('itertools').count())"
 """Counts how often a process comes to the one place that is broken in it."""
 TIMES: Final = (

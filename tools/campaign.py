@@ -41,7 +41,7 @@ QUICK: Final = (
     *("-x", "-q", "--tb=no", "--assert=plain", f"--rootdir={ROOT}", "-mnot long and not vcan and not tshark"),
     *(f"-pno:{name}" for name in ("cacheprovider", "xdist", "hypothesispytest", "unraisableexception")),
 )
-"""Nobody reads what pytest says: what makes its failures readable would take most of a run's time."""
+"""No one reads what pytest says: what makes its failures readable would take most of a run's time."""
 
 
 class Unsound(Exception):  # noqa: N818 - of the campaign, not of a call
@@ -99,7 +99,7 @@ class _Loader(importlib.machinery.SourceFileLoader):
 
 
 class _Finder(importlib.abc.MetaPathFinder):
-    """Finds other modules in the place of some; one that is None nobody finds."""
+    """Finds other modules in the place of some; one that is None no one finds."""
 
     def __init__(
         self, loaders: dict[str, Callable[[str], importlib.machinery.SourceFileLoader] | None]
@@ -215,7 +215,7 @@ class _Order(_Same):
 
 
 def _once(name: str) -> str:
-    """Return a test's name without what pytest escapes anew each time that a process collects it."""
+    """Return a test's name without what pytest escapes again each time that a process collects it."""
     return re.sub(r"\\+", "/", name)
 
 
@@ -331,7 +331,7 @@ class _Campaign:
             yield from self._ended(running)
 
     def _ended(self, running: dict[int, tuple[Mutant, int]]) -> Iterator[Mutant]:
-        """Wait until one more has ended; yield it where nobody noticed."""
+        """Wait until one more has ended; yield it where no one noticed."""
         child, status = os.wait()
         mutant, reported = running.pop(child)
         with os.fdopen(reported, encoding="utf-8") as pipe:

@@ -62,7 +62,7 @@ def plant() -> str:
     """Return the fingerprint of the plant: what its equations give without a compiler."""
     carried = recorded(ensure(find(ROBOT).plant.fmu))
     if carried is None:
-        raise SystemExit(f"golden_traces: the plant of {ROBOT} carries no fingerprint; build it anew")
+        raise SystemExit(f"golden_traces: the plant of {ROBOT} carries no fingerprint; build it again")
     return carried.sha256
 
 

@@ -125,7 +125,7 @@ def _breakable(
 
 
 def _of_types(node: ast.AST) -> bool:
-    """Return whether nobody asks for it when the program runs."""
+    """Return whether no one asks for it when the program runs."""
     match node:
         case ast.Import() | ast.ImportFrom() | ast.Call(func=ast.Name(id="TypeVar")):
             return True

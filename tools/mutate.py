@@ -2,7 +2,7 @@
 """Mutation campaign: break the program in one place at a time; its tests must notice every time.
 
 `python tools/mutate.py [-j N] [-k TEXT] [MODULE ...]` runs what is not up to date, module by module, and
-writes after each what it has found: end it at any time, and it goes on where it was. `--all` begins anew.
+writes after each what it has found: end it at any time, and it goes on where it was. `--all` begins again.
 With `-k` only mutants whose module and line hold the text are run, and nothing is written. `--report` runs
 nothing. `--ci` runs the mutants of changed lines, and a sample. It exits with 1 when one survives in safety
 or motion that has no reason; with `--ci` or `-k`, when one survives that is not known.
@@ -116,7 +116,7 @@ def report(every: Sequence[str], results: Mapping[str, Result], reasons: Mapping
 
 
 def complaints(alive: Iterable[Key], known: Iterable[Key]) -> list[str]:
-    """Name the survivors that nobody knows."""
+    """Name the survivors that no one knows."""
     kept = set(known)
     return [f"survived: {key[0]}.py: {key[2]}: {key[1]}" for key in alive if key not in kept]
 
@@ -202,7 +202,7 @@ def work(options: argparse.Namespace) -> int:
 
 
 def main() -> int:
-    """Work until the end, or until somebody ends it."""
+    """Work until the end, or until someone ends it."""
     options = options_of()
     try:
         # A mutant's process ends without tidying up.

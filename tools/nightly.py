@@ -97,7 +97,7 @@ def listed(outcomes: Mapping[str, Outcome]) -> None:
 
 
 def main() -> int:
-    """Work until the end, or until somebody ends it."""
+    """Work until the end, or until someone ends it."""
     parser = argparse.ArgumentParser(description="Run everything that .ci/run leaves out.")
     names = ", ".join(step.name for step in STEPS)
     parser.add_argument("step", nargs="*", help=f"only these, of {names}")

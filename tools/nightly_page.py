@@ -24,8 +24,8 @@ MUTATION: Final = """
 ## Mutation, by package
 
 The program broken in one place at a time ([why, and how](decisions/tests-are-tested.md)): a test has to fail.
-*Known* are mutants that nobody can notice, each with its reason in `tools/mutate_survivors.toml`; *alive* are
-those that no test notices and that nobody has explained. In `safety` and `motion` such a one fails the step;
+*Known* are mutants that no one can notice, each with its reason in `tools/mutate_survivors.toml`; *alive* are
+those that no test notices and that no one has explained. In `safety` and `motion` such a one fails the step;
 those of the other packages are listed in `tools/mutate_results.toml`.
 """
 

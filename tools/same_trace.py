@@ -96,7 +96,7 @@ def copied(folder: Path) -> Path:
 
 
 class Environment:
-    """An interpreter's own environment in a folder that somebody else removes."""
+    """An interpreter's own environment in a folder that someone else removes."""
 
     def __init__(self, one: Interpreter, folder: Path) -> None:
         self._folder = folder

@@ -1,4 +1,4 @@
-"""`study`: a source's figures and numbers, made anew, at the command line."""
+"""`study`: a source's figures and numbers, made again, at the command line."""
 
 import importlib
 from pathlib import Path
@@ -48,7 +48,7 @@ def study(
         ),
     ] = None,
 ) -> None:
-    """Make a source's figures and numbers anew: printed, independent, ours, and why they differ.
+    """Make a source's figures and numbers again: printed, independent, ours, and why they differ.
 
     Ends with status 1 where one of our numbers is not within its bound of the independent one.
     """
@@ -72,7 +72,7 @@ def study(
 
 
 def _drawing() -> ModuleType:
-    """Import what draws: half a second for Matplotlib, which nobody needs who wants no pictures."""
+    """Import what draws: half a second for Matplotlib, which no one needs who wants no pictures."""
     from emulators.extras import from_extras
 
     with from_extras():

@@ -113,7 +113,7 @@ class Board:
         self._usb.hang(now)
 
     def unpower(self, now: Nanoseconds, *, off: bool) -> None:
-        """Take the 5 V of processor and shield, or give them back: both begin anew."""
+        """Take the 5 V of processor and shield, or give them back: both begin again."""
         self.mega.brown_out(now, low=off)
         self.mega.shield.chip.power_on()
 

@@ -101,7 +101,7 @@ ROWS: Final[tuple[BoardFault, ...]] = (
     ),
     BoardFault(
         "board_reset",
-        "somebody presses the button",
+        "someone presses the button",
         lambda it: it.board.reset(it.now) if it.on else None,
     ),
     UNPLUGGED,
@@ -113,7 +113,7 @@ ROWS: Final[tuple[BoardFault, ...]] = (
     ),
     BoardFault(
         "board_unpowered",
-        "processor and shield lose their 5 V, and begin anew",
+        "processor and shield lose their 5 V, and begin again",
         lambda it: it.board.unpower(it.now, off=it.on),
     ),
     BoardFault(

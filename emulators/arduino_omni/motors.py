@@ -2,7 +2,7 @@
 
 The plant moves in ticks of 100 us. A motor that conducts gets the mean voltage of its PWM period, less what
 the half bridge drops at the current of the tick before. While nothing is broken and the plant is an FMU, the
-ticks are run by `emulators.servo.terminals`, to the same bits. They are run when somebody looks, or before
+ticks are run by `emulators.servo.terminals`, to the same bits. They are run when someone looks, or before
 the shield is told something else.
 
 Sources: TB6612FNG data sheet for what conducts; community figures of the interrupts' load, about 100 kHz.
@@ -68,7 +68,7 @@ class Load:
     supply: int | None = None
     """Which of the plant's outputs is the supply in V; None: it is constant."""
     rests: bool = False
-    """Whether a plant in which nothing turns and nobody drives stays as it is."""
+    """Whether a plant in which nothing turns and no one drives stays as it is."""
     counts_per_turn: int = COUNTS_PER_TURN
     holds: Callable[[int, float], None] | None = None
     """Have something rub at a motor's shaft behind its gear, N m, from 0 on; None: this plant cannot."""
@@ -155,7 +155,7 @@ class Motors(Shafts):
         self._counted: Final = array("q", self._edges)
         self._shown: Sequence[int] = self._places
         self._due = 0
-        """Ticks to be run before somebody looks."""
+        """Ticks to be run before someone looks."""
         self._changes = -1
         """How often the chip's outputs had changed when these were read."""
         self._outputs: list[Output] = []
@@ -318,7 +318,7 @@ class Motors(Shafts):
             self._tick(self._outputs)
 
     def _still(self, outputs: Sequence[Output]) -> bool:
-        """Tell whether nothing will change: all stands, and nobody drives."""
+        """Tell whether nothing will change: all stands, and no one drives."""
         driven = any(it.cw != it.ccw for it in outputs)
         count, state = len(outputs), self._plant.outputs
         return not driven and not any(state[:count]) and not any(state[2 * count : 3 * count])

@@ -78,7 +78,7 @@ class UsbBoard:
     def advance(self, now: Nanoseconds) -> None:
         """Do everything up to `now`, in the order of its instants.
 
-        It is called where somebody may notice, and not at each byte: what was not noticed is done then.
+        It is called where someone may notice, and not at each byte: what was not noticed is done then.
         """
         while self._passes_at <= now:
             at = self._passes_at

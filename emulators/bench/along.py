@@ -1,4 +1,4 @@
-"""A mission along a path of somebody's own: arm, let the guide drive, take over behind its end."""
+"""A mission along a path of someone's own: arm, let the guide drive, take over behind its end."""
 
 from typing import Final
 

@@ -1,6 +1,6 @@
 """The ground station's sticks and buttons, as the mission's steps move them, and what they say to the robot.
 
-Signs and scales are those of the robot's rehearsal, written anew, not taken from the bridge.
+Signs and scales are those of the robot's rehearsal, written again, not taken from the bridge.
 """
 
 from typing import Final

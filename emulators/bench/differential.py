@@ -1,6 +1,6 @@
 """The bench's half of robots with two driven wheels on one axle; packages add what else they have.
 
-Signs and scales are written here anew, not taken from the bridge's half: a mistake there is not repeated.
+Signs and scales are written here again, not taken from the bridge's half: a mistake there is not repeated.
 """
 
 import math

@@ -1,7 +1,7 @@
 """A mission: what an operator does over time, from a TOML file that an engineer writes in five minutes.
 
 Wrong keys and values are refused with the file's name and each key's path, all of them at once. Whether the
-robot allows what a mission asks is nobody's business here: missions exist to ask for too much.
+robot allows what a mission asks is no one's business here: missions exist to ask for too much.
 """
 
 import tomllib
@@ -95,7 +95,7 @@ class Mission(Table):
     def predicted(self) -> Self:
         """Return the mission with its pilot behind a predictor; MissionFileError where it has none."""
         if self.pilot is None:
-            raise MissionFileError(self.title, Problem("pilot", "nobody follows a path, who could predict?"))
+            raise MissionFileError(self.title, Problem("pilot", "no one follows a path, who could predict?"))
         return self.model_copy(update={"pilot": self.pilot.model_copy(update={"predictor": True})})
 
     def over(self, link: str | None, max_delay_s: float | None) -> Self:
@@ -197,11 +197,11 @@ def _beside_a_pilot(index: int, step: Step, pilot: Pilot | None) -> Iterator[Pro
 
 
 def _unconfirmed(index: int, step: Step, robot: AnyRobot) -> Iterator[Problem]:
-    """Yield the roles whose place nobody has to tell this robot."""
+    """Yield the roles whose place no one has to tell this robot."""
     known = [axis.role for axis in robot.axes if axis.zero_confirmed]
     for role in step.zero or ():
         if role not in known:
-            problem = f"nobody tells {robot.name} where such an axis stands; {near(role, known)}"
+            problem = f"no one tells {robot.name} where such an axis stands; {near(role, known)}"
             yield Problem(f"step[{index}].zero.{role}", problem)
     homed = [axis.role for axis in robot.axes if axis.zero.homing is not None]
     for place, role in enumerate(step.home or ()):

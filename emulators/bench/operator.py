@@ -1,6 +1,6 @@
 """A ground station that drives a mission and keeps a diary of what the robot answers: a Node.
 
-It speaks MAVLink as a stranger would: signs, scales and retries are written anew, here and in `controls`, not
+It speaks MAVLink as another would: signs, scales and retries are written again, here and in `controls`, not
 taken from the bridge, so that a mistake there is not repeated here.
 """
 

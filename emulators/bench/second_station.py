@@ -33,7 +33,7 @@ ORDERS: Final[Mapping[str, tuple[int, tuple[float, ...]]]] = MappingProxyType(
 
 
 class SecondStation:
-    """One that nobody has asked for; `accepted` are its orders that were, and when."""
+    """One that no one has asked for; `accepted` are its orders that were, and when."""
 
     def __init__(self, robot: tuple[int, int], system: int, stick: float, order: str, place: int) -> None:
         """Take the robot's system and component, its own system, and a number for where it speaks from."""

@@ -38,7 +38,7 @@ COMMANDS: Final[tuple[Row, ...]] = (
     Command(
         "study",
         "emulators.cli.study:study",
-        "Make a source's figures and numbers anew: printed, independent, ours, and why they differ.",
+        "Make a source's figures and numbers again: printed, independent, ours, and why they differ.",
     ),
     Command(
         "fmea",

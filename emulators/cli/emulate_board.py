@@ -38,7 +38,7 @@ class BoardOptions:
 
     For whoever writes a client and has no board at hand. It is on from the beginning, and deaf for the boot
     loader's 1.1 s. A pseudo-terminal has no DTR: a client that opens it resets nothing, where a real
-    board would begin anew, unless --reset-on-open says so. Motors turn at all four terminals, encoders are on
+    board would, unless --reset-on-open says so. Motors turn at all four terminals, encoders are on
     the first three (pins 2 and 3, 18 and 19, 10 and 11). Ends on Ctrl-C.
     """
 

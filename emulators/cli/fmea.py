@@ -33,8 +33,8 @@ EXAMPLES: Final = """Examples:
 class FmeaOptions:
     """Try every fault in every state of a robot, and say who notices, when, and how far it goes.
 
-    In virtual time, on all processors: minutes. Ends with status 1 where the robot does something that nobody
-    asked for, nobody notices within half a second, and no reason is known. With `--out` it leaves `fmea.csv`
+    In virtual time, on all processors: minutes. Ends with status 1 where the robot does something that no one
+    asked for, no one notices within half a second, and no reason is known. With `--out` it leaves `fmea.csv`
     and `fmea.html`, the matrix on one page. How bad a fault is made stands in the page's titles.
     """
 

@@ -14,7 +14,7 @@ from firmware_bridge.wire.epos2.address import DEVICE_TYPE
 from firmware_bridge.wire.sdo import encode_upload
 
 OWN: Final = {SDO_RESPONSE: "answers", ERROR_CONTROL: "heartbeats", EMERGENCY: "emergencies"}
-"""What nobody but the node itself sends."""
+"""What no one but the node itself sends."""
 
 
 def keeping_reported(mega: Mega, name: str = "the board") -> None:

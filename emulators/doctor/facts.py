@@ -21,7 +21,7 @@ class CanInterface:
     up: bool
     virtual: bool = False
     bit_rate: int | None = None
-    """None where nobody tells it: a virtual one has none."""
+    """None where no one tells it: a virtual one has none."""
     state: str | None = None
     """The controller's, as the kernel spells it: ERROR-ACTIVE, BUS-OFF ..."""
 

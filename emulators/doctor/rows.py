@@ -42,7 +42,7 @@ class Row:
 
 OLDEST: Final = (3, 11)
 NEWEST: Final = (3, 14)
-"""Pythons. ASSUME: a later one works, too; nobody has tried."""
+"""Pythons. ASSUME: a later one works, too; no one has tried."""
 CYCLE: Final[Nanoseconds] = 50 * MILLISECOND
 """Of the bridge on most robots that come with it; a robot file says its own, `cycle_ms`."""
 COARSE: Final[Nanoseconds] = MILLISECOND
@@ -231,7 +231,7 @@ def core(facts: Facts) -> Finding:
     if not plain:
         return _ok("translated to C")
     if len(plain) < len(facts.compiled):
-        return _careful(f"in Python, beside others in C: {', '.join(plain)}", "install it anew, whole")
+        return _careful(f"in Python, beside others in C: {', '.join(plain)}", "install it again, whole")
     return _missing("in Python, which is slower; the bytes are the same", "`make compiled`, in a checkout")
 
 
@@ -239,7 +239,7 @@ def plants(facts: Facts) -> Finding:
     """Judge whether a first run has to wait for plants."""
     wanting = sorted(name for name, built in facts.plants.items() if not built)
     if None in facts.plants.values():
-        return _missing("without a compiler nobody can tell", "install a C compiler")
+        return _missing("without a compiler no one can tell", "install a C compiler")
     if not wanting:
         return _ok(f"{', '.join(sorted(facts.plants)) or 'none is installed'}: built")
     remedy = "they are built when they are wanted, 10 s each; `firmware-bridge fmu build NAME` does it now"

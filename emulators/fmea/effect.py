@@ -37,7 +37,7 @@ RESTS_S: Final = 0.3
 
 EACH_MS: Final = SAMPLE_EVERY / MILLISECOND
 LATE_MS: Final = 500.0
-"""A robot that does something else for longer than this, and nobody says so, was noticed late. ASSUME."""
+"""A robot that does something else for longer than this, and no one says so, was noticed late. ASSUME."""
 
 
 class Verdict(StrEnum):
@@ -48,13 +48,13 @@ class Verdict(StrEnum):
     REPORTED = "told"
     """The operator was told, and nothing holds."""
     TOLERATED = "tolerated"
-    """Nobody said a word, and the robot does what it would do without the failure."""
+    """No one said a word, and the robot does what it would do without the failure."""
     STANDS = "stands"
-    """Nobody said a word, and the robot came to rest where it would have gone on."""
+    """No one said a word, and the robot came to rest where it would have gone on."""
     LATE = "NOTICED LATE"
     """It was noticed when the robot had done something else for a while."""
     MISSED = "NOT NOTICED"
-    """Nobody said a word, and the robot does something else; or it never stands, whoever said what."""
+    """No one said a word, and the robot does something else; or it never stands, whoever said what."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,16 +22,16 @@ class Cell:
     failure: Failure
     effect: Effect
     why: str = ""
-    """Why nobody need notice."""
+    """Why no one need notice."""
 
     @property
     def late(self) -> bool:
-        """Whether it moves as nobody asked, and nobody notices in time."""
+        """Whether it moves as no one asked, and no one notices in time."""
         return self.effect.verdict in {Verdict.MISSED, Verdict.LATE}
 
     @property
     def wrong(self) -> bool:
-        """Whether it does, and nobody has said why that must be."""
+        """Whether it does, and no one has said why that must be."""
         return self.late and not self.why
 
 

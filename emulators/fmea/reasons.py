@@ -15,7 +15,7 @@ ALONE: Final = frozenset({"bridge_ends"})
 
 @dataclass(frozen=True, slots=True)
 class Reason:
-    """One kind of fault that somebody has thought about."""
+    """One kind of fault that someone has thought about."""
 
     kind: str
     why: str
@@ -38,7 +38,7 @@ class Reason:
 
 
 REASONS: Final = (
-    Reason("bridge_ends", "nobody is left to say so: each device stops by its own watchdog", watched=True),
+    Reason("bridge_ends", "no one is left to say so: each device stops by its own watchdog", watched=True),
     Reason(
         "load_lifted",
         "a motor whose load is off the floor turns as it is told: cameras alone see it, and only when the"

@@ -1,4 +1,4 @@
-"""The matrix as tables: lines of CSV, and one page of HTML on which somebody finds what he looks for."""
+"""The matrix as tables: lines of CSV, and one page of HTML on which someone finds what he looks for."""
 
 import csv
 import html
@@ -26,7 +26,7 @@ LEGEND: Final = (
     (Verdict.NOTICED, "an interlock holds: which, and after how long"),
     (Verdict.REPORTED, "the operator was told, and nothing holds"),
     (Verdict.TOLERATED, "the robot does what it would have done"),
-    (Verdict.STANDS, "nobody said a word, and the robot came to rest"),
+    (Verdict.STANDS, "no one said a word, and the robot came to rest"),
 )
 
 
@@ -67,14 +67,14 @@ def as_page(robot: str, cells: Sequence[Cell]) -> str:
         f"taken off after two seconds, on the bench. By the plant's truth: when the robot stood for good, "
         f"how far it went and turned, whatever was asked of it.</p><ul>{legend}"
         f'<li><span class="why">late or never, with a reason</span></li>'
-        f'<li><span class="wrong">late or never, and nobody knows why</span></li></ul>'
+        f'<li><span class="wrong">late or never, and no one knows why</span></li></ul>'
         f"<table><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>",
         LOOK,
     )
 
 
 def wrongs(cells: Sequence[Cell]) -> Iterator[str]:
-    """Yield a line for each cell in which the robot moves, and nobody notices or has said why."""
+    """Yield a line for each cell in which the robot moves, and no one notices or has said why."""
     for cell in cells:
         if cell.wrong:
             found = cell.effect

@@ -34,7 +34,7 @@ Truth: TypeAlias = Callable[[Nanoseconds], Place]
 
 @dataclass(frozen=True, slots=True)
 class Circling:
-    """The truth of a body that nobody drives: round a circle about the room's middle, to the left, ahead."""
+    """The truth of a body that no one drives: round a circle about the room's middle, to the left, ahead."""
 
     radius_m: float = 1.0
     speed_mps: float = 0.5

@@ -8,7 +8,7 @@ AT_ONCE: Final = 1_024
 
 
 class Chance:
-    """Normally distributed numbers, in the order in which the generator gives them; it is nobody else's."""
+    """Normally distributed numbers, in the order in which the generator gives them; it is no one else's."""
 
     def __init__(self, generator: Generator) -> None:
         self._generator: Final = generator

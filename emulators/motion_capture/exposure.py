@@ -5,7 +5,7 @@ not, so that a disturbance changes nothing but what it says.
 
 Sources: OptiTrack's page on rigid body tracking and reports of its users for what a lost body looks like;
 0.2 mm is a calibrated volume's usual error. Where they are silent:
-* errors are normal, the same along all axes, and of each frame anew.
+* errors are normal, the same along all axes, and of each frame again.
 * the attitude's error is the position's over an arm of 0.15 m.
 * a body whose markers are mistaken stays tracked, with the mean error that it had.
 * a body that is lost has a mean error of 0.

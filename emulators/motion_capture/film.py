@@ -1,6 +1,6 @@
 """A plant's body on film: where it was at each exposure, kept while the physics runs on.
 
-So nobody is stopped or woken for an exposure; the cameras look at the film when the frame is to leave.
+So no one is stopped or woken for an exposure; the cameras look at the film when the frame is to leave.
 """
 
 from collections import deque

@@ -64,7 +64,7 @@ class Server:
         ticks_per_s: int,
         data_port: int = messages.DATA_PORT,
     ) -> None:
-        """Serve in this version; NatNetError for one that nobody has described."""
+        """Serve in this version; NatNetError for one that no one has described."""
         self.version: Final = known(version)
         self.recording = False
         self._models: Final = found
@@ -153,7 +153,7 @@ class Server:
         return (packet(MessageId.RESPONSE, payload),)
 
     def _spoken(self, place: int) -> Version:
-        """Return the version in which somebody is spoken to."""
+        """Return the version in which someone is spoken to."""
         client = self._clients.get(place)
         return self.version if client is None else client.version
 

@@ -131,7 +131,7 @@ def _switched_on(order: Order, inputs: Inputs) -> tuple[Nanoseconds, Nanoseconds
     while not spoken:
         if world.now >= UNHEARD:
             raise RecordingFileError(
-                f"{inputs.name}: nobody knows when the bridge of {order.robot.name} began"
+                f"{inputs.name}: no one knows when the bridge of {order.robot.name} began"
             )
         world.run(world.now + LOOK_EVERY)
     name, after = next(iter(spoken.items()))

@@ -1,4 +1,4 @@
-"""A node that says again what was recorded, at the recorded instants, and listens to nobody."""
+"""A node that says again what was recorded, at the recorded instants, and listens to no one."""
 
 from collections.abc import Sequence
 

@@ -46,7 +46,7 @@ RESOLUTION: Final[Nanoseconds] = MICROSECOND
 """Of the instants of frames and messages, which are cut and not rounded."""
 TELEMETRY: Final = ".tlog"
 BENCH_WITHIN: Final[Nanoseconds] = 60 * SECOND
-"""So soon after its epoch the bench's own recordings begin, a board's when it has booted; nobody's clock says
+"""So soon after its epoch the bench's own recordings begin, a board's when it has booted; no one's clock says
 that day any more."""
 _UNPACKERS: Final[Mapping[str, Callable[[], _Unpacker]]] = MappingProxyType(
     {".gz": lambda: zlib.decompressobj(_GZIP), ".xz": lzma.LZMADecompressor}

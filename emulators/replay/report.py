@@ -42,7 +42,7 @@ def written(
     (folder / TABLE).write_text(run.samples.csv(), encoding="ascii")
     pictures: list[Path] = []
     if installed("plots"):
-        # Half a second for Matplotlib, which nobody needs before.
+        # Half a second for Matplotlib, which no one needs before.
         from emulators.bench.plots import draw  # noqa: PLC0415 - see above
 
         pictures = draw(folder, title, robot, rehearsal.panels, run.samples, holds=run.holds)

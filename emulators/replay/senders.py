@@ -15,7 +15,7 @@ UNKNOWN: Final = "unknown"
 
 @dataclass(frozen=True, slots=True)
 class Sent:
-    """A recorded packet, and who has sent it: `BRIDGE`, an axis, or a name for somebody else."""
+    """A recorded packet, and who has sent it: `BRIDGE`, an axis, or a name for someone else."""
 
     entry: Entry
     sender: str
@@ -24,7 +24,7 @@ class Sent:
 def frames_of(recording: Recording, robot: AnyRobot, link: str) -> list[Sent]:
     """Name the sender of each frame on a link's bus.
 
-    The identifiers are CANopen's, those of PDOs as somebody was seen to set them.
+    The identifiers are CANopen's, those of PDOs as someone was seen to set them.
     Any network master's frames are the bridge's, whoever that was.
     """
     reader = Canopen()

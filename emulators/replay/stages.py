@@ -4,7 +4,7 @@ This alone knows which links a robot has, and who is on them.
 
 The bench's own recordings begin with the run. In one of a real bus a drive that begins with its boot-up
 message, and the bridge with its first frame, is switched on for that instant. Another drive was there `LEAD`
-before, and nobody hears it boot. A drive that says nothing in a recording stays off the bus.
+before, and no one hears it boot. A drive that says nothing in a recording stays off the bus.
 """
 
 from collections.abc import Callable, Mapping
@@ -53,7 +53,7 @@ from firmware_bridge.wire.canopen import ERROR_CONTROL, LSS_RESPONSE, NmtState, 
 LEAD: Final[Nanoseconds] = SECOND
 """A drive that was there before a recording has had this time to initialise."""
 SHARED: Final = LSS_RESPONSE
-"""Every drive answers with this identifier, so nobody can tell whose answer it is."""
+"""Every drive answers with this identifier, so no one can tell whose answer it is."""
 
 
 def _drives(order: Order) -> Stage:

@@ -29,7 +29,7 @@ class NotCaptured:
 
 
 class External(NotCaptured, list[Item]):
-    """A list whose content belongs to somebody outside of the run."""
+    """A list whose content belongs to someone outside of the run."""
 
 
 @runtime_checkable
@@ -53,7 +53,7 @@ def _same_members(thing: dict[Any, Any], copy: dict[Any, Any]) -> bool:
 
 
 def _same_attributes(thing: dict[str, Any], copy: dict[str, Any]) -> bool:
-    # An attribute that comes anew is the last one, so the names need not all be compared.
+    # An attribute that comes again is the last one, so the names need not all be compared.
     if len(thing) != len(copy) or any(map(is_not, thing.values(), copy.values())):
         return False
     return not thing or next(reversed(thing)) == next(reversed(copy))

@@ -1,7 +1,7 @@
 """What is known of a class before any of its instances is looked at: can one change, and where is its state.
 
 What it does not know it refuses: a generator, an open file or an object of an extension module may hold a
-state that nobody sees, and a run that is put back without it would go on differently, silently.
+state that no one sees, and a run that is put back without it would go on differently, silently.
 """
 
 import ctypes

@@ -1,6 +1,6 @@
 """Keeps the state of everything that can be reached from one thing, and puts it back.
 
-Nobody tells what his state is: the objects are walked, so nothing can be forgotten. The walk takes some
+No one tells what his state is: the objects are walked, so nothing can be forgotten. The walk takes some
 milliseconds and is done once; afterwards each known thing is copied, and only what is new is looked into.
 Things keep their identity, so whoever refers to one finds it as it was.
 """
@@ -83,7 +83,7 @@ class Rewind(NotCaptured):
         checkpoint.put_back(self)
 
     def _forget(self) -> None:
-        """Know nothing: the next checkpoint walks anew. Checkpoints keep what they know."""
+        """Know nothing: the next checkpoint walks again. Checkpoints keep what they know."""
         # What saves its own state comes first: that alone can refuse, and then nothing has been put back yet.
         self._groups: dict[Capture, _Group] = {SAVES_STATE: _Group(SAVES_STATE)}
         self._ids: set[int] = set()

@@ -125,7 +125,7 @@ def electrical(axis: ServoAxis) -> int:
 def bounds(axis: ServoAxis) -> int:
     """Tell that the shaft passes a software position limit, or is driven on beyond it.
 
-    ASSUME: what leads back or comes to rest is no fault, or nobody could bring the shaft back after a reset.
+    ASSUME: what leads back or comes to rest is no fault, or no one could bring the shaft back after a reset.
     ASSUME: while a position is regulated its demand must be beyond, too, or every move to the very limit
     would be a fault by the last count of its overshoot.
     """

@@ -53,7 +53,7 @@ class Recorder(ctypes.Structure):
     def start(
         self, axis: Record, fields: tuple[str, ...], *, capacity: int, period: int, preceding: int
     ) -> None:
-        """Record these fields anew every `period` ticks; `preceding` samples are from before the trigger."""
+        """Record these fields again every `period` ticks; `preceding` samples are from before the trigger."""
         if not self.numbers:
             self.source_numbers = (ctypes.c_int64 * MOST_SOURCES)()
             self.numbers = (ctypes.c_int64 * MOST_NUMBERS)()

@@ -22,7 +22,7 @@ brakes.
 RESTING: Final = 10
 """mrad/s up to which a winding without voltage and current is left alone."""
 LEARNING: Final = 5_000
-"""mrad/s above which a back-EMF constant that nobody told is learnt."""
+"""mrad/s above which a back-EMF constant that no one told is learnt."""
 SLOWING: Final = 16
 """It is learnt while the shaft loses no more than this part of its speed in a tick: in one that brakes itself
 faster the current comes from the speed that was, and asks for too much.
@@ -103,7 +103,7 @@ def set_winding(axis: ServoAxis, constant: float, resistance: float = 0.0, induc
 
 
 def turns(axis: ServoAxis, speed: int) -> int:
-    """Learn a constant that nobody told; say what `turning` is in this ms: 0, 1, or still JUST_OPENED.
+    """Learn a constant that no one told; say what `turning` is in this ms: 0, 1, or still JUST_OPENED.
 
     The estimate begins at 0, a winding that is shorted, and rises by what the current that still brakes
     asks for at a resistance below the winding's own: from below, so that it never drives. The resistance is

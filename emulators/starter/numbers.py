@@ -21,7 +21,7 @@ OVERSPEED: Final = 1.15
 USABLE_SPEED: Final = 0.85
 """Of a motor's no-load speed: the rest is for load and a battery that is not full."""
 LEAST_OF_THE_MOTOR: Final = 0.01
-"""Of that usable speed at the robot's limit: below it, somebody has turned the gear's ratio over."""
+"""Of that usable speed at the robot's limit: below it, someone has turned the gear's ratio over."""
 ROLLS: Final = 0.010
 """Resistance over load, the castors': the plant's wheels roll at half of it."""
 FRICTION_MARGIN: Final = 1.15
@@ -37,7 +37,7 @@ class SpecificationError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Specification:
-    """What somebody tells of a differential robot; SI."""
+    """What someone tells of a differential robot; SI."""
 
     kind: str
     name: str

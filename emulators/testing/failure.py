@@ -16,7 +16,7 @@ TURNING: Final = frozenset(
         *("motor_cable_off", "motor_leads_swapped", "shaft_blocked", "load_lifted", "index_missing"),
     }
 )
-"""Kinds that nobody notices while the motor stands."""
+"""Kinds that no one notices while the motor stands."""
 STANDS_RAD_S: Final = 1.0
 """At the motor's shaft."""
 

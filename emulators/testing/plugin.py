@@ -138,7 +138,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Leave out a test that needs what is not here, or moves what nobody said may be moved."""
+    """Leave out a test that needs what is not here, or moves what no one said may be moved."""
     real = _is_real(item.config)
     if real and item.get_closest_marker("destructive") and not item.config.getoption("--yes-move-it"):
         pytest.skip("it moves what is real: say --yes-move-it")
@@ -263,7 +263,7 @@ def bus(request: pytest.FixtureRequest) -> Iterator[Callable[[], "Bus"]]:
 def under_test(
     request: pytest.FixtureRequest,
     tmp_path: Path,
-    bus: Callable[[], "Bus"],  # so that it is given back when nobody is on it any more
+    bus: Callable[[], "Bus"],  # so that it is given back when no one is on it any more
 ) -> Iterator[Callable[[str | Sequence[str]], "Process"]]:
     """Return what starts a program, `under_test("./my_master vcan0")`; it is ended with the test."""
     from emulators.testing.process import Process  # noqa: PLC0415 - for tests that use it alone

@@ -23,7 +23,7 @@ SHOWN: Final = 4000
 
 
 def _ends_with(parent: int) -> None:
-    """Have the system end this process when its parent is gone: one that is killed leaves nobody behind."""
+    """Have the system end this process when its parent is gone: one that is killed leaves no one behind."""
     ctypes.CDLL(None).prctl(SET_DEATH_SIGNAL, signal.SIGTERM)
     if os.getppid() != parent:
         os.kill(os.getpid(), signal.SIGTERM)

@@ -52,7 +52,7 @@ class RealDrives:
 
     def lose_power(self, nodes: str) -> None:
         """Skip the test."""
-        raise SkipTest(f"nobody here can take the power from the real drives {nodes}")
+        raise SkipTest(f"no one here can take the power from the real drives {nodes}")
 
     def finish(self) -> None:
         """Bring those that may have been commanded to rest, and then take their power off.

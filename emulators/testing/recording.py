@@ -1,4 +1,4 @@
-"""What a test's wires have carried, kept in memory until somebody wants it in files."""
+"""What a test's wires have carried, kept in memory until someone wants it in files."""
 
 from io import BytesIO
 from pathlib import Path
@@ -19,7 +19,7 @@ Carried: TypeAlias = tuple[int, Nanoseconds, str, Packet]
 class Recording:
     """One test's recording from the moment at which the robot was switched on.
 
-    The packets are kept as they are; most tests are green, and nobody reads a line of theirs.
+    The packets are kept as they are; most tests are green, and no one reads a line of theirs.
     """
 
     def __init__(self, rig: Rig) -> None:

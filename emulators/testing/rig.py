@@ -147,7 +147,7 @@ class VirtualRig:
                 known = has if nearest(kind, has) or not nearest(kind, KINDS) else list(KINDS)
                 message = f"no such fault as '{kind}'; {near(kind, known, most=len(known))}"
                 raise RigError(f"{message} (firmware-bridge faults {self.robot.name} lists them)") from error
-            among = " or ".join(KINDS[kind].fault.among.of(self.robot)) or "nobody here"
+            among = " or ".join(KINDS[kind].fault.among.of(self.robot)) or "no one here"
             message = "; ".join(
                 f"{kind} needs node: {among}"
                 if key == "node" and "required" in problem

@@ -36,7 +36,7 @@ class Impairment:
     again: Nanoseconds | None = None
 
     def meets(self, sender: str, now: Nanoseconds) -> bool:
-        """Return whether it meets the packet that is sent now; drawn anew at every call."""
+        """Return whether it meets the packet that is sent now; drawn again at every call."""
         if self.sender not in (None, sender) or not self.begin <= now < self.end:
             return False
         return self.share >= 1.0 or self.generator is None or bool(self.generator.random() < self.share)

@@ -48,7 +48,7 @@ class Standing:
         self.left = what.count
 
     def meets(self, sender: str, now: Nanoseconds) -> bool:
-        """Return whether it meets a frame of this sender now, which counts; drawn anew at every call."""
+        """Return whether it meets a frame of this sender now, which counts; drawn again at every call."""
         what = self.what
         if what.sender not in (None, sender) or not what.begin <= now < what.end or self.left == 0:
             return False

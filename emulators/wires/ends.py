@@ -38,7 +38,7 @@ class Ends:
     def world(self) -> World:
         """The world that this wire is in; WorldError before anybody has joined."""
         if self._world is None:
-            raise WorldError(f"nobody is on wire '{self.wire}' yet")
+            raise WorldError(f"no one is on wire '{self.wire}' yet")
         return self._world
 
     def join(self, end: End) -> None:

@@ -2,8 +2,8 @@
 
 While nothing is wrong it is as any other bus. Source: ISO 11898-1. Simplified: a damage is noticed when the
 frame ends; a passive sender does not wait eight bits more than the others; a controller returns after the
-least time, 128 x 11 bits; the two halves of a cut cable still take turns; a frame that nobody acknowledges is
-repeated until its sender is passive, and then waits, in a queue of `WAITING`, until somebody is there.
+least time, 128 x 11 bits; the two halves of a cut cable still take turns; a frame that no one acknowledges is
+repeated until its sender is passive, and then waits, in a queue of `WAITING`, until someone is there.
 """
 
 from collections import deque
@@ -56,7 +56,7 @@ class FaultyCanWire(CanWire):
         self._known: frozenset[str] = frozenset()
         """The names of all stations that have ever been on it."""
         self._parked: dict[Station, deque[Packet]] = {}
-        """What waits where a controller is off the bus, or finds nobody to acknowledge its frames."""
+        """What waits where a controller is off the bus, or finds no one to acknowledge its frames."""
         self._full: set[Station] = set()
         """Whose transmit queue, ..."""
         self._overrun: set[Station] = set()
@@ -87,7 +87,7 @@ class FaultyCanWire(CanWire):
     def swap(self, names: Collection[str]) -> None:
         """Exchange CAN high and CAN low at these stations.
 
-        Such a station hears nothing and is not understood; while it has a frame that nobody acknowledges, its
+        Such a station hears nothing and is not understood; while it has a frame that no one acknowledges, its
         repetitions destroy everybody else's frames.
         """
         self._swapped = frozenset(self._named(name).name for name in names)
@@ -99,7 +99,7 @@ class FaultyCanWire(CanWire):
         self._try_again()
 
     def throw_off(self, name: str, until: Nanoseconds) -> None:
-        """Damage a station's frames until its controller is off the bus; nobody restarts it till `until`."""
+        """Damage a station's frames until its controller is off the bus; no one restarts it till `until`."""
         self._thrown_off[self._named(name).name] = until
         self._sound = False
 
@@ -246,7 +246,7 @@ class FaultyCanWire(CanWire):
         self._go_on()
 
     def _repeat(self, controller: Controller) -> None:
-        """End a frame that nobody acknowledges: until it is passive its sender counts, and sends it again."""
+        """End a frame that no one acknowledges: until it is passive its sender counts, and sends it again."""
         sender = controller.station
         self._idle_after_flag(controller)
         counters = self._counters[sender]
@@ -301,7 +301,7 @@ class FaultyCanWire(CanWire):
             self._try_again()
 
     def _try_again(self) -> None:
-        """Send what waited for an acknowledgement, where there is somebody to give it now."""
+        """Send what waited for an acknowledgement, where there is someone to give it now."""
         for station in tuple(self._parked):
             if self._counters[station].condition is not Condition.OFF and self._hearers(station):
                 self._send_parked(station)

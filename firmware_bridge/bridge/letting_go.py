@@ -4,7 +4,7 @@ All axes let go together. Beforehand the current is looked at that each free axi
 friction explains means a slope, and the power stays until it is ordered off. What still flows of the ramp is
 none of it: only currents that arrived at standstill count, and one that falls is looked at again. An axis
 that moves nevertheless is given power again. It refuses to know why the power shall go; an order that takes
-it asks nobody here.
+it asks no one here.
 """
 
 from collections.abc import Collection, Sequence
@@ -56,7 +56,7 @@ class Stage(Enum):
     """How far the letting go has come."""
 
     KEPT = "kept"
-    """Nobody has asked for it, or the base does not rest yet."""
+    """No one has asked for it, or the base does not rest yet."""
     LOOKED_AT = "looked at"
     WATCHED = "watched"
     """Without power; a free axis that moves now gets it again."""

@@ -25,7 +25,7 @@ class Locating:
     def __init__(self, robot: AnyRobot, unrolled: Unrolled = on_floor) -> None:
         self._unrolled: Final = unrolled
         self.odometry = Pose()
-        """What was rolled since the bridge began, or since the origin was set anew."""
+        """What was rolled since the bridge began, or since the origin was set again."""
         self._sensor = ""
         self._captured: Captured | None = None
         if robot.located_by is not None:
@@ -45,7 +45,7 @@ class Locating:
         return None if self._captured is None else self._captured.located
 
     def begin_again(self) -> str:
-        """Forget where it was, as somebody asks who has looked; return what comes of it, in words."""
+        """Forget where it was, as someone asks who has looked; return what comes of it, in words."""
         if self._captured is None:
             self.odometry = Pose()
             return "the present place is the origin"

@@ -138,7 +138,7 @@ class Permission(Generic[G, M, S]):
     def set_zero(
         self, driver: Driver, position: float | None, seen: Snapshot[M, S], holds: tuple[Hold, ...]
     ) -> Verdict:
-        """Have a device count from where its axis was seen to stand, or home it where nobody has looked.
+        """Have a device count from where its axis was seen to stand, or home it where no one has looked.
 
         One without power is enabled before. `holds` are those that stop this axis.
         """

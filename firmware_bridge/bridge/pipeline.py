@@ -162,7 +162,7 @@ class Pipeline(Generic[G, M, S]):
         if isinstance(request, ChangeDriver):
             self._guide = self._command = None
             self._permission.neutral_required = True
-            self._operator.take_let_go()  # it was somebody else who did
+            self._operator.take_let_go()  # it was someone else who did
             self._permission.homing.ordered(request)
             return Verdict(accepted=True, reason="")
         if isinstance(request, Arm):
@@ -223,7 +223,7 @@ class Pipeline(Generic[G, M, S]):
         return self._operator.report(self.seen, self.holds, now)
 
     def _lapse(self, now: Nanoseconds) -> None:
-        """Let nobody drive where the driver is gone and the robot rests; the next one arms anew."""
+        """Let no one drive where the driver is gone and the robot rests; the next one arms again."""
         if self._permission.rules.at_rest(self.seen) and self._operator.lapse(now):
             self._permission.armed = False
 
@@ -369,7 +369,7 @@ class Pipeline(Generic[G, M, S]):
             locating.rolled(pose, axes[body.rolling[0]].sampled_at, facts.sensors)
 
     def _keep(self, known: Snapshot[M, S], holds: tuple[Hold, ...]) -> None:
-        """Keep what this cycle knew, with what it has demanded; a guide that was held back begins anew."""
+        """Keep what this cycle knew, with what it has demanded; a guide that was held back begins again."""
         self.seen = Snapshot(
             facts=known.facts,
             command=known.command,

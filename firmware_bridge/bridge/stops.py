@@ -285,7 +285,7 @@ class Stops:
 
     @property
     def no_axis_left(self) -> bool:
-        """Whether each step was tried with every device, in vain: nobody is left to hold anything."""
+        """Whether each step was tried with every device, in vain: no one is left to hold anything."""
         return len(self.given_up) == len(self._axes)
 
     def ordered(self, request: Request) -> tuple[Packet, ...]:

@@ -23,7 +23,7 @@ SLACK: Final = 1e-6
 
 
 class Zeros(Generic[G]):
-    """The axes of one robot whose zero somebody confirms."""
+    """The axes of one robot whose zero someone confirms."""
 
     def __init__(self, robot: Robot[G], gauges: tuple[Gauge[G], ...], fleets: Fleets) -> None:
         """Take what is read off the robot for which role; of others it is the axis's own unit."""
@@ -64,11 +64,11 @@ class Zeros(Generic[G]):
         self._offered.update({name: place for name, place in last.items() if name in self._gauges})
 
     def refuses(self, request: ConfirmZero) -> str | None:
-        """Return why nobody can mean a request, or None."""
+        """Return why no one can mean a request, or None."""
         driver = self._drivers.get(request.axis)
         if driver is None:
             known = ", ".join(f"{name} ({gauge.unit})" for name, gauge in self._gauges.items()) or "none"
-            return f"zero: nobody has to tell where {request.axis} stands; to be told: {known}"
+            return f"zero: no one has to tell where {request.axis} stands; to be told: {known}"
         if math.isnan(request.value) and driver.axis.zero.homing is not None:
             return None
         gauge, ends = self._gauges[request.axis], driver.axis.travel or (math.nan, math.nan)

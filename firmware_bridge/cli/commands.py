@@ -59,7 +59,7 @@ Row: TypeAlias = Command | Group
 
 
 class Promised(TyperCommand):
-    """Stands in its group for a command that is imported only when somebody calls it."""
+    """Stands in its group for a command that is imported only when someone calls it."""
 
     def __init__(self, row: Command) -> None:
         super().__init__(row.words.split()[-1], help=row.line, rich_markup_mode=MARKUP)

@@ -16,7 +16,7 @@ from firmware_bridge.shell.printer import Printer
 FAILED: Final = 1
 WRONG_INPUT: Final = 2
 UNCONFIRMED: Final = 3
-"""The run is over, and nobody knows whether the robot is without power."""
+"""The run is over, and no one knows whether the robot is without power."""
 INTERRUPTED: Final = 130
 _PLAIN: Final = {"²": "2", "³": "3", "°": "deg", "µ": "u", "·": "-", "→": "->", "…": "..."}
 """What is printed on a terminal that lacks a sign; any other is a question mark there."""
@@ -37,7 +37,7 @@ def speak_plainly() -> None:
 
 
 def say(text: str, *, err: bool = False) -> None:
-    """Print a line; BrokenPipeError where nobody reads it any more, and silence from then on.
+    """Print a line; BrokenPipeError where no one reads it any more, and silence from then on.
 
     So whoever has a robot to stop can still do it. In `held_up_by_nothing` it never waits and never fails.
     """

@@ -41,7 +41,7 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge monitor --log out/rars-circles/can.log`
 
-`firmware-bridge monitor --log can.log --device epos2`, or `--dcf drive.dcf`, reads PDOs whose mapping nobody
+`firmware-bridge monitor --log can.log --device epos2`, or `--dcf drive.dcf`, reads PDOs whose mapping no one
 was seen to write.
 
 `firmware-bridge monitor --log out/rome-circle/serial.log --robot rome --protocol mw` says line by line what a
@@ -52,7 +52,7 @@ board was told and has answered."""
 class MonitorOptions:
     """Show a CAN bus in words: who is there, PDOs, statuswords, emergencies, rates, load, the last error.
 
-    It sends nothing. On a terminal the picture is drawn anew; elsewhere each change is a line, and the
+    It sends nothing. On a terminal the picture is drawn again; elsewhere each change is a line, and the
     picture comes at the end. A PDO is read by the robot file's mapping, or by one that was seen to be
     written; the bytes of others are shown as they are. Ends on Ctrl-C. A recording of serial lines or of
     cameras is said line by line, by the protocols of --robot.
@@ -92,7 +92,7 @@ class MonitorOptions:
         str | None,
         typer.Option(
             metavar="epos2",
-            help="What every node is whose PDO mapping nobody was seen to write: an EPOS2 with its defaults.",
+            help="What every node is whose PDO mapping no one was seen to write: an EPOS2 with its defaults.",
             show_default="an EPOS2 where a node says that it is maxon's (0x1018:1), else not known",
         ),
     ] = None

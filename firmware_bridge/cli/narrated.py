@@ -133,7 +133,7 @@ class Narrated:
         if late != self._late and now - self._late_reported_at >= SECOND:
             self._say(f"late: {late - self._late} cycles were longer than the robot file says", now)
             self._late, self._late_reported_at = late, now
-        # What failed is told at the end, and what is said to nobody need not be told step by step.
+        # What failed is told at the end, and what is said to no one need not be told step by step.
         ends = bridge.phase not in (Phase.STARTING, Phase.RUNNING)
         if bridge.holds != self._holds and bridge.phase is not Phase.FAILED and not (ends and self._alone):
             self._show_holds({hold.name: hold for hold in bridge.holds}, now)

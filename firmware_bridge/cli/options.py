@@ -71,7 +71,7 @@ HomeOption = Annotated[
         "--home",
         metavar="AXIS",
         help="Home an axis once the drives are ready, as its robot file says; may be repeated, one comes "
-        "after the other. IT MOVES: somebody who drives must be speaking by then, and may stop it.",
+        "after the other. IT MOVES: someone who drives must be speaking by then, and may stop it.",
         show_default=False,
     ),
 ]

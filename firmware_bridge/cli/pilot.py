@@ -193,7 +193,7 @@ def _driver(given: PilotOptions, robot: "AnyRobot", kind: "AnyKind") -> "Driver"
 def _controls(given: PilotOptions) -> str:
     """Return what the joystick is; one that says that it is a gamepad is not taken for pedals unasked.
 
-    A trigger that nobody touches would be a pedal that is trodden down.
+    A trigger that no one touches would be a pedal that is trodden down.
     """
     from firmware_bridge.pilot.joystick import DEVICES, USUAL, is_gamepad
     from firmware_bridge.robot.problems import near

@@ -14,7 +14,7 @@ from firmware_bridge.shell.runner import IN_ORDER, Ending, run
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 UNREAD: Final = "SIGPIPE"
-"""Nobody reads what is said: there was somebody, who is told by the exit status."""
+"""No one reads what is said: there was someone, who is told by the exit status."""
 
 
 def carry(

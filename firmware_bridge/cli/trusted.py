@@ -30,7 +30,7 @@ def trust_of(link: str, key: Path | None, allow: Sequence[str] | None, *, openly
             "so that only who has the key can, or --open"
         )
     if key is not None and openly:
-        raise refusal("--key and --open: with a key nobody drives without it; leave one out")
+        raise refusal("--key and --open: with a key no one drives without it; leave one out")
     return Trust(
         key=None if key is None else key_in(key),
         started_at=Clock().started_at,

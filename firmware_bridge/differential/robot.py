@@ -38,7 +38,7 @@ class DifferentialRobot(Generic[G, M, S]):
 
         `motion` and `state` make M and S of speed and turn rate, the latter of sensors, too. Below
         `moves_mps` and `turns_rad_s` the robot counts as standing. One that turns `spin` times faster than
-        its limit turns as nobody asked it to. `track` is from wheel to wheel where nothing else is said.
+        its limit turns as no one asked it to. `track` is from wheel to wheel where nothing else is said.
         """
         self._motion, self._state, self._moves, self._track = motion, state, (moves_mps, turns_rad_s), track
         self._group = group

@@ -39,7 +39,7 @@ _COMMANDED: Final[Mapping[NmtCommand | None, NmtState | None]] = {
     NmtCommand.RESET_NODE: None,
     NmtCommand.RESET_COMMUNICATION: None,
 }
-"""What a node is in then; nobody knows before a node that is reset has said its boot-up."""
+"""What a node is in then; no one knows before a node that is reset has said its boot-up."""
 
 
 @dataclass(slots=True)
@@ -79,7 +79,7 @@ class MessageSeen:
     packet: Packet
     """The last one."""
     read: tuple[str, str] | None = None
-    """What it is, and what it says; None where nobody has read it yet."""
+    """What it is, and what it says; None where no one has read it yet."""
     count: int = 0
     lately: Lately = field(default_factory=lambda: Lately(RECENT))
 

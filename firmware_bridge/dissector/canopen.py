@@ -1,7 +1,7 @@
 """CANopen frames in words: network management, SYNC, emergencies, PDOs, SDOs, error control, LSS.
 
 Identifiers are those of the predefined connection set (CiA 301 v4.02), and the PDOs' own as
-far as somebody was seen to write them: a reader that has followed a set-up knows what is mapped. Before it a
+far as someone was seen to write them: a reader that has followed a set-up knows what is mapped. Before it a
 PDO is read by the defaults of the EPOS2; bytes that do not fit its mapping are left as they are.
 """
 
@@ -35,7 +35,7 @@ class Canopen:
     """Reads the frames of one bus in their order."""
 
     def __init__(self, *, defaults: bool = True, sheet: Mapping[Address, int] | None = None) -> None:
-        """`defaults` tells to read a PDO whose mapping nobody was seen to write as an EPOS2's default.
+        """`defaults` tells to read a PDO whose mapping no one was seen to write as an EPOS2's default.
 
         `sheet` has other defaults, of a data sheet. A node that is heard to be maxon's is read so anyway.
         """
@@ -61,7 +61,7 @@ class Canopen:
         return self._pdo(number, packet.payload) if _is_pdo(number) else "no CANopen service"
 
     def sender(self, packet: Packet) -> int | None:
-        """Return the number of the node that sends such a frame, or `MASTER`; None where nobody can tell."""
+        """Return the number of the node that sends such a frame, or `MASTER`; None where no one can tell."""
         number = identifier(packet.address)
         if packet.address & (ERROR | EXTENDED):
             return None
@@ -216,7 +216,7 @@ class Canopen:
                 return f"{title}: {payload.hex(' ').upper()}, by a mapping that is not known"
             fields = self._nodes.fields(node, mapping, payload)
             return f"{title}: {', '.join(fields) if fields else 'bytes that do not fit its mapping'}"
-        return "a PDO of nobody known"
+        return "a PDO of no one known"
 
 
 @dataclass(frozen=True, slots=True)

@@ -76,7 +76,7 @@ def kinds_of(robot: AnyRobot) -> dict[str, str]:
 
 
 class _Unread:
-    """Reads nothing: what this link carries, nobody has said."""
+    """Reads nothing: what this link carries, no one has said."""
 
     def read(self, _sender: str, _packet: Packet) -> str:
         """Say so."""

@@ -76,9 +76,9 @@ class Task(Enum):
     DISABLE = "power off by object"
     """Take the power off in the same way."""
     RESET = "reset"
-    """Make the device start anew: it has no torque then, and loses what it has counted."""
+    """Make the device start again: it has no torque then, and loses what it has counted."""
     SET_ZERO = "set zero"
-    """Have it count from where somebody saw it stand; with power, at rest, and nothing moves."""
+    """Have it count from where someone saw it stand; with power, at rest, and nothing moves."""
     HOME = "home"
     """Have it go to where its zero can be found, and count from there; as the robot file says."""
 
@@ -153,7 +153,7 @@ class Feedback:
     """It said so, or was heard to restart, and its zero was not set since. A driver whose device does not
     tell begins with True."""
     rewritten: str = ""
-    """What somebody else has written to it since it was set up; empty where nothing was heard of that."""
+    """What someone else has written to it since it was set up; empty where nothing was heard of that."""
 
 
 @valueclass(frozen=True, slots=True)

@@ -122,7 +122,7 @@ class Captured:
     def begin_again(self) -> None:
         """Forget where it was: captured poses are believed, wherever they are, once some agree.
 
-        For somebody who has looked: a robot that was carried elsewhere is refused for ever without it.
+        For someone who has looked: a robot that was carried elsewhere is refused for ever without it.
         """
         self._anchor = self._first = None
         self._slip = (0.0, 0.0)

@@ -1,4 +1,4 @@
-"""A station that somebody sits at: a joystick's or a keyboard's bytes come in beside the link's.
+"""A station that someone sits at: a joystick's or a keyboard's bytes come in beside the link's.
 
 What its display shows is told.
 """

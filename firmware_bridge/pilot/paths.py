@@ -27,7 +27,7 @@ class Nearest(NamedTuple):
 
 
 class Path:
-    """Chords from point to point; a closed one begins anew where it ends."""
+    """Chords from point to point; a closed one begins again where it ends."""
 
     def __init__(
         self, points: Sequence[Point], *, closed: bool = False, course_rad: float | None = None

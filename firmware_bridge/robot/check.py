@@ -187,7 +187,7 @@ def _sides(row: Raw) -> Iterator[list[object]]:
 
 
 def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Iterator[Problem]:
-    """Check one link: somebody is on it, nobody twice, and a gateway has somebody to watch."""
+    """Check one link: someone is on it, no one twice, and a gateway has someone to watch."""
     own = [(index, axis) for index, axis in enumerate(axes) if axis.get("link") == name]
     nodes: dict[int, int] = {}
     for index, axis in own:
@@ -211,7 +211,7 @@ def _watched(name: str, link: Raw, nodes: Collection[int]) -> Iterator[Problem]:
         if gateway not in nodes:
             yield Problem(f"links.{name}.gateway", f"{gateway} is not the node of an axis on this link")
         elif len(nodes) == 1:
-            yield Problem(f"links.{name}.gateway", "a drive without another one behind it watches nobody")
+            yield Problem(f"links.{name}.gateway", "a drive without another one behind it watches no one")
 
 
 def _in_time(name: str, link: Raw, cycle_ms: object) -> Iterator[Problem]:

@@ -54,7 +54,7 @@ def robot_of(
 ) -> Robot[G]:
     """Check a robot's table against its kind's geometry and groups of roles; RobotFileError.
 
-    `more` are mistakes that somebody else has found in it; they are told with the others.
+    `more` are mistakes that someone else has found in it; they are told with the others.
     """
     table = with_new_keys(table, file, geometry.model_fields)
     roles = {role: group for group, members in groups.items() for role in sorted(members)}

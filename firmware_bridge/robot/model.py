@@ -171,7 +171,7 @@ class Axis(Table):
 
     @property
     def zero_confirmed(self) -> bool:
-        """Whether somebody has to say where it stands, or to home it, before it may move."""
+        """Whether someone has to say where it stands, or to home it, before it may move."""
         return self.travel is not None
 
     @property

@@ -13,7 +13,7 @@ LEAST_AGE_MS: Final = 50
 
 
 class UnknownAge(StrEnum):
-    """What becomes of a motion command of which nobody knows how old it is."""
+    """What becomes of a motion command of which no one knows how old it is."""
 
     DRIVE = "drive"
     """It is obeyed, under the rule of silence; so it is where no key is set."""
@@ -34,7 +34,7 @@ class OperatorLink(Table):
     agreed_ms: int | None = None
     """What such an order says."""
     unknown_age: Annotated[UnknownAge, Field(strict=False)] | None = None
-    """What becomes of motion commands whose age nobody knows; without it the key decides."""
+    """What becomes of motion commands whose age no one knows; without it the key decides."""
     bandwidth_bit_s: Annotated[int, Field(ge=4_800, le=1_000_000_000)] | None = None
     """What the link carries, as a telemetry radio's serial line: telemetry takes at most half of it. Without
     it the link is as good as a network."""

@@ -21,7 +21,7 @@ class Table(BaseModel):
 
 
 def tag(table: type[Table]) -> Tag:
-    """Return the mark of one table of a union; as part of a mistake's place it is nobody's key."""
+    """Return the mark of one table of a union; as part of a mistake's place it is no one's key."""
     return Tag(f"<{table.__name__}>")
 
 

@@ -53,7 +53,7 @@ def whole_robot_rows(
             severity=Severity.CRITICAL,
             disarms=True,
         ),
-        # Whatever its devices, its operator and the robot did meanwhile, nobody has watched it.
+        # Whatever its devices, its operator and the robot did meanwhile, no one has watched it.
         Interlock(
             "bridge stood still",
             _stood_still,
@@ -98,7 +98,7 @@ def _link_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
 
 
 def _master_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
-    """Return the row that holds while somebody else sends on a link what only its master sends."""
+    """Return the row that holds while someone else sends on a link what only its master sends."""
 
     def received(view: View[G, M, S]) -> str | None:
         return view.facts.masters.get(name)
@@ -159,7 +159,7 @@ def _axis_fault(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanosecon
 def _axis_rewritten(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanoseconds) -> str | None:
     if not feedback.rewritten:
         return None
-    return f"{axis.called}: somebody else has written to it, {feedback.rewritten}"
+    return f"{axis.called}: someone else has written to it, {feedback.rewritten}"
 
 
 def _axis_not_enabled(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanoseconds) -> str | None:
@@ -275,7 +275,7 @@ AXIS_UNMEASURED: Final = AxisInterlock(
     "axis unmeasured", _axis_unmeasured, "check its power and its cable", clear_after=LINK_CLEARS_AFTER
 )
 """Stands in for the rows that watch how an axis moves where its device cannot tell: then, too, each answer
-must be fresh. Nobody notices that it does not follow."""
+must be fresh. No one notices that it does not follow."""
 
 CONFIRM_ZERO: Final = "look where it stands, and say so (drive --zero, or MAV_CMD_USER_1)"
 

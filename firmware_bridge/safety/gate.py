@@ -2,7 +2,7 @@
 
 Nothing holds until a snapshot trips it, so there is nothing to unlock at boot; latches belong to whoever
 clears them and come in with the snapshot. A hold ends when its interlock has been clear at every look for
-its clear time; the first clear look starts that time, and a trip in between starts it anew.
+its clear time; the first clear look starts that time, and a trip in between starts it again.
 """
 
 from collections.abc import Mapping

@@ -35,7 +35,7 @@ def operator_rows() -> tuple[Interlock[G, M, S], ...]:
         Interlock(
             "word too old",
             _word_too_old,
-            "let the stick go, wait for a better link; where the station's clock was set, take control anew",
+            "let the stick go, wait for a better link; where the station's clock was set, take control again",
             clear_after=OPERATOR_CLEARS_AFTER,
             parts=True,
         ),
@@ -86,7 +86,7 @@ def _word_too_old(view: View[G, M, S]) -> str | None:
 def _word_undated(view: View[G, M, S]) -> str | None:
     if view.facts.dated or not view.facts.age_limit.needed or _is_silent(view):
         return None
-    return "nobody can tell how old the motion commands are"
+    return "no one can tell how old the motion commands are"
 
 
 def _is_silent(view: View[G, M, S]) -> bool:
@@ -98,7 +98,7 @@ def _operator_gone(view: View[G, M, S]) -> str | None:
     limit = view.robot.operator.gone_ms * MILLISECOND
     if view.facts.received_at == NEVER_RECEIVED or view.facts.now - view.facts.received_at < limit:
         return None
-    return f"no motion command for {to_seconds(limit):g} s: nobody drives"
+    return f"no motion command for {to_seconds(limit):g} s: no one drives"
 
 
 def _deflected(view: View[G, M, S]) -> str | None:

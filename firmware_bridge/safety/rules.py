@@ -83,7 +83,7 @@ class Rules(Generic[G, M, S]):
         return self._of(seen, seen.facts)
 
     def believed(self, seen: Snapshot[M, S], untrusted: Collection[str]) -> Snapshot[M, S] | None:
-        """Return the snapshot as if these axes stood, which nobody believes; None where no other carries."""
+        """Return the snapshot as if these axes stood, which no one believes; None where no other carries."""
         if all(name in untrusted for name, _ in self._rests_below):
             return None
         stand = {name: replace(seen.facts.axes[name], velocity=0.0) for name in untrusted}

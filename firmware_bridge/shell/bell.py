@@ -13,7 +13,7 @@ ENDING: Final = (
     "SIGXCPU", "SIGALRM", "SIGUSR1", "SIGUSR2",
 )  # fmt: skip
 """Each of them would end or suspend the process at once: a terminal that is closed, Ctrl-\\, Ctrl-Z, a pipe
-that nobody reads any more. What this system lacks is left out."""
+that no one reads any more. What this system lacks is left out."""
 _UNHEEDED: Final = ("SIGTTIN", "SIGTTOU")
 """What suspends a process in the background that reads from its terminal, or writes to it."""
 

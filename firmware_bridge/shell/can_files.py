@@ -25,7 +25,7 @@ HEADER_END: Final = "no internal events logged\n"
 DAYS: Final = 1e8
 """Seconds; an instant below counts from the begin of the recording, and one above from 1970."""
 FROM_ITS_BEGIN: Final[Nanoseconds] = 100_000_000 * SECOND
-"""What such an instant gets: nobody knows when the recording began, and it was not on the bench's epoch."""
+"""What such an instant gets: no one knows when the recording began, and it was not on the bench's epoch."""
 
 
 def is_foreign(path: Path) -> bool:
@@ -38,7 +38,7 @@ def frames(path: Path) -> Iterator[tuple[Nanoseconds, str, Packet]]:
 
     RecordingError where the file is none of its format; OSError where it cannot be read.
     """
-    # 0.1 s, which nobody needs whose recordings are candump's.
+    # 0.1 s, which no one needs whose recordings are candump's.
     import can  # noqa: PLC0415 - see above
     from can.io.blf import BLFParseError  # noqa: PLC0415 - see above
 

@@ -1,7 +1,7 @@
 """Prints from a thread of its own: no terminal, pager or disk that takes nothing holds up who speaks.
 
 What it cannot print is dropped and counted, and how much it was is printed as soon as something is taken
-again. A pipe that nobody reads any more raises SIGPIPE in the process, as ever.
+again. A pipe that no one reads any more raises SIGPIPE in the process, as ever.
 """
 
 import os

@@ -214,7 +214,7 @@ class _Carrier:
                     self.fails(failure, now)
 
     def _take(self, reaction: Reaction, now: Nanoseconds) -> None:
-        # Nobody is late for an instant that had passed when it was named: "at once" may be any of those.
+        # No one is late for an instant that had passed when it was named: "at once" may be any of those.
         self._wake_at = max(min(reaction.wake_at, now + AGAIN) if self._unheard else reaction.wake_at, now)
         self._done = self._stopping and not self._unheard and reaction.wake_at == NEVER
         lost: LostPort | None = None
@@ -235,7 +235,7 @@ class _Carrier:
             self._cut_off_at += late
 
     def find_closed(self, error: Exception) -> None:
-        """Raise LostPort for a port whose file is closed, which nobody can wait for."""
+        """Raise LostPort for a port whose file is closed, which no one can wait for."""
         for port in self._ports.values():
             try:
                 os.fstat(port.fileno())

@@ -136,7 +136,7 @@ class SlowLink:
         if wakes and now >= self._wake_at:
             self._take(self.node.wake(now), now)
         if self._stopping and self._wake_at == NEVER:
-            self.into.clear()  # nobody hears it any more
+            self.into.clear()  # no one hears it any more
         sent = (*self._passing, *self.out.arrived(now))
         self._passing = []
         return Reaction(sent, min(self._wake_at, self.into.next_at, self.out.next_at))

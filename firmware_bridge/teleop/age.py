@@ -138,12 +138,12 @@ class Ages:
         return None if stamp is None else self.stamped.age(stamp, now)
 
     def above_fastest_set_point(self, message: Message, now: Nanoseconds) -> Nanoseconds | None:
-        """Take a set-point's time as that of a clock that nobody answers for."""
+        """Take a set-point's time as that of a clock that no one answers for."""
         time = self._unwrapped(message)
         return None if time is None else self._least(self.received_boot.excess(time, now), now)
 
     def above_fastest_signature(self, message: Message, now: Nanoseconds) -> Nanoseconds | None:
-        """Take a signature's stamp as that of a clock that nobody answers for."""
+        """Take a signature's stamp as that of a clock that no one answers for."""
         stamp = self._stamp(message)
         return None if stamp is None else self._least(self.received_stamps.excess(stamp, now), now)
 
@@ -158,7 +158,7 @@ class Ages:
         return excess if excess is None or trip is None else max(excess, trip // 2)
 
     def _unwrapped(self, message: Message) -> Nanoseconds | None:
-        """Return a set-point's time as one that does not begin anew after 49 days; None where it has none."""
+        """Return a set-point's time as one that does not wrap after 49 days; None where it has none."""
         time = boot_ms(message)
         if time is None:
             return None

@@ -99,7 +99,7 @@ class AnsweredClock:
 
 
 class ReceivedClock:
-    """A clock that nobody answers for: of a word is known how much later it comes than the fastest one.
+    """A clock that no one answers for: of a word is known how much later it comes than the fastest one.
 
     Where it was set back, its words seem old. An answered clock of the same station that was set as well
     tells by how much: what was known is then kept, moved by that.

@@ -339,7 +339,7 @@ ROWS: Final = (
         "p1 1, position hold: pause",
         stops=lambda _: True,
     ),
-    Row(dialect.MAV_CMD_DO_SET_HOME, _home, "p1 = 1: the present place is the origin; cameras count anew"),
+    Row(dialect.MAV_CMD_DO_SET_HOME, _home, "p1 = 1: the present place is the origin; cameras count again"),
     Row(
         dialect.MAV_CMD_USER_1,
         _confirm_zero,

@@ -27,14 +27,14 @@ class Sender(NamedTuple):
 
 
 class Control:
-    """Who drives now; nobody at first."""
+    """Who drives now; no one at first."""
 
     __slots__ = ("driver", "received_at", "turns", "yields")
 
     def __init__(self) -> None:
         self.driver: Sender | None = None
         self.turns = 0
-        """How often somebody has taken control who had it not."""
+        """How often someone has taken control who had it not."""
         self.yields = False
         """Whether the driver lets anybody take over who asks."""
         self.received_at: Nanoseconds = 0
@@ -46,7 +46,7 @@ class Control:
             self.received_at = now
 
     def refusal(self, sender: Sender) -> str | None:
-        """Say why a station may not drive; None where it does, or nobody does."""
+        """Say why a station may not drive; None where it does, or no one does."""
         if self.driver is None or sender == self.driver:
             return None
         return f"{self.driver} drives; ask for control, or wait until it is given up"
@@ -57,7 +57,7 @@ class Control:
         self.driver, self.received_at, self.yields = sender, now, yields
 
     def give_up(self) -> None:
-        """Let nobody drive."""
+        """Let no one drive."""
         self.driver, self.yields = None, False
 
     def lapses(self, now: Nanoseconds) -> bool:

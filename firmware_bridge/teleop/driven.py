@@ -33,7 +33,7 @@ class Driven:
         return Way.GUIDED if self._guided or self._set_points else Way.MANUAL
 
     def begin(self) -> None:
-        """Forget it all: another one drives, or nobody."""
+        """Forget it all: another one drives, or no one."""
         self._guided = self._set_points = False
 
     def wait(self) -> None:

@@ -58,12 +58,12 @@ class Exchange:
 
     @property
     def refusal(self) -> str | None:
-        """Why the sender may not drive; None where he does, or nobody does."""
+        """Why the sender may not drive; None where he does, or no one does."""
         return self.doubt or self.session.control.refusal(self.sender)
 
     @property
     def late(self) -> str | None:
-        """Why a wish to go comes too late; None where it comes in time, or nobody knows."""
+        """Why a wish to go comes too late; None where it comes in time, or no one knows."""
         stopped, limit = self.peer.stopped, self.session.age_limit.most
         if stopped is not None and stopped.overtook(self.message.get_seq(), self.now):
             return "it was said before a wish to stop, and came after it"
@@ -140,7 +140,7 @@ class Exchange:
             session.terminated = True
 
     def _refused(self, request: Request) -> Verdict | None:
-        """Refuse what somebody asks who does not drive, or asks too late; stops are not refused."""
+        """Refuse what someone asks who does not drive, or asks too late; stops are not refused."""
         if self.refusal is not None:
             return None if _stops(request) else Verdict(accepted=False, reason=self.refusal)
         late = None if isinstance(request, STOPS) else self.late
@@ -166,14 +166,14 @@ class Exchange:
             self.report(text)
 
     def give_up_control(self) -> None:
-        """Let nobody drive: the robot comes to rest, disarmed."""
+        """Let no one drive: the robot comes to rest, disarmed."""
         session = self.session
         self.decide(Disarm())
         self.decide(ChangeDriver())
         session.control.give_up()
         session.driven.begin()
         session.adopt(None, self.now)
-        self.report(f"control: {self.sender} has given it up, nobody drives")
+        self.report(f"control: {self.sender} has given it up, no one drives")
 
     def ask_driver(self, command: int) -> None:
         """Tell who drives that the sender asks for control, and ask his station by a command."""
@@ -344,7 +344,7 @@ class Exchange:
         return newest
 
     def ignore(self) -> None:
-        """Say that a motion command of somebody who does not drive moves nothing."""
+        """Say that a motion command of someone who does not drive moves nothing."""
         self.session.dropped.undriven += 1
         self.warn("control", f"{self.message.get_type()} of {self.sender} moves nothing: {self.refusal}")
 

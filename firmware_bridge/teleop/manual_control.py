@@ -48,7 +48,7 @@ class Lever:
     def receive(self, z: int, now: Nanoseconds, silent_after: Nanoseconds, *, held: bool) -> None:
         """Take a message's z, and whether the button is held in it.
 
-        It was pressed since the message before: what z was there, it was then. After a silence nobody knows.
+        It was pressed since the message before: what z was there, it was then. After a silence no one knows.
         """
         fresh = self._received_at != NEVER_RECEIVED and now - self._received_at < silent_after
         if held and not (self.held and fresh):

@@ -104,7 +104,7 @@ def _order(exchange: Exchange, order: Order, *, repeated: bool) -> None:
 
 
 def stop_for_anybody(exchange: Exchange) -> list[Message]:
-    """Obey an emergency stop of somebody who is not believed; it is answered once a second."""
+    """Obey an emergency stop of someone who is not believed; it is answered once a second."""
     session, message = exchange.session, exchange.message
     if not exchange.stopped:
         exchange.request(EmergencyStop())

@@ -12,9 +12,9 @@ from firmware_bridge.units import SECOND, Nanoseconds
 LEAST: Final = 5
 """So often the numbers go back to one that was used before two stations are seen in that ..."""
 WITHIN: Final[Nanoseconds] = 3 * SECOND
-"""... in this time; a station that begins anew does it once."""
+"""... in this time; a station that begins again does it once."""
 GONE: Final[Nanoseconds] = 2 * SECOND
-"""A station that says nothing for so long is not there any more, or has begun anew."""
+"""A station that says nothing for so long is not there any more, or has begun again."""
 NEAR: Final = 32
 """A number so far ahead at most is of the station whose newest frame that was: others were lost."""
 KEPT: Final = 300

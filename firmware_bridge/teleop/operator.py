@@ -76,7 +76,7 @@ class Operator(Generic[G, M, S]):
 
     @property
     def driver(self) -> Sender | None:
-        """Who drives; None where nobody does."""
+        """Who drives; None where no one does."""
         return self._session.control.driver
 
     @property
@@ -123,7 +123,7 @@ class Operator(Generic[G, M, S]):
                 session.passed(sender, message.get_seq(), now)
                 continue
             if message.get_msgId() == RADIO_STATUS:
-                continue  # a telemetry radio puts it in, unsigned: a sign of nobody's life
+                continue  # a telemetry radio puts it in, unsigned: a sign of no one's life
             doubt = session.signatures.doubt(message, source, now)
             if doubt is not None:
                 stopped = self._doubted(message, sender, doubt, now, decide)
@@ -189,11 +189,11 @@ class Operator(Generic[G, M, S]):
             session.report(Severity.WARNING, "signatures are not checked: this bridge has no key")
 
     def lapse(self, now: Nanoseconds) -> bool:
-        """Let nobody drive where the driver is gone, and return whether he is; only when the robot rests."""
+        """Let no one drive where the driver is gone, and return whether he is; only when the robot rests."""
         session = self._session
         if not session.control.lapses(now):
             return False
-        text = f"control: {session.control.driver} is gone, nobody drives"
+        text = f"control: {session.control.driver} is gone, no one drives"
         session.control.give_up()
         session.driven.begin()
         session.adopt(None, now)
@@ -235,7 +235,7 @@ class Operator(Generic[G, M, S]):
         return packets + self._questions(now)
 
     def _questions(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Ask who drives about his clock, and how long his answer takes; nobody else is asked."""
+        """Ask who drives about his clock, and how long his answer takes; no one else is asked."""
         session, place = self._session, self._session.drives_from
         if place is None:
             return ()

@@ -9,7 +9,7 @@ from typing import Final
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 EVERY: Final[Nanoseconds] = 500 * MILLISECOND
-"""Between two questions: 150 bytes a second to who drives, and to nobody else."""
+"""Between two questions: 150 bytes a second to who drives, and to no one else."""
 MOST_OPEN: Final = 20
 """Questions that wait for an answer: those of ten seconds."""
 NEWEST_OVER: Final[Nanoseconds] = 3 * SECOND

@@ -35,7 +35,7 @@ class Schedule:
         return min(self._due)
 
     def due(self, now: Nanoseconds) -> list[int]:
-        """Return the places of the streams that are due now, and plan them anew."""
+        """Return the places of the streams that are due now, and plan them again."""
         reached = now + self._early
         ready: list[int] = []
         for index, due in enumerate(self._due):
@@ -51,7 +51,7 @@ class Schedule:
         return min(periods) if periods else None
 
     def default(self, number: int) -> Nanoseconds | None:
-        """Return the shortest period that a message has if nobody asks for another one."""
+        """Return the shortest period that a message has if no one asks for another one."""
         periods = [p for n, p in zip(self._numbers, self._defaults, strict=True) if n == number]
         return min(periods) if periods else None
 

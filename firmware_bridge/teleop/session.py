@@ -35,7 +35,7 @@ CAPABILITIES: Final = (
     | dialect.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
 )
 LISTING_GAP: Final[Nanoseconds] = 10 * MILLISECOND
-"""Between two parameters of a list, where nobody has said how narrow the link is."""
+"""Between two parameters of a list, where no one has said how narrow the link is."""
 LISTED_BITS: Final = 1_500
 """What one parameter of a list takes of a link's bandwidth: a quarter of it for 37 bytes."""
 REMEMBERED: Final[Nanoseconds] = 3 * SECOND
@@ -49,7 +49,7 @@ OVERTAKEN: Final[Nanoseconds] = 3 * SECOND
 FEW: Final = 96
 """What a station says in three seconds, at 30 frames a second."""
 LATEST_BOOT_MS: Final = 10_000
-"""So far behind the newest one a set-point's time is overtaken; further behind its station has begun anew."""
+"""So far behind the newest one a set-point's time is overtaken; further behind its station has restarted."""
 _HALF: Final = 0x80
 """Of all sequence numbers; one that is so many or more behind is ahead."""
 MOST_UNTOLD: Final = 8
@@ -102,7 +102,7 @@ class Peer:
 
     received_at: Nanoseconds = 0
     last_command: LastCommand | None = None
-    """What it said while it drove or nobody did: who does not drive is not listened to."""
+    """What it said while it drove or no one did: who does not drive is not listened to."""
     moved: Sequenced | None = None
     """Its newest motion command."""
     boot_ms: int | None = None
@@ -201,7 +201,7 @@ class Session:
         self.signed_in_vain = False
         """A frame was signed, and there is no key."""
         self.stop_answered_at: Nanoseconds = NEVER_RECEIVED
-        """When an emergency stop of somebody who is not believed was answered."""
+        """When an emergency stop of someone who is not believed was answered."""
         self.control: Final = Control()
         decided = robot.operator.unknown_age
         needed = trust.key is not None if decided is None else decided is UnknownAge.REFUSE
@@ -228,7 +228,7 @@ class Session:
 
     @property
     def drives_from(self) -> int | None:
-        """The place of who drives; None where nobody does."""
+        """The place of who drives; None where no one does."""
         return None if self.control.driver is None else self.control.driver.source
 
     @property
@@ -284,7 +284,7 @@ class Session:
         return made
 
     def adopt(self, peer: Peer | None, now: Nanoseconds) -> None:
-        """Take a station's own newest motion command for the wish; nobody's, and an old one's, is to rest.
+        """Take a station's own newest motion command for the wish; no one's, and an old one's, is to rest.
 
         What is switched stays as it is.
         """

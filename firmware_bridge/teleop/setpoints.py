@@ -60,7 +60,7 @@ _MASKS: Final = {
 MAVROS, 4039 of DroneKit; and with a yaw rate alone, 1535."""
 
 _ABSURD: Final = 10.0
-"""Times the robot's limit; nobody who drives means it."""
+"""Times the robot's limit; no one who drives means it."""
 
 RELEASED: Final = 0
 """Of RC_CHANNELS_OVERRIDE, channels 1 to 8: given back to the radio."""
@@ -71,7 +71,7 @@ _FIRST_OF_EXTENSIONS: Final = 9
 """From this channel on 0 leaves it as it is, and 65534 gives it back (common.xml)."""
 _NEUTRAL_US, _FULL_US = 1500, 500
 _LEAST_US, _MOST_US = 900, 2100
-"""A receiver that has lost its transmitter sends less than 950, and nobody's stick as much as that."""
+"""A receiver that has lost its transmitter sends less than 950, and no one's stick as much as that."""
 
 
 def pressed(buttons: int, button: int | None) -> bool:

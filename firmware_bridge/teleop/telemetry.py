@@ -48,7 +48,7 @@ class TelemetryContext:
     resets: int
     """How often the odometry was set to zero."""
     round_trip: Nanoseconds | None
-    """To who drives and back; None where he does not answer, or nobody drives."""
+    """To who drives and back; None where he does not answer, or no one drives."""
     lost: float | None
     """The share of his frames that did not come."""
 

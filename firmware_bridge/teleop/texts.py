@@ -42,7 +42,7 @@ class Speaker:
     QUIET: Final[Nanoseconds] = 2 * SECOND
     QUIETEST: Final[Nanoseconds] = 32 * SECOND
     STREAM: Final = 10
-    """So often in one quiet time nobody presses a button."""
+    """So often in one quiet time no one presses a button."""
     MOST: Final = 64
     """Kinds of texts that are remembered."""
 

@@ -99,7 +99,7 @@ class Signatures:
         return max(self._trust.stamp(now), self._least + now // UNIT)
 
     def clock(self, now: Nanoseconds) -> int:
-        """Return our own time: a station whose clock is ahead does not change it, and locks nobody out."""
+        """Return our own time: a station whose clock is ahead does not change it, and locks no one out."""
         return max(self._trust.stamp(now), self._clock + now // UNIT)
 
     def kept(self, now: Nanoseconds) -> Stamps:

@@ -73,6 +73,6 @@ class SdoAbort(Exception):  # noqa: N818 - the standard's word: a transfer is ab
         self.address = address
 
     def __str__(self) -> str:
-        """Say it in words, only when somebody reads them: a drive refuses more often than that."""
+        """Say it in words, only when someone reads them: a drive refuses more often than that."""
         where = "" if self.address is None else f"{self.address}: "
         return f"{where}{meaning_of(self.code)}"

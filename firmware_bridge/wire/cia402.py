@@ -164,7 +164,7 @@ TOWARDS: Final[Mapping[State, Mapping[State, Command]]] = MappingProxyType(
 )
 """The ways that a master takes: by the wanted state, the next command in each state on the way to it.
 
-None leads out of Fault, which somebody must want to reset, nor out of Quick stop active but by enabling or by
+None leads out of Fault, which someone must want to reset, nor out of Quick stop active but by enabling or by
 disabling: a shaft that is held there is let go only where that was asked for."""
 
 

@@ -22,13 +22,13 @@ LOOKS_S: Final = 3.0
 DRIVES: Final = 5
 """So often he pushes the stick then, besides what he does in any evening: else he seldom drives."""
 DEAD: Final[tuple[dict[str, Any], ...]] = ({"kind": "gate_supply_sag", "to_v": 0.0}, {"kind": "node_silent"})
-"""A motor that nobody can switch on, told; or a drive of which nothing is heard any more."""
+"""A motor that no one can switch on, told; or a drive of which nothing is heard any more."""
 
 
 class Degraded:
     """One evening's failure, if it has one, and the mode that goes with it; nothing for other robots.
 
-    On a slope nothing dies: nobody holds a robot whose drives lose their power there.
+    On a slope nothing dies: no one holds a robot whose drives lose their power there.
     """
 
     def __init__(self, robot: AnyRobot, chance: Generator, *, sloped: bool) -> None:

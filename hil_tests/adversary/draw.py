@@ -44,7 +44,7 @@ SLOPED: Final = 0.3
 """So many evenings are on a slope, where the plant has one, ..."""
 STEEPEST_DEG: Final = 10.0
 GRIP: Final = {"floor_friction": 0.9}
-"""... of a floor that grips: on the thesis's own one robot and wheels slide, which nobody holds."""
+"""... of a floor that grips: on the thesis's own one robot and wheels slide, which no one holds."""
 PUT_ON: Final = {"start_heading": (0.0, 180.0), "start_joint": (-14.0, 8.0)}
 """How a robot with a joint is put on its wall, in degrees: any way up, and with the joint bent, beside what
 the wall bends it, up to where it is slowed down."""
@@ -250,7 +250,7 @@ class Draw:
         if key == "force_disarm" and self._sloped:
             return None  # that robot rolls, as it was ordered to
         if key in {"terminate", "zero"}:
-            return None  # the first ends the evening; the second may be a wrong word, which nobody can know
+            return None  # the first ends the evening; the second may be a wrong word, which no one can know
         stated = {
             get_args(one)[0] if get_origin(one) in {Annotated, Literal} else one
             for one in get_args(self._rehearsal.step.model_fields[key].annotation)

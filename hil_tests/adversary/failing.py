@@ -19,7 +19,7 @@ class FaultProfile(Enum):
     """Who is to be believed when a fault is on."""
 
     HONEST = "honest"
-    """Somebody fails, and nobody lies."""
+    """Someone fails, and no one lies."""
     LYING = "lying"
     """A drive tells what is not, or does not do what it says."""
     FOREIGN_NODE = "stranger"
@@ -37,7 +37,7 @@ class Failing:
     how: How = lambda _: {}
     longest_s: float = 1.0
     takes_power: bool = True
-    """The drives may lose their power by it: on a slope nobody holds that, so it is not drawn there."""
+    """The drives may lose their power by it: on a slope no one holds that, so it is not drawn there."""
 
 
 def _ends(chance: Generator) -> dict[str, Any]:
@@ -51,7 +51,7 @@ def _ends(chance: Generator) -> dict[str, Any]:
 def _joins(chance: Generator) -> dict[str, Any]:
     orders = ["", "take", "give up", "arm", "disarm", "emergency stop", "clear", "hold", "garbage"]
     order = str(chance.choice(orders))
-    # Under the first one's name it gives no order: nobody could tell whose word an answer is to.
+    # Under the first one's name it gives no order: no one could tell whose word an answer is to.
     system = 255 if order in {"", "garbage"} and chance.random() < 0.5 else 254
     stick = float(chance.choice([-1.0, 0.0, 0.0, 1.0]))
     return {"order": order, "stick": stick, "system": system}

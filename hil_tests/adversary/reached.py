@@ -34,11 +34,11 @@ class Reached:
         return frozenset().union(*loading)
 
     def look(self, rig: Rig) -> tuple[frozenset[str], frozenset[str]]:
-        """Return the axes that nobody reaches, and those of them that nothing stops.
+        """Return the axes that no one reaches, and those of them that nothing stops.
 
-        A bridge that has ended reaches nobody. That excuses a board that runs on only where it was killed, or
-        where it has ended with the word that a stop was not confirmed. A board that starts anew, or hangs, is
-        waited for anew. While the I2C bus is stuck nobody reaches the shield, the board's own sketch least.
+        A bridge that has ended reaches no one. That excuses a board that runs on only where it was killed, or
+        where it has ended with the word that a stop was not confirmed. A board that restarts, or hangs, is
+        waited for again. While the I2C bus is stuck no one reaches the shield, the board's own sketch least.
         """
         records = rig.faults.records
         unreached, runs_on = set[str](), set[str]()

@@ -141,7 +141,7 @@ class Life:
 
 
 def lying(faults: tuple[Fault, ...]) -> bool:
-    """Return whether somebody is not to be believed when these are on."""
+    """Return whether someone is not to be believed when these are on."""
     return any(FAILING[fault.kind].fault_profile is not FaultProfile.HONEST for fault in faults)
 
 

@@ -80,7 +80,7 @@ def found_by(one: Search, seeds: int) -> Found:
 
 @pytest.mark.long(beside="test_an_emergency_stop_that_does_nothing_is_found")
 def test_a_limit_that_is_too_high_is_found_and_driven_again_from_its_file() -> None:
-    """And nobody behind it: the guard knows no sum."""
+    """And no one behind it: the guard knows no sum."""
     rars = find("rars")
     limits = rars.geometry.limits.model_copy(update={"speed_mps": 0.6})
     geometry = rars.geometry.model_copy(update={"limits": limits})
@@ -115,7 +115,7 @@ def test_a_climber_without_its_joints_rule_touches_the_stop(line: str) -> None:
 
 @pytest.mark.long(beside="test_an_emergency_stop_that_does_nothing_is_found")
 def test_an_arm_that_is_reported_too_much_loses_its_steps() -> None:
-    """With limits that its motors cannot follow: nobody but the plant tells."""
+    """With limits that its motors cannot follow: no one but the plant tells."""
     arm = find("ar2")
     limits = arm.geometry.limits.model_copy(update={"speed_mps": 0.04})
     geometry = arm.geometry.model_copy(update={"limits": limits})

@@ -85,7 +85,7 @@ def look(**how: object) -> Look:
         ("an emergency stop with power", {"stopped": True, "powered": frozenset({"lift"})}, 5.0),
         ("an end without an end", {"ending": True}, 15.0),
         ("let go, and rolls", {"rolled_m": 0.0201}, 0.0),
-        ("power that nobody watches", {"unwatched": frozenset({"left"})}, 1.0),
+        ("power that no one watches", {"unwatched": frozenset({"left"})}, 1.0),
         (
             "power for what is left out",
             {"powered": frozenset({"left", "right"}), "left_out": frozenset({"left"})},
@@ -192,7 +192,7 @@ def ahead(robot: AnyRobot, *faults: Fault) -> Life:
     ("robot", "how", "name", "within_s"),
     [
         (STOPS_ITSELF, {}, "motion with power that may not be", 3.2),
-        (STOPS_ITSELF, {"unreached": WHEELS}, "a board that nobody reaches runs on", 2.1),
+        (STOPS_ITSELF, {"unreached": WHEELS}, "a board that no one reaches runs on", 2.1),
         (ROME, {"unreached": WHEELS}, "motion with power that may not be", 3.2),
         (ROME, {"unreached": WHEELS, "runs_on": WHEELS, "gone": True}, None, 1_000.0),
     ],

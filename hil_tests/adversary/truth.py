@@ -49,7 +49,7 @@ class Look:
     """Of the axes with travel, from where they truly are 0."""
     powered: frozenset[str]
     unwatched: frozenset[str]
-    """The axes with power whose drives watch nobody."""
+    """The axes with power whose drives watch no one."""
     may_move: bool
     """The bridge is alive and armed, and the last word that it accepted is none to stop."""
     gone: bool
@@ -57,7 +57,7 @@ class Look:
     ending: bool
     """It has been asked to end, and neither has nor holds the robot on a slope."""
     rolled_m: float
-    """How far the base has gone since it was let go at rest, by nobody's order and no fault."""
+    """How far the base has gone since it was let go at rest, by no one's order and no fault."""
     stopped: bool
     """Its power shall go: by an emergency stop, on the flat, and no fault is in the way."""
     own: Mapping[str, float]
@@ -193,7 +193,7 @@ def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
     forgets_s = max(stops_itself, default=0.0) + FORGETS_S
 
     def may_not_move(look: Look) -> float:
-        # A board that nobody reaches stops by itself where it can, in a time of its own: see `forgot`.
+        # A board that no one reaches stops by itself where it can, in a time of its own: see `forgot`.
         forgetting = look.unreached if stops_itself else frozenset[str]()
         moves = (look.moves(name, slowest) for name in look.powered - look.runs_on - forgetting)
         return 0.0 if look.may_move else max(moves, default=0.0)
@@ -221,13 +221,13 @@ def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
         *(_own(own, frozenset(free or slowest)) for own in OWN.get(robot.kind, ())),
         *(
             (
-                Invariant("a board that nobody reaches runs on", forgot, forgets_s, 6.0),
+                Invariant("a board that no one reaches runs on", forgot, forgets_s, 6.0),
                 Invariant(LOADER.rule, loads, LOADER.bound, LOADER.bound),
             )
             * bool(stops_itself)
         ),
         Invariant("motion with power that may not be", may_not_move, may_not_s, 6.0 + may_not_s - MAY_NOT_S),
-        Invariant("power that nobody watches", lambda look: 2.0 * bool(look.unwatched), 1.0, 6.0),
+        Invariant("power that no one watches", lambda look: 2.0 * bool(look.unwatched), 1.0, 6.0),
         Invariant("power without a bridge", unattended, may_not_s, 6.0),
         Invariant(
             "an emergency stop with power", lambda look: 2.0 * bool(look.stopped and look.powered), 5.0
@@ -243,7 +243,7 @@ def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
 def _sum(total: GuardSum) -> Invariant:
     def ratio(look: Look) -> float:
         if not look.powered >= total.of.keys():
-            return 0.0  # what rolls out is held by nobody
+            return 0.0  # what rolls out is held by no one
         summed = sum(look.speeds[name] * factor for name, factor in total.of.items())
         return abs(summed) / (ROUNDED * gives(look.robot) * total.bound)
 
@@ -268,7 +268,7 @@ def _own(own: Own, free: frozenset[str]) -> Invariant:
     needed = free if own.needs is None else own.needs
 
     def ratio(look: Look) -> float:
-        # What rolls out, or down a slope, is held by nobody; nor are gears that turn on.
+        # What rolls out, or down a slope, is held by no one; nor are gears that turn on.
         judged = look.powered >= needed - look.left_out or (own.unpowered and look.let_go)
         return look.own[own.name] if judged else 0.0
 

@@ -103,7 +103,7 @@ class Cause:
     again: bool = False
     """Whether the operator can arm and drive it again afterwards."""
     category: int | None = None
-    """Of the stop (EN 60204-1), where it is one that somebody asks for."""
+    """Of the stop (EN 60204-1), where it is one that someone asks for."""
     answer: str = ""
     """What the bridge, or the drives, do."""
     remains: str = "-"
@@ -147,7 +147,7 @@ REQUESTED: Final = (
     ),
     _requested("end of the program", None, 1, _POWER_OFF, lines=EVERY, fault=fault("bridge_ends")),
 )
-"""Somebody asks for it."""
+"""Someone asks for it."""
 
 LINK_DEAD: Final = Cause(
     name="operator's link dead",

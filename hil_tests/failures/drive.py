@@ -93,7 +93,7 @@ class Found(NamedTuple):
     holds: frozenset[str]
     codes: dict[str, tuple[int, ...]]
     again: float
-    """The share of the speed it had; 0 where nobody drove it again."""
+    """The share of the speed it had; 0 where no one drove it again."""
 
 
 def cases(cause: Cause) -> Iterator[Case]:

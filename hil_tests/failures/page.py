@@ -27,20 +27,20 @@ bridge's end of a bus, the adapter of a serial line, or a board's cable, for goo
 or a drive's supply for 0.3 s. A test drives each row again, to the millimetre."""
 BOARDS_TEXT: Final = """No wire leads from the board's reset to the shield: the motors run on as they were
 commanded while a board boots, and to set it up releases them. The cycle's next question keeps the boot
-loader of a Mega that was reset, for as long as somebody speaks; a board that hangs looks the same. So both
+loader of a Mega that was reset, for as long as someone speaks; a board that hangs looks the same. So both
 are sent a release, are reset, and hear nothing until the firmware must run. The auto-stop of
 ros_arduino_bridge hangs with its sketch, and counts only where the line is cut; there a board without one
 **runs on** until the line is back: keep a hardware switch within reach."""
-REQUESTED_TEXT: Final = """Each stop that somebody asks for, at the worst of {draws} ways to begin it:
+REQUESTED_TEXT: Final = """Each stop that someone asks for, at the worst of {draws} ways to begin it:
 {motions}, at three instants of a cycle, on the flat, by the plant's truth. **Base** is how far the
 reference point goes, **lift** the platform, each until it stands. A test drives the worst again, to the
 millimetre."""
 FAILS_TEXT: Final = """The same of what fails, at one axis that moves or for all. **Noticed** is the time
-until the operator is informed. What the drives themselves notice, nobody is left to report."""
+until the operator is informed. What the drives themselves notice, no one is left to report."""
 SHOWN_TEXT: Final = "What no distance can say:"
 REMAINS_TEXT: Final = """No program holds what has no power and no brake. With the user remain:
 
-* a **switch that takes the power** of all drives, within reach of somebody who sees the robot: the bridge's
+* a **switch that takes the power** of all drives, within reach of someone who sees the robot: the bridge's
   emergency stop needs a radio, a program and a drive that are sound;
 * **brakes** or blocked wheels wherever it may roll: without torque RARS rolls out over the ways above, and on
   a slope on: with its bridge killed on 5 degrees it is at 1.9 m/s 4 s later;
@@ -112,7 +112,7 @@ def _cell(row: Outcome) -> str:
 
 
 def requested() -> Iterator[Cells]:
-    """Yield the stops that somebody asks for."""
+    """Yield the stops that someone asks for."""
     rows = KEPT.read()
     for cause in REQUESTED:
         ways = [way for line in RARS for way in _ways(cause, line, rows)]

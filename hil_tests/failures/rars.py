@@ -147,14 +147,14 @@ SHOWN: Final = (
     ),
     Shown(
         "a second bridge is started",
-        "its own: somebody else sends",
+        "its own: someone else sends",
         "it sends nothing, and ends",
         "test_a_second_bridge_refuses_to_start_and_states_why",
     ),
     Shown(
         "a drive has lost its zero with the lift up",
         "axis zero lost",
-        "no arming before somebody has said where it stands",
+        "no arming before someone has said where it stands",
         "test_a_raised_lift_that_restarts_is_believed_where_someone_saw_it",
     ),
     Shown(
@@ -176,7 +176,7 @@ SHOWN: Final = (
         "test_a_second_station_takes_nothing_from_who_drives",
     ),
     Shown(
-        "somebody forges an emergency stop",
+        "someone forges an emergency stop",
         "emergency stop",
         "obeyed: the robot stands, and who drives clears it",
         "test_anybodys_emergency_stop_is_obeyed_and_only_the_driver_clears_it",

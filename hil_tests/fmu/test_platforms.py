@@ -136,7 +136,7 @@ LIBRARY: Final = {
         int vsnprintf(char *, size_t, const char *, va_list);
     """,
 }
-"""What our sources may take of Microsoft's C library, whose headers nobody has outside Windows."""
+"""What our sources may take of Microsoft's C library, whose headers no one has outside Windows."""
 
 
 @pytest.mark.platforms

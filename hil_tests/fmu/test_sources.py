@@ -1,4 +1,4 @@
-"""The C sources in somebody else's hands: two models in one program, and compilers with other keywords."""
+"""The C sources in someone else's hands: two models in one program, and compilers with other keywords."""
 
 import re
 import struct

@@ -1,4 +1,4 @@
-"""A plant of somebody else in place of ours: it drives the robot, is refused, or its failure is reported."""
+"""A plant of someone else in place of ours: it drives the robot, is refused, or its failure is reported."""
 
 import platform
 import re

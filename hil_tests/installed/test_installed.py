@@ -1,4 +1,4 @@
-"""What `make installed` has made, as somebody has it who has no checkout, no compiler and no extras."""
+"""What `make installed` has made, as someone has it who has no checkout, no compiler and no extras."""
 
 import json
 import re

@@ -133,7 +133,7 @@ def test_a_client_that_remaps_a_pdo_which_is_valid() -> None:
 
 
 def test_a_client_that_loads_our_configuration_file(bench: Bench, tmp_path: Path) -> None:
-    # Somebody has set the drive up, remapped a PDO of it, written its file and loads that into another drive.
+    # Someone has set the drive up, remapped a PDO of it, written its file and loads that into another drive.
     bench.drive.store.write(at.PROFILE_VELOCITY, (777).to_bytes(4, "little"))
     entries = (bytes.fromhex(each) for each in ("10004060", "2000ff60"))
     for index, raw in ((0, b"\0"), *enumerate(entries, start=1), (0, b"\2")):

@@ -38,7 +38,7 @@ def pairs(*data: int) -> list[int]:
 
 
 class Client:
-    """Somebody's program: the library, and what it has been told."""
+    """Someone's program: the library, and what it has been told."""
 
     def __init__(self, port: Path) -> None:
         self.board = pyfirmata2.ArduinoMega(str(port), timeout=10)

@@ -77,7 +77,7 @@ if os.isatty(1):
 from firmware_bridge.cli import main
 main()
 """
-"""Nobody has told it to ignore a hang-up, whoever runs the tests; its terminal is its own."""
+"""No one has told it to ignore a hang-up, whoever runs the tests; its terminal is its own."""
 STARTS_WITHIN_S: Final = 90.0
 """On a busy machine; what is awaited comes within seconds else."""
 WINDOW_S: Final = 0.1

@@ -22,7 +22,7 @@ class _Wire:
         self._place = place
 
     def write(self, datagram: bytes) -> None:
-        with suppress(OSError):  # nobody is there yet, or any more
+        with suppress(OSError):  # no one is there yet, or any more
             self._outside.sendto(datagram, self._place)
 
 

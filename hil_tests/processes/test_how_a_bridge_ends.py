@@ -25,7 +25,7 @@ AT_A_TIME: Final = 4
 """Pairs of processes: mostly they wait."""
 ONE_BUS: Final = Lock()
 JOINT_6: Final = 9
-"""The number by which the robot's file knows it: its place is written when it is told anew."""
+"""The number by which the robot's file knows it: its place is written when it is told again."""
 JOINTS: Final = zeros(j1=0, j2=-90, j3=90, j4=0, j5=60, j6=0)
 UNWATCHED: Final = ("--accept-no-watchdog",)
 MW: Final = Row("rome", ("--protocol", "mw", "--encoders", "3"), UNWATCHED, ("board",))
@@ -207,7 +207,7 @@ def terminal() -> Iterator[tuple[int, int]]:
 
 
 def unread(row: Row, folder: Path) -> Reported:
-    """A pager, or Ctrl-S: nobody takes what it says; then the stick is let go, and a stop is ordered."""
+    """A pager, or Ctrl-S: no one takes what it says; then the stick is let go, and a stop is ordered."""
     reader, writer = os.pipe()
     fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 4096)
 
@@ -233,7 +233,7 @@ def unread(row: Row, folder: Path) -> Reported:
 
 
 def stalled_disk(row: Row, folder: Path) -> Reported:
-    """The disk under the file where the axes stand takes nothing: a pipe that nobody reads stands for it."""
+    """The disk under the file where the axes stand takes nothing: a pipe that no one reads stands for it."""
 
     def stall(pair: Pair) -> float:
         pair.station.stick = 0
@@ -261,7 +261,7 @@ STORIES: Final[dict[str, tuple[Row, Story]]] = {
     "ctrl-c three times": (MW, story(sent(signal.SIGINT, signal.SIGINT, signal.SIGINT), settles_s=0.0)),
     "closed terminal": (MW, closed_terminal),
     "gone terminal": (MW, gone_terminal),
-    "nobody reads": (MW, unread),
+    "no one reads": (MW, unread),
     "full log": (MW, story(full_log, goes_on=True)),
     "stalled disk": (ROBOTS["rome_arm"], stalled_disk),
     **{

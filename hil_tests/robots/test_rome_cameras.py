@@ -82,4 +82,4 @@ def test_drive_and_bench_refuse_with_the_reason_where_no_one_would_know_the_pose
     command, *more = words
     result = CliRunner().invoke(program, [command, "rome", "--protocol", "mw", *more], env={"COLUMNS": "200"})
     assert result.exit_code == 2
-    assert "without another source of its pose nobody would know where the robot is" in result.stderr
+    assert "without another source of its pose no one would know where the robot is" in result.stderr

@@ -93,7 +93,7 @@ CASES: Final = (
         "operator gone",
         intent(received_at=START - OPERATOR_GONE),
         {},
-        "no motion command for 10 s: nobody drives",
+        "no motion command for 10 s: no one drives",
         also=("operator silent",),
     ),
     Case(
@@ -134,7 +134,7 @@ CASES: Final = (
         "word undated",
         {"age_limit": AgeLimit(needed=True)},
         {"age_limit": AgeLimit(needed=True), **dated(0)},
-        "nobody can tell how old the motion commands are",
+        "no one can tell how old the motion commands are",
         LINK,
     ),
     Case("operator silent", intent(received_at=NEVER_RECEIVED), {}, "no motion command has come yet", LINK),
@@ -147,9 +147,9 @@ CASES: Final = (
     ),
     Case(
         "another master: drives",
-        {"masters": {"drives": "somebody else sends SYNC: 080#"}},
+        {"masters": {"drives": "someone else sends SYNC: 080#"}},
         {},
-        "somebody else sends SYNC: 080#",
+        "someone else sends SYNC: 080#",
         LINK,
     ),
     Case("wish unusable", intent(speed_mps=NAN), {}, "the speed asked for is nan"),
@@ -376,7 +376,7 @@ CASES: Final = (
         "axis rewritten: steer",
         drive("steer", rewritten="603#2316100100000000"),
         drive("steer", rewritten=""),
-        f"{TITLES['steer']}: somebody else has written to it, 603#2316100100000000",
+        f"{TITLES['steer']}: someone else has written to it, 603#2316100100000000",
     ),
     *(
         Case(

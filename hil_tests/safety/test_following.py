@@ -384,7 +384,7 @@ def test_an_encoder_that_freezes_while_its_wheel_is_stopped_is_known_at_rest(sto
     assert known.backlog > bounds_of(RARS, WHEEL).creep
     assert known.sampled_at - known.settled_at >= 8 * CYCLE
     one.commanded(Stop.POWER_OFF)
-    assert one.does(0.0).backlog == 0.0, "what nobody drives owes nothing"
+    assert one.does(0.0).backlog == 0.0, "what no one drives owes nothing"
 
 
 def test_what_it_may_creep_it_may_owe() -> None:

@@ -107,7 +107,7 @@ def test_within_for_an_instant_only_mends_nothing() -> None:
     due = trio.sent("a", CYCLE, 60.0)
     assert due == CYCLE + CYCLE, "a cycle"
     assert trio.sent("b", CYCLE, -20.0) == NEVER
-    assert trio.sent("a", CYCLE, 80.0) == CYCLE, "nobody is left at this instant"
+    assert trio.sent("a", CYCLE, 80.0) == CYCLE, "no one is left at this instant"
 
 
 def test_a_sum_that_stands_beyond_ends_after_a_cycle_from_when_it_was_passed_last() -> None:
@@ -116,7 +116,7 @@ def test_a_sum_that_stands_beyond_ends_after_a_cycle_from_when_it_was_passed_las
     trio.sent("b", 0, 0.0)
     assert trio.sent("a", CYCLE, 51.0) == 2 * CYCLE
     assert trio.sent("a", CYCLE + 5 * MILLISECOND, 52.0) == 2 * CYCLE, "passed once"
-    assert trio.sent("b", CYCLE + 10 * MILLISECOND, 0.0) == CYCLE + 10 * MILLISECOND, "b has mended nothing"
+    assert trio.sent("b", CYCLE + 10 * MILLISECOND, 0.0) == CYCLE + 10 * MILLISECOND, "b has fixed nothing"
     assert trio.sent("b", CYCLE + 12 * MILLISECOND, -10.0) == NEVER
 
 
@@ -213,7 +213,7 @@ def test_a_homing_lasts_no_longer_than_its_time() -> None:
         axis.homes_within_s, axis.moving = 2.0, True
     for begin in (0, 100 * SECOND, 200 * SECOND):
         for name in "bcb"[: 1 + begin // (100 * SECOND)]:
-            assert trio.sent(name, begin) == NEVER, "nobody homes"
+            assert trio.sent(name, begin) == NEVER, "no one homes"
         trio.axes["a"].homes = True
         assert trio.sent("a", begin) == begin + 2 * SECOND + HALTED_WITHIN
         assert trio.sent("b", begin + SECOND) == begin + 2 * SECOND + HALTED_WITHIN, "a still homes"

@@ -229,7 +229,7 @@ def test_to_confirm_is_as_good_as_ever(made: Made) -> None:
         assert line.writes(LIFT, address, value) is None
         line.reports(LIFT, at.MODE_DISPLAY if address == at.MODE else address, value)
     assert line.writes(LIFT, at.CONTROLWORD, START) is None
-    assert line.goes(STEER, 20_000) is None, "it moves nothing, and keeps nobody"
+    assert line.goes(STEER, 20_000) is None, "it moves nothing, and keeps no one"
 
 
 @BOTH

@@ -1,4 +1,4 @@
-"""What is known before anything is: an axis that is not judged, and a robot of which nobody complains."""
+"""What is known before anything is: an axis that is not judged, and a robot of which no one complains."""
 
 from dataclasses import replace
 from typing import Any

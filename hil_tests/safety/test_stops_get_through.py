@@ -134,7 +134,7 @@ def test_the_end_of_the_program_comes_whatever_the_board_does(robot: str, fault:
         runs(rig, 0.3)
         ORDERS["Ctrl-C"](rig)
         runs(rig, to_seconds(STOP_WITHIN))
-        assert rig.bench.bridge.finished, "nobody cuts it off"
+        assert rig.bench.bridge.finished, "no one cuts it off"
         assert bool(rig.bench.bridge.unconfirmed) is (fault != "board_hangs")
 
 

@@ -76,7 +76,7 @@ class Eye:
         return None
 
     def sends(self, address: int, data: bytes) -> None:
-        """Put one frame on the bus, as somebody who has no business there."""
+        """Put one frame on the bus, as someone who has no business there."""
         self.bus.send(can.Message(arbitration_id=address, data=data, is_extended_id=False))
 
     def metres(self) -> float:

@@ -206,7 +206,7 @@ def test_where_unknown_is_refused_only_who_reports_his_age_drives(rides: Ridden,
     assert ride.fastest() < 0.002
     assert "word undated" in ride.holding
     assert ride.now["armed"]
-    assert any("nobody can tell how old" in text for text in texts(ride))
+    assert any("no one can tell how old" in text for text in texts(ride))
 
 
 def test_a_lost_share_of_the_operators_frames_is_reported(rides: Ridden) -> None:

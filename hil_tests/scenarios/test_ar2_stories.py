@@ -1,4 +1,4 @@
-"""The arm on the bench: what stops it, and that nothing moves it unless somebody knows where it stands."""
+"""The arm on the bench: what stops it, and that nothing moves it unless someone knows where it stands."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""One drives: what a second station may do to a robot that somebody drives, and how control passes on."""
+"""One drives: what a second station may do to a robot that someone drives, and how control passes on."""
 
 import pytest
 
@@ -86,7 +86,7 @@ def test_a_stick_left_deflected_by_a_station_long_gone_blocks_no_one(rides: Ridd
     other.x = 400
     ride.runs_until(20.0)
     assert ride.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
-    assert any("nobody drives" in text for text in other.texts)
+    assert any("no one drives" in text for text in other.texts)
 
 
 @pytest.mark.long(beside="test_after_a_long_silence_motion_needs_a_new_arm")

@@ -33,7 +33,7 @@ DEAD: Final = {
 
 
 def unpowered(node: str, at_s: float = DIES_AT_S, **how: float) -> Fault:
-    """The power stage's gate drivers have no supply any more: a motor that nobody can switch on, told."""
+    """The power stage's gate drivers have no supply any more: a motor that no one can switch on, told."""
     return fault("gate_supply_sag", at_s, node=node, to_v=0.0, **how)
 
 

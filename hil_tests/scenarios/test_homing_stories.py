@@ -19,7 +19,7 @@ CAN: Final = homed(LIFT, STEER)
 USB: Final = over_serial(CAN, Generation.V2)
 BY_ITSELF: Final = STEER.replace('after = ["lift"]', "")
 ALONE: Final = homed(None, BY_ITSELF)
-"""Only the steering is homed, and waits for nobody."""
+"""Only the steering is homed, and waits for no one."""
 LINKS: Final = pytest.mark.parametrize("robot", [CAN, USB], ids=["can", "serial"])
 EITHER: Final = pytest.mark.parametrize(
     "robot", [ALONE, over_serial(ALONE, Generation.V2)], ids=["can", "serial"]
@@ -180,7 +180,7 @@ def test_a_drive_that_gives_its_homing_up_has_no_zero(rides: Ridden) -> None:
 
 
 def test_an_encoder_that_stands_still_ends_it(rides: Ridden) -> None:
-    """Nobody sees it move any more: it is stopped before its time is over."""
+    """No one sees it move any more: it is stopped before its time is over."""
     one = rides(
         HOME, seconds=14, robot=ALONE, stands=False, faults=[fault("encoder_frozen", 3.3, node="steer")]
     )

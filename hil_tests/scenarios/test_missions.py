@@ -130,7 +130,7 @@ def test_what_goes_wrong_in_the_mission_of_faults_is_held_and_named(driven: Driv
 
 @pytest.mark.long(beside="test_a_cause_has_the_outcome_that_was_measured")
 def test_nothing_but_rolling_out_follows_a_fault_that_stops_the_robot(driven: Driven) -> None:
-    """From the titles: until the seventeenth second nobody stops; after each later fault all do."""
+    """From the titles: until the seventeenth second no one stops; after each later fault all do."""
     reported = summary(driven("faults"))
     stopped = [
         hold["began_s"] for hold in reported["holds"] if hold["name"] in {"not armed", "operator silent"}

@@ -68,7 +68,7 @@ def drive(seconds: float, link: str, max_delay_s: float | None = None, **pilot: 
     operator = PilotedMission(robot, script.step, row)
     watched = Watched(operator.follower)
     station = Station(watched, (robot.operator.system_id, robot.operator.component_id))
-    operator.station = station  # type: ignore[misc] # with somebody who looks over the driver's shoulder
+    operator.station = station  # type: ignore[misc] # with someone who looks over the driver's shoulder
     rig = Rig(robot, REHEARSAL, operator, link=script.conditions)
     try:
         rig.run(from_seconds(seconds))

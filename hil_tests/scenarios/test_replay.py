@@ -162,7 +162,7 @@ def test_a_frame_that_does_not_come_is_stated_to_be_missing(line: Session, tmp_p
 def test_a_late_frame_is_one_within_the_tolerance(
     line: Session, tolerance_us: int, *, fits: bool, tmp_path: Path
 ) -> None:
-    # The last frame of the drives: nobody answers it.
+    # The last frame of the drives: no one answers it.
     last = last_of(line, lambda sender: sender != "bridge")
     text = line.lines[last]
     late = f"{text[:12]}{int(text[12:18]) + 50:06d}{text[18:]}"

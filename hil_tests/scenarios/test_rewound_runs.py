@@ -176,7 +176,7 @@ def test_from_any_instant_the_run_goes_on_as_it_went(straight: Straight, kept: K
 @pytest.mark.long(keeps=["4.7", "9.31"])
 @pytest.mark.parametrize("second", [0.0, 0.4, 1.13, 2.9, 4.7, 9.31, 11.2, 14.05, 16.9, 18.7])
 def test_nothing_that_can_change_is_left_out(kept: Kept, second: float) -> None:
-    """What a moment puts back is judged by somebody who does not know how moments are taken."""
+    """What a moment puts back is judged by someone who does not know how moments are taken."""
     _, nearest = min(kept.moments, key=lambda pair: abs(pair[0] - from_seconds(second)))
     rig = kept.one.rig
     rig.restore(nearest)

@@ -1,4 +1,4 @@
-"""ROME's base under cameras, on the whole bench: seen, hidden, mistaken, with a wheel that nobody counts."""
+"""ROME's base under cameras, on the whole bench: seen, hidden, mistaken, with a wheel that no one counts."""
 
 import math
 from collections.abc import Iterator

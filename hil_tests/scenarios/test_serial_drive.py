@@ -218,7 +218,7 @@ def test_a_drive_behind_the_gateway_that_falls_silent_stops_the_robot(rides: Rid
 
 @pytest.mark.long(beside="test_a_cause_has_the_outcome_that_was_measured")
 def test_a_drive_that_restarts_behind_the_gateway_is_noticed_and_set_up_again(rides: Ridden) -> None:
-    """Its target is 0 again then: the one that it was told before must be written anew."""
+    """Its target is 0 again then: the one that it was told before must be written again."""
     one = rides(
         ARMED,
         step(3.5, speed_mps=0.1, steer_deg=10),
@@ -249,7 +249,7 @@ def test_a_drive_that_restarts_behind_the_gateway_is_noticed_and_set_up_again(ri
 def test_a_drive_that_does_not_notice_the_bridge_s_silence_is_not_driven(
     rides: Ridden, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A gateway to which a guarding answer is no heartbeat would be stopped by nobody."""
+    """A gateway to which a guarding answer is no heartbeat would be stopped by no one."""
     receive = Consumer.receive
 
     def not_receiving(self: Consumer, payload: bytes, now: Nanoseconds) -> None:

@@ -210,7 +210,7 @@ def test_a_second_station_on_another_port_clears_and_arms_nothing_but_may_stop(
         (("--zero", "lift=2"), "zero: lift at 2 m is not within 0 to 1.116"),
         (
             ("--zero", "left=0"),
-            "zero: nobody has to tell where left stands; to be told: steer (deg), lift (m)",
+            "zero: no one has to tell where left stands; to be told: steer (deg), lift (m)",
         ),
         (("--baud", "9600"), "--protocol and --baud are of a serial port; name it with --serial DEVICE"),
     ],

@@ -211,7 +211,7 @@ def test_a_second_bridge_refuses_to_start_and_states_why(rides: Ridden) -> None:
     one.runs_until(NOT_RECEIVING_S + 1.0)
     assert second.phase is Phase.FAILED
     assert second.failure is not None
-    assert second.failure.startswith("link 'drives': somebody else sends ")
+    assert second.failure.startswith("link 'drives': someone else sends ")
     one.rig.world.stop("second")
     one.runs(1.0)
     assert second.finished
@@ -224,12 +224,12 @@ def test_a_second_bridge_refuses_to_start_and_states_why(rides: Ridden) -> None:
 @pytest.mark.parametrize(
     ("frame", "reported"),
     [
-        (Packet(CAN, BEAT, b"\x05"), "somebody else sends the heartbeat of this bridge, node 100: 764#05"),
-        (Packet(CAN, canopen.SYNC, b""), "somebody else sends SYNC: 080#"),
-        (Packet(CAN, canopen.NMT, b"\x01\x09"), "somebody else sends a network command: 000#0109"),
+        (Packet(CAN, BEAT, b"\x05"), "someone else sends the heartbeat of this bridge, node 100: 764#05"),
+        (Packet(CAN, canopen.SYNC, b""), "someone else sends SYNC: 080#"),
+        (Packet(CAN, canopen.NMT, b"\x01\x09"), "someone else sends a network command: 000#0109"),
         (
             Packet(CAN, 0x502, bytes.fromhex("0F0000000000")),
-            "somebody else sends node 2 (right rear wheel) set-points: 502#0F0000000000",
+            "someone else sends node 2 (right rear wheel) set-points: 502#0F0000000000",
         ),
     ],
     ids=["heartbeat", "sync", "network command", "set-point"],
@@ -272,7 +272,7 @@ def test_a_drive_that_someone_else_has_written_to_stops_and_is_set_up_again(
     assert not one.now["armed"]
     (reported,) = one.held("axis rewritten: left")
     assert f"601#{frame}" in reported
-    assert states(one)[0] in UNPOWERED, "nobody knows what it would do"
+    assert states(one)[0] in UNPOWERED, "no one knows what it would do"
     one.runs_until(12.5)
     assert "axis rewritten: left" not in one.holding
     assert one.now["armed"]

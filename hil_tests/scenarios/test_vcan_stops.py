@@ -60,7 +60,7 @@ def test_a_raised_lift_that_was_reset_is_not_driven_with(bench: Bench, client: C
         assert client.requests(ARM, 1) != ACCEPTED, client.texts
     before = bench.eye.metres()
     client.states(0.3, 1.0)
-    assert bench.eye.metres() == pytest.approx(before, abs=0.001), "it believes no 0 m that nobody has seen"
+    assert bench.eye.metres() == pytest.approx(before, abs=0.001), "it believes no 0 m that no one has seen"
 
 
 def test_another_master_drives_the_disarmed_robot_no_further(bench: Bench, client: Client) -> None:
@@ -72,7 +72,7 @@ def test_another_master_drives_the_disarmed_robot_no_further(bench: Bench, clien
             bench.eye.sends(SET_POINT + node, frame)
         sleep(0.01)
     client.states(0.0, 0.2)
-    assert client.is_reported("somebody else sends"), client.texts
+    assert client.is_reported("someone else sends"), client.texts
     comes_to_rest(bench, 3.0)
     for node in WHEELS:
         assert bench.eye.state(node) in DISABLED, "what moves unasked loses its power"
@@ -96,4 +96,4 @@ def test_a_second_bridge_leaves_the_first_one_s_robot_alone(
     bench.gets_under_way(client, 0.2)
     if not at_once:
         assert second.process.returncode != 0
-        assert "somebody else sends" in second.printed
+        assert "someone else sends" in second.printed

@@ -1,4 +1,4 @@
-"""A drive that has restarted counts from 0 wherever its axis stands; nothing moves before somebody looked.
+"""A drive that has restarted counts from 0 wherever its axis stands; nothing moves before someone looked.
 
 The truth is the plant's. Each story is told over CAN and over the serial line.
 """
@@ -183,7 +183,7 @@ def test_a_wheel_that_restarts_needs_no_one(rides: Ridden) -> None:
 def test_a_drive_that_restarts_before_it_is_armed_has_no_power_without_its_watch(
     rides: Ridden, robot: AnyRobot, node: str, for_s: float
 ) -> None:
-    """Over a serial line nobody hears it boot; `left` is the drive on the line, `right` one behind it."""
+    """Over a serial line no one hears it boot; `left` is the drive on the line, `right` one behind it."""
     one = rides(
         step(6.0, arm=True),
         step(8.0, arm=True),

@@ -17,7 +17,7 @@ HERE = "hil_tests.studies.test_frame"
 GOOD = Compared("length", "m", 1.1, 1.0, 1.05, 0.1, "rounded")
 BAD = Compared("mass & more", "kg", None, 1.0, 1.2, 0.1)
 PLOT = Plot("A <line>", "time [s]", "way [m]", (Curve("", [0.0, 1.0], [0.0, 2.0]),), "as in (1)")
-STUDY = Study("one", "One & only", "Somebody, 2000", "os:getcwd")
+STUDY = Study("one", "One & only", "Someone, 2000", "os:getcwd")
 
 
 def made(*compared: Compared) -> Findings:
@@ -51,7 +51,7 @@ def test_a_folder_has_every_table_and_picture_and_the_same_bytes_each_time(tmp_p
 
 def test_the_report_is_one_page_that_needs_no_other_and_states_everything() -> None:
     text = page([(STUDY, made(GOOD, BAD))])
-    for word in ("One &amp; only", "Somebody, 2000", "mass &amp; more", "A remark.", "as in (1)", "b [m]"):
+    for word in ("One &amp; only", "Someone, 2000", "mass &amp; more", "A remark.", "as in (1)", "b [m]"):
         assert word in text
     assert text.count("data:image/svg+xml;base64,") == 1
     assert '<td class="wrong">NO</td>' in text

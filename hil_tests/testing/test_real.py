@@ -126,7 +126,7 @@ def test_what_no_one_can_do_to_them_is_left_out(program: Program) -> None:
     for wrong, commands in (
         (lambda: real("1", "--load", "2e-5,0.001"), "take no --load"),
         (lambda: real("1"), "needs a line to real drives"),
-        (lambda: real.lose_power("1"), "nobody here can take the power"),
+        (lambda: real.lose_power("1"), "no one here can take the power"),
     ):
         with pytest.raises(SkipTest, match=commands):
             wrong()
@@ -172,6 +172,6 @@ def test_the_same_tests_on_real_drives(pytester: pytest.Pytester, imported: Impo
     )
     bold = pytester.runpytest_inprocess(*words, "--yes-move-it", plugins=[imported])
     bold.assert_outcomes(passed=2, skipped=4)
-    bold.stdout.fnmatch_lines("*nobody here can take the power*")
+    bold.stdout.fnmatch_lines("*no one here can take the power*")
     again = pytester.runpytest_inprocess(*words, "-k", "reads", plugins=[imported])
     again.assert_outcomes(passed=1)

@@ -97,7 +97,7 @@ def test_garbage_before_and_between_commands(exchange: Exchange, generation: Gen
 def join(
     host: HostEnd, drive: DeviceEnd, body: bytes | None, spoil: Callable[[bytes], bytes] = lambda raw: raw
 ) -> Outcome | None:
-    """Carry bytes between the two ends until nobody says anything."""
+    """Carry bytes between the two ends until no one says anything."""
     outcome = None
     for _ in range(1000):
         requested = host.taken()

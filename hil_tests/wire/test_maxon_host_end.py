@@ -51,7 +51,7 @@ def test_v2_the_host_receives_its_answer_through_noise_and_reports_a_garbled_one
     assert host.receive(answer[:-1] + b"\xc7", 0) is Failure.GARBLED
     host.ask(READ, 3)
     assert host.wake(3 + TIMEOUT) is Failure.SILENCE
-    assert host.receive(answer, 4 + TIMEOUT) is None  # too late: nobody waits
+    assert host.receive(answer, 4 + TIMEOUT) is None  # too late: no one waits
 
 
 @both

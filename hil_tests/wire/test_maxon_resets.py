@@ -54,7 +54,7 @@ def test_a_damaged_reset_is_refused_on_rs232() -> None:
 
 
 def requested(generation: Generation, command: int) -> tuple[Outcome | None, int]:
-    """Ask a host for a command that nobody ends; return the outcome, and when it came."""
+    """Ask a host for a command that no one ends; return the outcome, and when it came."""
     host = host_end(generation, TIMEOUT)
     host.ask(nmt(command), 0, answered=generation is Generation.V2)
     if generation is Generation.V1:

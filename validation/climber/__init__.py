@@ -1,4 +1,4 @@
-"""The climber's studies: the cases of its paper, made anew beside an independent solution.
+"""The climber's studies: the cases of its paper, made again beside an independent solution.
 
 Qualls, Canfield, Shibakov, "Kinematic control of a mobile robot performing manufacturing tasks on non-planar
 surfaces", JAMRIS 10(3), 2016. Its radii of 2e5, 2e2 and 0.5e2 "m" do not fit its ratios: the ratios count.

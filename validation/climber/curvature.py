@@ -28,7 +28,7 @@ RADII: Final = (
 )
 QUICK: Final = (13.3, 20.0, 500.0)
 LEAST_M: Final = 1e-6
-"""Nobody asks for agreement below it."""
+"""No one asks for agreement below it."""
 SHARE: Final = 0.01
 """Of the deviation, that both ways may differ."""
 

@@ -40,7 +40,7 @@ a link whose `stops` names groups, its own row and those of its axes stop these 
 commands, SYNC, set-points to these drives, a heartbeat with the bridge's own node. Heard once, it counts for
 1 s. A starting bridge listens for `bridge_silent_ms` before it sends anything, and refuses to start where it
 hears one; ended until then, it leaves the drives as they are. Behind a gateway a serial line shows nothing of
-the bus, so that there nobody notices; reading and writing objects, as an engineer does, is not held against
+the bus, so that there no one notices; reading and writing objects, as an engineer does, is not held against
 anyone."""
 AXIS_TEXT: Final = """Each axis is judged by these rows; while one holds, everything stops, and the robot is
 disarmed. A row **needs** something that a driver's devices tell. Where they do not, the weaker row stands in
@@ -102,7 +102,7 @@ further move is sent, the one that is under way is driven to its end within {mov
 the arm where it is.
 
 The emergency stop that takes the power is a switch in the motors' supply, within reach of who drives.
-**Without current the arm falls**: [how far and how fast](../fmu/ar2/README.md#how-it-falls). Nobody stands
+**Without current the arm falls**: [how far and how fast](../fmu/ar2/README.md#how-it-falls). No one stands
 below it.
 
 What "takes power", "no torque" and "power off" mean in the tables for this robot is weaker: the board has

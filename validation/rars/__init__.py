@@ -1,4 +1,4 @@
-"""RARS's studies: figures and numbers of its thesis, made anew beside an independent way.
+"""RARS's studies: figures and numbers of its thesis, made again beside an independent way.
 
 A. P. Das, "Design and control of a tele-operated mobile platform", PhD thesis, IIT Delhi, 2018.
 """

@@ -1,7 +1,7 @@
 """Line and circles of section 4.2.2, driven through the whole chain: what was asked, driven, and believed.
 
 Ours is the plant's truth. The independent way is what follows from the profile alone: way and speed of a
-trapezium, and of a circle its radius. By what the odometry is off nobody has printed: it stands in a table.
+trapezium, and of a circle its radius. By what the odometry is off no one has printed: it stands in a table.
 """
 
 import math

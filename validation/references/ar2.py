@@ -1,6 +1,6 @@
 """The reference trajectory: inputs over time, and what the plant answered, in ar2.csv.
 
-`python -m validation.references.ar2` writes it anew, where the equations are meant to change.
+`python -m validation.references.ar2` writes it again, where the equations are meant to change.
 """
 
 from pathlib import Path

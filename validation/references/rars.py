@@ -1,6 +1,6 @@
 """The reference trajectory: voltages over time, and what the plant answered, in rars.csv.
 
-`python -m validation.references.rars` writes it anew, where the equations are meant to change.
+`python -m validation.references.rars` writes it again, where the equations are meant to change.
 """
 
 from pathlib import Path

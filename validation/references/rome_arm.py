@@ -1,6 +1,6 @@
 """The reference trajectory: inputs over time, and what the plant answered, in rome_arm.csv.
 
-`python -m validation.references.rome_arm` writes it anew, where the equations are meant to change.
+`python -m validation.references.rome_arm` writes it again, where the equations are meant to change.
 """
 
 from pathlib import Path

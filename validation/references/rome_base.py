@@ -1,6 +1,6 @@
 """The reference trajectory: inputs over time, and what the plant answered, in rome_base.csv.
 
-`python -m validation.references.rome_base` writes it anew, where the equations are meant to change.
+`python -m validation.references.rome_base` writes it again, where the equations are meant to change.
 """
 
 from pathlib import Path

@@ -1,6 +1,6 @@
 """The reference trajectory: inputs over time, and what the plant answered, in single_axis.csv.
 
-`python -m validation.references.single_axis` writes it anew, where the equations are meant to change.
+`python -m validation.references.single_axis` writes it again, where the equations are meant to change.
 """
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""ROME's studies: numbers of its thesis, made anew beside an independent way.
+"""ROME's studies: numbers of its thesis, made again beside an independent way.
 
 A. Seleit, "Rapid Orbital Motion Emulator (ROME)", MSc thesis, UCF, 2020.
 """

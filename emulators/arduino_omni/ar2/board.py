@@ -1,6 +1,6 @@
 """The arm's board, whole: a Mega on USB with a generation of its sketch, and the arm on its drivers.
 
-It refuses to know who is on the other end of the USB. No shield is on this board; nobody asks for one.
+It refuses to know who is on the other end of the USB. No shield is on this board; no one asks for one.
 """
 
 from typing import Final

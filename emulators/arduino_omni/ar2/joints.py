@@ -1,7 +1,7 @@
 """Where the arm truly is: what became of each pulse, and what its switches say of it.
 
 A motor that has to give more than it has at that speed stays where it is, and so does one at its stop: the
-step is lost, and nobody tells the board. Without current none moves.
+step is lost, and no one tells the board. Without current none moves.
 
 Where the sources are silent:
 * a step is lost when the weight at the joint alone is more than the motor's torque at its mean speed over 8

@@ -41,7 +41,7 @@ class SketchError(Exception):
 
 
 class Sketch(Protocol):
-    """A firmware, made anew at each reset."""
+    """A firmware, made again at each reset."""
 
     def setup(self) -> None:
         """Give the board its first jobs."""
@@ -133,7 +133,7 @@ class Mega:
         self.resets += 1
 
     def brown_out(self, now: Nanoseconds, *, low: bool) -> None:
-        """Be held in reset while the supply is too low, and start anew when it is back."""
+        """Be held in reset while the supply is too low, and start again when it is back."""
         self._held = low
         self.reset(now)
 

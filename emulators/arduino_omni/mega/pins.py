@@ -40,7 +40,7 @@ class Pins:
     def __init__(self, shafts: "Shafts | None" = None) -> None:
         self._shafts: Final = Shafts() if shafts is None else shafts
         self.driven: dict[int, bool] = dict.fromkeys(BUSY_PINS, True)
-        """Inputs that somebody outside drives; it outlives a reset."""
+        """Inputs that someone outside drives; it outlives a reset."""
         self.analog = [0] * ANALOG
         """What an analogRead gives, 0 to 1023; it outlives a reset."""
         self.modes = bytearray(PINS)
@@ -104,7 +104,7 @@ class Shafts:
         return self._edges
 
     def reach(self, now: Nanoseconds) -> None:
-        """Be on at `now`, before anything is done then; these are turned by nobody."""
+        """Be on at `now`, before anything is done then; these are turned by no one."""
 
     def level(self, pin: int) -> bool | None:
         """Return what an encoder puts on a pin; None where none is: here on no pin."""

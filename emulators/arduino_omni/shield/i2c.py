@@ -18,7 +18,7 @@ BITS_PER_BYTE: Final = 9
 """Eight, and the acknowledge."""
 GENERAL_CALL: Final = 0x00
 NO_ANSWER: Final = 0xFF
-"""What a master reads where nobody pulls the line."""
+"""What a master reads where no one pulls the line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +155,7 @@ class I2cBus:
         self._forget()
 
     def _shows_each_byte(self, transfer: Transfer) -> bool:
-        """Whether somebody may notice a byte before the STOP."""
+        """Whether someone may notice a byte before the STOP."""
         for chip in self._chips:
             if chip.hasty:
                 return True

@@ -44,7 +44,7 @@ OUTDRV: Final = 0x04
 MODE2_BITS: Final = 0x1F
 
 LAST: Final = frozenset({LED_END - 1, PRE_SCALE, TEST_MODE})
-"""Registers after which the pointer begins anew."""
+"""Registers after which the pointer begins again."""
 FULL: Final = 0x10
 """In ON_H: always on. In OFF_H: always off, which wins."""
 HIGH_BITS: Final = 0x1F

@@ -98,7 +98,7 @@ class RosSketch:
         return min(frame, clock.shows((self._commanded_at + self._auto_stop + 1) % CLOCK_WORD, now))
 
     def loop(self, now: Nanoseconds) -> None:
-        """Read and obey what has arrived, close the frame that is over, and stop where nobody has spoken."""
+        """Read and obey what has arrived, close the frame that is over, and stop where no one has spoken."""
         self._now = now
         while not self._obeyed and (byte := self._mega.serial.read()) >= 0:
             if self._read(byte):

@@ -101,7 +101,7 @@ class BoardSilent(_OfBoards, Lasting):
 
 
 class BoardReset(_OfBoards):
-    """Somebody presses the board's button, or its supply has a dip: it starts anew."""
+    """Someone presses the board's button, or its supply has a dip: it starts again."""
 
     kind: ClassVar = "board_reset"
 
@@ -135,7 +135,7 @@ class BoardBrownOut(_Switched):
 
 
 class BoardUnpowered(_OfShields, _Switched):
-    """Processor and shield lose their 5 V: both begin anew with it."""
+    """Processor and shield lose their 5 V: both begin again with it."""
 
     kind: ClassVar = "board_unpowered"
 
@@ -192,7 +192,7 @@ class ShieldAbsent(_BusStuck):
 
 
 class LineGarbage(_OfBoards, Lasting):
-    """Bytes that nobody has said are on the line between bridge and board."""
+    """Bytes that no one has said are on the line between bridge and board."""
 
     kind: ClassVar = "line_garbage"
     every_ms: Annotated[int, Field(ge=1, le=10_000, description="between two bursts, in ms")] = 20

@@ -15,7 +15,7 @@ BOARD_ROWS: Final = (
     ),
     Kind(
         board.BoardReset,
-        "Somebody presses the board's button, or its supply has a dip. An instant: no end.",
+        "Someone presses the board's button, or its supply has a dip. An instant: no end.",
         "A board: deaf for the boot loader's 1.1 s, or until 9 s after the last byte where one comes in that"
         " time, while the shield goes on as it was told; then those of"
         " ros_arduino_bridge and ArduinoIO release their motors; the others run on until they are set up.",
@@ -24,14 +24,14 @@ BOARD_ROWS: Final = (
         board.BoardBrownOut,
         "The 5 V of the board's processor sag, as with a long USB cable: the brown-out detection holds it in"
         " reset. The shield has its own supply, and its chip lives on down to 2.3 V.",
-        "A board: deaf, while the shield goes on as it was told; with the supply it starts anew, as after"
+        "A board: deaf, while the shield goes on as it was told; with the supply it starts again, as after"
         " `board_reset`.",
         "the board's supply",
     ),
     Kind(
         board.BoardUnpowered,
         "The board's 5 V are gone, which shield and processor have in common; the motors' own supply stays.",
-        "A board: silent, its motors roll out; with the supply both start anew, as after `board_reset`.",
+        "A board: silent, its motors roll out; with the supply both start again, as after `board_reset`.",
         "the board's supply",
     ),
     Kind(
@@ -68,7 +68,7 @@ BOARD_ROWS: Final = (
     ),
     Kind(
         board.LineGarbage,
-        "A disturbance on the line between bridge and board: bytes that nobody has said, to both of them,"
+        "A disturbance on the line between bridge and board: bytes that no one has said, to both of them,"
         " in the middle of what they say.",
         "A board: reads them as its firmware reads anything. MWProtocol alone has a checksum; with ArduinoIO"
         " a byte may become the speed of a motor.",
@@ -88,10 +88,10 @@ BOARD_ROWS: Final = (
     ),
     Kind(
         board.LoadLifted,
-        "A light base stands on what is uneven, or somebody picks it up: what the motor turns is in the air,"
+        "A light base stands on what is uneven, or someone picks it up: what the motor turns is in the air,"
         " and spins free.",
         "A board: notices nothing, its encoder counts on. The base goes otherwise than its motors turn: where"
-        " cameras see it the bridge holds `base slips`; without them odometry is wrong, and nobody knows.",
+        " cameras see it the bridge holds `base slips`; without them odometry is wrong, and no one knows.",
         "the load",
     ),
     Kind(

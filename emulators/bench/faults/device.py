@@ -19,7 +19,7 @@ Any = Annotated[Node | None, Field(description="which drive; without it all of t
 
 
 class DriveRestart(Lasting):
-    """A drive loses its supply and starts anew."""
+    """A drive loses its supply and starts again."""
 
     kind: ClassVar = "drive_restart"
     node: One

@@ -32,7 +32,7 @@ class Stations(Enum):
     ALL = "a drive or the bridge"
     MOTORS = "a motor at a shield"
     ENCODERS = "a drive or a motor at a shield"
-    NONE = "nobody"
+    NONE = "no one"
 
     def of(self, robot: AnyRobot) -> list[str]:
         """Return their names; on the bus in the order in which they lie on the cable."""

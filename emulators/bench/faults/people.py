@@ -56,7 +56,7 @@ class BridgeEnds(Lasting):
 
 
 class SecondBridge(Lasting):
-    """Somebody starts a second bridge on the same bus, and ends it by Ctrl-C."""
+    """Someone starts a second bridge on the same bus, and ends it by Ctrl-C."""
 
     kind: ClassVar = "second_bridge"
     among: ClassVar = Stations.NONE

@@ -21,7 +21,7 @@ class GripLost(Lasting):
     node: Annotated[Node, Field(description="whose")]
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
-        """Give what this robot lacks for it; a plant that nobody has installed is asked when it is there."""
+        """Give what this robot lacks for it; a plant that no one has installed is asked when it is there."""
         yield from super().problems(robot)
         if robot.plant.fmu in names() and not find(robot.plant.fmu).grips:
             yield "kind", f"nothing holds {robot.name} on a wall: its plant has no input {GRIP_LOST}AXIS"

@@ -1,7 +1,7 @@
 """How bad each kind of fault is made: keys beside when, where and how long. What is not here has none.
 
 Beyond the limits of the device where it has one, so that it must be noticed; where a fault can be small
-enough to be taken for the world, it is as large as somebody would call broken. All figures are ASSUME.
+enough to be taken for the world, it is as large as someone would call broken. All figures are ASSUME.
 """
 
 from collections.abc import Mapping

@@ -33,7 +33,7 @@ _ROWS: Final = (
     Kind(
         bus.FrameLoss,
         "A driver, an adapter or a full queue between a node's program and its controller swallows"
-        " frames: nothing is on the cable, nobody notices.",
+        " frames: nothing is on the cable, no one notices.",
         "Sends as ever and is not heard. It misses nothing itself.",
     ),
     Kind(
@@ -44,10 +44,10 @@ _ROWS: Final = (
     Kind(
         bus.BusOff,
         "All frames of a node are damaged until its controller leaves the bus (32 of them, some 4 ms);"
-        " nobody restarts the controller before the end. A bridge on a real bus ends then; this one goes"
+        " no one restarts the controller before the end. A bridge on a real bus ends then; this one goes"
         " on when its controller is back.",
         "Is mute and deaf, and misses the bridge's heartbeat. Back on the bus it reports EMCY 0x81FD,"
-        " and 0x8130 if that took long enough; 0x8120, on its way off, was heard by nobody and stays in"
+        " and 0x8130 if that took long enough; 0x8120, on its way off, was heard by no one and stays in"
         " its history.",
         _CONNECTION,
     ),
@@ -63,24 +63,23 @@ _ROWS: Final = (
     ),
     Kind(
         bus.CanSwapped,
-        "The node hears nothing and is not understood. As soon as it has a frame to send nobody"
+        "The node hears nothing and is not understood. As soon as it has a frame to send no one"
         " acknowledges it, and its repetitions pull the bus the wrong way: they destroy everybody's"
         " frames, until all controllers are off the bus, again and again.",
-        "Everybody: EMCY 0x8120 and 0x81FD, and 0x8130 as nobody hears the bridge. Nothing is heard of"
+        "Everybody: EMCY 0x8120 and 0x81FD, and 0x8130 as no one hears the bridge. Nothing is heard of"
         " these before the wires are right.",
         _CONNECTION,
     ),
     Kind(
         bus.BabblingNode,
-        "A node that nobody knows sends without end. Lower identifiers win the bus, so frames of others"
+        "A node that no one knows sends without end. Lower identifiers win the bus, so frames of others"
         " come late or not at all.",
         "Its frames wait; heartbeats may come too late for those who watch them (EMCY 0x8130).",
         "the stranger",
     ),
     Kind(
         bus.NmtForeignNode,
-        "Another master, or a tool that somebody has plugged in, sends a network command. An instant: no"
-        " end.",
+        "Another master, or a tool that someone has plugged in, sends a network command. An instant: no end.",
         "Obeys. Stopped or pre-operational it takes no set-point and sends no process data, and by"
         " itself stops no motion (ASSUME); a reset takes the power off, and the position counter begins"
         " at 0.",
@@ -95,14 +94,14 @@ _ROWS: Final = (
     Kind(
         bus.NodeSilent,
         "All cables of a node are out, or its transceiver is dead; it lives on.",
-        "Misses the bridge's heartbeat: EMCY 0x8130, which nobody hears, and it stops as 0x6007 says."
+        "Misses the bridge's heartbeat: EMCY 0x8130, which no one hears, and it stops as 0x6007 says."
         " Was it the bridge, all drives do so.",
         _CONNECTION,
     ),
     Kind(
         device.DriveRestart,
         "The supply of one drive is interrupted, logic included (a loose plug). The motor is without"
-        " power and rolls out; with the supply the drive starts anew.",
+        " power and rolls out; with the supply the drive starts again.",
         "Sends the boot-up message after its boot time, is pre-operational and not enabled, has its"
         " saved parameters, and counts positions from 0.",
         _CONNECTION,
@@ -225,7 +224,7 @@ _ROWS: Final = (
     ),
     Kind(
         capture.BodyHidden,
-        "Somebody stands before the cameras, or the robot is where none of them looks.",
+        "Someone stands before the cameras, or the robot is where none of them looks.",
         "The capture system sends the last pose again and says that the body is not tracked.",
         "what the cameras see",
     ),
@@ -254,7 +253,7 @@ _ROWS: Final = (
     ),
     Kind(
         people.BridgeEnds,
-        "Somebody presses Ctrl-C, once or twice, or the bridge's process is killed: what it had queued is"
+        "Someone presses Ctrl-C, once or twice, or the bridge's process is killed: what it had queued is"
         " not sent. With the end of the fault a bridge is started, which knows of the one before what that"
         " has left in its file: the places of the axes, as an offer.",
         "Asked to end: the bridge brings it to rest, takes its power and its watch. Killed: it misses the"
@@ -263,7 +262,7 @@ _ROWS: Final = (
     ),
     Kind(
         people.SecondBridge,
-        "Somebody starts a second bridge on the same bus, and ends it by Ctrl-C with the end of the fault.",
+        "Someone starts a second bridge on the same bus, and ends it by Ctrl-C with the end of the fault.",
         "No device: the second bridge hears the first one, says so and sends nothing.",
         "the second bridge",
     ),
@@ -271,7 +270,7 @@ _ROWS: Final = (
         people.SecondStation,
         "A second ground station joins: it holds a stick, and may ask for something twice a second.",
         "No device: who drives goes on to drive. The other's stick and orders are refused, but an emergency"
-        " stop is obeyed from anyone; it may take control where nobody drives, or once it is given up.",
+        " stop is obeyed from anyone; it may take control where no one drives, or once it is given up.",
         "the second station",
     ),
 )

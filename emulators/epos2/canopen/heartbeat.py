@@ -120,7 +120,7 @@ class ErrorControl:
             store.on_write(CONSUMERS[place], partial(self._take_consumer, place))
 
     def begin(self, now: Nanoseconds) -> None:
-        """Start anew after boot-up with what the objects hold."""
+        """Start again after boot-up with what the objects hold."""
         store = self._store
         self.producer.configure(store.get(at.PRODUCER_HEARTBEAT))
         self.producer.begin(now)

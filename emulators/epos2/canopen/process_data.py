@@ -168,7 +168,7 @@ class ProcessData:
         return lambda: self._touched.append(place)
 
     def touch_all(self) -> None:
-        """Have every PDO made ready anew: its objects changed without hooks."""
+        """Have every PDO made ready again: its objects changed without hooks."""
         self._touched.extend(range(2 * PDOS))
 
     def renew(self) -> bool:

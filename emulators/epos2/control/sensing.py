@@ -60,7 +60,7 @@ class Sensing:
         store.on_read(HALL_PATTERN, partial(hall_pattern, axis))
 
     def apply(self, changed: Mapping[Address, int] = MappingProxyType({})) -> None:
-        """Describe the sensors to the axis anew; `changed` wins over what the store still has."""
+        """Describe the sensors to the axis again; `changed` wins over what the store still has."""
 
         def value(address: Address) -> int:
             return changed[address] if address in changed else self._store.get(address)

@@ -4,7 +4,7 @@ Source: EPOS2 Application Notes, April 2013, p. 176-185: memory of 512 words, di
 for each variable, one after the other; a number of 8 or 16 bits takes a word, one of 32 bits two. Where it is
 silent: 0x201A counts samples, and is the same in each ring; the buffer is read whole, 1024 bytes, low byte
 first; a start is refused with 0x06040043 for a variable that is not in the table here, and where there is
-none; bit 0 of 0x2010 starts anew each time it is written, bit 1 is the trigger by hand, 0 stops; it records
+none; bit 0 of 0x2010 starts again each time it is written, bit 1 is the trigger by hand, 0 stops; it records
 once; a movement is a velocity demand other than 0; any edge of any digital input counts.
 """
 

@@ -31,7 +31,7 @@ LIMITS: Final[Mapping[int, tuple[int, int]]] = MappingProxyType(
 """The limit switches: the direction that each of them ends, and the emergency that it is."""
 LIMIT_BITS: Final = sum(1 << function for function in LIMITS)
 WATCHED: Final = range(6)
-"""Functions whose edges wake the drive; a general purpose input is looked at when somebody asks."""
+"""Functions whose edges wake the drive; a general purpose input is looked at when someone asks."""
 
 
 class DigitalInputs:

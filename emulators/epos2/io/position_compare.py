@@ -46,7 +46,7 @@ class PositionCompare:
             store.on_write(address, partial(self._take, address))
 
     def apply(self, changed: Mapping[Address, int] = MappingProxyType({})) -> None:
-        """Describe the positions to the axis anew; `changed` wins over what the store still has."""
+        """Describe the positions to the axis again; `changed` wins over what the store still has."""
 
         def value(address: Address) -> int:
             return changed[address] if address in changed else self._store.get(address)

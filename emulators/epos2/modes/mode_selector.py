@@ -56,7 +56,7 @@ class ModeSelector:
         self.shaft: Final = Shaft(store, axis, inputs)
         self._modes: Final = {number: mode(self.shaft) for number, mode in MODES.items()}
         self._other: Final = ModeOfOperation(self.shaft)
-        """For a number that no mode has: it may come from saved parameters that somebody has edited."""
+        """For a number that no mode has: it may come from saved parameters that someone has edited."""
         self.number = int(Mode.PROFILE_POSITION)
         """The mode that is set, as in 0x6060."""
         self.mode = self._modes[self.number]
@@ -95,7 +95,7 @@ class ModeSelector:
         self.mode.begin()
 
     def change(self, number: int, *, enabled: bool) -> None:
-        """Take a mode over, with the halt that stands and without a set-point that nobody has taken.
+        """Take a mode over, with the halt that stands and without a set-point that no one has taken.
 
         The mode that is set already changes nothing: the default RPDO2 carries it behind each controlword.
         """

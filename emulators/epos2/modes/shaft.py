@@ -101,7 +101,7 @@ class Shaft:
             rpm_per_second = min(rpm_per_second, self.store.get(at.MAX_ACCELERATION))
         axis, shape, before = self.axis, self.axis.shape, self._ramp()
         brake(axis, rpm_per_second)
-        # What brakes already goes on: faults that follow each other closely must not begin it ever anew.
+        # What brakes already goes on: faults that follow each other closely must not begin it ever again.
         if shape == SINE and self._ramp() == before:
             axis.shape = SINE
         else:
@@ -134,7 +134,7 @@ class Shaft:
         axis.profile = RAMP
         axis.acceleration = self.acceleration(acceleration)
         axis.deceleration = self.acceleration(deceleration)
-        # A sin2 ramp that is under way to there already is not begun anew.
+        # A sin2 ramp that is under way to there already is not begun again.
         if axis.shape != SINE or self._ramp() != before:
             self._shape()
 

@@ -39,7 +39,7 @@ SERIAL_NUMBER_64: Final = Address(0x2004)
 ANSWER_TIME: Final[Nanoseconds] = 550 * MICROSECOND
 """What an SDO transfer takes beside its two frames: 0.794 ms in all at 1 Mbit/s, 12.4 ms at 20 kbit/s, and
 five more between them (EPOS2 Application Notes, p. 168), less the frames with their stuff bits. ASSUME: all
-of it is the drive's; the figures were taken with a PC and its CAN card, whose part nobody has published."""
+of it is the drive's; the figures were taken with a PC and its CAN card, whose part no one has published."""
 BOOT_TIME: Final[Nanoseconds] = 262_500 * MICROSECOND
 """From a reset to the boot-up message, as recorded of an EPOS2 (reset node, over slcan)."""
 BIT_RATES: Final[Mapping[int, int]] = MappingProxyType(

@@ -96,7 +96,7 @@ class Remote:
         return node, payload
 
     def read(self, request: Request, response: sdo.Response) -> Answer | int | None:
-        """Return the answer in a server's frame, or its abort code; None where it answers somebody else."""
+        """Return the answer in a server's frame, or its abort code; None where it answers someone else."""
         if isinstance(response, sdo.Abort):
             if response.address not in self._addresses(request):
                 return None

@@ -1,6 +1,6 @@
 """The arm AR2 on the bench: what a mission's step may ask of it, how a station says it, and what is drawn.
 
-Signs, scales and courses are written here anew, not taken from the bridge, so that a mistake there is not
+Signs, scales and courses are written here again, not taken from the bridge, so that a mistake there is not
 repeated. Seen from its left side: x_m is how far the tool is ahead, y_m how high.
 """
 
@@ -65,7 +65,7 @@ def _stick(values: Mapping[str, float], robot: Ar2) -> StickAxes:
 
 
 def _believed(axis: int) -> Callable[[Seen], float]:
-    """Return what tells where the tool is counted to be; NaN while nobody has said where a joint stands."""
+    """Return what tells where the tool is counted to be; NaN while no one has said where a joint stands."""
 
     def read(seen: Seen) -> float:
         lost = any(it.zero_lost for it in seen.facts.axes.values())

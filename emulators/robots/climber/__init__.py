@@ -1,6 +1,6 @@
 """The climber on the bench: what a mission's step may ask of it, how a station says it, and what is drawn.
 
-Signs, scales and paths are written here anew, not taken from the bridge, so that a mistake there is not
+Signs, scales and paths are written here again, not taken from the bridge, so that a mistake there is not
 repeated.
 """
 

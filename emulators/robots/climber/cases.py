@@ -77,7 +77,7 @@ def _on_the_wall(robot: Robot[Geometry]) -> Iterator[Case]:
     del robot
     below = math.nextafter(ON_WALL, 0.0)
     for share, reason in (
-        (None, "nobody tells whether its magnets are on the wall"),
+        (None, "no one tells whether its magnets are on the wall"),
         (math.nan, "nan% of its magnets are on the wall"),
         (below, f"{below:.0%} of its magnets are on the wall"),
     ):

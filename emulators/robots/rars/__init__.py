@@ -1,6 +1,6 @@
 """RARS on the bench: what a mission's step may ask of it, how a station says it, and what is drawn.
 
-Signs and scales are written here anew, not taken from the bridge, so that a mistake there is not repeated.
+Signs and scales are written here again, not taken from the bridge, so that a mistake there is not repeated.
 """
 
 import math

@@ -122,7 +122,7 @@ int64_t servo_run(servo_bank *bank, int64_t last)
             return ended;
         bank->tick += 1;
     }
-    /* What no axis needs is read where somebody may look at it. */
+    /* What no axis needs is read where someone may look at it. */
     if (bank->sampled < plant->output_count && (bank->fault_status = servo_plant_read(plant, plant->output_count)) > WARNING)
         return ENDED_READ;
     for (k = 0; k < bank->count; k++)

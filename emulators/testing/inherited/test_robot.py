@@ -143,7 +143,7 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
     yield "operator silent", {"received_at": NEVER_RECEIVED}
     for link in robot.links:
         yield f"link lost: {link}", {"links_lost": {link: "it is gone"}}
-        yield f"another master: {link}", {"masters": {link: "somebody else sends SYNC: 080#"}}
+        yield f"another master: {link}", {"masters": {link: "someone else sends SYNC: 080#"}}
     well = axes_of(robot, START)
     for axis in robot.axes:
         limit = silence_of(robot, axis.link)

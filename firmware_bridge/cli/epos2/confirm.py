@@ -8,7 +8,7 @@ from firmware_bridge.cli.console import FAILED, refusal
 
 
 def confirm(what: str, why: str, *, yes: bool) -> None:
-    """Return when the user agrees; end the program where not, or where there is nobody to ask."""
+    """Return when the user agrees; end the program where not, or where there is no one to ask."""
     if yes:
         return
     if not sys.stdin.isatty():

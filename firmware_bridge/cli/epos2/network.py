@@ -50,5 +50,5 @@ def nmt(
     if as_json:
         say(json.dumps({"node": sent.node, "command": command.value, "seen": sent.seen}))
         return
-    effect = "and the drive did so" if sent.seen else "and nobody answers that"
+    effect = "and the drive did so" if sent.seen else "and no one answers that"
     say(f"sent: {command.value} to {drive.title}, {effect}")

@@ -43,7 +43,7 @@ class OneDrive:
     where: str
     """The bus or the line alone."""
     silence: str
-    """What to look at when nobody answers."""
+    """What to look at when no one answers."""
     link: CanAccess | SerialAccess
     opener: Callable[[], Port]
     gateway: int | None = None

@@ -61,7 +61,7 @@ def scan(
     Nothing is written. Each node is asked by SDO what it is, one after the other, so a bus without any takes
     127 time-outs, 7 s; a serial line waits as long as its drive does for each node that is not there. Beside
     a master that speaks to the same node by SDO at that moment, either may get the other's answer. Exit
-    status 1 where nobody answers.
+    status 1 where no one answers.
     """
     nodes = numbers(node)
     if isinstance(drive.link, CanAccess):
@@ -72,7 +72,7 @@ def scan(
     if not client.finished:
         raise refusal("interrupted; not everybody was asked", INTERRUPTED)
     if not any(each.answers for each in found.found):
-        raise refusal(f"nobody answers on {drive.where}: {_SILENCE}", FAILED)
+        raise refusal(f"no one answers on {drive.where}: {_SILENCE}", FAILED)
 
 
 def _text(scan: Scan) -> str:

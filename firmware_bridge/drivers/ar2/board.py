@@ -1,8 +1,8 @@
 """The board of an AR2 arm on its serial line, as a link of the robot: questions, moves, and what proves them.
 
 One move is under way at a time. Its end is known when the board has answered something that was said after
-it: it reads one line after the other, and nothing while it moves. Nobody knows where the arm stands when the
-bridge begins, nor after a silence that is longer than the link allows: a board that starts anew ends its move
+it: it reads one line after the other, and nothing while it moves. No one knows where the arm stands when the
+bridge begins, nor after a silence longer than the link allows: a board that starts again ends its move
 somewhere. Where it stands is said on the line, too, so that guard and recordings know it.
 """
 
@@ -20,7 +20,7 @@ from firmware_bridge.wire.arduino import ar2 as words
 
 LOST: Final = "the serial line to the arm's board is gone"
 BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
-"""The board watches for nobody: a move ends by itself, and no other follows."""
+"""The board watches for no one: a move ends by itself, and no other follows."""
 FOUND_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
 TRIES: Final = 3
 KEPT: Final = 256
@@ -81,7 +81,7 @@ class Ar2Board:
         """Whether one was, since the last sample."""
         self._begun: tuple[tuple[Task, ...], Nanoseconds] | None = None
         self._restores = False
-        """Whether no demand ends the tasks under way: nobody has asked for them, or a stop has."""
+        """Whether no demand ends the tasks under way: no one has asked for them, or a stop has."""
         self._speaks_at: Nanoseconds = 0
         """Before this nothing is said: it may be booting."""
         self._found_until: Nanoseconds = 0
@@ -167,7 +167,7 @@ class Ar2Board:
             self._cycle_at = now
             return (self._ask(Question(self._next_text()), now),)
         elif not self.under_way and self._found_once:
-            # Lost, and nobody has asked for it: it is set up again when it answers, but not enabled.
+            # Lost, and no one has asked for it: it is set up again when it answers, but not enabled.
             self.under_way, self._restores = FOUND, True
             return self._open_task(now) + self._go_on(now)
         return ()
@@ -290,7 +290,7 @@ class Ar2Board:
             self._close_task(now)
 
     def _unanswered(self, question: Question, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Ask once more what has no answer, or give it up: the next cycle asks anew."""
+        """Ask once more what has no answer, or give it up: the next cycle asks again."""
         self.busy += now - self._requested_at
         self._question = None
         if question.joint is not None:
@@ -338,7 +338,7 @@ class Ar2Board:
         self._found_until = now + self._table.boots_within_ms * MILLISECOND
 
     def _configure(self, _now: Nanoseconds) -> None:
-        """Know that it is there; a board that was just found may have begun anew."""
+        """Know that it is there; a board that was just found may have begun again."""
         self.configured = self._found_once = True
         self._restores = False
         for joint in self.joints:
@@ -364,7 +364,7 @@ class Ar2Board:
         self.end_tasks()
 
     def _forget(self, now: Nanoseconds) -> None:
-        """Learn that the board was silent for too long: it may have started anew, in the middle of a move."""
+        """Note that the board was silent for too long: it may have started again, in the middle of a move."""
         self.configured = self._dirty = False
         self._speaks_at = max(self._speaks_at, now)
         self._move = None

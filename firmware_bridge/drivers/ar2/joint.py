@@ -1,6 +1,6 @@
 """One joint of the arm as the bridge sees it: a `firmware_bridge.drivers.driver.Driver`.
 
-It has no encoder, and the board has no word for power. Its position is counted: from where somebody has seen
+It has no encoder, and the board has no word for power. Its position is counted: from where someone has seen
 it stand, by the steps of moves whose end the board has proved. A motor that has lost steps is not noticed.
 What leaves for all joints is the board's: a demand is noted here.
 """
@@ -79,7 +79,7 @@ class Ar2Joint:
         self.released = False
         """Whether the board has proved that nothing moves since it may not."""
         self.count: int | None = None
-        """Steps from the end of its way; None while nobody knows."""
+        """Steps from the end of its way; None while no one knows."""
         self.reported: int | None = None
         """The count that was said to the board, which has not answered."""
         self._position = self._velocity = 0.0
@@ -125,7 +125,7 @@ class Ar2Joint:
 
     @property
     def stopping(self) -> bool:
-        """Whether the tasks under way stop the device, or were requested by nobody."""
+        """Whether the tasks under way stop the device, or were requested by no one."""
         return self._board.stops
 
     @property
@@ -157,11 +157,11 @@ class Ar2Joint:
         return self._board.begin(tasks, now)
 
     def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Count from where somebody saw it stand, in rad; it is said on the line, and counts once echoed."""
+        """Count from where someone saw it stand, in rad; it is said on the line, and counts once echoed."""
         return self._board.placed(self, self.steps_at(position), now)
 
     def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing: somebody has to look where it stands."""
+        """Do nothing: someone has to look where it stands."""
         del now
         return ()
 
@@ -203,7 +203,7 @@ class Ar2Joint:
             self.count += steps
 
     def lost(self) -> None:
-        """Learn that nobody knows any more where it stands, and that it may not be moved."""
+        """Learn that no one knows any more where it stands, and that it may not be moved."""
         self.count = self.reported = None
         self.enabled = self.released = False
         self.demand = Stop.REST

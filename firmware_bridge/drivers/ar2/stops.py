@@ -47,7 +47,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             (link.boots_within_ms + link.answers_within_ms) * MILLISECOND,
             task=Task.RESET,
             ends_power=True,
-            note="nobody knows then where the arm stands; the motors keep their current, and hold",
+            note="no one knows then where the arm stands; the motors keep their current, and hold",
         ),
     )
 

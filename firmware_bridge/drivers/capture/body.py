@@ -40,7 +40,7 @@ class SeenBody:
         self._last: tuple[Nanoseconds, Point, float] | None = None
         """When and where it was seen last."""
         self._newest: tuple[float, Nanoseconds, Nanoseconds, Point, Quaternion, float] | None = None
-        """What `reading` is made of where somebody asks: error, instants, position, attitude, heading."""
+        """What `reading` is made of where someone asks: error, instants, position, attitude, heading."""
         self._reading: Reading | None = None
         half, mount = -settings.mount.heading / 2.0, settings.mount
         self._turn: Final = (0.0, 0.0, math.sin(half), math.cos(half))

@@ -37,7 +37,7 @@ class MavlinkPoses:
         return ""
 
     def master(self, now: Nanoseconds) -> str | None:
-        """Return None: nobody commands anything here."""
+        """Return None: no one commands anything here."""
         del now
         return None
 

@@ -23,7 +23,7 @@ from firmware_bridge.wire.natnet.messages import Connect, MessageId, ServerInfo,
 AGAIN: Final[Nanoseconds] = SECOND
 """So long an answer is waited for."""
 ALIVE_EVERY: Final[Nanoseconds] = 2 * SECOND
-"""So often the server hears that somebody listens, as OptiTrack's own samples do it."""
+"""So often the server hears that someone listens, as OptiTrack's own samples do it."""
 CONNECT: Final = packet(
     MessageId.CONNECT,
     messages.connect_payload(Connect("firmware-bridge", (1, 0, 0, 0), (4, 4, 0, 0), (0, 0, 0, 0))),
@@ -82,7 +82,7 @@ class NatNetLink:
         return ()
 
     def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Show the server that somebody listens."""
+        """Show the server that someone listens."""
         del now
         return () if self.server is None else (self._sent(_ALIVE),)
 

@@ -40,7 +40,7 @@ class WriteJob:
 
 @dataclass(frozen=True, slots=True)
 class NetworkJob:
-    """Send a network command to a node, 0 for all; nobody answers."""
+    """Send a network command to a node, 0 for all; no one answers."""
 
     command: NmtCommand
     node: int
@@ -78,7 +78,7 @@ class RefusedError(JobError):
 
 
 class SilentError(JobError):
-    """Nobody answered."""
+    """No one answered."""
 
     def __init__(self, job: Job, waited: Nanoseconds) -> None:
         super().__init__(job, f"no answer within {waited // MILLISECOND} ms")

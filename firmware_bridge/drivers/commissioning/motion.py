@@ -1,4 +1,4 @@
-"""Which writes may set a motor in motion, or let one go, so that somebody must confirm first.
+"""Which writes may set a motor in motion, or let one go, so that someone must confirm first.
 
 It refuses to know the drive's state, which can change between a look and the write.
 """

@@ -1,4 +1,4 @@
-"""Which object somebody means: by its name, however it is spelt, or by index and sub-index.
+"""Which object someone means: by its name, however it is spelt, or by index and sub-index.
 
 It refuses to guess: a name that fits no object, or several, is answered with those that come near.
 """

@@ -1,4 +1,4 @@
-"""Network commands, and seeing that they had an effect: nobody answers them.
+"""Network commands, and seeing that they had an effect: no one answers them.
 
 After a reset the library of maxon waits 100 ms and then asks for the error register for up to 8 s; so does
 this. A node in Stopped answers no SDO, so nothing is looked at there.

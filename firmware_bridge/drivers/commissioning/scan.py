@@ -1,7 +1,7 @@
 """Who answers on a bus, or behind a serial line: each node is asked what it is, one after the other.
 
-It only reads. What a node says of itself meanwhile, its heartbeat or its answer to somebody's node guarding,
-is heard, too; nobody is asked for it, because a remote request begins a node's own watch over its master
+It only reads. What a node says of itself meanwhile, its heartbeat or its answer to someone's node guarding,
+is heard, too; no one is asked for it, because a remote request begins a node's own watch over its master
 (CiA 301).
 """
 
@@ -46,7 +46,7 @@ class Found:
         self.outcomes: dict[Address, Outcome] = {}
         """What came of each question, in the order of the questions."""
         self.received: NmtState | None = None
-        """What it has said of its state without being asked, or asked by somebody else."""
+        """What it has said of its state without being asked, or asked by someone else."""
 
     @property
     def answers(self) -> bool:
@@ -110,7 +110,7 @@ class Scan:
     """The questions, and who has answered. Its script can be carried out once."""
 
     def __init__(self, link: CanAccess | SerialAccess, nodes: Sequence[int], listen: Nanoseconds = 0) -> None:
-        """`listen` is for how long nobody is asked, so that heartbeats are heard."""
+        """`listen` is for how long no one is asked, so that heartbeats are heard."""
         self.requested: list[int] = []
         self.own: int | None = None
         """The number of the drive on a serial line."""
@@ -138,7 +138,7 @@ class Scan:
         return (*listening, *self._all(self._nodes))
 
     def overhear(self, packet: Packet) -> None:
-        """Take note of a packet that is nobody's answer to a question."""
+        """Take note of a packet that is no one's answer to a question."""
         node = packet.address - canopen.ERROR_CONTROL
         if packet.link != CAN or not canopen.FIRST_NODE <= node <= canopen.LAST_NODE:
             return

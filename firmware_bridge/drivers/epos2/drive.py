@@ -63,7 +63,7 @@ class Epos2Drive(Generic[F]):
 
     @property
     def stopping(self) -> bool:
-        """Whether the tasks under way stop the device, or were requested by nobody."""
+        """Whether the tasks under way stop the device, or were requested by no one."""
         return self._tasks.stopping
 
     @property

@@ -65,7 +65,7 @@ class DriveFeedback:
         self.restarted = False
         """Whether it booted since it was found: its set-up is lost."""
         self.rewritten = ""
-        """What somebody else has written to its objects since it was set up: its set-up may be lost."""
+        """What someone else has written to its objects since it was set up: its set-up may be lost."""
         self.expected = False
         """What is sent in every cycle counts only once this bridge has said what it is."""
         self.received_at: Nanoseconds = NEVER_RECEIVED
@@ -114,18 +114,18 @@ class DriveFeedback:
         self.velocity = quadcounts / self._scale.quadcounts_per_unit / to_seconds(elapsed)
 
     def forget_motion(self) -> None:
-        """Count anew from the next sample on: no way and no velocity from before to after."""
+        """Count again from the next sample on: no way and no velocity from before to after."""
         self.sampled_at = NEVER_RECEIVED
         self.velocity = 0.0
 
     def restart(self) -> None:
-        """Learn that it has restarted: set-up and zero are lost, and its counter begins anew."""
+        """Learn that it has restarted: set-up and zero are lost, and its counter begins again."""
         self.restarted = self.zero_lost = True
         self.expected = False
         self.forget_motion()
 
     def lose_zero(self) -> None:
-        """Learn that nobody knows whether its counter was set already: what was to set it has ended."""
+        """Learn that no one knows whether its counter was set already: what was to set it has ended."""
         self.zero_lost, self.zeroing, self.seeking = True, False, False
         self.forget_motion()
 

@@ -98,7 +98,7 @@ def over_can(axis: Axis, link: Epos2Link) -> Traffic:
 def through_gateway(axis: Axis, link: Epos2Link, nodes: Sequence[int]) -> Traffic:
     """Return what flows where the bridge is on the gateway's serial port: no process data, no heartbeat.
 
-    Nobody there would hear either; and a drive with a heartbeat of its own does not answer node guarding,
+    No one there would hear either; and a drive with a heartbeat of its own does not answer node guarding,
     which the gateway's watch hangs on.
     """
     off = tuple(replace(pdo, layout=None) for pdo in pdos(axis.command))

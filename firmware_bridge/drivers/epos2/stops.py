@@ -4,7 +4,7 @@ Sources: controlwords as in `firmware_bridge.drivers.epos2.set_point`; heartbeat
 reaction (0x6007) and reset node (transition 19, which takes the power): EPOS Firmware Specification, by
 analogy. In which network states the consumer lives is inferred: CiA 301 has error control in all of them,
 stopped included, SDO in all but stopped, PDO in operational only. Reset communication brings 0x1016 back to
-what was saved, by default no watch: then silence stops nobody, and objects or the reset must.
+what was saved, by default no watch: then silence stops no one, and objects or the reset must.
 """
 
 from typing import Final

@@ -155,10 +155,10 @@ class TaskRunner:
         self.doubted = False
 
     def rewritten(self, what: str, now: Nanoseconds) -> None:
-        """Learn what somebody else has written to the drive: nobody knows what of its set-up still holds."""
+        """Learn what someone else has written to the drive: no one knows what of its set-up still holds."""
         self._feedback.rewritten = what
         if self._task in _NEEDS_SET_UP:
-            self.fail(f"somebody else has written to it: {what}", now)
+            self.fail(f"someone else has written to it: {what}", now)
 
     def go_on(self, sent: tuple[Packet, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Add what the next tasks send, where one has ended."""

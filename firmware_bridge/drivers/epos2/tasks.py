@@ -132,7 +132,7 @@ def disable(axis: Axis, feedback: DriveFeedback) -> Script:
 
 
 def reset(axis: Axis, feedback: DriveFeedback) -> Script:
-    """Make the drive start anew, without power, and read its statusword when it has.
+    """Make the drive start again, without power, and read its statusword when it has.
 
     A boot-up message alone proves nothing: after reset communication a motor may go on turning (ASSUME).
     """

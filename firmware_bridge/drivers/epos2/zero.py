@@ -33,7 +33,7 @@ POLLS: Final = 20
 _ATTAINED: Final = int(Status.HOMING_ATTAINED | Status.REFERENCED)
 _FAILED: Final = int(Status.HOMING_ERROR)
 _ENDED: Final = int(Status.HOMING_ATTAINED | Status.HOMING_ERROR)
-_WHY: Final = "it stands there, somebody saw it"
+_WHY: Final = "it stands there, someone saw it"
 _SLOW: Final = "no faster than the robot file says"
 
 

@@ -1,7 +1,7 @@
 """A board on its serial line, as a link of the robot: what is said to it, in which order, what it answers.
 
 One question is under way at a time. What the motors shall do goes first, then the questions of a cycle, then
-set-up. A board that was silent for longer than its link allows may have started anew: it is told to release
+set-up. A board that was silent for longer than its link allows may have started again: it is told to release
 its motors until it answers, and then set up again, which begins with that; to drive it must be enabled.
 """
 
@@ -70,7 +70,7 @@ class Board:
         self._starts_until: Nanoseconds = NEVER
         self._cycle_at: Nanoseconds = NEVER_RECEIVED
         self._restores = False
-        """Whether no demand ends the tasks under way: nobody has asked for them, or a stop has."""
+        """Whether no demand ends the tasks under way: no one has asked for them, or a stop has."""
         self._scripts: Final[Mapping[Task, Callable[[], Iterator[Say] | None]]] = {
             Task.FIND: self._find,
             Task.IDENTIFY: self._identify,
@@ -293,7 +293,7 @@ class Board:
         self._tries += 1
         finding = self.under_way[:1] == (Task.FIND,)
         if self._waiting.part is not Part.TASK:
-            # The next cycle asks anew; what was wanted of a motor is wanted then.
+            # The next cycle asks again; what was wanted of a motor is wanted then.
             self._waiting.samples.clear()
             return ()
         if finding and now < self._booting.found_until and self._tries >= TRIES:
@@ -376,7 +376,7 @@ class Board:
         self.end_tasks()
 
     def _forget(self) -> None:
-        """Learn that the board was silent for too long: it may have started anew, and nothing holds."""
+        """Learn that the board was silent for too long: it may have started again, and nothing holds."""
         self.configured = self._dirty = False
         self._booting.lost(self.clock)
         self._waiting.motion.clear()

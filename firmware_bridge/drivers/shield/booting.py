@@ -1,4 +1,4 @@
-"""When a board that may be starting anew is spoken to, and when it is reset.
+"""When a board that may be starting again is spoken to, and when it is reset.
 
 A byte in the first second after a reset keeps the boot loader of a Mega, stk500v2, until it has heard none
 for 9 s: who asks again and again is never answered. So nothing is said until the firmware must run.
@@ -30,7 +30,7 @@ class Booting:
     """Of one board on the link of this name."""
 
     def __init__(self, name: str, table: ShieldLink, begins: bytes) -> None:
-        """`begins` is what its firmware says when it has begun anew."""
+        """`begins` is what its firmware says when it has begun again."""
         self._name: Final = name
         self._causes: Final = (
             f"is the board powered? is it this port, at {table.line_rate} Bd, and flashed with "
@@ -40,7 +40,7 @@ class Booting:
         self._boots: Final = table.boots * MILLISECOND
         self._within: Final = table.boots_within_ms * MILLISECOND
         self._shown = False
-        """Whether it has said that it began anew."""
+        """Whether it has said that it began again."""
         self.speaks_at: Nanoseconds = 0
         """Before this nothing is said."""
         self.seeks_at: Nanoseconds = 0
@@ -93,12 +93,12 @@ class Booting:
         seconds = f"{to_seconds(self._answers_after):.1f} s"
         if self._shown:
             return (
-                f"{self._name}: the line's reset works: the board has begun anew, and released its motors, "
+                f"{self._name}: the line's reset works: the board has begun again, and released its motors, "
                 f"within {seconds}; where it hangs they run on for so long once that is noticed"
             )
         return (
             f"{self._name}: nothing shows that the line's reset works: the board answered {seconds} later, "
-            "and did not say that it has begun anew; where it hangs its motors may run on: keep a switch near"
+            "and did not say that it has started; where it hangs its motors may run on: keep a switch near"
         )
 
     def looked_for(self, now: Nanoseconds) -> None:

@@ -53,7 +53,7 @@ class Dialect(ABC):
     bits = 32
     """Of its counters."""
     begins = b""
-    """What the firmware says by itself when it has begun anew, and else never; empty: nothing."""
+    """What the firmware says by itself when it has begun again, and else never; empty: nothing."""
 
     def __init__(self, link: ShieldLink, motors: Sequence[ShieldAxis]) -> None:
         self.link: Final = link

@@ -20,7 +20,7 @@ def shield_fleet(robot: AnyRobot, name: str) -> Fleet:
 
 
 def measured(robot: AnyRobot) -> AnyRobot:
-    """Return this robot; RobotFileError where nobody would know where it is, as too few encoders are read.
+    """Return this robot; RobotFileError where no one would know where it is, as too few encoders are read.
 
     Where cameras see it, the motors without one run on feed-forward, and the captured pose corrects them.
     """
@@ -29,7 +29,7 @@ def measured(robot: AnyRobot) -> AnyRobot:
         if unseen and robot.located_by is None:
             problem = (
                 f"{link.protocol.value} reads {link.counted} encoders, and not that of {', '.join(unseen)}: "
-                "without another source of its pose nobody would know where the robot is; let cameras see "
+                "without another source of its pose no one would know where the robot is; let cameras see "
                 "it, or flash a firmware that reads all of them, and say --encoders"
             )
             raise RobotFileError(robot.name, Problem(f"links.{name}.encoders", problem))

@@ -132,7 +132,7 @@ class ShieldMotor:
 
     @property
     def stopping(self) -> bool:
-        """Whether the tasks under way stop the device, or were requested by nobody."""
+        """Whether the tasks under way stop the device, or were requested by no one."""
         return self._board.stops
 
     @property
@@ -166,7 +166,7 @@ class ShieldMotor:
         return self._board.begin(tasks, now)
 
     def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing: a motor at a shield has no travel, and nobody may say where it stands."""
+        """Do nothing: a motor at a shield has no travel, and no one may say where it stands."""
         del position, now
         return ()
 

@@ -3,7 +3,7 @@
 No firmware has a word for a motor's power. That it is released is known when the board has answered something
 that was asked after it: commands are obeyed in their order.
 
-A board that is silent hangs, or is starting anew; nobody can tell which. To wait for the one is to let the
+A board that is silent hangs, or is starting again; no one can tell which. To wait for the one is to let the
 other run on, and what is said to a board in its boot loader keeps it there: so a silent board is told to
 release once, and is then reset at once, and nothing is said until it must have booted.
 """
@@ -70,7 +70,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
         ),
         StopStep(
             "reset",
-            "DTR down and up; the board is set up anew, which begins by releasing",
+            "DTR down and up; the board is set up again, which begins by releasing",
             Stop.POWER_OFF,
             link.boots_within_ms * MILLISECOND + SET_UP_WITHIN,
             task=Task.RESET,

@@ -15,7 +15,7 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds
 STEPS_PER_TURN: Final = 400
 """Of each motor: half steps."""
 CURRENT_MA: Final = 2_000
-"""What the drivers of such motors give: order of magnitude; nobody measures it."""
+"""What the drivers of such motors give: order of magnitude; no one measures it."""
 
 
 class Ar2Driver(StrEnum):

@@ -129,7 +129,7 @@ class ShieldLink(LinkTable):
 
     @property
     def stops_itself(self) -> bool:
-        """Whether the board stops its motors when nobody speaks."""
+        """Whether the board stops its motors when no one speaks."""
         return self.protocol is ShieldProtocol.ROS_ARDUINO_BRIDGE
 
     def confirmed(self, cycle: Nanoseconds) -> Nanoseconds:

@@ -22,7 +22,7 @@ class Motion:
     angles: tuple[float, ...] | None = None
     """Of the six joints, rad: where a demand has them be at the end of its cycle; None: where they are."""
     path_s: float | None = None
-    """How far a guide is on its course, in s; None where nobody guides."""
+    """How far a guide is on its course, in s; None where no one guides."""
 
     @property
     def speed(self) -> tuple[float, ...]:

@@ -66,7 +66,7 @@ def tool(state: State) -> tuple[float, float, float]:
 
 
 def _outside(view: View) -> str | None:
-    # Of an arm whose zero is lost nobody knows where the tool is: one cause, one hold.
+    # Of an arm whose zero is lost no one knows where the tool is: one cause, one hold.
     if any(axis.zero_lost for axis in view.facts.axes.values()):
         return None
     for side in sides(view.robot, tool(view.body)):

@@ -84,7 +84,7 @@ class Joint(Table):
         """Return the share of its speed that it may have nose first, or where `way` is negative tail first.
 
         An angle to the one side grows nose first and decays tail first, to the other side the other way
-        round: on the plant, at each heading and from each angle. 0 where nobody knows the angle.
+        round: on the plant, at each heading and from each angle. 0 where no one knows the angle.
         """
         if joint_rad is None:
             return 0.0

@@ -11,7 +11,7 @@ asymptotically only, so the reference moves: it is so far ahead of where the rob
 tangent there, that k_rho rho is the path's speed; where the path goes slower, as at its end, v is less by as
 much. What the path itself bends is added to w. At corners the robot turns on the spot. It drives nose first
 as it was put on, or tail first, where the caster leads: it turns round where the joint's angle has grown, as
-the other way that decays. Nobody steers a robot whose wheels are coupled, and it does not turn round either.
+the other way that decays. No one steers a robot whose wheels are coupled, and it does not turn round either.
 """
 
 import math

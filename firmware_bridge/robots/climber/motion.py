@@ -11,7 +11,7 @@ class Motion:
     """Of the middle between the wheels; ahead, the caster trails."""
     turn_rad_s: float = 0.0
     path_s: float | None = None
-    """How far a guide is on its path, in the path's own seconds; None where nobody guides."""
+    """How far a guide is on its path, in the path's own seconds; None where no one guides."""
 
 
 @valueclass(frozen=True, slots=True)
@@ -23,4 +23,4 @@ class State:
     joint_rad: float | None = None
     """The right half against the left, 0 where both are flat; None where its sensor is silent."""
     on_wall: float | None = None
-    """The share of its magnets that are on the wall; None where nobody tells."""
+    """The share of its magnets that are on the wall; None where no one tells."""

@@ -45,7 +45,7 @@ def _slips(view: View) -> str | None:
 def _off_the_wall(view: View) -> str | None:
     on_wall = view.body.on_wall
     if on_wall is None:
-        return "nobody tells whether its magnets are on the wall"
+        return "no one tells whether its magnets are on the wall"
     if on_wall >= ON_WALL:
         return None
     return f"{on_wall:.0%} of its magnets are on the wall"
@@ -71,7 +71,7 @@ INTERLOCKS: Final = (
     Interlock(
         "pose lost",
         _pose_lost,
-        "look what hides it from the cameras; where it was carried elsewhere, set its home anew",
+        "look what hides it from the cameras; where it was carried elsewhere, set its home again",
         clear_after=CLEARS_AFTER,
         severity=Severity.CRITICAL,
         blocks_arming=False,

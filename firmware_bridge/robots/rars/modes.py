@@ -149,7 +149,7 @@ def _little_steer(view: View) -> tuple[Motion, str | None]:
 
 
 def _steering_stays(view: View) -> tuple[Motion, str | None]:
-    """Let nobody steer; say so to who wants another angle than it has."""
+    """Let no one steer; say so to who wants another angle than it has."""
     motion, angle = view.allowed, steered(view.body)
     if motion.steer_rad is None:
         return motion, None
@@ -160,7 +160,7 @@ def _steering_stays(view: View) -> tuple[Motion, str | None]:
 
 
 def _lift_stays(view: View) -> tuple[Motion, str | None]:
-    """Let nobody lift; say so to who wants to."""
+    """Let no one lift; say so to who wants to."""
     motion = view.allowed
     if motion.lift_m is None and motion.lift_rate_mps == 0.0:
         return motion, None

@@ -12,7 +12,7 @@ class Motion:
     left_mps: float = 0.0
     turn_rad_s: float = 0.0
     path_s: float | None = None
-    """How far a guide is on its path, in the path's own seconds; None where nobody guides."""
+    """How far a guide is on its path, in the path's own seconds; None where no one guides."""
 
     @property
     def twist(self) -> Twist:

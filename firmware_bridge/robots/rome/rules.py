@@ -19,7 +19,7 @@ Interlock: TypeAlias = interlock.Interlock[Geometry, Motion, State]
 Limit: TypeAlias = interlock.Limit[Geometry, Motion, State]
 
 SPIN: Final = 1.5
-"""A base that turns faster than its limit by this factor turns as nobody asked it to."""
+"""A base that turns faster than its limit by this factor turns as no one asked it to."""
 CLEARS_AFTER: Final[Nanoseconds] = 300 * MILLISECOND
 TOLERANCE: Final = 1e-4
 """A step that the ramp shortens by less, in m/s or rad/s, is not reported."""
@@ -33,7 +33,7 @@ def _turns_too_fast(view: View) -> str | None:
 
 
 def _pose_lost(view: View) -> str | None:
-    """Judge where a guide needs the pose, or a wheel whose encoder nobody reads.
+    """Judge where a guide needs the pose, or a wheel whose encoder no one reads.
 
     An operator sees himself where the base is, but not that such a wheel slips or stands.
     """
@@ -68,7 +68,7 @@ INTERLOCKS: Final = (
     Interlock(
         "pose lost",
         _pose_lost,
-        "look what hides it from the cameras; where it was carried elsewhere, set its home anew",
+        "look what hides it from the cameras; where it was carried elsewhere, set its home again",
         clear_after=CLEARS_AFTER,
         severity=Severity.CRITICAL,
         blocks_arming=False,

@@ -4,7 +4,7 @@ Set-points of one cycle leave one after the other, so between two vectors of spe
 bound lie mixtures that are not. A mixture is let through while another axis of the sum may still mend it:
 until each of them has been sent a set-point, at the same instant or later, and no longer than a cycle. Over
 any length of time the sum's integral exceeds its bound by no more than a fixed amount, which no honest bridge
-can reach with mixtures; so nobody can go on from one mixture to the next.
+can reach with mixtures; so no one can go on from one mixture to the next.
 """
 
 import math
@@ -71,7 +71,7 @@ class SpeedSum(AxesRule):
         self._summed_at: Nanoseconds = 0
 
     def refuses(self, requested: Mapping[InForce, Requested], now: Nanoseconds) -> str | None:
-        """Refuse what passes the bound when nobody is left to mend it; rest is never refused."""
+        """Refuse what passes the bound when no one is left to mend it; rest is never refused."""
         if not any(one.speed for one in requested.values()):
             return None
         value = 0.0
@@ -108,7 +108,7 @@ class SpeedSum(AxesRule):
         self.due = min(self._passed_at + self._patience, exhausted) if self._to_come else now
 
     def _others(self, axes: Collection[InForce], now: Nanoseconds) -> tuple[InForce, ...]:
-        """Return who may still mend what these axes do: nobody that has been sent a set-point since."""
+        """Return who may still mend what these axes do: no one that has been sent a set-point since."""
         # To be within at an instant only, before the next word of that instant, mends nothing.
         to_come = self._to_come if self._kept_at in {NEVER, now} else self.axes
         return tuple(one for one in to_come if one not in axes and one.commanded_at < now)
@@ -149,7 +149,7 @@ class Exclusion(AxesRule):
         return None
 
     def stops_with(self, axes: Collection[InForce]) -> tuple[InForce, ...]:
-        """Stop nobody else: whoever moves already may go on."""
+        """Stop no one else: whoever moves already may go on."""
         del axes
         return ()
 
@@ -177,7 +177,7 @@ class OneHomes(AxesRule):
         return None
 
     def stops_with(self, axes: Collection[InForce]) -> tuple[InForce, ...]:
-        """Stop nobody else: it finds its zero alone, and may go on."""
+        """Stop no one else: it finds its zero alone, and may go on."""
         del axes
         return ()
 

@@ -2,7 +2,7 @@
 
 A move cannot be stopped once it is sent. So one is under way at a time, until the board has echoed what was
 said after it; it is short, and no joint gets further in it than its top speed allows in a cycle, nor beyond
-its travel, counted here anew from the place that was said last. Without such a place a joint is not moved.
+its travel, counted here again from the place that was said last. Without such a place a joint is not moved.
 
 Source: Chris-Annin/AR2, AR2_2.0, its sketch: the grammar, and the time of each pulse; robot file for bounds.
 """
@@ -97,7 +97,7 @@ class GuardedJoint:
         self.at_once: Final = math.floor(axis.top_speed * abs(per_rad) * self.cycle / SECOND) + 1
         """Steps of one move: what is told is rounded."""
         self.place: int | None = None
-        """In steps; None while nobody has said it."""
+        """In steps; None while no one has said it."""
         self.moving = False
 
     @property
@@ -106,7 +106,7 @@ class GuardedJoint:
         return self.moving
 
     def refuses_place(self, place: int) -> str | None:
-        """Return why nobody can mean that it stands there, or None."""
+        """Return why no one can mean that it stands there, or None."""
         if self.least <= place <= self.most:
             return None
         return f"{self.axis.called}: {place} steps are not within {self.least} to {self.most}"
@@ -116,7 +116,7 @@ class GuardedJoint:
         if not steps:
             return None
         if self.place is None:
-            return f"{self.axis.called}: moved by {steps} steps, and nobody has said where it stands"
+            return f"{self.axis.called}: moved by {steps} steps, and no one has said where it stands"
         if abs(steps) > self.at_once:
             return f"{self.axis.called}: {steps} steps at once, {self.at_once} are allowed"
         there = self.place + steps
@@ -249,7 +249,7 @@ class Ar2Rules(WireRules):
         return {} if move is None else dict(enumerate(move.steps, 1))
 
     def _forget(self) -> None:
-        """Know no place any more: the board starts anew, or was not to be reached. A move has ended then."""
+        """Know no place any more: the board starts again, or was not to be reached. A move has ended then."""
         self._under_way, self._proves = False, None
         for joint in self._all:
             joint.place, joint.moving = None, False

@@ -196,7 +196,7 @@ class GuardedAxis:
         self._off_since = NEVER
 
     def restarted(self) -> None:
-        """Note that the drive starts anew, without power."""
+        """Note that the drive starts again, without power."""
         self.not_receiving()
         self.reported = None
         self._confirmed_off = False

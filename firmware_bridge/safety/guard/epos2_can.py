@@ -3,7 +3,7 @@
 An identifier that is not in the list is refused; so is one with a flag (extended, remote).
 
 How fast a set-point may CHANGE is not judged here: a late cycle or a substituted frame makes honest jumps.
-The drive's own profile acceleration bounds every jump; this list lets nobody raise it above the robot file,
+The drive's own profile acceleration bounds every jump; this list lets no one raise it above the robot file,
 and the bridge reads it back at start-up.
 
 Source: CiA 301 for identifiers and services.

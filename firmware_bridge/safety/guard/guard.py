@@ -223,7 +223,7 @@ class Guarded:
         )
 
     def _cleared(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Stop the axes of each rule that nobody has mended in time, and find out which one is the next."""
+        """Stop the axes of each rule that no one has fixed in time, and find out which one is the next."""
         sent: tuple[Packet, ...] = ()
         for rule in self._across:
             if rule.due <= now:

@@ -140,6 +140,6 @@ class Zeroing:
             self.in_homing = False
 
     def restarted(self) -> None:
-        """Note that the drive starts anew, in the mode that was saved, and with any method."""
+        """Note that the drive starts again, in the mode that was saved, and with any method."""
         self._reported.clear()
         self.in_homing = False

@@ -1,4 +1,4 @@
-"""Frames that a CAN interface does not take yet: the bus is busy, or nobody is there to hear them."""
+"""Frames that a CAN interface does not take yet: the bus is busy, or no one is there to hear them."""
 
 from abc import ABC, abstractmethod
 from collections import deque

@@ -1,7 +1,7 @@
 """A serial line inside this machine: a pseudo-terminal, whose other end a client opens by its path.
 
 The client may come and go. What it does not fetch is thrown away once the system keeps no more of it, as on a
-line at whose end nobody listens. A pseudo-terminal carries bytes at once, whatever its bit rate; but it knows
+line at whose end no one listens. A pseudo-terminal carries bytes at once, whatever its bit rate; but it knows
 which one the client has set: with another one than the device's nothing is heard, either way.
 """
 

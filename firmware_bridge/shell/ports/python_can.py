@@ -149,7 +149,7 @@ class PythonCanPort(Outbox):
 class Echoes:
     """Frames of one's own that a bus will bring back, in the order in which they went out.
 
-    Somebody else's frame with the same content may be taken for one's own; then one's own is heard in its
+    Someone else's frame with the same content may be taken for one's own; then one's own is heard in its
     place, so that as many are heard as others have sent.
     """
 

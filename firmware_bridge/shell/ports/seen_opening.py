@@ -82,7 +82,7 @@ class SeenOpening(PseudoTerminal):
             self._say(f"{self.name} is plugged in again, as {self.path}")
 
     def fileno(self) -> int:
-        """Return a file that can be read when bytes have arrived, or somebody has come or gone."""
+        """Return a file that can be read when bytes have arrived, or someone has come or gone."""
         return -1 if self._both is None else self._both.fileno()
 
     def read(self, now: Nanoseconds) -> list[tuple[int, bytes]]:

@@ -62,7 +62,7 @@ class UdpPort:
             try:
                 datagram, peer = self._socket.recvfrom(_LARGEST)
             except ConnectionRefusedError:
-                continue  # the answer to something that was sent before: nobody is there yet
+                continue  # the answer to something that was sent before: no one is there yet
             except OSError:
                 break
             source = 0 if self._calls else _number(peer)
@@ -71,7 +71,7 @@ class UdpPort:
         return datagrams
 
     def write(self, address: int, payload: bytes, now: Nanoseconds) -> None:
-        """Send a datagram to the one that is called, or to the place with this number; 0 is nobody there."""
+        """Send a datagram to the one that is called, or to the place with this number; 0 is no one there."""
         del now
         try:
             if self._calls:

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 class Address(NamedTuple):
     """Where an object lives in the dictionary; a tuple, because every access hashes one."""
 
-    index: int  # type: ignore[assignment] # the standard's word; nobody searches an address
+    index: int  # type: ignore[assignment] # the standard's word; no one searches an address
     subindex: int = 0
 
     def __str__(self) -> str:

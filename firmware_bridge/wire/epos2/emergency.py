@@ -128,7 +128,7 @@ _ROWS: Final = (
     Emergency(0x8111, _COMMUNICATION, _STOP, "CAN overrun"),
     Emergency(0x8120, _COMMUNICATION, _STOP, "CAN error passive", Recovery.RESET_COMMUNICATION),
     Emergency(0x8130, _COMMUNICATION, _STOP, "heartbeat or node guarding failed; reaction chosen by 0x6007"),
-    Emergency(0x8150, _COMMUNICATION, _NONE, "somebody else sends with the drive's own COB-ID"),
+    Emergency(0x8150, _COMMUNICATION, _NONE, "someone else sends with the drive's own COB-ID"),
     Emergency(0x81FD, _COMMUNICATION, _STOP, "CAN bus off"),
     Emergency(0x81FE, _COMMUNICATION, _STOP, "CAN receive queue overrun"),
     Emergency(0x81FF, _COMMUNICATION, _STOP, "CAN transmit queue overrun"),

@@ -154,7 +154,7 @@ class Frame(NamedTuple):
     timestamp_s: float = 0.0
     """Since the software was started."""
     exposed: int = 0
-    """The middle of the exposure, in the server's ticks, as the two that follow; 0 where nobody knows it."""
+    """The middle of the exposure, in the server's ticks, as the two that follow; 0 where no one knows it."""
     received: int = 0
     sent: int = 0
     precise: tuple[int, int] | None = None

@@ -23,7 +23,7 @@ class Glance:
         self.timestamp_s, self.exposed, self.sent = stamps
         self.params: Final = params
         self._flat: Final = flat
-        """The values of bodies that nobody has asked for."""
+        """The values of bodies that no one has asked for."""
         self._bodies: Final = bodies
 
     def body(self, number: int) -> RigidBody | None:

@@ -41,7 +41,7 @@ Value: TypeAlias = Any
 
 
 def known(version: Version) -> Version:
-    """Return the version whose layout serves; NatNetError for one that nobody has described.
+    """Return the version whose layout serves; NatNetError for one that no one has described.
 
     ASSUME: a later 4.x is laid out as 4.4, since those versions tell the length of each list.
     """

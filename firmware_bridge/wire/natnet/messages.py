@@ -128,7 +128,7 @@ def server_info_payload(info: ServerInfo) -> bytes:
 
 @dataclass(frozen=True, slots=True)
 class Connect:
-    """Somebody wants frames: who, and in which version of the stream; None where nothing is said of it."""
+    """Someone wants frames: who, and in which version of the stream; None where nothing is said of it."""
 
     name: str = ""
     application: Bytes4 = (0, 0, 0, 0)

@@ -62,7 +62,7 @@ bool fb_deserialise(fb_instance *instance, const char *bytes, size_t size, void 
   }
   memcpy(&sum, bytes + SUMMED, sizeof sum);
   if (sum != checksum(bytes, SUMMED)) {
-    fb_say(instance, FB_ERROR, "these bytes of a saved state have been changed: take the state anew");
+    fb_say(instance, FB_ERROR, "these bytes of a saved state have been changed: take the state again");
     return false;
   }
   if (!*state) *state = malloc(sizeof(fb_image));

@@ -11,7 +11,7 @@ from hil_tests.interop.simavr.lines import happening
 from hil_tests.interop.simavr.twin import Binary, Emulated, built, differences
 
 AT_ONCE: Final = 5_000
-"""Lines to one board, before both begin anew."""
+"""Lines to one board, before both begin again."""
 SHOWN: Final = 5
 
 

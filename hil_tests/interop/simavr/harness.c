@@ -7,7 +7,7 @@
  *   b HEX        bytes on serial, one after the other
  *   t MS         millis() is that from now on
  *   e WHEEL N    an encoder turns by N edges, one after the other, backwards where N is negative
- *   p PIN LEVEL  somebody drives a pin, by its number on the board
+ *   p PIN LEVEL  someone drives a pin, by its number on the board
  *   a PIN MV     a voltage at an analog input
  *
  * simavr's clock is not the chip's to the cycle, so millis() stands from when the sketch's loop begins: its timer
@@ -152,7 +152,7 @@ static void put(int pin, int high) {
   avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ(port), bit), high != 0);
 }
 
-/* What nobody drives reads low: simavr would leave it as it was. */
+/* What no one drives reads low: simavr would leave it as it was. */
 static void floats(char port, uint8_t ddr, uint8_t latch) {
   for (int bit = 0; bit < 8; bit++)
     if (!((ddr | latch | driven[(int)port]) >> bit & 1))

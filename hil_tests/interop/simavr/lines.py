@@ -1,6 +1,6 @@
 """What happens to a board, drawn at random: lines of a host that means it, and of one that does not.
 
-simavr 1.6 has half of the chip's analog inputs, so nobody asks for the others.
+simavr 1.6 has half of the chip's analog inputs, so no one asks for the others.
 """
 
 from collections.abc import Callable, Iterator

@@ -53,7 +53,7 @@ class Edges:
 
 @dataclass(frozen=True)
 class Level:
-    """Somebody drives a pin."""
+    """Someone drives a pin."""
 
     pin: int
     high: bool
@@ -61,7 +61,7 @@ class Level:
 
 @dataclass(frozen=True)
 class Voltage:
-    """Somebody puts a voltage at an analog input; as a reading, 0 to 1023."""
+    """Someone puts a voltage at an analog input; as a reading, 0 to 1023."""
 
     channel: int
     reading: int

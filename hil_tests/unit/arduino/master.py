@@ -1,4 +1,4 @@
-"""A bus with one motor shield, and somebody who does one thing after the other."""
+"""A bus with one motor shield, and someone who does one thing after the other."""
 
 from emulators.arduino_omni.mega import motor_library as library
 from emulators.arduino_omni.mega.jobs import OnBus, Pause
@@ -12,7 +12,7 @@ BIT = 10 * MICROSECOND
 
 
 class Master:
-    """A bus with one shield, and somebody who does one thing after the other."""
+    """A bus with one shield, and someone who does one thing after the other."""
 
     def __init__(self) -> None:
         self.shield = MotorShield()

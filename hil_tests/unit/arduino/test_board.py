@@ -102,7 +102,7 @@ def test_a_machine_that_was_busy_changes_nothing_on_the_board() -> None:
 
 
 class Watched(Host):
-    """Woken every so often besides, as by somebody who looks at each byte."""
+    """Woken every so often besides, as by someone who looks at each byte."""
 
     def __init__(self, firmware: str, every: Nanoseconds) -> None:
         self.every = SECOND

@@ -121,7 +121,7 @@ def test_the_channels_are_levels_on_their_pins_a_before_b_forwards(command: int,
             seen.append(now)
     assert len(seen) > 8
     assert {(new - old) % 4 for old, new in pairwise(seen)} == {steps % 4}
-    assert pins.read(22) == 0  # nobody's
+    assert pins.read(22) == 0  # no one's
 
 
 # Without friction: shorted by winding and half bridge its speed falls within J (R + Ron) / k2; open it stays.

@@ -150,7 +150,7 @@ def test_the_next_start_forgets_a_homing_error(bench: AxisBench) -> None:
 
 @pytest.mark.emergency(0xFF07)
 def test_the_wrong_limit_switch_is_a_fault_and_a_homing_error(bench: AxisBench) -> None:
-    # Somebody has swapped the wires of the limit switches.
+    # Someone has swapped the wires of the limit switches.
     bench.write(INPUT_PINS[4], 0)
     bench.write(INPUT_PINS[5], 1)
     bench.write(INPUT_EXECUTION, 0x0003)

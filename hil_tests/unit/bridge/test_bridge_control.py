@@ -78,7 +78,7 @@ def test_a_driver_who_is_lost_leaves_a_robot_that_is_not_armed(bench_with: Calla
     assert bench.bridge.seen.facts.armed
     bench.runs(0.2)
     assert not bench.bridge.seen.facts.armed
-    assert "nobody drives" in bench.reported()
+    assert "no one drives" in bench.reported()
 
 
 def test_control_is_lost_at_rest_only(armed: "Bench", monkeypatch: pytest.MonkeyPatch) -> None:
@@ -90,7 +90,7 @@ def test_control_is_lost_at_rest_only(armed: "Bench", monkeypatch: pytest.Monkey
     assert "is gone" not in armed.reported()
     monkeypatch.undo()
     armed.runs(0.1)
-    assert "is gone, nobody drives" in armed.reported()
+    assert "is gone, no one drives" in armed.reported()
 
 
 def test_a_refusal_of_the_first_station_is_not_the_others(armed: "Bench") -> None:

@@ -146,7 +146,7 @@ def test_after_a_long_silence_motion_needs_a_new_arm(armed: "Bench") -> None:
         armed.runs(seconds)
         reported.append(armed.bridge.seen.facts.armed)
     assert reported == [True, False]
-    assert "nobody drives" in armed.reported()
+    assert "no one drives" in armed.reported()
     armed.talks = True
     armed.runs(0.5)
     begin = armed.now

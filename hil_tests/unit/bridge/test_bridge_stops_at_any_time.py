@@ -123,7 +123,7 @@ def test_while_it_comes_to_rest_a_forced_disarm_brakes_and_takes_the_power_at_re
     armed.runs(0.2)
     assert states(armed) <= WITHOUT_POWER
     armed.runs(0.3)
-    assert armed.bridge.finished, "it was ordered: nobody looks whether the robot stands by itself"
+    assert armed.bridge.finished, "it was ordered: no one looks whether the robot stands by itself"
     assert states(armed) <= WITHOUT_POWER
     assert armed.bridge.unconfirmed == ()
 

@@ -265,7 +265,7 @@ def test_a_drive_that_fails_is_reported_and_halted(started: Bench) -> None:
 
 
 def test_one_that_does_not_end_is_halted_in_its_time(started: Bench) -> None:
-    """It creeps; the file gives it 12 s. Afterwards nobody moves it."""
+    """It creeps; the file gives it 12 s. Afterwards no one moves it."""
     started.stands()
     drive = started.drives["steer"]
     drive.seeks_for, drive.rushes = 1000 * SECOND, 0.1

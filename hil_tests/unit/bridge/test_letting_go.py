@@ -268,7 +268,7 @@ def kept_by(standing: Standing, *without: str) -> str | None:
 def test_what_a_mode_does_without_keeps_its_power_where_it_holds_the_robot(
     beyond: float, *, held: bool
 ) -> None:
-    """And as long as it does: the next instant is looked at anew. What the others hold is no matter."""
+    """And as long as it does: the next instant is looked at again. What the others hold is no matter."""
     standing = Standing()
     standing.reports("right", current_a=9.0)
     standing.reports("left", current_a=-beyond * FRICTION)

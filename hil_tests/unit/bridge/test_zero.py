@@ -112,9 +112,9 @@ def test_while_it_is_set_it_is_stated_again_in_vain_and_no_one_is_armed(started:
 @pytest.mark.parametrize(
     ("axis", "value", "why"),
     [
-        (1, 0.0, "nobody has to tell where left stands; to be told: steer (deg), lift (m)"),
-        (0, 0.0, "nobody has to tell where axis 0 stands"),
-        (5, 0.0, "nobody has to tell where axis 5 stands"),
+        (1, 0.0, "no one has to tell where left stands; to be told: steer (deg), lift (m)"),
+        (0, 0.0, "no one has to tell where axis 0 stands"),
+        (5, 0.0, "no one has to tell where axis 5 stands"),
         (LIFT, 2.0, "lift at 2 m is not within 0 to 1.116"),
         (LIFT, -0.001, "lift at -0.001 m is not within"),
         (LIFT, NAN, "lift at nan m is not within"),
@@ -240,7 +240,7 @@ def test_a_stop_in_the_middle_leaves_it_lost_and_the_drive_is_set_up_again(
 
 
 def test_what_an_earlier_run_has_kept_is_reported_and_not_believed(bench: "Bench") -> None:
-    bench.bridge.offer({"lift": 0.25, "left": 3.0, "nobody": 1.0})
+    bench.bridge.offer({"lift": 0.25, "left": 3.0, "no one": 1.0})
     for drive in bench.drives.values():
         drive.referenced = False
     bench.starts()
@@ -291,7 +291,7 @@ def test_what_was_stated_at_the_start_is_not_taken_later(bench_with: "Callable[[
     assert bench.bridge.places == {}
 
 
-@pytest.mark.parametrize("stands", [{"lift": 2.0}, {"left": 0.0}, {"nobody": 0.0}, {"steer": NAN}])
+@pytest.mark.parametrize("stands", [{"lift": 2.0}, {"left": 0.0}, {"no one": 0.0}, {"steer": NAN}])
 def test_no_one_starts_a_bridge_with_a_place_that_there_is_not(stands: dict[str, float]) -> None:
     robot = kinds.find("rars")
     with pytest.raises(ValueError, match="zero: "):
@@ -299,7 +299,7 @@ def test_no_one_starts_a_bridge_with_a_place_that_there_is_not(stands: dict[str,
 
 
 def test_a_zero_that_was_known_is_lost_where_a_new_one_did_not_come_to_its_end(started: "Bench") -> None:
-    """Bit 15 stands all the time; but nobody knows which of the two the drive counts from."""
+    """Bit 15 stands all the time; but no one knows which of the two the drive counts from."""
     assert not lost(started, "lift")
     started.states(dialect.MAVLink_command_long_message(1, 1, STANDS, 0, LIFT, 0.1, 0, 0, 0, 0, 0))
     started.world.run(started.now + 750_000)

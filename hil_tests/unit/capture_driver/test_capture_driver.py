@@ -28,7 +28,7 @@ from hil_tests.unit.capture_driver.capture_bench import LINK, ROUND, SERVER, V3_
 
 
 def stated(seen: SeenBody) -> bool:
-    """Whether it has a reading now; asked anew each time."""
+    """Whether it has a reading now; asked again each time."""
     return seen.reading is not None
 
 
@@ -102,7 +102,7 @@ def test_swapped_markers_are_counted_as_a_jump_there_and_one_back() -> None:
 
 
 def test_an_absent_body_is_stated_to_be() -> None:
-    for wanted in (99, "nobody"):
+    for wanted in (99, "no one"):
         seen = body(body=wanted)
         world, _, listening = joined(seen, EXACT)
         world.run(SECOND)

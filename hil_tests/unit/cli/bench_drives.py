@@ -53,7 +53,7 @@ def ask(*words: str) -> Reported:
 
 
 class UntilReported:
-    """A node that goes on until somebody has had enough."""
+    """A node that goes on until someone has had enough."""
 
     def __init__(self, node: Node) -> None:
         self.finished = False

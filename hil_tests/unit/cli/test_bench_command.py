@@ -51,7 +51,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     bench(folder / "second")
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr("emulators.bench.plots.draw", lambda *_, **__: [])
-        bench(folder / "other", seed=1)  # of which nobody looks at the pictures
+        bench(folder / "other", seed=1)  # of which no one looks at the pictures
     return folder
 
 

@@ -1,4 +1,4 @@
-"""A package of somebody's own that cannot be loaded takes nothing else with it."""
+"""A package of someone's own that cannot be loaded takes nothing else with it."""
 
 import os
 import subprocess

@@ -32,7 +32,7 @@ def test_drives_that_are_not_known_to_be_without_power_are_named_at_the_end(
         *_rest: object,
         unfinished: Callable[[], str],
     ) -> None:
-        """Carry the bridge to ports at which nobody answers; ask it to end once it has begun to speak."""
+        """Carry the bridge to ports at which no one answers; ask it to end once it has begun to speak."""
         assert isinstance(node, Stoppable)
         now, reaction = 0, node.wake(0)
         while reaction.wake_at < after:
@@ -50,7 +50,7 @@ def test_drives_that_are_not_known_to_be_without_power_are_named_at_the_end(
     assert "not confirmed to be without power" in text
     assert all(name in text for name in NAMES)
     assert "unconfirmed" not in capsys.readouterr().out, (
-        "nobody was heard: the steps of the stop tell nothing"
+        "no one was heard: the steps of the stop tell nothing"
     )
     assert took[0] < STOP_WITHIN, to_seconds(took[0])
 

@@ -131,7 +131,7 @@ def test_who_is_behind_a_line(on: Bench) -> None:
 def test_a_bus_where_no_one_answers_is_reported(on: Bench) -> None:
     reported = ask("scan", "--node", "5-6,9", "--timeout", "5", "--listen", "0", *on.can)
     assert (reported.status, reported.out) == (1, "silent: 5-6,9\n")
-    assert f"nobody answers on {on.channel}: are they on, on this bus, at this bit rate" in reported.line
+    assert f"no one answers on {on.channel}: are they on, on this bus, at this bit rate" in reported.line
 
 
 def test_network_commands(way: tuple[str, ...]) -> None:
@@ -141,7 +141,7 @@ def test_network_commands(way: tuple[str, ...]) -> None:
     assert "network      operational\n" in ask("state", *way).out
     assert ask("nmt", "reset-node", *way).status == 0
     assert "remote" not in ask("state", *way).out
-    assert "and nobody answers that" in ask("nmt", "start", *way[:4], "--node", "0").out
+    assert "and no one answers that" in ask("nmt", "start", *way[:4], "--node", "0").out
     assert "network      operational\n" in ask("state", *way).out
 
 

@@ -221,7 +221,7 @@ def test_what_a_device_has_recorded_states_its_side_and_needs_no_robot(
         (("--link", "can", "--log", "LOG"), LOG, "only a robot has links"),
         (("--robot", "rars", "--link", "bus", "--log", "LOG"), LOG, "say which one with --link"),
         (("--robot", "rome", "--log", "LOG"), LOG, "has no drives on a CAN bus"),
-        (("--robot", "nobody", "--log", "LOG"), LOG, "nobody"),
+        (("--robot", "no one", "--log", "LOG"), LOG, "no one"),
         (("--log", "LOG"), LINES, "can.log: holds the bytes of lines; say whose with --robot"),
         (
             ("--robot", "rome", "--log", "LOG"),

@@ -1,4 +1,4 @@
-"""On any terminal: one that knows only ASCII, a pipe that nobody reads, a shell that completes words."""
+"""On any terminal: one that knows only ASCII, a pipe that no one reads, a shell that completes words."""
 
 import os
 import re
@@ -62,7 +62,7 @@ def test_a_terminal_that_knows_only_ascii_is_reported_a_mistake_in_ascii(how: st
     assert re.search(rb"gr.+\.toml: cannot be read", ended.stderr), ended.stderr
 
 
-@pytest.mark.long(keeps=["drive rars -i virtual -c nobody --mavlink udpin:127.0.0.1:0"])
+@pytest.mark.long(keeps=["drive rars -i virtual -c no one --mavlink udpin:127.0.0.1:0"])
 @pytest.mark.parametrize(
     "words",
     [
@@ -71,8 +71,8 @@ def test_a_terminal_that_knows_only_ascii_is_reported_a_mistake_in_ascii(how: st
         ("robots",),
         ("epos2", "eds"),
         ("epos2", "objects"),
-        ("drive", "rars", "-i", "virtual", "-c", "nobody", "--mavlink", "udpin:127.0.0.1:0"),
-        ("emulate", "epos2", "-i", "virtual", "-c", "nobody"),
+        ("drive", "rars", "-i", "virtual", "-c", "no one", "--mavlink", "udpin:127.0.0.1:0"),
+        ("emulate", "epos2", "-i", "virtual", "-c", "no one"),
     ],
     ids=" ".join,
 )
@@ -90,7 +90,7 @@ def test_a_pipe_that_no_one_reads_ends_a_command_quietly(words: tuple[str, ...])
 
 
 def test_a_bridge_that_no_one_reads_any_more_stops_in_good_order() -> None:
-    words = ["drive", "rars", "-i", "virtual", "-c", "nobody", "--mavlink", "udpin:127.0.0.1:0"]
+    words = ["drive", "rars", "-i", "virtual", "-c", "no one", "--mavlink", "udpin:127.0.0.1:0"]
     code = (
         "from firmware_bridge.bridge import Bridge\n"
         "from firmware_bridge.cli import main\n"
@@ -106,7 +106,7 @@ def test_a_bridge_that_no_one_reads_any_more_stops_in_good_order() -> None:
         [sys.executable, "-c", code, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
         assert process.stdout is not None
-        assert "bridge on nobody" in process.stdout.readline()
+        assert "bridge on no one" in process.stdout.readline()
         process.stdout.close()
         assert process.stderr is not None
         assert process.stderr.read() == "asked to stop\n"

@@ -106,7 +106,7 @@ def test_enabling_starts_no_profile_velocity_and_a_quick_stop_brings_a_turning_m
     assert abs(rig.bank.axes[0].position) < 5, "halt is set"
     rig.does(CanAccess(NEAR), written(at.CONTROLWORD, 0x000F, 2))
     rig.waits(SECOND)
-    assert rig.bank.axes[0].position > 5_000, "until somebody takes it away"
+    assert rig.bank.axes[0].position > 5_000, "until someone takes it away"
     rig.does(CanAccess(NEAR), PowerCommand(W.QUICK_STOP).script())
     rig.waits(SECOND)
     rests_at = rig.bank.axes[0].position

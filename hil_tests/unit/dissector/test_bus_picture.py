@@ -32,7 +32,7 @@ STORY: Final = [
     (110, 0x603, "4041600000000000", []),
     (111, 0x583, "4B41600040050000", ["node 3: statusword 0x0540 (switch on disabled, target reached)"]),
     (112, 0x583, "4B41600040050000", []),
-    (113, 0x183, "3705", []),  # of what it consists, nobody has seen yet
+    (113, 0x183, "3705", []),  # of what it consists, no one has seen yet
     (120, 0x603, "2F001A0001000000", []),
     (121, 0x603, "23011A0010004160", []),
     (122, 0x183, "3707", [f"node 3: statusword 0x0737 (operation enabled, {ON}, target reached)"]),

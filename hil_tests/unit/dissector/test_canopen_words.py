@@ -62,7 +62,7 @@ ROWS = [
         "0F00FFFFFFFF",
         "RPDO 4, node 3: 0x6040 Controlword = 0x000F (enable operation), 0x60FF Target Velocity = -1 rpm",
     ),
-    (0x180, "00", "a PDO of nobody known"),
+    (0x180, "00", "a PDO of no one known"),
     (0x7FF, "00", "no CANopen service"),
     (0x123 | EXTENDED, "00", "a frame with 29 bits, no CANopen"),
     (BUS_OFF, "0000000000000000", "report of the controller: bus off"),
@@ -71,12 +71,12 @@ ROWS = [
 
 @pytest.mark.parametrize(("address", "content", "text"), ROWS)
 def test_a_frame_in_words(address: int, content: str, text: str) -> None:
-    assert Canopen().read("somebody", Packet(CAN, address, bytes.fromhex(content))) == text
+    assert Canopen().read("someone", Packet(CAN, address, bytes.fromhex(content))) == text
 
 
 def read(reader: Canopen, *frames: tuple[int, str]) -> str:
     for address, content in frames:
-        text = reader.read("somebody", Packet(CAN, address, bytes.fromhex(content)))
+        text = reader.read("someone", Packet(CAN, address, bytes.fromhex(content)))
     return text
 
 
@@ -122,4 +122,4 @@ frames = st.lists(st.tuples(st.integers(0, 0x7FF), flags, st.binary(max_size=8))
 def test_whatever_comes_has_a_text(sent: list[tuple[int, int, bytes]]) -> None:
     reader = Canopen()
     for number, flag, content in sent:
-        assert reader.read("somebody", Packet(CAN, number | flag, content))
+        assert reader.read("someone", Packet(CAN, number | flag, content))

@@ -68,7 +68,7 @@ OUTCOMES: Final[list[tuple[str, dict[str, Any], Verdict, str, str]]] = [
     ("plants", {"plants": {"rars": True, "x": False}}, CAREFUL, "not built yet: x", "fmu build"),
     ("plants", {"plants": {"rars": False}}, MISSING, "none is built", "10 s each"),
     ("plants", {"plants": {"x": False}, "extras": {"plants": ("sympy",)}}, MISSING, "none", "[plants]"),
-    ("plants", {"plants": {"rars": None}}, MISSING, "nobody can tell", "install a C compiler"),
+    ("plants", {"plants": {"rars": None}}, MISSING, "no one can tell", "install a C compiler"),
     ("servo kernel", {}, OK, "loaded", ""),
     (
         "servo kernel",
@@ -85,7 +85,7 @@ OUTCOMES: Final[list[tuple[str, dict[str, Any], Verdict, str, str]]] = [
         "C compiler",
     ),
     ("compiled core", {}, OK, "translated to C", ""),
-    ("compiled core", {"compiled": {"packet": True, "world": False}}, CAREFUL, "others in C: world", "anew"),
+    ("compiled core", {"compiled": {"packet": True, "world": False}}, CAREFUL, "others in C: world", "again"),
     ("compiled core", {"compiled": {"packet": False}}, MISSING, "in Python", "make compiled"),
     ("SocketCAN", {}, OK, "Linux 6.1.0, with SocketCAN", ""),
     ("SocketCAN", {"socketcan": False, "system": "Darwin"}, CAREFUL, "Darwin", "-i pcan"),

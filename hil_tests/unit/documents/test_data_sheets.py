@@ -216,6 +216,6 @@ def test_mistakes_at_the_command_are_answered(tmp_path: Path) -> None:
         result = CliRunner().invoke(program, ["epos2", *words])
         assert result.exit_code == 2, result.output
         assert wanted in result.stderr
-    silent = CliRunner().invoke(program, ["epos2", "dcf", "-i", "virtual", "-c", "nobody"])
+    silent = CliRunner().invoke(program, ["epos2", "dcf", "-i", "virtual", "-c", "no one"])
     assert silent.exit_code == 1
     assert "node 1" in silent.stderr

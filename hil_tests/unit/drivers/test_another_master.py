@@ -37,7 +37,7 @@ def receives(address: int, payload: bytes = b"") -> Fleet:
 )
 def test_what_only_the_master_of_these_drives_sends(address: int, what: str) -> None:
     link = receives(address).link
-    assert link.master(RECEIVED) == f"somebody else sends {what}"
+    assert link.master(RECEIVED) == f"someone else sends {what}"
     assert link.master(RECEIVED + REMEMBERED - 1) is not None
     assert link.master(RECEIVED + REMEMBERED) is None
 

@@ -142,7 +142,7 @@ def test_a_level_that_was_confirmed_is_not_written_again(bench: Bench) -> None:
 
 @pytest.mark.long(keeps=["on_can"])
 def test_a_level_that_was_not_taken_is_written_until_it_is(bench: Bench) -> None:
-    """The drives cannot be reached for a while; nobody told the pins then."""
+    """The drives cannot be reached for a while; no one told the pins then."""
     bench.runs(0.2)
     bench.world.silence(HOST, bench.world.now)
     bench.host.levels = {"lamp": ON, "horn": ON}

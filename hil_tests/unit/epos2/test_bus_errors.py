@@ -89,7 +89,7 @@ def test_a_drive_that_was_off_the_bus_states_so_when_it_is_back() -> None:
     while bench.wire.confinement("drive").condition is not Condition.OFF:
         bench.world.run(bench.world.now + MILLISECOND // 10)
         assert bench.world.now < begin + 20 * MILLISECOND
-    assert bench.reported() == [], "nobody hears it any more"
+    assert bench.reported() == [], "no one hears it any more"
     assert bench.state == State.FAULT.value, "it stops all the same"
     bench.until(100)
     assert bench.reported() == [frame(0x81FD)]
@@ -116,7 +116,7 @@ def test_an_overrun_is_an_emergency_and_stops_the_drive(loss: Loss, code: int) -
 @pytest.mark.emergency(0x81FF)
 def test_a_drive_that_cannot_get_rid_of_its_frames_stops_and_keeps_it_in_its_history() -> None:
     bench = Bench(depth=4)
-    # Somebody fills the bus with frames of the highest rank; the drive's heartbeats pile up behind them.
+    # Someone fills the bus with frames of the highest rank; the drive's heartbeats pile up behind them.
     flood = Player(*((60 * MILLISECOND + k * 45_000, Packet(CAN, 0x001, b"")) for k in range(1000)))
     bench.world.attach("flood", flood, {CAN: bench.wire})
     bench.until(75)

@@ -1,4 +1,4 @@
-"""Every failure in every state: which there are, what is said of a cell, and that nobody overlooks one."""
+"""Every failure in every state: which there are, what is said of a cell, and that no one overlooks one."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""A plant on film: its body at the exposures, though nobody stops there; and chance that is drawn ahead."""
+"""A plant on film: its body at the exposures, though no one stops there; and chance that is drawn ahead."""
 
 import math
 
@@ -15,7 +15,7 @@ TIMING = Timing()
 
 
 class Walking:
-    """A plant that goes ahead at 1 m/s and turns at 1 rad/s, and wakes somebody at some instants."""
+    """A plant that goes ahead at 1 m/s and turns at 1 rad/s, and wakes someone at some instants."""
 
     def __init__(self, *wakes: Nanoseconds) -> None:
         self.now: Nanoseconds = 0
@@ -29,7 +29,7 @@ class Walking:
     def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
         if self.wakes and self.wakes[0] <= until:
             self.now = self.wakes.pop(0)
-            return self.now, ("somebody",)
+            return self.now, ("someone",)
         self.now = until
         return until, ()
 

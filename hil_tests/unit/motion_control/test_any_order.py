@@ -38,7 +38,7 @@ COMMANDS = (0x00, 0x02, 0x06, 0x07, 0x0F, 0x1F, 0x3F, 0x5F, 0x7F, 0x80, 0x10F, 0
 
 
 class ForeignNode(RuleBasedStateMachine):
-    """Somebody on the bus who does anything."""
+    """Someone on the bus who does anything."""
 
     drive: Drive
 
@@ -123,7 +123,7 @@ class ForeignNode(RuleBasedStateMachine):
     @rule(milliseconds=st.integers(1, 60))
     def time(self, milliseconds: int) -> None:
         self.drive.run(milliseconds)
-        # Nobody moves the winding's current while its stage is open, but the back-EMF that is being learnt.
+        # No one moves the winding's current while its stage is open, but the back-EMF that is being learnt.
         if not self.drive.axis.powered:
             self.drive.run(1)
             assert self.drive.axis.current_demand_ma == 0

@@ -201,7 +201,7 @@ def test_a_shaft_that_does_not_rest_is_waited_for_only_so_long(
     drive.write(object_, milliseconds)
     drive.enable(mode=-3)
     drive.run(100)
-    # Somebody turns the shaft, and no regulator may say how much current that takes.
+    # Someone turns the shaft, and no regulator may say how much current that takes.
     drive.write(at.Address(0x2101, 1), 0)
     drive.write(at.OUTPUT_CURRENT_LIMIT, 0)
     drive.plant.load[0] = 0.002

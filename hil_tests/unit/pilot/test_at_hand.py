@@ -111,7 +111,7 @@ def test_before_the_robot_is_armed_the_true_place_is_stated_whatever_the_brake_t
 def test_what_is_held_when_it_is_armed_counts_when_it_has_been_at_rest(
     held: bytes, rests: bytes, then: bytes, *, own: bool
 ) -> None:
-    """Armed by its own button, or by somebody else."""
+    """Armed by its own button, or by someone else."""
     desk = Desk()
     desk.do(AT_REST, held)
     if own:
@@ -166,7 +166,7 @@ def test_a_gamepad_that_no_one_touches_moves_nothing_whatever_it_is_taken_for(co
         ("Logitech Gamepad F310", (), True),
         ("Sony Interactive Entertainment DualSense Wireless Controller", (), True),
         ("Nintendo Switch Pro Controller", (), True),
-        ("Somebody's device", (0, 1, 2, 3, 4, 5, 16, 17), True),
+        ("Someone's device", (0, 1, 2, 3, 4, 5, 16, 17), True),
         ("Logitech G29 Driving Force Racing Wheel", (0, 1, 2, 5, 16, 17), False),
         ("", (), False),
     ],

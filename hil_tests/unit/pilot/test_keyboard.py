@@ -124,7 +124,7 @@ def test_keys_arm_and_stop(key: bytes, requested: ButtonRequest) -> None:
 
 
 def test_the_emergency_stop_is_no_order_to_arm() -> None:
-    """What rested after it has not rested since somebody else armed."""
+    """What rested after it has not rested since someone else armed."""
     hand = Keyboard(1.0)
     reported(hand, b"\r")
     hand.command(LINK, 0, armed=False)

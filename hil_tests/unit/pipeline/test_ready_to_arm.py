@@ -82,7 +82,7 @@ def test_arming_is_refused_where_the_next_cycle_would_disarm() -> None:
     verdict = cart.requests(Arm())
     assert (verdict.accepted, verdict.reason) == (
         False,
-        "arm: no motion command for 10 s: nobody drives; send motion commands, then arm",
+        "arm: no motion command for 10 s: no one drives; send motion commands, then arm",
     )
 
 

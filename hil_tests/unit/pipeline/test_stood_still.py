@@ -1,4 +1,4 @@
-"""A bridge that was not let run: whatever happened meanwhile, nobody has watched it."""
+"""A bridge that was not let run: whatever happened meanwhile, no one has watched it."""
 
 from typing import Final
 

@@ -70,7 +70,7 @@ def test_of_several_senders_the_earliest_difference_counts() -> None:
     comparison = Frames([sent(9 * US), sent(2 * US, sender="right")], ["left", "right"], 0, SECOND)
     comparison.take(9 * US, "left", B)
     comparison.take(9 * US, "left", B)
-    comparison.take(10 * US, "somebody", A)
+    comparison.take(10 * US, "someone", A)
     found = first([comparison], SECOND)
     assert found is not None
     assert found.wanted == sent(2 * US, sender="right")

@@ -15,7 +15,7 @@ from firmware_bridge.recording import EPOCH
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND
 
 RUN = Path(__file__).with_name("end_requested_at")
-"""3 s of `drive rars` at emulated drives in real time, nobody driving, and its end by `--duration`."""
+"""3 s of `drive rars` at emulated drives in real time, no one driving, and its end by `--duration`."""
 KNOWN = Path(__file__).with_name("places_known")
 """3 s of `drive rars` after a run that had kept where lift and steering stood."""
 ORDER = Order(

@@ -43,7 +43,7 @@ BAD: dict[str, tuple[str, bytes, str]] = {
     "a long line": ("a.log", b"x" * 999, f"{NO_LINE}, as '(12.345678) can0 123#DEADBEEF': '{'x' * 80}...'"),
     "back in time": ("a.log", f"{BOOT}\n{BEAT}\n{BEFORE}\n".encode(), "a.log, line 3: its instant is before"),
     "two buses": ("a.log", f"{BOOT}\n{OTHER}\n".encode(), "a.log: holds frames of can0, can1; choose"),
-    "of nobody here": ("a.log", b"(1.000000) can0 710#00\n", "a.log: holds no frame of a drive of rars"),
+    "of no one here": ("a.log", b"(1.000000) can0 710#00\n", "a.log: holds no frame of a drive of rars"),
     "no gzip": ("a.log.gz", BOOT.encode(), "a.log.gz: cannot be unpacked: "),
     "no xz": ("a.log.xz", BOOT.encode(), "a.log.xz: cannot be unpacked: "),
     "empty telemetry": ("a.tlog", b"", "a.tlog: holds no MAVLink message"),
@@ -135,7 +135,7 @@ ORDERS: dict[str, tuple[Into, str, str | None, str]] = {
     "frames into the bench": (Into.BENCH, "a.log", None, "wants one telemetry log"),
     "the drives' operator": (Into.DRIVES, "a.log", "a.tlog", "a.tlog: the drives hear no operator"),
     "a bridge that is silent": (Into.BRIDGE, "silent.log", None, "holds no word of a bridge"),
-    "nobody answers": (Into.BENCH, "a.tlog", None, "a.tlog: holds no message of the bridge of rars"),
+    "no one answers": (Into.BENCH, "a.tlog", None, "a.tlog: holds no message of the bridge of rars"),
     "another day's operator": (Into.BRIDGE, "a.log", "b.tlog", "b.tlog: was recorded at another time"),
 }
 

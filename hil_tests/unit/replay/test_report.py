@@ -20,7 +20,7 @@ from firmware_bridge.robot import RobotFileError
 from firmware_bridge.shell.run_file import RUN_FILE, AsRun, read_run, run_file
 
 REAL: Final = Path(__file__).with_name("places_known")
-"""3 s of `drive rars` at emulated drives in real time, nobody driving."""
+"""3 s of `drive rars` at emulated drives in real time, no one driving."""
 DRIVEN: Final = """
 title = "a metre, and a stop"
 duration_s = 7.0
@@ -129,7 +129,7 @@ def test_from_where_this_bridge_does_otherwise_is_stated(bench: Path, tmp_path: 
         (("nowhere",), "is no folder"),
         (("bench",), "`bench` has made its page already; say --out DIR"),
         (("bench", "rome", "--out", "page"), "holds no"),
-        (("bench", "nobody", "--out", "page"), "no such robot"),
+        (("bench", "no one", "--out", "page"), "no such robot"),
     ],
 )
 def test_a_folder_that_cannot_be_used_is_refused(
@@ -165,7 +165,7 @@ def test_what_was_driven_is_read_back_whole(tmp_path: Path) -> None:
     assert found is not None
     assert (found.robot, found.mode, str(found.stands)) == (robot, "lift_failed", str(run.stands))
     assert read_run(tmp_path / "empty") is None
-    for text in ("{", "[]", '{"robot": {"kind": "nobody"}, "agreed_ms": null, "stands": {}, "mode": ""}'):
+    for text in ("{", "[]", '{"robot": {"kind": "no one"}, "agreed_ms": null, "stands": {}, "mode": ""}'):
         (tmp_path / RUN_FILE).write_text(text, encoding="utf-8")
         with pytest.raises(RobotFileError, match="cannot be read"):
             read_run(tmp_path)

@@ -97,7 +97,7 @@ def test_what_came_later_is_kept_from_then_on() -> None:
     box = Box(things=[])
     rewind = Rewind(box)
     empty = rewind.snapshot()
-    for number in range(2000):  # so many that what was known is found anew on the way
+    for number in range(2000):  # so many that what was known is found again on the way
         box.things.append(Box(number=[number]))
         if number % 7 == 0:
             del box.things[0]

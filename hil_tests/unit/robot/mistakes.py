@@ -153,13 +153,13 @@ MISTAKES = (
         ("is missing",),
     ),
     Mistake(
-        "a zero that nobody confirms where it does harm",
+        "a zero that no one confirms where it does harm",
         ('how = "confirm"', 'how = "at power-on"'),
         "axes[2]",
         ("takes no zero 'at power-on'",),
     ),
     Mistake(
-        "a homing that nobody describes",
+        "a homing that no one describes",
         ('how = "confirm"', 'how = "home"'),
         "axes[2].zero",
         ("how = 'home' and the table homing",),
@@ -171,7 +171,7 @@ MISTAKES = (
         ("there are: confirm, home, at power-on",),
     ),
     Mistake(
-        "a wheel that somebody confirms",
+        "a wheel that someone confirms",
         ("[axes.settings]", '[axes.zero]\nhow = "confirm"\n\n[axes.settings]'),
         "axes[0]",
         ("without travel has no place to confirm",),

@@ -1,4 +1,4 @@
-"""Objects over a serial line: four bytes both ways, one retry where nobody answered, or an error."""
+"""Objects over a serial line: four bytes both ways, one retry where no one answered, or an error."""
 
 from typing import Final
 

@@ -146,7 +146,7 @@ def test_a_plant_that_fails_states_where_and_when(
 def test_a_plant_that_ends_its_simulation_is_not_stepped_on(
     built: dict[str, kernel.Found], plant_library: ctypes.CDLL, side: str, failing: int
 ) -> None:
-    # FMI 3.0.1, 4.2.1: terminateSimulation, and earlyReturn, which nobody has allowed.
+    # FMI 3.0.1, 4.2.1: terminateSimulation, and earlyReturn, which no one has allowed.
     one = Side(Motors(plant_library, 3), (SANE,) * 4, built[side])
     one.plant.breaks(at=57, failing=failing)
     with pytest.raises(PlantError, match=f"doStep failed after 57 steps with {failing}"):

@@ -34,7 +34,7 @@ GAINS = Settings(
 PLAIN = DcMotor(1.0, 0.5e-3, 0.04, 2e-4)
 SUPPLY_V = 24.0
 TOLERANCE_J = 5e-5
-"""What a tick may be wrong by in which a load begins to slow the shaft down: nobody has seen it yet."""
+"""What a tick may be wrong by in which a load begins to slow the shaft down: no one has seen it yet."""
 SHARE = 1e-4
 """... and so much of what rotor and winding hold when the stage opens."""
 

@@ -88,7 +88,7 @@ def test_they_turn_alike_whatever_they_are_reported(
                 faults.dead ^= {motor % 3}
             elif what == 1:
                 faults.cut ^= {motor}
-            elif what == 2:  # the oscillator starts anew, in the midst of what follows
+            elif what == 2:  # the oscillator starts again, in the midst of what follows
                 it.write(bytes((MODE1, SLEEP | AI)))
                 it.write(bytes((MODE1, AI)))
             elif what < 9:

@@ -62,7 +62,7 @@ def test_what_is_no_frame_is_passed_over(joined: Callable[[str], can.BusABC]) ->
     sender, listener = joined(ONE), joined(ONE)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
         other.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, socket.inet_aton("127.0.0.1"))
-        other.sendto(b"somebody else's words", (ONE, 43_240))
+        other.sendto(b"someone else's words", (ONE, 43_240))
     sender.send(frame(0x181))
     received = listener.recv(RECEIVED_S)
     assert received is not None

@@ -162,7 +162,7 @@ def test_one_that_came_in_between_leaves_the_others_their_two_readings() -> None
 class Stuck(Outbox):
     """An interface that takes as many frames as it has room for."""
 
-    name = "a bus where nobody listens"
+    name = "a bus where no one listens"
 
     def __init__(self) -> None:
         super().__init__()
@@ -213,7 +213,7 @@ def test_a_bus_that_takes_nothing_for_a_cycle_is_lost() -> None:
     port.write(1, b"", 0)
     port.flush(PATIENCE - 1)
     with pytest.raises(
-        LostPort, match="lost a bus where nobody listens: no frame could be sent for 50 ms"
+        LostPort, match="lost a bus where no one listens: no frame could be sent for 50 ms"
     ) as lost:
         port.flush(PATIENCE)
     assert lost.value.port is port
@@ -231,7 +231,7 @@ def test_a_datagram_carries_the_place_it_came_from_and_goes_where_its_number_sta
             assert sorted(received(bridge, 2)) == sorted([(one, b"one"), (two, b"two")])
             bridge.write(two, b"to the second", 0)
             assert received(second, 1) == [(0, b"to the second")]
-            bridge.write(0, b"to nobody", 0)
+            bridge.write(0, b"to no one", 0)
             assert received(first, 1, within=5 * MILLISECOND) == []
             assert bridge.unsent == 0
 

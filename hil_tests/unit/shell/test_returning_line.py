@@ -1,4 +1,4 @@
-"""A serial port that is unplugged and comes back: a pseudo-terminal that is closed and made anew."""
+"""A serial port that is unplugged and comes back: a pseudo-terminal that is closed and made again."""
 
 from collections.abc import Callable
 from contextlib import closing

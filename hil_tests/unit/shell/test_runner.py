@@ -101,7 +101,7 @@ class Flat:
 
 
 class Exact(Clock):
-    """A machine that wakes nobody late: it is then what it was to be."""
+    """A machine that wakes no one late: it is then what it was to be."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -96,7 +96,7 @@ def test_clients_come_and_go() -> None:
                 client.write(name)
                 assert received(port, len(name)) == name
             assert port.read(0) == []
-            port.write(0, b"nobody hears this", 0)
+            port.write(0, b"no one hears this", 0)
 
 
 @pytest.mark.parametrize("kind", [PseudoTerminal, SeenOpening])
@@ -296,7 +296,7 @@ def test_a_cable_that_is_pulled_takes_the_port_away_and_a_new_one_comes_back_und
             with pytest.raises(serial.SerialException):
                 client.read(1)
         assert not link.is_symlink()
-        port.write(0, b"nobody hears it", 0)
+        port.write(0, b"no one hears it", 0)
         assert (port.read(0), port.fileno()) == ([], waits_at)
         port.write(LINE_BACK, b"", 0)
         with serial.Serial(str(link), timeout=1) as client:

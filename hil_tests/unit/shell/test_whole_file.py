@@ -1,4 +1,4 @@
-"""A small file on a disk that takes nothing for a while: a pipe that nobody reads stands for it."""
+"""A small file on a disk that takes nothing for a while: a pipe that no one reads stands for it."""
 
 import os
 from collections.abc import Iterator

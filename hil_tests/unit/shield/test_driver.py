@@ -218,8 +218,8 @@ def test_what_answers_a_task_that_a_stop_has_ended_is_nobodys() -> None:
 @pytest.mark.parametrize(
     ("protocol", "wires", "remark"),
     [
-        ("mw", True, "the board has begun anew, and released its motors, within 1."),
-        ("firmata", True, "the board has begun anew, and released its motors, within 3."),
+        ("mw", True, "the board has begun again, and released its motors, within 1."),
+        ("firmata", True, "the board has begun again, and released its motors, within 3."),
         ("arduinoio", True, "nothing shows that the line's reset works"),
         ("mw", False, "nothing shows that the line's reset works"),
         ("ros-arduino-bridge", True, ""),

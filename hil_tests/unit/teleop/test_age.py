@@ -35,7 +35,7 @@ def test_only_who_drives_is_requested_and_twice_a_second() -> None:
     for _ in range(40):
         bench.now += CYCLE
         sent = bench.operator.report(bench.snapshot(), (), bench.now)
-        assert not any(_kinds([packet.payload]) & QUESTIONS for packet in sent), "nobody drives"
+        assert not any(_kinds([packet.payload]) & QUESTIONS for packet in sent), "no one drives"
     station.orders(400, 1.0)
     requested: dict[int, int] = {}
     for _ in range(40):
@@ -183,7 +183,7 @@ def test_only_an_answer_of_who_drives_to_an_open_question_counts() -> None:
     assert ages.trips.newest(station.bench.now) is None, "of another place"
     forged = dialect.MAVLink_timesync_message(5, question.ts1 + 1)
     station.sends(forged)
-    assert ages.trips.newest(station.bench.now) is None, "to a question that nobody asked"
+    assert ages.trips.newest(station.bench.now) is None, "to a question that no one asked"
     station.comes(station.answer(question))
     trip = ages.trips.newest(station.bench.now)
     assert trip is not None

@@ -122,7 +122,7 @@ def test_a_clock_that_is_only_received_reports_how_much_later_a_word_comes_than_
     reported = {}
     for word in regular_words(lambda at: 400 * MILLISECOND if at >= 5 * SECOND else 30 * MILLISECOND, 8):
         reported[word.sent_at] = fit.excess(shows(word.sent_at), word.comes_at)
-    assert reported[SECOND + 500 * MILLISECOND] is None, "nobody knows yet whether it runs"
+    assert reported[SECOND + 500 * MILLISECOND] is None, "no one knows yet whether it runs"
     assert reported[4 * SECOND] == pytest.approx(0, abs=2 * MILLISECOND)
     assert reported[7 * SECOND] == pytest.approx(370 * MILLISECOND, abs=2 * MILLISECOND)
 

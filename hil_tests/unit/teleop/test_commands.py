@@ -161,7 +161,7 @@ def test_a_repetition_is_answered_and_not_obeyed_again(bench: RarsBench) -> None
 def test_a_repetition_that_stops_is_obeyed_again(
     bench: RarsBench, command: int, params: tuple[float, ...], request_: Request
 ) -> None:
-    """Somebody may have cleared the stop, or armed, in between."""
+    """Someone may have cleared the stop, or armed, in between."""
     for confirmation in range(3):
         assert acks(bench.order(command, *params, confirmation=confirmation)) == [(command, ACCEPTED)]
     assert bench.requested == [request_] * 3

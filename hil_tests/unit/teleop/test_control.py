@@ -186,7 +186,7 @@ def test_control_is_requested_and_given_up(bench: RarsBench) -> None:
     assert bench.requested == [ChangeDriver(), Disarm(), ChangeDriver()]
     assert hand.result(CONTROL, 0) == DENIED
     bench.report()
-    assert "control: 255/190 at 10.0.0.1:14550 has given it up, nobody drives" in reported(bench)
+    assert "control: 255/190 at 10.0.0.1:14550 has given it up, no one drives" in reported(bench)
 
 
 @pytest.mark.parametrize(
@@ -256,7 +256,7 @@ def test_who_sends_nothing_loses_control(bench: RarsBench, driver: Hand, silence
     assert bench.operator.lapse(bench.now) is lost
     assert (drives(bench) is None) is lost
     bench.report()
-    assert ("is gone, nobody drives" in reported(bench)) is lost
+    assert ("is gone, no one drives" in reported(bench)) is lost
     assert (bench.operator.intent.received_at == NEVER_RECEIVED) is lost
     assert driver.result(ARM, 1) == ACCEPTED
 

@@ -1,4 +1,4 @@
-"""Several stations in any order of words and silences: one drives, and nobody else moves anything."""
+"""Several stations in any order of words and silences: one drives, and no one else moves anything."""
 
 from __future__ import annotations
 

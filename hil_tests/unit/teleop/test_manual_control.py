@@ -37,7 +37,7 @@ RESTING = {
     "MAVProxy": channels(1500, 0, 0, 0, 0),
     "MAVProxy, version 2": channels(1500, 1500, 65535, 65535, 65535),
 }
-"""What stations send while nobody touches anything: QGroundControl's Joystick.cc, MAVSDK's manual_control
+"""What stations send while no one touches anything: QGroundControl's Joystick.cc, MAVSDK's manual_control
 plugin, MAVProxy's joystick module."""
 
 
@@ -132,7 +132,7 @@ def test_while_its_button_is_held_the_lift_follows_z_from_where_it_stood_up_and_
         (((500, True), (700, True)), [0.0, 0.2]),
         # It stood where the message before had it.
         (((0, False), (600, True)), [0.0, 0.6]),
-        # Each press counts anew.
+        # Each press counts again.
         (((0, False), (600, True), (600, False), (600, True)), [0.0, 0.6, 0.0, 0.0]),
         # Where z was not used it stood nowhere.
         (((UNUSED, False), (600, True), (800, True)), [0.0, 0.0, 0.2]),

@@ -161,7 +161,7 @@ def test_one_wrong_bit_anywhere_is_no_command(at: int) -> None:
         wrong[at] ^= 1 << bit
         received = codec.decode(bytes(wrong))
         assert received == []
-        # A wrong message number may name a message that we lack; nobody can check its checksum.
+        # A wrong message number may name a message that we lack; no one can check its checksum.
         assert codec.counters.corrupt + codec.counters.unknown == 1
 
 

@@ -282,7 +282,7 @@ def test_a_signature_is_the_first_six_bytes_of_a_hash_with_the_key_before_all() 
 
 
 def restarted(bench: RarsBench, *, started_at: int = NOW) -> RarsBench:
-    """A bridge that begins anew with what the one before has kept."""
+    """A bridge that begins again with what the one before has kept."""
     return bench_with(Trust(key=KEY, started_at=started_at, kept=bench.operator.stamps(bench.now)))
 
 
@@ -331,7 +331,7 @@ def test_a_station_whose_clock_is_ahead_raises_our_stamps_and_locks_no_one_out(k
 
 
 def test_who_is_not_believed_is_named_for_the_console_once(keyed: RarsBench) -> None:
-    """On the link only who is believed is told, and there may be nobody."""
+    """On the link only who is believed is told, and there may be no one."""
     for _ in range(3):
         for signer in (Signer(None), Signer(OTHER, system=254)):
             receives(keyed, signer.states(BEAT))

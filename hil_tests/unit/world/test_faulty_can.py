@@ -203,7 +203,7 @@ def test_a_disturbance_of_a_node_that_is_away_meets_it_when_it_is_back() -> None
     wire.disturb(Disturbance(sender="node2", effect=Effect.LOSS))
     wire.disturb(Disturbance(receiver="node1", end=20 * MILLISECOND))
     world.run(9_500_000)
-    assert wire.damaged == 0, "nobody is there to see a frame wrongly"
+    assert wire.damaged == 0, "no one is there to see a frame wrongly"
     world.attach("node1", hearer, {"can": wire})
     world.run(15_500_000)
     assert wire.damaged > 0

@@ -120,8 +120,8 @@ def test_the_physics_may_name_a_node_that_is_gone_but_none_that_never_was() -> N
     world.attach("gone", Player(), {})
     world.detach("gone")
     world.run(1000)
-    world = World(Ticks(100, (300, "nobody")))
-    with pytest.raises(WorldError, match="wakes 'nobody'"):
+    world = World(Ticks(100, (300, "no one")))
+    with pytest.raises(WorldError, match="wakes 'no one'"):
         world.run(1000)
 
 

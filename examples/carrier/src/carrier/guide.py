@@ -33,7 +33,7 @@ class FigureEight:
         self.reset()
 
     def reset(self) -> None:
-        """Begin anew, where the robot stands then."""
+        """Begin again, where the robot stands then."""
         self._start: Pose | None = None
         self._side = 1.0
         self._angle = 0.0

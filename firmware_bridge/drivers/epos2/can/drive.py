@@ -70,7 +70,7 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
         self._feedback.synchronised(now)
 
     def rewritten(self, what: str, now: Nanoseconds) -> None:
-        """Learn what somebody else has written to its objects."""
+        """Learn what someone else has written to its objects."""
         self._tasks.rewritten(what, now)
         self.wake_at = self._scripts.wake_at
 

@@ -63,7 +63,7 @@ class CanLink:
         if self._master is None or now >= self._master[0] + REMEMBERED:
             return None
         _, what, packet = self._master
-        return f"somebody else sends {what}: {packet.address:03X}#{packet.payload.hex().upper()}"
+        return f"someone else sends {what}: {packet.address:03X}#{packet.payload.hex().upper()}"
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Send SYNC."""

@@ -39,7 +39,7 @@ def value_in(address: Address, answer: ObjectRead) -> bytes:
 
 
 def silent(result: Result) -> bool:
-    """Return whether nobody answered: on the line, or behind the gateway."""
+    """Return whether no one answered: on the line, or behind the gateway."""
     return isinstance(result, Failure) or result.error == AbortCode.TIMEOUT
 
 
@@ -108,7 +108,7 @@ class SerialClient:
         self._transfer = self._job = self._outcome = None
 
     def ended(self, job: Job, _request: Request, result: Result, now: Nanoseconds) -> None:
-        """Learn how the command ended; try again where nobody answered and attempts are left."""
+        """Learn how the command ended; try again where no one answered and attempts are left."""
         transfer = self._transfer
         if transfer is None or job is not self._job:
             return

@@ -93,7 +93,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
 
     @property
     def listens(self) -> bool:
-        """Whether nobody may speak to it: it shall notice the bridge's silence."""
+        """Whether no one may speak to it: it shall notice the bridge's silence."""
         return self.busy and self._proof.listens
 
     @property
@@ -164,7 +164,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         return self._sent(self._tasks.go_on(self._scripts.wake(now), now))
 
     def lose(self, now: Nanoseconds) -> None:
-        """Take notice that the line is gone: the set-up counts no longer, somebody may have changed it."""
+        """Take notice that the line is gone: the set-up counts no longer, someone may have changed it."""
         self.present = self._tasks.set_up = False
         self._taken.clear()
         self._feedback.lose()

@@ -122,7 +122,7 @@ class Exchange:
         return self.go_on()
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Give up a command that nobody has answered for."""
+        """Give up a command that no one has answered for."""
         self.clock = now
         if self.gone:
             self._fail(now)
@@ -145,7 +145,7 @@ class Exchange:
         job.owner.ended(job, request, result, now)
 
     def _fail(self, now: Nanoseconds) -> None:
-        """End everything that was under way or has waited; what is begun anew now waits for another call."""
+        """End everything that was under way or has waited; what is begun again now waits for another call."""
         waiting, self._waiting = self._waiting, []
         self._end(Failure.SILENCE, now)
         for job in waiting:

@@ -85,7 +85,7 @@ class SerialFeedback(DriveFeedback):
             self._sample(*self._position, now)
 
     def forget_motion(self) -> None:
-        """Count anew from the next sample on."""
+        """Count again from the next sample on."""
         super().forget_motion()
         self._before = None
 

@@ -30,7 +30,7 @@ def over_serial(
     """Return this robot with these links, or all, over the serial port of one drive on each, the gateway.
 
     That is the first drive where neither the caller nor the file names one; what is not given stays the
-    file's. RobotFileError where a link has no such drive, or no second one: then nobody would stop the
+    file's. RobotFileError where a link has no such drive, or no second one: then no one would stop the
     gateway when the line breaks.
     """
     changed = {}
@@ -41,7 +41,7 @@ def over_serial(
         problem = (
             f"{chosen} is not the node of an axis on this link"
             if chosen not in nodes
-            else "a drive without another one behind it watches nobody"
+            else "a drive without another one behind it watches no one"
         )
         if chosen not in nodes or len(nodes) == 1:
             raise RobotFileError(robot.name, Problem(f"links.{name}.gateway", problem))

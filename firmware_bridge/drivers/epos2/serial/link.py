@@ -1,6 +1,6 @@
 """A serial line as the bridge's link: one drive is on it, and passes commands on to the others over CAN.
 
-Each drive watches somebody who falls silent with the bridge. Those behind the gateway hear the bridge's own
+Each drive watches someone who falls silent with the bridge. Those behind the gateway hear the bridge's own
 heartbeat, which the gateway puts on the bus. The gateway itself does not hear what it sends; it watches the
 answers of another drive to node guarding, which come only as long as the bridge has them asked for.
 """

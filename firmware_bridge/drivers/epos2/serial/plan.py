@@ -3,7 +3,7 @@
 A command costs the time of its bytes, what this machine's port keeps back at each turn of the talk, and,
 where it goes through the gateway, 0.13 ms (EPOS2 Application Notes, p. 168) and its frames on the CAN bus at
 their longest. A plan that does not fit is refused before anything moves: a line that is too slow would
-otherwise make every cycle late, and nobody would know.
+otherwise make every cycle late, and no one would know.
 """
 
 from collections.abc import Iterator, Sequence

@@ -18,7 +18,7 @@ _CODE = 0xFFFF
 
 
 class Proof:
-    """One drive's proof. While it `listens` nobody may show the drive that the bridge lives."""
+    """One drive's proof. While it `listens` no one may show the drive that the bridge lives."""
 
     def __init__(
         self,

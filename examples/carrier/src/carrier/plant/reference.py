@@ -1,6 +1,6 @@
 """The reference trajectory: voltages over time, and what the plant answered, in reference.csv.
 
-`python -m carrier.plant.reference` writes the file anew; only when the equations are meant to change.
+`python -m carrier.plant.reference` writes the file again; only when the equations are meant to change.
 """
 
 from pathlib import Path
