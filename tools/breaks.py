@@ -1,4 +1,4 @@
-# ruff: noqa: INP001 - a script's neighbour, not a package
+# ruff: noqa: INP001 - a script's neighbor, not a package
 """Ways to break one node of a program: what each is called, and what turns the node into its successor.
 
 It refuses to know which nodes a module has, and that some ways do nothing there.

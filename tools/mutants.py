@@ -1,4 +1,4 @@
-# ruff: noqa: INP001 - a script's neighbour, not a package
+# ruff: noqa: INP001 - a script's neighbor, not a package
 """All modules that differ from one in a single place, each with a name that stays when lines move."""
 
 import ast

@@ -1,4 +1,4 @@
-# ruff: noqa: INP001 - a script's neighbour, not a package
+# ruff: noqa: INP001 - a script's neighbor, not a package
 """`docs/nightly.md`: what came of the commands of a night, and of the mutation campaign by package."""
 
 from collections import defaultdict

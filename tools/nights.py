@@ -1,4 +1,4 @@
-# ruff: noqa: INP001 - a script's neighbour, not a package
+# ruff: noqa: INP001 - a script's neighbor, not a package
 """What a night runs, as a table, and what came of each command, in a file that is committed."""
 
 import json

@@ -1,4 +1,4 @@
-# ruff: noqa: INP001 - a script's neighbour, not a package
+# ruff: noqa: INP001 - a script's neighbor, not a package
 """What the campaign has found so far, in two files: what survived, and why it may.
 
 `mutate_results.toml` is written by the campaign, module by module; `mutate_survivors.toml` by people.

@@ -1,4 +1,4 @@
-# ruff: noqa: INP001 - a script's neighbour, not a package
+# ruff: noqa: INP001 - a script's neighbor, not a package
 """Which modules are broken, in which order, and which tests must notice."""
 
 import ast

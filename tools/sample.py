@@ -1,4 +1,4 @@
-# ruff: noqa: INP001 - a script's neighbour, not a package
+# ruff: noqa: INP001 - a script's neighbor, not a package
 """Which mutants a run of ten minutes tries: the same ones for the same commit, whatever the clock says."""
 
 import hashlib

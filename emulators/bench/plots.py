@@ -1,6 +1,6 @@
 """Pictures of a run for people: the path, the robot's own panels, the currents, the holds, and its own.
 
-The same rows give the same bytes: no date, no random colour, no window system.
+The same rows give the same bytes: no date, no random color, no window system.
 """
 
 from collections.abc import Callable, Mapping, Sequence

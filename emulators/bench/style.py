@@ -1,9 +1,9 @@
-"""How the bench's pictures look: colours and style. It refuses to know what draws them."""
+"""How the bench's pictures look: colors and style. It refuses to know what draws them."""
 
 from pathlib import Path
 from typing import Final
 
-# Okabe and Ito's palette: told apart with every common kind of colour blindness, and in grey by lightness.
+# Okabe and Ito's palette: told apart with every common kind of color blindness, and in grey by lightness.
 BLUE: Final = "#0072B2"
 ORANGE: Final = "#E69F00"
 GREEN: Final = "#009E73"
@@ -12,6 +12,6 @@ PURPLE: Final = "#CC79A7"
 SKY: Final = "#56B4E9"
 INK: Final = "#222222"
 PALE: Final = "#9A9A9A"
-AXIS_COLOURS: Final = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
+AXIS_COLORS: Final = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 
 STYLE: Final = Path(__file__).with_name("bench.mplstyle")

@@ -14,7 +14,7 @@ from emulators.bench.columns import Curve, Panel, Samples, current
 from emulators.bench.halo import HALO
 from emulators.bench.records import HoldRecord
 from emulators.bench.style import (
-    AXIS_COLOURS,
+    AXIS_COLORS,
     BLUE,
     GREEN,
     INK,
@@ -27,7 +27,7 @@ from emulators.bench.style import (
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import to_seconds
 
-CURVE_COLOURS: Final = (BLUE, GREEN, PURPLE, BLUE)
+CURVE_COLORS: Final = (BLUE, GREEN, PURPLE, BLUE)
 LEAST_CURRENT_A: Final = 0.1
 """A picture's current axis reaches at least this far, or noise would look like a load."""
 REASON_LETTERS: Final = 70
@@ -42,14 +42,14 @@ def panels_picture(
     rows = figure.subplots(
         len(panels), 1, sharex=True, squeeze=False, height_ratios=[panel.height for panel in panels]
     )[:, 0]
-    colours = iter(CURVE_COLOURS * len(panels))
+    colors = iter(CURVE_COLORS * len(panels))
     for axes, panel in zip(rows, panels, strict=True):
         if panel.shaded:
             _shade(axes, holds, samples)
         if panel.limit is not None:
             _limit(axes, *panel.limit(robot), panel, samples)
         for curve in (one for one in panel.curves if samples.has(one.column)):
-            _curve(axes, curve, samples, ORANGE if curve.step else next(colours))
+            _curve(axes, curve, samples, ORANGE if curve.step else next(colors))
         axes.set(title=panel.title, ylabel=panel.label)
         if panel.least:
             low, high = axes.get_ylim()
@@ -70,7 +70,7 @@ def currents_picture(figure: Figure, robot: AnyRobot, samples: Samples) -> None:
     rows = figure.subplots(len(known), 1, sharex=True, squeeze=False)[:, 0]
     for index, (axis, axes) in enumerate(zip(known, rows, strict=True)):
         drawn = samples.column(current(axis.name))
-        axes.plot(samples.seconds, drawn, color=AXIS_COLOURS[index % len(AXIS_COLOURS)], linewidth=1.1)
+        axes.plot(samples.seconds, drawn, color=AXIS_COLORS[index % len(AXIS_COLORS)], linewidth=1.1)
         rms = math.sqrt(float(np.nanmean(drawn**2)))
         most = float(np.nanmax(np.abs(drawn)))
         axes.set(title=f"{axis.title.capitalize()}, {axis.settings.address}", ylabel="current [A]")
@@ -103,7 +103,7 @@ def holds_picture(figure: Figure, samples: Samples, holds: Sequence[HoldRecord])
         axes.broken_barh(
             [(began, max(length, shortest)) for began, length in bars],
             (row - 0.2, 0.62),
-            facecolor=AXIS_COLOURS[row % len(AXIS_COLOURS)],
+            facecolor=AXIS_COLORS[row % len(AXIS_COLORS)],
         )
         late = bars[0][0] > 0.5 * end
         axes.annotate(
@@ -124,21 +124,21 @@ def holds_picture(figure: Figure, samples: Samples, holds: Sequence[HoldRecord])
     _finish_time(axes, samples)
 
 
-def _curve(axes: Axes, curve: Curve, samples: Samples, colour: str) -> None:
+def _curve(axes: Axes, curve: Curve, samples: Samples, color: str) -> None:
     drawn = samples.column(curve.column) * curve.scale
     label = curve.label if samples.truth else curve.label.replace("plant", "measured")
     if curve.step:
         axes.plot(
             samples.seconds,
             drawn,
-            color=colour,
+            color=color,
             linewidth=3.4,
             alpha=0.6,
             label=label,
             drawstyle="steps-post",
         )
     else:
-        axes.plot(samples.seconds, drawn, color=colour, linewidth=1.2, label=label)
+        axes.plot(samples.seconds, drawn, color=color, linewidth=1.2, label=label)
 
 
 def _limit(axes: Axes, limit: float, unit: str, panel: Panel, samples: Samples) -> None:

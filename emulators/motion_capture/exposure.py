@@ -21,7 +21,7 @@ from emulators.motion_capture.bodies import Body, Place, product, turned
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.natnet.frame import (
     BodyFlag,
-    LabelledMarker,
+    LabeledMarker,
     MarkerFlag,
     Point,
     Quaternion,
@@ -62,7 +62,7 @@ class Cameras:
     lost: Lost = Lost.FREEZE
     up: Up = Up.Y
     markers: bool = True
-    """Whether the stream has the labelled markers, too."""
+    """Whether the stream has the labeled markers, too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,13 +110,13 @@ class Exposure:
 
     def bodies_at(
         self, now: Nanoseconds, normals: Sequence[float]
-    ) -> tuple[tuple[RigidBody, ...], tuple[LabelledMarker, ...]]:
+    ) -> tuple[tuple[RigidBody, ...], tuple[LabeledMarker, ...]]:
         """Return the bodies, and the markers on them, as the stream has them.
 
         `normals` are numbers of mean 0 and standard deviation 1, `NORMALS` for each body.
         """
         bodies: list[RigidBody] = []
-        markers: list[LabelledMarker] = []
+        markers: list[LabeledMarker] = []
         for number, body in enumerate(self.bodies):
             errors = normals[NORMALS * number : NORMALS * number + NORMALS]
             seen = self._noisy(self._swapped(body, now), self._noise(body.id, now), errors)
@@ -175,11 +175,11 @@ class Exposure:
         qx, qy, qz, qw = place.attitude
         return Place(self.outside(place.position), (*self.outside((qx, qy, qz)), qw))
 
-    def _markers(self, body: Body, place: Place, *, tracked: bool) -> Iterable[LabelledMarker]:
+    def _markers(self, body: Body, place: Place, *, tracked: bool) -> Iterable[LabeledMarker]:
         seen = MarkerFlag.POINT_CLOUD if tracked else MarkerFlag.OCCLUDED | MarkerFlag.POINT_CLOUD
         for number, marker in enumerate(body.markers, 1):
             position = self.outside(_moved(place.position, turned(place.attitude, marker)))
-            yield LabelledMarker(
+            yield LabeledMarker(
                 body.id << 16 | number,
                 position,
                 MARKER_M,

@@ -47,7 +47,7 @@ CALM: Final = 1
 
 
 def tool() -> Any:
-    """Return `tools/mutants.py`, which finds its neighbours beside itself."""
+    """Return `tools/mutants.py`, which finds its neighbors beside itself."""
     folder = str(ROOT / "tools")
     if folder not in sys.path:
         sys.path.insert(0, folder)

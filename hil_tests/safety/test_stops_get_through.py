@@ -164,9 +164,9 @@ def test_the_power_is_taken_within_five_seconds_by_the_rows(robot: str) -> None:
             assert to_seconds(whole - taken) <= 4.0 + boots / 1000.0, "silence, and the reset"
 
 
-Behaviours: TypeAlias = dict[str, tuple[str, dict[str, object]]]
+Behaviors: TypeAlias = dict[str, tuple[str, dict[str, object]]]
 """How a link, or what is on it, may behave: a fault and its keys; an empty kind for what is none."""
-ON_A_LINE: Final[Behaviours] = {
+ON_A_LINE: Final[Behaviors] = {
     "as it should be": ("", {}),
     "silent": ("board_silent", {}),
     "chatters": ("board_chatters", {"every_ms": 20}),
@@ -177,7 +177,7 @@ ON_A_LINE: Final[Behaviours] = {
     "half answers": ("", {}),
     "every other answer": ("", {}),
 }
-ON_A_BUS: Final[Behaviours] = {
+ON_A_BUS: Final[Behaviors] = {
     "as it should be": ("", {}),
     "silent": ("node_silent", {"node": "left"}),
     "restarts": ("drive_restart", {"node": "left"}),
@@ -217,7 +217,7 @@ def others() -> Callable[[Packet], tuple[Packet, ...]]:
     return lambda packet: (packet,) if next(ways) else ()
 
 
-def stories(kinds: Behaviours, seconds: list[float]) -> st.SearchStrategy[list[tuple[str, float]]]:
+def stories(kinds: Behaviors, seconds: list[float]) -> st.SearchStrategy[list[tuple[str, float]]]:
     """Return what happens one after the other, each kind once at most, and for how long."""
     one = st.tuples(st.sampled_from(sorted(kinds)), st.sampled_from(seconds))
     return st.lists(one, min_size=1, max_size=3, unique_by=lambda it: it[0])

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from firmware_bridge.wire.natnet import frame as frames
 from firmware_bridge.wire.natnet import layout, messages, models
-from firmware_bridge.wire.natnet.frame import Frame, LabelledMarker, RigidBody
+from firmware_bridge.wire.natnet.frame import Frame, LabeledMarker, RigidBody
 from firmware_bridge.wire.natnet.glance import glance
 from firmware_bridge.wire.natnet.layout import FIRST, LAST, NatNetError, Version
 from firmware_bridge.wire.natnet.messages import Connect, MessageId, ServerInfo, packet, split
@@ -34,7 +34,7 @@ LOST_4_1 = bytes.fromhex(
     "0000000000000000 0000 00000000"
 )
 BODY = RigidBody(1, (0.5, 1.25, -0.75), (0.0, HALF, 0.0, HALF), mean_error_m=0.0002500000118743628)
-MARKER = LabelledMarker(0x0001_0001, (0.53125, 1.25, -0.75), 0.01406249962747097, 10, 0.00019999999494757503)
+MARKER = LabeledMarker(0x0001_0001, (0.53125, 1.25, -0.75), 0.01406249962747097, 10, 0.00019999999494757503)
 SEEN = Frame(
     1200,
     bodies=(BODY,),
@@ -123,7 +123,7 @@ def some_frames(draw: st.DrawFn, version: Version) -> Frame:
         if version >= (4, 1)
         else (),
         draw(
-            several(st.builds(LabelledMarker, ints, points, floats, shorts, floats if new else st.just(0.0)))
+            several(st.builds(LabeledMarker, ints, points, floats, shorts, floats if new else st.just(0.0)))
         ),
         draw(devices),
         draw(devices) if new else (),

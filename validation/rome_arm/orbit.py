@@ -203,7 +203,7 @@ def _wronskian(time: float) -> float:
 
 
 def _turning(values: Floats, sign: float) -> float:
-    """Return the largest value, or the least for a sign of -1, by the parabola through its neighbours."""
+    """Return the largest value, or the least for a sign of -1, by the parabola through its neighbors."""
     place = int(np.argmax(sign * values[1:-1])) + 1
     before, here, after = values[place - 1 : place + 2]
     return float(here - (after - before) ** 2 / (8.0 * (before - 2.0 * here + after)))

@@ -8,7 +8,7 @@ from matplotlib import rc_context, style
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from emulators.bench.style import AXIS_COLOURS, STYLE
+from emulators.bench.style import AXIS_COLORS, STYLE
 from validation.studies.study import Plot
 
 SIZE: Final = (7.4, 4.4)
@@ -29,8 +29,8 @@ def pictures(plot: Plot) -> tuple[bytes, bytes]:
         FigureCanvasAgg(figure)
         axes = figure.add_subplot()
         for place, curve in enumerate(plot.curves):
-            colour = AXIS_COLOURS[place % len(AXIS_COLOURS)]
-            axes.plot(curve.x, curve.y, color=colour, label=curve.label or None, **LOOKS[curve.style])
+            color = AXIS_COLORS[place % len(AXIS_COLORS)]
+            axes.plot(curve.x, curve.y, color=color, label=curve.label or None, **LOOKS[curve.style])
         axes.set(title=plot.title, xlabel=plot.x, ylabel=plot.y)
         if plot.equal:
             axes.set_aspect("equal", adjustable="datalim")

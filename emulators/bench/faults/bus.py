@@ -144,14 +144,14 @@ class CanSwapped(_Station):
 
 
 class CanCut(OnBus, Lasting):
-    """The CAN cable is cut between two neighbours."""
+    """The CAN cable is cut between two neighbors."""
 
     kind: ClassVar = "can_cut"
     among: ClassVar = Stations.ON_THE_BUS
     between: Annotated[
         tuple[Node, Node],
         Field(
-            strict=False, description=f"two neighbours on the cable, which are in this order: {CABLE_ORDER}"
+            strict=False, description=f"two neighbors on the cable, which are in this order: {CABLE_ORDER}"
         ),
     ]
 
@@ -164,7 +164,7 @@ class CanCut(OnBus, Lasting):
         cable = self.among.of(robot)
         one, other = sorted(cable.index(named(robot, node) or "") for node in self.between)
         if other != one + 1:
-            yield "between", f"these two are not neighbours on the cable: {', '.join(cable)}"
+            yield "between", f"these two are not neighbors on the cable: {', '.join(cable)}"
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Cut it."""

@@ -40,13 +40,13 @@ class BodyFlag(IntFlag):
 
 
 class MarkerFlag(IntFlag):
-    """What `LabelledMarker.params` says."""
+    """What `LabeledMarker.params` says."""
 
     OCCLUDED = 1
     POINT_CLOUD = 2
     MODEL_FILLED = 4
     HAS_MODEL = 8
-    UNLABELLED = 16
+    UNLABELED = 16
     ACTIVE = 32
 
 
@@ -116,7 +116,7 @@ class Asset:
 
 
 @dataclass(frozen=True, slots=True)
-class LabelledMarker:
+class LabeledMarker:
     """A marker; the upper half of its number is the rigid body's, the lower one its own from 1 on."""
 
     id: int
@@ -144,7 +144,7 @@ class Frame(NamedTuple):
     bodies: tuple[RigidBody, ...] = ()
     skeletons: tuple[Skeleton, ...] = ()
     assets: tuple[Asset, ...] = ()
-    markers: tuple[LabelledMarker, ...] = ()
+    markers: tuple[LabeledMarker, ...] = ()
     force_plates: tuple[Device, ...] = ()
     devices: tuple[Device, ...] = ()
     latency_s: float = 0.0
@@ -228,7 +228,7 @@ FRAME: Final = Record(
         "markers",
         Items(
             Record(
-                LabelledMarker,
+                LabeledMarker,
                 Row("id", _INT),
                 Row("position", _POINT),
                 Row("size_m", _FLOAT),
@@ -292,7 +292,7 @@ def _of_values(values: tuple[Any, ...], layout: Plain) -> Frame:
         ),
         markers=tuple(
             [
-                LabelledMarker(
+                LabeledMarker(
                     markers[at], markers[at + 1 : at + 4], markers[at + 4], markers[at + 5], markers[at + 6]
                 )
                 for at in range(0, len(markers), MARKER_VALUES)

@@ -1,4 +1,4 @@
-"""The frames that come 240 times a second, in one stroke: rigid bodies, their labelled markers, and no more.
+"""The frames that come 240 times a second, in one stroke: rigid bodies, their labeled markers, and no more.
 
 Such a frame has one layout for each version and number of bodies and markers. It is read and written at once,
 four times as fast as row by row; what is laid out otherwise is left to the rows, which say the same of all.
@@ -36,10 +36,10 @@ class Plain:
             announced.append((count, count * Struct(f"<{item}").size) if sized else (count,))
         self._layout: Final = Struct(f"<{code}IIdQQQ{'2I' if sized else ''}hI")
         self.size: Final = self._layout.size
-        seen, labelled = lists.index((_BODY, bodies)) + 1, lists.index((_MARKER, markers)) + 1
+        seen, labeled = lists.index((_BODY, bodies)) + 1, lists.index((_MARKER, markers)) + 1
         self._before: Final = tuple(chain(*announced[:seen]))
-        self._between: Final = tuple(chain(*announced[seen:labelled]))
-        self._behind: Final = tuple(chain(*announced[labelled:]))
+        self._between: Final = tuple(chain(*announced[seen:labeled]))
+        self._behind: Final = tuple(chain(*announced[labeled:]))
         self.bodies: Final = slice(1 + len(self._before), 1 + len(self._before) + BODY_VALUES * bodies)
         first = self.bodies.stop + len(self._between)
         self.markers: Final = slice(first, first + MARKER_VALUES * markers)

@@ -139,11 +139,11 @@ AT = "at_s = 2.0\n"
         (table("drive_restart", AT), "fault[0].node: Field required"),
         (
             table("can_cut", f'{AT}between = ["left", "steer"]'),
-            "fault[0].between: these two are not neighbours",
+            "fault[0].between: these two are not neighbors",
         ),
         (
             table("can_cut", f'{AT}between = ["left", "left"]'),
-            "fault[0].between: these two are not neighbours",
+            "fault[0].between: these two are not neighbors",
         ),
         (
             table("can_cut", f'{AT}between = ["left", "rigth"]'),

@@ -182,7 +182,7 @@ def test_what_fits_no_frame_is_refused(size: int) -> None:
         SdoClient().start(Transfer(at.CONTROLWORD, bytes(size)), 0)
 
 
-def test_a_cancelled_transfer_leaves_nothing_behind() -> None:
+def test_a_canceled_transfer_leaves_nothing_behind() -> None:
     client = SdoClient()
     client.start(STATUS, 0)
     client.cancel()

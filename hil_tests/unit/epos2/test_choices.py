@@ -52,7 +52,7 @@ def test_a_choice_is_what_the_drive_does(choice: str, answer: str) -> None:
     ("text", "stated"),
     [
         ("maping-needs-invalid-pdo=no", "did you mean mapping-needs-invalid-pdo"),
-        ("colour=blue", "there are: "),
+        ("color=blue", "there are: "),
         ("mapping-needs-invalid-pdo", "say yes or no; it is no by default"),
         ("mapping-needs-invalid-pdo=maybe", "say yes or no"),
         ("boot-time=300", "say a time, as 300ms; it is 0ms by default"),

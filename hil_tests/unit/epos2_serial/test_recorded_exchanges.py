@@ -29,7 +29,7 @@ GARBAGE = {
 }
 
 
-class Neighbour:
+class Neighbor:
     """Answers a remote request and a slave's selection, as drives elsewhere on the bus would."""
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
@@ -52,7 +52,7 @@ def desk_for(exchange: Exchange, generation: Generation) -> SerialDesk:
         # The bytes beyond the object are the version beside it in the recorded device's memory.
         profile = replace(profile, beyond_size=bytes.fromhex("00001062"))
     near = 5 if isinstance(request, messages.RequestCanFrame) else 1
-    desk = SerialDesk(generation, profile, near=near, others=[("neighbour", Neighbour())])
+    desk = SerialDesk(generation, profile, near=near, others=[("neighbor", Neighbor())])
     desk.far.store.set(Address(0x2003, 1), 0x2010)
     desk.drive.store.set(at.STATUSWORD, 0x0140)
     desk.drive.store.set(at.POSITION_ACTUAL, 0x9090)

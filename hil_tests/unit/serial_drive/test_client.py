@@ -116,7 +116,7 @@ def test_a_lost_line_is_not_waited_for(desk: Desk) -> None:
     assert isinstance(desk.client.take(), SdoError)
 
 
-def test_a_cancelled_transfer_has_no_outcome_and_the_next_may_begin(desk: Desk) -> None:
+def test_a_canceled_transfer_has_no_outcome_and_the_next_may_begin(desk: Desk) -> None:
     desk.starts(WRITE)
     desk.client.cancel()
     assert desk.starts(READ) == ()
