@@ -108,7 +108,7 @@ def rates_of(kind: Kind, servers: Mapping[str, Served]) -> dict[str, float]:
 
 
 def beside(ours: Served, makers: Mapping[str, Callable[[], Served]]) -> dict[str, Served]:
-    """Return ours and those strangers that are here."""
+    """Return ours and those third-party servers that are here."""
     return {"ours": ours} | {name: make() for name, make in makers.items() if installed(name)}
 
 
@@ -254,7 +254,7 @@ def full_bus() -> bool:
 
 
 def installed(name: str) -> bool:
-    """Whether a stranger is here."""
+    """Whether a third-party server is here."""
     return importlib.util.find_spec(name) is not None
 
 

@@ -149,7 +149,7 @@ def round_trips(node_on: NodeOn, request: bytes, count: int) -> Callable[[], Non
                 while answer is not None and answer.arbitration_id != ANSWER:
                     answer = client.recv(PATIENCE_S)
                 if answer is None:
-                    raise TimeoutError("the stranger does not answer")
+                    raise TimeoutError("the third-party client does not answer")
 
     return run
 

@@ -23,7 +23,7 @@ class ExtraMissingError(LookupError):
 
 
 def installed(extra: Extra) -> bool:
-    """Tell whether an extra is here, without importing it."""
+    """Return whether an extra is here, without importing it."""
     return find_spec(LIBRARIES[extra]) is not None
 
 

@@ -33,7 +33,7 @@ SLICE: Final[Nanoseconds] = 250 * MILLISECOND
 """So much simulated time between two looks at the progress bar."""
 
 Progress: TypeAlias = Callable[[Nanoseconds], None]
-"""Told how far the run is."""
+"""Called with how far the run is."""
 
 
 @dataclass(frozen=True, slots=True)

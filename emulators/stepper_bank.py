@@ -58,7 +58,7 @@ class PlantJoints(Joints):
             self._reached += STEP
 
     def reached(self, joint: int) -> bool:
-        """Tell whether a joint is at its switch."""
+        """Return whether a joint is at its switch."""
         self._look()
         return super().reached(joint)
 

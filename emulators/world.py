@@ -122,7 +122,7 @@ class World:
         return dict(self._station(name).links)
 
     def silence(self, name: str, from_time: Nanoseconds) -> None:
-        """Cut a node off its wires from an instant on. It lives on and may notice; `NEVER` mends the cut."""
+        """Cut a node off its wires from an instant on. It lives on and may notice; `NEVER` restores it."""
         self._station(name).silent_from = from_time
 
     def rouse(self, name: str) -> None:

@@ -29,7 +29,7 @@ USUAL_AGE_LIMIT: Final = AgeLimit()
 
 
 class Intent(Immutable, Generic[M_co]):
-    """The newest wish for motion, and when it came."""
+    """The newest command for motion, and when it came."""
 
     __slots__ = ("command", "dated", "deflected", "received_at", "sent_at")
 
@@ -116,7 +116,7 @@ class EnterMode:
 
 @dataclass(frozen=True, slots=True)
 class Follow:
-    """Let a guide of this name make the wishes, until the operator moves a stick; empty for none."""
+    """Let a guide of this name give the commands, until the operator moves a stick; empty for none."""
 
     guide: str
 

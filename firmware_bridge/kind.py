@@ -1,7 +1,7 @@
-"""A kind of robot: all that a folder of `firmware_bridge/robots`, or a stranger's package, tells the bridge.
+"""A kind of robot: what a folder of `firmware_bridge/robots`, or a third party's package, tells the bridge.
 
 Three types of its own: G, its geometry and limits, a table of the robot file; M, its motion in its own words,
-which the operator's wish, the gate's ruling and the demand behind the ramp all are; S, what axes and sensors
+which the operator's command, the gate's ruling and the demand behind the ramp are; S, what axes and sensors
 tell of its body.
 """
 
@@ -31,10 +31,10 @@ S_contra = TypeVar("S_contra", contravariant=True)
 
 
 class Guide(Protocol[M, S_contra]):
-    """Makes a wish from a path; it passes through the same gate as a stick."""
+    """Commands along a path; it passes through the same gate as a stick."""
 
     def command(self, seen: Snapshot[M, S_contra], elapsed: Nanoseconds) -> M:
-        """Return the next wish."""
+        """Return the next command."""
 
     def reset(self) -> None:
         """Forget what has been added up: the robot was held back."""

@@ -40,7 +40,7 @@ class Packet:
 class Reaction:
     """What leaves now, in this order, and the next instant at which the node wants to be woken.
 
-    `wake_at` replaces every earlier wish of the node; `NEVER` asks for none. Equal where both are.
+    `wake_at` replaces every earlier wake-up of the node; `NEVER` asks for none. Equal where both are.
     """
 
     __slots__ = ("sent", "wake_at")

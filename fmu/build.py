@@ -63,7 +63,7 @@ def ensure(plant: str | Plant, fmi: int = 3, others: Sequence[Platform] = ()) ->
 
 
 def is_built(plant: str | Plant, fmi: int = 3) -> bool:
-    """Tell whether the FMU of this plant is there, so that `ensure` takes no time; PlantError as there."""
+    """Return whether the FMU of this plant is there, so that `ensure` takes no time; PlantError as there."""
     chosen = find(plant) if isinstance(plant, str) else plant
     return ready(chosen, fmi) is not None or _kept(chosen, fmi, find_compiler()).exists()
 

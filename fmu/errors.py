@@ -2,7 +2,7 @@
 
 
 class PlantError(Exception):
-    """A plant that cannot be built, loaded or stepped; the message names the file and the cure."""
+    """A plant that cannot be built, loaded or stepped; the message names the file and the remedy."""
 
 
 class UnknownNameError(PlantError):
@@ -10,4 +10,4 @@ class UnknownNameError(PlantError):
 
 
 class PlantWarning(UserWarning):
-    """A plant that runs, but not as it was meant to; the message names the file and the cure."""
+    """A plant that runs, but not as it was meant to; the message names the file and the remedy."""

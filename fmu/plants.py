@@ -1,4 +1,4 @@
-"""What plants there are: packages bring them, ours as a stranger's, under the group `firmware_bridge.plants`.
+"""What plants there are: packages bring them, ours as others, under the group `firmware_bridge.plants`.
 
 It refuses to know robots: what a plant takes from a robot's file is looked up by paths that it gives.
 """

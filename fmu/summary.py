@@ -36,5 +36,5 @@ def _is_here(name: str) -> bool:
     try:
         return is_built(name)
     except PlantError:
-        # No compiler, or a stranger's mistake, which the equations tell in their own words.
+        # No compiler, or a third party's mistake, which the equations tell in their own words.
         return False

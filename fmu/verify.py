@@ -19,7 +19,7 @@ class Verdict(StrEnum):
     SAME = "same"
     OTHER = "other"
     NONE = "none"
-    """The FMU carries none of ours, or one of other variables than it has: it is a stranger's."""
+    """The FMU carries none of ours, or one of other variables than it has: it is a third party's."""
 
 
 class _RunError(Exception):

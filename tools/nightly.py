@@ -20,7 +20,7 @@ from nights import OWN, ROOT, STEPS, Outcome, read, write
 
 
 def say(text: str) -> None:
-    """Tell the user at once."""
+    """Show the user at once."""
     sys.stdout.write(f"nightly: {text}\n")
     sys.stdout.flush()
 

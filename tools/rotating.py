@@ -26,7 +26,7 @@ NATIVE: Final = Path("emulators/servo/libservo.so")
 
 
 def say(text: str) -> None:
-    """Tell the user at once."""
+    """Show the user at once."""
     sys.stdout.write(f"rotating: {text}\n")
     sys.stdout.flush()
 

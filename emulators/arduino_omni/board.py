@@ -109,7 +109,7 @@ class Board:
         self._usb.reset(now)
 
     def hang(self, now: Nanoseconds) -> None:
-        """Let its firmware do nothing more; its shield goes on as it was told."""
+        """Let its firmware do nothing more; its shield goes on as commanded."""
         self._usb.hang(now)
 
     def unpower(self, now: Nanoseconds, *, off: bool) -> None:

@@ -116,7 +116,7 @@ class MotorFaults:
     """V: the motors' supply has no more."""
 
     def __bool__(self) -> bool:
-        """Tell whether anything is otherwise than it should be."""
+        """Return whether anything is otherwise than it should be."""
         wires = self.cut or self.dead or self.swapped or self.reversed
         return self.limits_current or self.warms or bool(wires) or self.supply < math.inf
 
@@ -318,7 +318,7 @@ class Motors(Shafts):
             self._tick(self._outputs)
 
     def _still(self, outputs: Sequence[Output]) -> bool:
-        """Tell whether nothing will change: all stands, and no one drives."""
+        """Return whether nothing will change: all stands, and no one drives."""
         driven = any(it.cw != it.ccw for it in outputs)
         count, state = len(outputs), self._plant.outputs
         return not driven and not any(state[:count]) and not any(state[2 * count : 3 * count])

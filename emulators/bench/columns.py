@@ -142,7 +142,7 @@ class Samples(Sequence[Sample]):
     __hash__ = None  # type: ignore[assignment] # it grows
 
     def has(self, name: str) -> bool:
-        """Tell whether there is a column of this name."""
+        """Return whether there is a column of this name."""
         return name in self._places
 
     def without_empty(self, names: Collection[str]) -> "Samples":

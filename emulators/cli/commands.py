@@ -53,7 +53,7 @@ COMMANDS: Final[tuple[Row, ...]] = (
     Command(
         "doctor",
         "emulators.cli.doctor:doctor",
-        "Look at this machine: what is there, what is missing, what to be careful of, and how to mend it.",
+        "Look at this machine: what is there, what is missing, what to be careful of, and how to fix it.",
     ),
     Group(
         "emulate",

@@ -1,4 +1,4 @@
-"""`doctor`: what this machine has, what is missing, and how to mend it."""
+"""`doctor`: what this machine has, what is missing, and how to fix it."""
 
 import json
 from typing import Annotated, Final
@@ -22,7 +22,7 @@ EXAMPLES: Final = """Examples:
 def doctor(
     *, as_json: Annotated[bool, typer.Option("--json", help="For programs, and for bug reports.")] = False
 ) -> None:
-    """Look at this machine: what is there, what is missing, what to be careful of, and how to mend it.
+    """Look at this machine: what is there, what is missing, what to be careful of, and how to fix it.
 
     Python, libraries, compiler, plants, kernel, CAN interfaces, serial ports, clock, load. No bus and no port
     is opened. Exit status 1 where something is missing that nothing works without; what only some need, as a
@@ -53,7 +53,7 @@ def doctor(
         say(json.dumps({"rows": rows, "missing": list(missing)}, indent=2))
     else:
         table = Table(title="this machine")
-        for heading in ("looked at", "found", "", "how to mend it"):
+        for heading in ("looked at", "found", "", "how to fix it"):
             table.add_column(heading, overflow="fold")
         for row, one in findings:
             style = _NEEDED if row.title in missing else styles[one.verdict]

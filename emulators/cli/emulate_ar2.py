@@ -32,9 +32,9 @@ class Ar2Options:
     """Put the board of an AR2 arm on a serial line, in real time, with the arm on its drivers.
 
     For whoever writes a client and has no arm at hand. It stands at rest, as after a calibration, is on from
-    the beginning, and deaf for the boot loader's 1.1 s. Joints carry their weight, and lose steps where a
-    motor is too weak for it at its speed; nothing on the line says so. Ends on Ctrl-C, and then says where
-    the joints truly are.
+    the beginning, and receives nothing for the boot loader's 1.1 s. Joints carry their weight, and lose steps
+    where a motor is too weak for it at its speed; nothing on the line says so. Ends on Ctrl-C, and then says
+    where the joints truly are.
     """
 
     firmware: Annotated[str, typer.Option(help="The generation of its sketch: 2.0 or 1.5.")] = "2.0"

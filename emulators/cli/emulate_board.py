@@ -36,7 +36,7 @@ EXAMPLES: Final = """Examples:
 class BoardOptions:
     """Put an Arduino Mega 2560 with an Adafruit Motor Shield V2 on a serial line, in real time.
 
-    For whoever writes a client and has no board at hand. It is on from the beginning, and deaf for the boot
+    For who writes a client and has no board at hand. It is on at once, and receives nothing for the boot
     loader's 1.1 s. A pseudo-terminal has no DTR: a client that opens it resets nothing, where a real
     board would, unless --reset-on-open says so. Motors turn at all four terminals, encoders are on
     the first three (pins 2 and 3, 18 and 19, 10 and 11). Ends on Ctrl-C.

@@ -56,7 +56,7 @@ def list_models() -> None:
         try:
             found = summary(name)
         except PlantError as error:
-            # A stranger's mistake hides no other plant.
+            # A third party's mistake hides no other plant.
             table.add_row(name, str(error), *["-"] * 5)
             failed = True
         else:

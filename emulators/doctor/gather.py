@@ -103,7 +103,7 @@ def _unwatched() -> Iterator[tuple[str, bool]]:
 
 
 def _socketcan() -> bool:
-    """Tell whether a raw CAN socket can be made; it is bound to no interface, so no bus knows of it."""
+    """Return whether a raw CAN socket can be made; it is bound to no interface, so no bus knows of it."""
     try:
         socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW).close()
     except (OSError, AttributeError):
@@ -112,7 +112,7 @@ def _socketcan() -> bool:
 
 
 def _vcan() -> bool:
-    """Tell whether the module is loaded, or could be."""
+    """Return whether the module is loaded, or could be."""
     if Path("/sys/module/vcan").exists():
         return True
     for name in ("modules.dep", "modules.builtin"):
@@ -192,7 +192,7 @@ def _kernel_problem() -> str:
 
 
 def _is_built(plant: str) -> bool:
-    """Tell whether a plant is in the cache; one that cannot be found out about, as a stranger's, is not."""
+    """Return whether a plant is in the cache; one that cannot be looked at is not."""
     with suppress(PlantError):
         return is_built(plant)
     return False

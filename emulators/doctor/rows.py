@@ -24,7 +24,7 @@ class Verdict(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What was found, and how to mend it; no remedy where there is nothing to mend."""
+    """What was found, and how to fix it; no remedy where there is nothing to fix."""
 
     verdict: Verdict
     found: str

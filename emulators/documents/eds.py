@@ -160,7 +160,7 @@ def _parent(index: int, name: str) -> str:
 
 
 def _kind(rows: tuple[ObjectEntry, ...]) -> int:
-    """Tell an array, whose entries are alike and without gaps, from a record."""
+    """Distinguish an array, whose entries are alike and without gaps, from a record."""
     members = rows[1:]
     alike = len({entry.row.type for entry in members}) == 1
     whole = [entry.row.address.subindex for entry in members] == list(range(1, len(members) + 1))

@@ -46,7 +46,7 @@ class Verdict(StrEnum):
     NOTICED = "noticed"
     """An interlock holds."""
     REPORTED = "told"
-    """The operator was told, and nothing holds."""
+    """The operator was informed, and nothing holds."""
     TOLERATED = "tolerated"
     """No one said a word, and the robot does what it would do without the failure."""
     STANDS = "stands"

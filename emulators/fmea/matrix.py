@@ -36,7 +36,7 @@ class Cell:
 
 
 Progress = Callable[[Sequence[Cell]], None]
-"""Told the cells of each state that is done."""
+"""Called with the cells of each state that is done."""
 
 
 def state_names(robot: AnyRobot) -> tuple[str, ...]:

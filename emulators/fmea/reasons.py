@@ -52,7 +52,7 @@ REASONS: Final = (
     Reason("motor_supply_sag", "it turns slower by less than an axis may stray"),
     Reason(
         "encoder_frozen",
-        "at small speeds it takes half a second until it owes more way than it may creep",
+        "at small speeds it takes half a second until its backlog is more than it may creep",
         state="stopping",
     ),
 )

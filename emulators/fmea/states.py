@@ -9,7 +9,7 @@ from emulators.bench.step import Holds, inputs
 from emulators.testing.rig import VirtualRig
 
 SHARE: Final = 0.5
-"""Of full stick, on each channel that a state drives. ASSUME: the wish of an ordinary day."""
+"""Of full stick, on each channel that a state drives. ASSUME: the command of an ordinary day."""
 GOES_S: Final = 1.5
 """By then a robot has the speed that was asked for; ASSUME of those that will come."""
 STOPPING_S: Final = 0.1

@@ -2,7 +2,7 @@
 
 It refuses to know what is seen. Sources: OptiTrack's page on remote requests, and what a Motive 2.1 has
 answered. Where they are silent:
-* a client that is not heard for 10 s is dropped; any packet of his keeps him.
+* a client that is not received for 10 s is dropped; any packet of his keeps him.
 * frames go to the address and port from which the client has connected, as OptiTrack's samples expect it.
 * a client of a server from 4.0 on may choose a version from 2.9 on; an older server has one version.
 * UnitsToMillimeters is 1000.

@@ -21,7 +21,7 @@ from firmware_bridge.units import Nanoseconds, to_seconds
 Known: TypeAlias = Snapshot[Any, Any]
 Reads: TypeAlias = Callable[[Known], float]
 Progress: TypeAlias = Callable[[Nanoseconds, Nanoseconds], None]
-"""Told how far it is, and where it ends."""
+"""Called with how far it is, and where it ends."""
 
 
 @dataclass(frozen=True, slots=True)

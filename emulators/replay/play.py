@@ -14,7 +14,7 @@ SLICE: Final[Nanoseconds] = 250 * MILLISECOND
 """So much simulated time between two looks at what differs."""
 
 Progress: TypeAlias = Callable[[Nanoseconds, Nanoseconds], None]
-"""Told how far the replay is, and where it ends."""
+"""Called with how far the replay is, and where it ends."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -103,7 +103,7 @@ class Recording:
 
 
 def is_telemetry(path: Path) -> bool:
-    """Tell whether a file's name is that of a telemetry log, compressed or not."""
+    """Return whether a file's name is that of a telemetry log, compressed or not."""
     return TELEMETRY in path.suffixes[-2:]
 
 
@@ -151,7 +151,7 @@ def _foreign(path: Path) -> Iterator[Frame]:
 
 
 def is_lines(path: Path) -> bool:
-    """Tell whether a file is a log of serial lines or of cameras, by its name or its first line."""
+    """Return whether a file is a log of serial lines or of cameras, by its name or its first line."""
     if is_telemetry(path) or can_files.is_foreign(path) or not path.exists():
         return False
     return path.name.split(".")[0] in LINES or is_chunk(_content(path).lstrip()[:_SHOWN].decode("latin-1"))

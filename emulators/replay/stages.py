@@ -138,5 +138,5 @@ def _can_log(order: Order, lead: Nanoseconds) -> Recording:
 
 
 def _boots(sent: Sent, node: int) -> bool:
-    """Tell whether a frame is a node's boot-up message."""
+    """Return whether a frame is a node's boot-up message."""
     return sent.entry.packet == Packet(CAN, ERROR_CONTROL + node, encode_heartbeat(NmtState.BOOT_UP))

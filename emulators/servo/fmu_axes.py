@@ -79,7 +79,7 @@ def fmu_bank(
 
 
 def set_motor(plant: FmuPlant, axis: ServoAxis) -> None:
-    """Tell an axis what the plant says of its motor; what it does not say stays unknown."""
+    """Set an axis to what the plant says of its motor; what it does not say stays unknown."""
     constant, resistance, inductance = (
         _start_of(plant, f"{name}_{axis.name}") for name in ("torque_constant", "resistance", "inductance")
     )

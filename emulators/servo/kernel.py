@@ -117,7 +117,7 @@ class Found:
 
 
 def choose(command: str | None = None) -> Found:
-    """Return the kernel, or why the twin is to serve; without a wish the environment is asked.
+    """Return the kernel, or why the twin is to serve; where none is chosen the environment decides.
 
     `native` insists on the kernel: ServoError where there is none. `twin` does without. Empty takes the best.
     """

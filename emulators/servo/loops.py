@@ -101,7 +101,7 @@ def millisecond(axis: ServoAxis, encoder: int) -> bool:
 
 
 def electrical(axis: ServoAxis) -> int:
-    """Tell currents and supply voltages that the hardware does not stand."""
+    """Report currents and supply voltages that the hardware does not stand."""
     flags = 0
     current, over = axis.current_ma, axis.over_current_ma
     if current > over or -current > over:
@@ -123,7 +123,7 @@ def electrical(axis: ServoAxis) -> int:
 
 
 def bounds(axis: ServoAxis) -> int:
-    """Tell that the shaft passes a software position limit, or is driven on beyond it.
+    """Report that the shaft passes a software position limit, or is driven on beyond it.
 
     ASSUME: what leads back or comes to rest is no fault, or no one could bring the shaft back after a reset.
     ASSUME: while a position is regulated its demand must be beyond, too, or every move to the very limit
@@ -246,7 +246,7 @@ def current_mode(axis: ServoAxis) -> None:
 
 
 def arrival(axis: ServoAxis, flags: int) -> int:
-    """Tell whether the target is reached: by the window where there is one, else when the profile ends."""
+    """Return whether the target is reached: by the window where there is one, else when the profile ends."""
     if axis.regulator == POSITION:
         window = axis.position_window_qc
         needed = axis.position_window_ms
@@ -267,7 +267,7 @@ def arrival(axis: ServoAxis, flags: int) -> int:
 
 
 def rest(axis: ServoAxis) -> int:
-    """Tell whether the shaft rests: the averaged speed within the standstill window, and no speed demanded.
+    """Return whether the shaft rests: the averaged speed within the standstill window, and no speed demanded.
 
     ASSUME: window and time of the standstill supervision (0x2101) serve for the status bit "speed = 0", too.
     """

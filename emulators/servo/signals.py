@@ -52,7 +52,7 @@ def _pulse(axis: ServoAxis, behind: int) -> bool:
 
 
 def threshold(axis: ServoAxis) -> int:
-    """Tell whether the averaged current is beyond the watched one, where one is watched."""
+    """Return whether the averaged current is beyond the watched one, where one is watched."""
     limit = axis.current_watched_ma << AVERAGE_PLACES
     current = axis.current_average
     return CURRENT_REACHED if limit and (current > limit or -current > limit) else 0

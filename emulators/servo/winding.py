@@ -85,7 +85,7 @@ class Winding:
 
 
 def set_winding(axis: ServoAxis, constant: float, resistance: float = 0.0, inductance: float = 0.0) -> None:
-    """Tell an axis its motor's constant (V s/rad), and resistance (Ohm) and inductance (H) where known.
+    """Set an axis's motor constant (V s/rad), and resistance (Ohm) and inductance (H) where known.
 
     Over a tick of constant voltage u the current goes from i to a i + (1 - a) (u - emf) / R with
     a = exp(-R tick / L): it ends at 0 for u = emf - `ending` i, and at -i for u = emf - `balance_voltage` i.
@@ -149,7 +149,7 @@ def opened(axis: ServoAxis, current: int, speed: int) -> int:
 
 
 def doubt(axis: ServoAxis, current: int, speed: int) -> None:
-    """Take back what the current of the last tick has shown to be false: more than it was told to do.
+    """Take back what the current of the last tick has shown to be false: more than it was commanded to do.
 
     A winding that begins to drive at the learnt voltage was given too much of it. One whose current was to
     end and shoots far past 0 has another resistance or inductance than was told: they count no more.

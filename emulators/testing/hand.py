@@ -44,7 +44,7 @@ class Hand:
 
     @property
     def diary(self) -> tuple[Entry, ...]:
-        """What he did, what he was told in words, what became of his orders, the oldest first."""
+        """What he did, the texts that he received, what became of his orders, the oldest first."""
         return tuple(self._station.diary.entries)
 
     @property

@@ -155,7 +155,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]
 ) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Tell of a failing test's robot, and where its recording is."""
+    """Report what a failing test's robot did, and where its recording is."""
     report = yield
     if report.failed:
         _notes(item, report, "again", _again(item))

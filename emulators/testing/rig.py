@@ -123,7 +123,7 @@ class VirtualRig:
         return to_seconds(self.bench.world.now - began)
 
     def arms(self) -> None:
-        """Run from the beginning until the operator is told that it is armed; RigError where he is not."""
+        """Run until the operator is informed that the robot is armed; RigError where he is not."""
         while not self.operator.armed:
             if self.bench.world.now >= ARMED_BY_S * SECOND:
                 holds = "; ".join(f"{name}: {reason}" for name, reason in self.holds.items())

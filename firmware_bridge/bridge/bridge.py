@@ -52,7 +52,7 @@ class Phase(Enum):
     STARTING = "starting"
     RUNNING = "running"
     FAILED = "failed"
-    """Start-up failed: the drives are without power, the operator is told why."""
+    """Start-up failed: the drives are without power, the operator is informed of the reason."""
     STOPPING = "stopping"
     """The robot ramps to rest."""
     LEAVING = "leaving"

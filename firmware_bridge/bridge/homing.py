@@ -1,6 +1,6 @@
 """Which axis finds its zero now, by moving, and whether it may go on: one at a time, watched, and told.
 
-It ends as a stop of any axis does: the axis is told to rest, and from then on it is one of those that shall.
+It ends as a stop of any axis does: the axis is commanded to rest, and stays so.
 It refuses to know how a device seeks its zero, and which hold stops which axis.
 """
 
@@ -104,7 +104,7 @@ class Homing:
             self.interrupt(self._reason, now)
 
     def interrupt(self, reason: str, now: Nanoseconds) -> None:
-        """End the one that is under way, if any: its axis is told to rest from now on."""
+        """End the one that is under way, if any: its axis is commanded to rest from now on."""
         if self._driver is not None:
             self._report(FAILED, f"{self._driver.axis.called} was not homed: {reason}", now)
             self._driver = None
@@ -134,7 +134,7 @@ class Homing:
             self._reason = f"it took longer than {homing.within_s:g} s"
 
     def _forget(self, facts: Facts) -> None:
-        """Tell no failure any more of an axis whose zero is known."""
+        """Report no failure any more of an axis whose zero is known."""
         self.holds = tuple(hold for hold in self.holds if facts.axes[hold.axis].zero_lost)
 
     def _report(self, row: Row, reason: str, now: Nanoseconds) -> None:

@@ -72,9 +72,9 @@ class Pipeline(Generic[G, M, S]):
         self._zeros: Final = Zeros(robot, kind.station.gauges, fleets)
         self._followers: Final = Followers(robot)
         self._guide: Guide[M, S] | None = None
-        """Whoever makes the wishes in the operator's place; None while he makes them himself."""
+        """Whoever gives the commands in the operator's place; None while he makes them himself."""
         self._command: M | None = None
-        """The guide's newest wish."""
+        """The guide's newest command."""
         self._demanded: M = kind.rest
         self._locating: Final = Locating(robot, on_floor if kind.unrolled is None else kind.unrolled(robot))
         self._counted: Mapping[str, Feedback] | None = None
@@ -228,7 +228,7 @@ class Pipeline(Generic[G, M, S]):
             self._permission.armed = False
 
     def _guided(self, known: Snapshot[M, S], elapsed: Nanoseconds) -> Snapshot[M, S]:
-        """Return the snapshot with the guide's wish in it, where one guides.
+        """Return the snapshot with the guide's command in it, where one guides.
 
         A moved stick takes over; who loses the leave to move loses the guide: armed again, nothing starts.
         """

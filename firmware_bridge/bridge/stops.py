@@ -3,7 +3,7 @@
 No set-point that was sent counts as a stop. A stop is under way until a fresh report of the device says that
 the axis is at standstill or has no torque. A stage lasts as long as its row in the driver's table says, and
 no longer, whatever the device reports meanwhile; one that is not confirmed by then gives way to the next,
-and the operator is told. The power is taken at the latest `TAKEN_WITHIN` after the stop began. A stop waits
+and the operator is informed. The power is off at the latest `TAKEN_WITHIN` after the stop began. A stop waits
 for no start-up, no restore and no query, but for a start-up that was requested: an order that stops the
 robot ends that one, and it does not go first where the axis moves.
 """
@@ -218,7 +218,7 @@ class AxisStop:
         return now >= max(self.begun_at, driver.feedback.received_at) + patience
 
     def hold(self) -> Hold | None:
-        """Return what the operator is told; None while no step has failed."""
+        """Return what the operator is informed of; None while no step has failed."""
         if not self.escalates and self.progress is not Progress.GIVEN_UP:
             return None
         failed = self.steps[self.place - 1]

@@ -1,4 +1,4 @@
-"""Tells the user what a bridge does, as it changes, and keeps where its axes stand."""
+"""Shows the user what a bridge does, as it changes, and keeps where its axes stand."""
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -105,7 +105,7 @@ class Narrated:
         return bool(self._links) and self._hints.keys() == self._links
 
     def _after(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
-        """Tell what has changed; a failure of that is raised one call later, so that what is sent leaves."""
+        """Report what has changed; a failure of that is raised one call later: what is sent leaves."""
         if self._silent:
             return reaction
         try:
@@ -140,7 +140,7 @@ class Narrated:
             self._holds = bridge.holds
 
     def _show_operators(self, now: Nanoseconds) -> None:
-        """Tell whether it is armed, and who speaks and is not believed."""
+        """Return whether it is armed, and who speaks and is not believed."""
         bridge = self._bridge
         if bridge.seen.facts.armed != self._armed:
             self._armed = bridge.seen.facts.armed

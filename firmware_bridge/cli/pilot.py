@@ -191,7 +191,7 @@ def _driver(given: PilotOptions, robot: "AnyRobot", kind: "AnyKind") -> "Driver"
 
 
 def _controls(given: PilotOptions) -> str:
-    """Return what the joystick is; one that says that it is a gamepad is not taken for pedals unasked.
+    """Return what the joystick is; one that says that it is a gamepad is not taken for pedals by itself.
 
     A trigger that no one touches would be a pedal that is trodden down.
     """

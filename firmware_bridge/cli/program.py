@@ -64,7 +64,7 @@ COMMANDS: Final[tuple[Row, ...]] = (
     Command(
         "epos2 version",
         "firmware_bridge.cli.epos2.version:version",
-        "Tell a drive's name, hardware, firmware and serial number.",
+        "Show a drive's name, hardware, firmware and serial number.",
     ),
     Command(
         "epos2 nmt",

@@ -102,7 +102,7 @@ class DifferentialRobot(Generic[G, M, S]):
         return replace(view.allowed, speed_mps=allowed), reason
 
     def stick(self, stick: Stick, command: M, robot: Robot[G]) -> M:
-        """Return the wish for a stick: full stick is a limit; with `r` unused `y` turns."""
+        """Return the command for a stick: full stick is a limit; with `r` unused `y` turns."""
         limits = robot.geometry.limits
         side = stick.left if stick.turn is None else stick.turn
         return replace(
@@ -112,7 +112,7 @@ class DifferentialRobot(Generic[G, M, S]):
         )
 
     def target(self, velocity: Velocity, command: M, _robot: Robot[G]) -> M | Unusable:
-        """Return the wish for a velocity along the robot and a turn rate."""
+        """Return the command for a velocity along the robot and a turn rate."""
         if velocity.left_mps != 0.0:
             return Unusable("sideways", "this robot moves forward and backward only")
         return replace(command, speed_mps=velocity.forward_mps, turn_rad_s=velocity.yaw_rate_rad_s or 0.0)

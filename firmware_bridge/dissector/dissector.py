@@ -97,7 +97,7 @@ class Carried:
 
 
 def _one_line(text: str) -> str:
-    """Return a text without what would break its line, or command a terminal: it may be a stranger's."""
+    """Return a text without what would break its line, or command a terminal: it may be a third party's."""
     if text.isprintable():
         return text
     return "".join(one if one.isprintable() else repr(one)[1:-1] for one in text)

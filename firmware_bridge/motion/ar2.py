@@ -37,7 +37,7 @@ STRAIGHT: Final = 1e-9
 
 
 def flips_wrist(angles: Angles) -> bool:
-    """Tell which of the wrist's two postures it is, `$F` in the GUI's programs, and else `$N`."""
+    """Return which of the wrist's two postures it is, `$F` in the GUI's programs, and else `$N`."""
     return angles[4] > 0.0
 
 

@@ -65,7 +65,7 @@ class Chain:
         return np.hstack((np.cross(axes, levers), axes)).T
 
     def reaches(self, angles: Angles, margin: float = 0.0) -> bool:
-        """Tell whether all joints are in their limits, and by a margin in rad."""
+        """Return whether all joints are in their limits, and by a margin in rad."""
         return all(
             low + margin <= it <= high - margin
             for low, it, high in zip(self.least, angles, self.most, strict=True)

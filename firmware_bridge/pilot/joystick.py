@@ -105,7 +105,7 @@ class Controls:
                 self._down.discard(number)
 
     def held(self, button: int) -> bool:
-        """Tell whether a button is down; one that was when the device was opened is not."""
+        """Return whether a button is down; one that was when the device was opened is not."""
         return button in self._down
 
     @property

@@ -139,7 +139,7 @@ class Station:
         return Reaction(answers, self._wake_at())
 
     def wake(self, now: Nanoseconds) -> Reaction:
-        """Send what is due: a heartbeat, a question, commands, and what who drives wishes."""
+        """Send what is due: a heartbeat, a question, commands, and what the station in control commands."""
         messages: list[Message] = []
         if now >= self._beat_due:
             self._beat_due = now + SECOND
@@ -164,7 +164,7 @@ class Station:
         return Packet(OPERATOR, self._place, self._codec.encode(message, self._signatures.stamp(now)))
 
     def _believed(self, message: Message, source: int, now: Nanoseconds) -> bool:
-        """Tell whether a frame is the robot's; the first that is not is told."""
+        """Return whether a frame is the robot's; the first that is not is reported."""
         doubt = self._signatures.doubt(message, source, now)
         if doubt is not None and not self._doubted:
             self.shown.lines.append(Line(now, f"what comes in the robot's name is not believed: it {doubt}"))
@@ -196,7 +196,7 @@ class Station:
         return messages
 
     def _encoded(self, command: DriveCommand, now: Nanoseconds) -> Message:
-        """Return a wish in MAVLink's directions: right and clockwise."""
+        """Return a command in MAVLink's directions: right and clockwise."""
         if isinstance(command, Stick):
             return dialect.MAVLink_manual_control_message(
                 self._target[0],

@@ -33,4 +33,4 @@ class Belief(Table):
     lag_ms: Annotated[int, Field(ge=10, le=10_000)] | None = None
     """Time constant of all that lags beside ramp and cruise. 100 ms, and two cycles of its link."""
     within_ms: Annotated[int, Field(ge=10, le=10_000)] | None = None
-    """It strays when it does so at every sample for so long. The silence that its link allows."""
+    """It deviates when it does so at every sample for so long. The silence that its link allows."""

@@ -28,7 +28,7 @@ class OperatorLink(Table):
     gone_ms: Annotated[int, Field(ge=1_000, le=60_000)] = 10_000
     """After so long a silence the robot is disarmed."""
     max_age_ms: Annotated[int, Field(ge=50, le=2_000)] = 500
-    """No older motion command is obeyed; a wish to stop is, however old."""
+    """No older motion command is obeyed; a stop command is, however old."""
     max_age_ceiling_ms: Annotated[int, Field(ge=50, le=2_000)] = 2_000
     """So far an order for a session may widen that; the robot is slower then."""
     agreed_ms: int | None = None

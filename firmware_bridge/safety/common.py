@@ -27,7 +27,7 @@ LINK_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
 BATTERY_CLEARS_AFTER: Final[Nanoseconds] = 5000 * MILLISECOND
 """It recovers where nothing moves; what it gives for so long it gives to the next start, too."""
 HALTS: Final[Nanoseconds] = 40 * MILLISECOND
-"""An axis that turned as it was told cannot stand so long to the last bit, if nothing blocks it: its encoder
+"""An axis that turned as commanded cannot stand so long to the last bit, if nothing blocks it: its encoder
 is off, and a board's own loop is at full power 0.1 s later."""
 STRAINS: Final = 2
 """So many times as long as it may stray an axis may stand with more current than holding takes."""
@@ -221,7 +221,7 @@ def _position_repeats(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanos
     stands, pulls = known.sampled_at - known.place_at, abs(feedback.current_a or 0.0)
     if known.halted and stands >= HALTS:
         return f"{_did(axis, known)}: it turned, and {to_seconds(stands):.2f} s later has not moved by a bit"
-    # One that does not follow is told to stop at once: here it must not wait until it owes for as long, too.
+    # One that does not follow is stopped at once: here it must not wait for a backlog of that time, too.
     if backlog >= bound or (stands >= bound // 2 and _axis_does_not_follow(axis, feedback, facts, limit)):
         return f"{_did(axis, known)}: its position has not changed by a bit for {to_seconds(stands):.2f} s"
     if stands >= STRAINS * bound and not pulls <= axis.holds_with:

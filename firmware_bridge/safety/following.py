@@ -2,7 +2,7 @@
 
 The range reaches to a new demand at once, and leaves an old one no faster than the laziest axis that is well:
 with a time constant, and at a rate. A speed, a stop or a homing bounds the speed between two samples; a
-position bounds the position. It refuses to know what follows when an axis strays: that is for the rows in
+position bounds the position. It refuses to know what follows when an axis deviates: that is for the rows in
 `common`.
 """
 
@@ -25,7 +25,7 @@ held back in turns. An axis that is told 14.8 rad/s is 0.46 rad/s off on 10 degr
 LAZY: Final = 0.5
 """Share of its drive's own ramp and cruise that is awaited of an axis."""
 TURNS: Final = 1.0 / 2.0
-"""Share of the least speed that its demands let an axis have, from which it turns as it was told."""
+"""Share of the least speed that its demands let an axis have, from which it turns as commanded."""
 IDLE: Final = 2
 """Samples ago that it turned so: where it was cut off between two, the last that moved shows a part."""
 REGULATED: Final[Nanoseconds] = 100 * MILLISECOND
@@ -89,7 +89,7 @@ class Follower:
     def __init__(self, axis: Axis, bounds: Bounds) -> None:
         self._bounds: Final = bounds
         self._coasts_at: Final = axis.top_speed
-        """How fast it may be on its way to a position when it is told to stop."""
+        """How fast it may be on its way to a position when it is commanded to stop."""
         self._demand: Demand = Stop.REST
         self._changed_at: Nanoseconds = NEVER_RECEIVED
         self._aim: Demand | None = None
@@ -182,7 +182,7 @@ class Follower:
         else:
             does, slack = velocity, self._bounds.around(low, high)
             if stands and self._aim is not Stop.POWER_OFF:
-                # What it owes when it is told to stop it goes on owing, until its power is taken: who was
+                # The backlog it has when it is commanded to stop it keeps, until its power is taken: who was
                 # well has moved meanwhile.
                 owed = before.backlog + max(low, -high, 0.0) * seconds
         obeys = low - slack <= does <= high + slack
@@ -211,7 +211,7 @@ class Follower:
         return not self._positions and velocity * least > 0.0 and abs(velocity) >= TURNS * abs(least)
 
     def _lags(self, feedback: Feedback) -> bool:
-        """Return whether an axis that strays stays behind: not further, not faster, no other way."""
+        """Return whether an axis that deviates stays behind: not further, not faster, no other way."""
         speed, slack = feedback.velocity, self._bounds.speed
         if not self._positions:
             slack = self._bounds.around(self._low, self._high)

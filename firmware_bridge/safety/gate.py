@@ -104,7 +104,7 @@ class Gate(Generic[G, M, S]):
         self._before: Ruling[M] | None = None
 
     def rule(self, seen: Snapshot[M, S]) -> Ruling[M]:
-        """Judge the wish in this snapshot; `seen.facts.now` never runs backwards."""
+        """Judge the command in this snapshot; `seen.facts.now` never runs backwards."""
         rules = self._rules[seen.facts.mode]
         view = View(self._robot, seen, seen.command, NO_GROUP, self._before)
         holds = self._held(self._common, view) + self._held(rules.interlocks, view)
@@ -170,7 +170,7 @@ class Gate(Generic[G, M, S]):
     def _clipped(
         self, limits: tuple[Limit[G, M, S], ...], view: View[G, M, S], holds: list[Hold], *, reported: bool
     ) -> M:
-        """Return the wish within all limits; while something is stopped it is not they that hold it back."""
+        """Return the command within all limits; while something is stopped, not they hold it back."""
         for row in limits:
             allowed, reason = row.clip(view)
             hold = self._memory.look(row.name, reason if reported else None, row, view.seen.facts.now)

@@ -40,9 +40,9 @@ class View(Generic[G, M, S]):
         self.robot: Final = robot
         self.seen: Final = seen
         self.allowed: Final = allowed
-        """What this ruling allows so far; the wish where nothing has been judged yet."""
+        """What this ruling allows so far; the command where nothing has been judged yet."""
         self.requested: Final = requested
-        """The groups that the clipped wish asks to move, stopped or not; only for rows after the limits."""
+        """The groups that the clipped command moves, stopped or not; only for rows after the limits."""
         self.before: Final = before
         """The gate's ruling before this one; None at the first."""
         self.holding: Final = holding
@@ -107,11 +107,11 @@ class Interlock(Row, Generic[G, M, S]):
         )
         self.judge: Final = judge
         self.after_limits: Final = after_limits
-        """It judges what all rows and limits before it have allowed, not the wish."""
+        """It judges what all rows and limits before it have allowed, not the command."""
 
 
 class Limit(Row, Generic[G, M, S]):
-    """Clips a wish that is otherwise allowed, and says so; it stops nothing."""
+    """Clips a command that is otherwise allowed, and says so; it stops nothing."""
 
     __slots__ = ("clip",)
 

@@ -3,7 +3,7 @@
 from typing import Final
 
 ROUNDING: Final = 1e-6
-"""Share of a bound: a wish that came as a 32-bit float is not above a bound by its rounding. It is clipped
+"""Share of a bound: a command that came as a 32-bit float is not above a bound by its rounding. It is clipped
 all the same, only not reported."""
 
 

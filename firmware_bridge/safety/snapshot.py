@@ -46,13 +46,13 @@ class Following:
     high: float = 0.0
     """Between these its demands let it be: its position where that is demanded, else its speed."""
     uncommanded: bool = False
-    """Where it strays: it moves further, faster or another way than it was told; else it stays behind."""
+    """How it deviates: it moves further, faster or another way than commanded; else it stays behind."""
     backlog: float = 0.0
     """How far it should have gone at least since its position began to repeat."""
     idle: int = 2
-    """So many samples ago it turned as it was told."""
+    """So many samples ago it turned as commanded."""
     halted: bool = False
-    """It turned as it was told, and then a sample shows not one bit of the way that it owes."""
+    """It turned as commanded, and then a sample shows not one bit of its backlog."""
 
 
 @valueclass(frozen=True, slots=True)

@@ -194,7 +194,7 @@ class BlackBox:
                 yield STATIONS_LOG, f"{line}\n".encode()
 
     def _new_texts(self, datagram: bytes) -> Iterator[str]:
-        """Yield what the operator is told; what is told to several stations, once."""
+        """Yield what the operator is informed of; what is sent to several stations, once."""
         for text in self._texts(datagram):
             if text != self._last_text:
                 self._last_text = text

@@ -29,7 +29,7 @@ FROM_ITS_BEGIN: Final[Nanoseconds] = 100_000_000 * SECOND
 
 
 def is_foreign(path: Path) -> bool:
-    """Tell whether a file's name is that of another tool's recording."""
+    """Return whether a file's name is that of another tool's recording."""
     return path.suffix.lower() in SUFFIXES
 
 

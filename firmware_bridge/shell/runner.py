@@ -180,7 +180,7 @@ class _Carrier:
         return min(self._wake_at, self._cut_off_at, retry_at)
 
     def over(self, now: Nanoseconds) -> bool:
-        """Tell whether the run has ended: the node is done and all is sent, or its time to stop is over."""
+        """Return whether the run has ended: the node is done and all is sent, or its time to stop is over."""
         with suppress(BaseException):  # a node that cannot say that it holds something holds nothing
             if self._holding:
                 self._cut_off_at = now + self._stop_within

@@ -16,7 +16,7 @@ from firmware_bridge.teleop.voice import Voice
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 LAPSES_AFTER: Final[Nanoseconds] = 5 * SECOND
-"""A station that is not heard for so long is told no more; heartbeats come each second."""
+"""A station that is not received for so long is sent nothing more; heartbeats come each second."""
 MOST_STATIONS: Final = 8
 """Beside who drives: a place more that sends heartbeats waits until one of them lapses."""
 MOST_PLACES: Final = 64
@@ -127,14 +127,14 @@ class Audience:
     def change(
         self, source: int, number: int, period: Nanoseconds | None, usual: Schedule, now: Nanoseconds
     ) -> None:
-        """Tell a place a message so often; None: as often as all, by the schedule that is `usual`."""
+        """Send a place a message so often; None: as often as all, by the schedule that is `usual`."""
         voice = self.voice(source)
         if voice.schedule is None:
             voice.schedule = usual.copy()
         voice.schedule.change(number, period, now)
 
     def follow(self, number: int, period: Nanoseconds, now: Nanoseconds) -> None:
-        """Tell those places a message so often which have not asked for another interval of it."""
+        """Send those places a message so often which have not asked for another interval of it."""
         for voice in self._voices.values():
             if voice.schedule is not None:
                 voice.schedule.follow(number, period, now)

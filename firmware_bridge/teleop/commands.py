@@ -359,7 +359,7 @@ _BY_NUMBER: Final = {row.command: row for row in ROWS}
 
 
 def requests_stop(message: Message, station: AnyStation) -> bool:
-    """Tell whether a message is an emergency stop: one of three commands, or the stick's button."""
+    """Return whether a message is an emergency stop: one of three commands, or the stick's button."""
     if message.get_type() == "MANUAL_CONTROL":
         return pressed(message.buttons, station.stop_button)
     if message.get_type() not in ("COMMAND_LONG", "COMMAND_INT"):
@@ -375,7 +375,7 @@ def requests_stop(message: Message, station: AnyStation) -> bool:
 
 
 def stops(order: Order) -> bool:
-    """Tell whether an order stops, in whichever way."""
+    """Return whether an order stops, in whichever way."""
     row = _BY_NUMBER.get(order.command)
     return row is not None and row.stops(order)
 

@@ -47,7 +47,7 @@ class Driven:
             self._set_points_at = now
 
     def counts(self, motion: Stick | Velocity, now: Nanoseconds, *, neutral: bool) -> bool:
-        """Tell whether a motion command counts: all do, but a stick that is let go beside set-points."""
+        """Return whether a motion command counts: all do, but a stick that is let go beside set-points."""
         idles = self._guided and neutral and isinstance(motion, Stick)
         return not idles or now - self._set_points_at >= self._silent_after
 

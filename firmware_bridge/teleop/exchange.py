@@ -63,10 +63,10 @@ class Exchange:
 
     @property
     def late(self) -> str | None:
-        """Why a wish to go comes too late; None where it comes in time, or no one knows."""
+        """Why a command to move comes too late; None where it comes in time, or no one knows."""
         stopped, limit = self.peer.stopped, self.session.age_limit.most
         if stopped is not None and stopped.overtook(self.message.get_seq(), self.now):
-            return "it was said before a wish to stop, and came after it"
+            return "it was said before a stop command, and came after it"
         age = self.session.age(self.message, self.sender, self.now)
         if age is None or age.nanoseconds < limit:
             return None
@@ -99,7 +99,7 @@ class Exchange:
         return snapshot is not None and snapshot.facts.emergency_stopped and snapshot.facts.now > cleared_at
 
     def request(self, request: Request) -> Verdict:
-        """Ask the bridge, for who drives; what of a wish does not outlive a change of state is forgotten.
+        """Ask the bridge, for who drives; what of a command does not outlive a change of state is forgotten.
 
         Of anybody else an emergency stop is obeyed, and nothing else. Power is not taken for him, which would
         let the robot roll, and his stop can be cleared.
@@ -127,7 +127,7 @@ class Exchange:
         session = self.session
         if isinstance(request, Arm) and session.control.driver is None:
             session.control.take(self.sender, self.now)
-            self._ask_driver()
+            self._report_driver()
         if isinstance(request, ClearEmergencyStop):
             session.cleared_at = self.now
         if isinstance(request, Pause):
@@ -158,10 +158,10 @@ class Exchange:
             self.session.driven.begin()
             self.session.adopt(self.peer, self.now)
             self.decide(ChangeDriver())
-            self._ask_driver()
+            self._report_driver()
 
-    def _ask_driver(self) -> None:
-        """Tell who drives, and what he must know of the robot's start."""
+    def _report_driver(self) -> None:
+        """Report which station is in control, and what it must know of the robot's start."""
         for text in (f"control: {self.sender} drives", *self.session.notes):
             self.report(text)
 
@@ -176,7 +176,7 @@ class Exchange:
         self.report(f"control: {self.sender} has given it up, no one drives")
 
     def ask_driver(self, command: int) -> None:
-        """Tell who drives that the sender asks for control, and ask his station by a command."""
+        """Inform the station in control that the sender asks for control, and ask it by a command."""
         session, driver = self.session, self.session.control.driver
         given = session.speaker.say_sometimes(
             "asked for control", f"control: {self.sender} asks for it; {driver} drives", self.now
@@ -189,7 +189,7 @@ class Exchange:
             )
 
     def report(self, text: str) -> None:
-        """Tell everybody what has changed."""
+        """Report to everybody what has changed."""
         self.session.report(Severity.NOTICE, text)
 
     def switch(self, switch: Switch[Any], *, on: bool) -> None:
@@ -235,7 +235,7 @@ class Exchange:
         self.replies += self.session.speaker.say_sometimes(key, text, self.now)
 
     def take_stick(self) -> None:
-        """Take the axes of a MANUAL_CONTROL as the newest wish, or say why they are none."""
+        """Take the axes of a MANUAL_CONTROL as the newest command, or say why they give none."""
         for name, value in unread(self.message, self.station):
             if name not in self.peer.unread:
                 self.peer.unread.add(name)
@@ -253,7 +253,7 @@ class Exchange:
         self.peer.lever.receive(self.message.z, self.now, self.session.silent_after, held=held)
 
     def take_channels(self) -> None:
-        """Take the channels of an RC_CHANNELS_OVERRIDE as the newest wish, or say why they are none."""
+        """Take the channels of an RC_CHANNELS_OVERRIDE as the newest command, or say why they give none."""
         rows = self.session.station.channels
         given = channels_of(self.message, rows)
         if isinstance(given, Unusable):
@@ -264,7 +264,7 @@ class Exchange:
             self.move(*stick_of_channels(held.values, rows, self.station.dead_band))
 
     def take_target(self) -> None:
-        """Take a SET_POSITION_TARGET_LOCAL_NED as the newest wish, or say why it is none."""
+        """Take a SET_POSITION_TARGET_LOCAL_NED as the newest command, or say why it gives none."""
         if self.refusal is not None:
             self.ignore()
             return
@@ -313,7 +313,7 @@ class Exchange:
         return velocity
 
     def move(self, motion: Motion, deflected: str) -> None:
-        """Take a motion command for the newest wish, unless it is none; `deflected` is empty for neutral."""
+        """Take a motion command as the newest, unless it is unusable; `deflected` is empty for neutral."""
         session, neutral = self.session, not deflected
         if deflected and self.now - self.peer.rested_at < session.silent_after:
             session.dropped.undriven += 1
@@ -334,7 +334,7 @@ class Exchange:
             sent_at = None if age is None else self.now - age.nanoseconds
             dated = age is not None and age.dated
             session.intent = Intent(motion_command, self.now, sent_at, dated=dated, deflected=deflected)
-            # An old word may have been said before whatever parted its sender from the robot.
+            # An old word may have been said before whatever ended its sender's permission.
             session.let_go |= neutral and (age is None or age.nanoseconds < session.age_limit.most)
 
     def newest(self) -> bool:
@@ -349,7 +349,7 @@ class Exchange:
         self.warn("control", f"{self.message.get_type()} of {self.sender} moves nothing: {self.refusal}")
 
     def refuse(self, unusable: Unusable) -> None:
-        """Say why a motion command is no wish."""
+        """Say why a motion command is refused."""
         self.session.dropped.refused += 1
         self.warn(unusable.key, f"{self.message.get_type()} refused: {unusable.reason}")
 

@@ -1,4 +1,4 @@
-"""What who drives is told of his link, when it gets bad and when it is good again: a row for each figure."""
+"""What the station in control reads about its link, when it gets bad or good again: a row a figure."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -158,12 +158,12 @@ def _frame_at(datagram: bytes, at: int) -> tuple[int, int]:
 
 
 def speaks_mavlink_1(message: Message) -> bool:
-    """Tell whether a message came in a frame of MAVLink 1."""
+    """Return whether a message came in a frame of MAVLink 1."""
     return bool(message.get_msgbuf()[0] == _MAVLINK_1)
 
 
 def concerns(message: Message, system: int, component: int) -> bool:
-    """Tell whether a message is for this system and component: by name, to everybody, or without a target."""
+    """Return whether a message is for this system and component: by name, to all, or without a target."""
     part = message.target_component if "target_component" in message.get_fieldnames() else ANYONE
     return target_of(message) in (ANYONE, system) and part in (ANYONE, component)
 

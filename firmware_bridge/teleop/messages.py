@@ -79,7 +79,7 @@ def _set_mode(exchange: Exchange) -> None:
 
 
 def _give_reason(exchange: Exchange, reason: str) -> None:
-    """Tell an answer's reason; the same in a row is told now and then, the answer itself comes each time."""
+    """Report an answer's reason; the same in a row is sent now and then, the answer itself each time."""
     if reason:
         exchange.warn("command" if exchange.refusal is not None else reason, reason)
 

@@ -201,7 +201,7 @@ class Operator(Generic[G, M, S]):
         return True
 
     def note(self, texts: tuple[str, ...]) -> None:
-        """Tell what the start has shown: now, and whoever takes control."""
+        """Report what the start has shown: now, and whoever takes control."""
         self._session.notes = texts
         for text in texts:
             self._session.report(Severity.NOTICE, text)

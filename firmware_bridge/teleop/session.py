@@ -57,7 +57,7 @@ MOST_UNTOLD: Final = 8
 MOST_PEERS: Final = 64
 """So many stations are remembered; of more, who was heard longest ago is forgotten, but never who drives."""
 Motion: TypeAlias = Stick | Velocity
-"""A motion command as it came, before a robot makes a wish of it."""
+"""A motion command as it came, before a robot interprets it."""
 NOTHING: Final = Velocity(0.0, 0.0, 0.0)
 
 
@@ -86,11 +86,11 @@ class Sequenced(NamedTuple):
     at: Nanoseconds
 
     def follows(self, sequence: int) -> bool:
-        """Tell whether this frame comes after one with another number, as far as eight bits tell."""
+        """Return whether this frame comes after one with another number, as far as eight bits tell."""
         return 0 < (self.sequence - sequence) & 0xFF < _HALF
 
     def overtook(self, sequence: int, now: Nanoseconds) -> bool:
-        """Tell whether a frame that comes now was sent before this one."""
+        """Return whether a frame that comes now was sent before this one."""
         behind = (self.sequence - sequence) & 0xFF
         late = OVERTAKEN if behind <= FEW else OUT_OF_ORDER
         return behind < _HALF and now - self.at < late
@@ -108,7 +108,7 @@ class Peer:
     boot_ms: int | None = None
     """The newest time that a set-point carried."""
     stopped: Sequenced | None = None
-    """Its newest wish to stop."""
+    """Its newest stop command."""
     buttons: int | None = None
     channels: Channels = field(default_factory=Channels)
     """What it holds of RC_CHANNELS_OVERRIDE."""
@@ -125,7 +125,7 @@ class Peer:
     """When that one had let go."""
 
     def is_newest(self, message: Message, now: Nanoseconds) -> bool:
-        """Tell whether a motion command is newer than all before it, and remember it if so."""
+        """Return whether a motion command is newer than all before it, and remember it if so."""
         sequence, time = message.get_seq(), boot_ms(message)
         if self.moved is not None and self.moved.overtook(sequence, now):
             return False
@@ -152,7 +152,7 @@ class Dropped:
     refused: int = 0
     """Motion commands that made no sense."""
     aged: int = 0
-    """Wishes to go that were said before a wish to stop, or too long ago."""
+    """Commands to move that were sent before a stop command, or too long ago."""
     idle: int = 0
     """Sticks that are let go, while the robot is driven by set-points."""
     undriven: int = 0
@@ -245,7 +245,7 @@ class Session:
         return self.ages.age(message, now, self.age_limit.most)
 
     def report_link(self, now: Nanoseconds) -> None:
-        """Tell what has changed about the link of who drives."""
+        """Report what has changed about the link of who drives."""
         ages, quality = self.ages, self._ages[2]
         if self.control.driver is not None:
             for severity, text in quality.changes(Link(ages, self.age_limit, self.intent.dated, now)):
@@ -275,7 +275,7 @@ class Session:
         return peer
 
     def applied(self, motion: Motion, motion_command: object) -> object:
-        """Return what a motion command makes of the wish before it; `Unusable` where it is none."""
+        """Return what a motion command makes of the one before it; `Unusable` where it is none."""
         made: object
         if isinstance(motion, Stick):
             made = self.station.stick(motion, motion_command, self.robot)
@@ -284,7 +284,7 @@ class Session:
         return made
 
     def adopt(self, peer: Peer | None, now: Nanoseconds) -> None:
-        """Take a station's own newest motion command for the wish; no one's, and an old one's, is to rest.
+        """Take a station's own newest motion command; no one's, and an old one's, is to rest.
 
         What is switched stays as it is.
         """
@@ -306,19 +306,19 @@ class Session:
             self.unsent += self.speaker.say(severity, text)
 
     def set_command(self, motion_command: object) -> None:
-        """Change the wish; what is no motion command is no sign of life."""
+        """Change the command; what is no motion command is no sign of life."""
         before = self.intent
         self.intent = Intent(
             motion_command, before.received_at, before.sent_at, dated=before.dated, deflected=before.deflected
         )
 
     def set_period(self, number: int, period: Nanoseconds, now: Nanoseconds) -> None:
-        """Tell everybody a message so often who has not asked for another interval."""
+        """Send everybody a message so often who has not asked for another interval."""
         self.schedule.follow(number, period, now)
         self.audience.follow(number, period, now)
 
     def forget(self) -> None:
-        """Forget what of a wish does not outlive a change of state."""
+        """Forget what of a command does not outlive a change of state."""
         self.set_command(self.station.forgotten(self.intent.command))
 
     def context(self, snapshot: Snapshot[Any, Any]) -> TelemetryContext:

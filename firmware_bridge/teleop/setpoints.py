@@ -75,7 +75,7 @@ _LEAST_US, _MOST_US = 900, 2100
 
 
 def pressed(buttons: int, button: int | None) -> bool:
-    """Tell whether a button, counted from 0, is among these bits; a robot without it never has it pressed."""
+    """Return whether a button, from 0, is among these bits; a robot without it never has it pressed."""
     return button is not None and bool(buttons >> button & 1)
 
 

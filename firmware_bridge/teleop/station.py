@@ -95,7 +95,7 @@ class Twist:
 
 @dataclass(frozen=True, slots=True)
 class Unusable:
-    """Why a message is no wish; `key` is the same for the same kind of fault."""
+    """Why a message gives no command; `key` is the same for the same kind of fault."""
 
     key: str
     reason: str
@@ -155,7 +155,7 @@ class Actuator(Generic[G, M]):
 
     name: str
     send: Callable[[M, float, Robot[G]], M]
-    """Return the wish with this share, 0 to 1, of the travel."""
+    """Return the command with this share, 0 to 1, of the travel."""
 
 
 @renamed.arguments(tells="title")
@@ -199,14 +199,14 @@ class Station(Generic[G, M, S]):
     """One kind of robot's rows; ValueError where MAVLink could not carry them."""
 
     stick: Callable[[Stick, M, Robot[G]], M]
-    """Return the wish after the one before, for these axes."""
+    """Return the command after the one before, for these axes."""
     target: Callable[[Velocity, M, Robot[G]], M | Unusable]
-    """Return the wish for a velocity, or why this robot cannot mean it."""
+    """Return the command for a velocity, or why this robot cannot mean it."""
     twist: Callable[[S], Twist]
     forgotten: Callable[[M], M]
-    """Return what of a wish outlives a change of state: a target that is kept would act unasked later."""
+    """Return what of a command outlives a change of state: a target that is kept would act later."""
     largest: Callable[[Robot[G]], Twist]
-    """The robot's limits: what is ten times faster is absurd, and refused as no wish at all."""
+    """The robot's limits: what is ten times faster is absurd, and refused altogether."""
     metres_rolled: Callable[[Robot[G]], float] | None = None
     """Metres rolled for each radian of a rolling axis, its radius; None: no distances are told."""
     stop_button: int | None = None

@@ -1,4 +1,4 @@
-"""How often the operator is told what: one row for each message, for a network and for a narrow link."""
+"""How often each message is sent: one row for each message, for a network and for a narrow link."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""What the operator is told of one instant, message by message; `streams` knows how often.
+"""What the operator is informed of at one instant, message by message; `streams` knows how often.
 
 The robot counts left, up and counter-clockwise positive; MAVLink's NED and FRD frames count right, down and
 clockwise: y, yaw and yaw rate change their sign here, and only here.
@@ -93,7 +93,7 @@ def wrapped(angle_rad: float) -> float:
 
 
 def heartbeat(context: TelemetryContext) -> Iterator[Message]:
-    """Tell what it is, whether it is armed, its way and its status."""
+    """Report what it is, whether it is armed, its way and its status."""
     kind, no_one = dialect.MAV_TYPE_GROUND_ROVER, dialect.MAV_AUTOPILOT_GENERIC
     yield dialect.MAVLink_heartbeat_message(
         kind, no_one, context.base_mode, context.custom_mode, context.system_status, 3
@@ -101,14 +101,14 @@ def heartbeat(context: TelemetryContext) -> Iterator[Message]:
 
 
 def attitude(context: TelemetryContext) -> Iterator[Message]:
-    """Tell the heading, and how fast it turns."""
+    """Report the heading, and how fast it turns."""
     yaw = wrapped(-context.snapshot.pose.heading_rad)
     rate = -context.twist.yaw_rate_rad_s
     yield dialect.MAVLink_attitude_message(context.boot_ms, 0.0, 0.0, yaw, 0.0, 0.0, rate)
 
 
 def position(context: TelemetryContext) -> Iterator[Message]:
-    """Tell place and velocity on the map."""
+    """Report place and velocity on the map."""
     pose = context.snapshot.pose
     north, east = _over_ground(context)
     yield dialect.MAVLink_local_position_ned_message(
@@ -117,7 +117,7 @@ def position(context: TelemetryContext) -> Iterator[Message]:
 
 
 def odometry(context: TelemetryContext) -> Iterator[Message]:
-    """Tell pose, velocity and yaw rate."""
+    """Report pose, velocity and yaw rate."""
     pose, twist = context.snapshot.pose, context.twist
     half = wrapped(-pose.heading_rad) / 2.0
     yield dialect.MAVLink_odometry_message(
@@ -142,13 +142,13 @@ def odometry(context: TelemetryContext) -> Iterator[Message]:
 
 
 def speeds(context: TelemetryContext) -> Iterator[Message]:
-    """Tell how fast the rolling axes turn."""
+    """Report how fast the rolling axes turn."""
     speeds = _padded([axis.velocity for axis in context.rolled], _FLOATS)
     yield dialect.MAVLink_debug_float_array_message(context.boot_us, ROLLING.encode("ascii"), 1, speeds)
 
 
 def distances(context: TelemetryContext) -> Iterator[Message]:
-    """Tell how far the wheels have rolled."""
+    """Report how far the wheels have rolled."""
     find = context.station.metres_rolled
     each = NAN if find is None else find(context.robot)
     rolled = [axis.position * each for axis in context.rolled][:_DISTANCES]
@@ -156,14 +156,14 @@ def distances(context: TelemetryContext) -> Iterator[Message]:
 
 
 def currents(context: TelemetryContext) -> Iterator[Message]:
-    """Tell the currents that are known."""
+    """Report the currents that are known."""
     for place, axis in enumerate(context.axes, 1):
         if axis.current_a is not None:
             yield named(context.boot_ms, f"I{place}", axis.current_a)
 
 
 def link(context: TelemetryContext) -> Iterator[Message]:
-    """Tell how good the link to who drives is."""
+    """Report how good the link to who drives is."""
     age, trip = context.snapshot.facts.age, context.round_trip
     figures = {
         "RTT": None if trip is None else to_seconds(trip),
@@ -176,7 +176,7 @@ def link(context: TelemetryContext) -> Iterator[Message]:
 
 
 def switches(context: TelemetryContext) -> Iterator[Message]:
-    """Tell what is switched on."""
+    """Report what is switched on."""
     command, at = context.snapshot.command, context.boot_ms
     for switch in context.station.switches:
         if switch.telemetry:
@@ -186,7 +186,7 @@ def switches(context: TelemetryContext) -> Iterator[Message]:
 
 
 def landed(context: TelemetryContext) -> Iterator[Message]:
-    """Tell of an armed robot what PX4 tells of an armed rover: that it has not landed.
+    """Report of an armed robot what PX4 tells of an armed rover: that it has not landed.
 
     QGroundControl offers its emergency stop, which brakes, only to what is armed and not landed.
     """
@@ -196,13 +196,13 @@ def landed(context: TelemetryContext) -> Iterator[Message]:
 
 
 def hud(context: TelemetryContext) -> Iterator[Message]:
-    """Tell the speed over ground, and the heading in degrees."""
+    """Report the speed over ground, and the heading in degrees."""
     speed = math.hypot(context.twist.forward_mps, context.twist.left_mps)
     yield dialect.MAVLink_vfr_hud_message(speed, speed, _compass(context) // 100, 0, 0.0, 0.0)
 
 
 def global_position(context: TelemetryContext) -> Iterator[Message]:
-    """Tell the heading where stations look for it; a place of 0, 0 is not known, as ArduPilot sends it."""
+    """Report the heading where stations look for it; a place of 0, 0 is not known, as ArduPilot sends it."""
     north, east = _over_ground(context)
     yield dialect.MAVLink_global_position_int_message(
         context.boot_ms, 0, 0, 0, 0, _centimetres(north), _centimetres(east), 0, _compass(context)
@@ -210,18 +210,18 @@ def global_position(context: TelemetryContext) -> Iterator[Message]:
 
 
 def current_mode(context: TelemetryContext) -> Iterator[Message]:
-    """Tell the way in which the robot is driven."""
+    """Report the way in which the robot is driven."""
     number, none = context.custom_mode, dialect.MAV_STANDARD_MODE_NON_STANDARD
     yield dialect.MAVLink_current_mode_message(none, number, number)
 
 
 def modes_monitor(_: TelemetryContext) -> Iterator[Message]:
-    """Tell that the list of modes is the same as ever."""
+    """Report that the list of modes is the same as ever."""
     yield dialect.MAVLink_available_modes_monitor_message(0)
 
 
 def no_gps(context: TelemetryContext) -> Iterator[Message]:
-    """Tell that nothing receives satellites."""
+    """Report that nothing receives satellites."""
     unknown = UNKNOWN_U16
     yield dialect.MAVLink_gps_raw_int_message(
         context.boot_us, dialect.GPS_FIX_TYPE_NO_GPS, 0, 0, 0, unknown, unknown, unknown, unknown, 0xFF
@@ -229,7 +229,7 @@ def no_gps(context: TelemetryContext) -> Iterator[Message]:
 
 
 def home(_: TelemetryContext) -> Iterator[Message]:
-    """Tell where the odometry began: its origin."""
+    """Report where the odometry began: its origin."""
     north = (1.0, 0.0, 0.0, 0.0)
     yield dialect.MAVLink_home_position_message(0, 0, 0, 0.0, 0.0, 0.0, north, 0.0, 0.0, 0.0)
 
@@ -252,7 +252,7 @@ def _centimetres(metres: float) -> int:
 
 
 def system(context: TelemetryContext) -> Iterator[Message]:
-    """Tell what is there, what is healthy, and what has gone wrong on the link."""
+    """Report what is there, what is healthy, and what has gone wrong on the link."""
     motors, ready = dialect.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS, dialect.MAV_SYS_STATUS_PREARM_CHECK
     drive = dialect.MAV_SYS_STATUS_SENSOR_PROPULSION
     battery = 0 if context.robot.battery is None else dialect.MAV_SYS_STATUS_SENSOR_BATTERY
@@ -280,7 +280,7 @@ def system(context: TelemetryContext) -> Iterator[Message]:
 
 
 def battery(context: TelemetryContext) -> Iterator[Message]:
-    """Tell voltage and current."""
+    """Report voltage and current."""
     charge = dialect.MAV_BATTERY_CHARGE_STATE_UNDEFINED
     if context.battery_v is not None:
         low, okay = dialect.MAV_BATTERY_CHARGE_STATE_LOW, dialect.MAV_BATTERY_CHARGE_STATE_OK

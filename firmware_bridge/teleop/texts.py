@@ -76,7 +76,7 @@ class Speaker:
 
 
 class HoldTexts:
-    """Tells what holds and what has let go; of one that comes and goes, three times in two seconds.
+    """Reports what holds and what has let go; of one that comes and goes, three times in two seconds.
 
     Mere information is told once: the stick of a patient hand passes the acceleration limit again and again.
     """
@@ -93,7 +93,7 @@ class HoldTexts:
         """What was information, and is over."""
 
     def due(self, holds: tuple[Hold, ...], now: Nanoseconds) -> list[Message]:
-        """Return texts of what is not as it was told last."""
+        """Return texts of what is not as commanded last."""
         current = {hold.name: hold for hold in holds if hold.name not in self._informed}
         if current.keys() == self._shown.keys():
             return []

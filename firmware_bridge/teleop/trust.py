@@ -68,7 +68,7 @@ class Trust:
         return max(self.started_at + now - EPOCH, 0) // UNIT
 
     def allows(self, source: int) -> bool:
-        """Tell whether a place may speak; the other end of a link that has one may."""
+        """Return whether a place may speak; the other end of a link that has one may."""
         if not self.allowed or source == 0:
             return True
         address = ipaddress.ip_address(host_and_port(source)[0])
@@ -137,5 +137,5 @@ def stamp_of(frame: bytes) -> int:
 
 
 def is_signed(frame: bytes) -> bool:
-    """Tell whether a frame carries a signature."""
+    """Return whether a frame carries a signature."""
     return frame[0] == _MAVLINK_2 and bool(frame[_FLAGS] & _SIGNED)

@@ -1,6 +1,6 @@
 """An internet address and port as one number, which a datagram carries as its packet's address.
 
-The number says all: no one keeps a table that strangers could fill. 0 is no place: the other end of a link
+The number says all: no table is kept that third parties could fill. 0 is no place: the other end of a link
 that has only one.
 """
 

@@ -106,7 +106,7 @@ class Segment:
 
 @dataclass(frozen=True, slots=True)
 class Abort:
-    """Either side gives up; the code is a plain number, since a stranger may send any."""
+    """Either side gives up; the code is a plain number, since a foreign node may send any."""
 
     address: Address
     code: int

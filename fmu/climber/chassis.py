@@ -1,7 +1,7 @@
 """Two halves on a joint, two wheels and a caster: what moves when wheels turn, and what forces hold it.
 
 Eleven unknowns: the left half's six, the joint's rate, both wheels' spins, the caster's swivel and spin. Nine
-equations: the material of each wheel stands still where it touches, or slides there as it is told. Wheels'
+equations: the material of each wheel stands still where it touches, or slides there as commanded. Wheels'
 spins are given, so nine unknowns remain; forces at the contacts follow from the transpose of the same matrix.
 Both are solved here by elimination, in closed form. Refuses to know motors, magnets and springs.
 """

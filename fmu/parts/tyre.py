@@ -58,7 +58,7 @@ class Tyre:
         self._grip: Expression = None
 
     def bears(self, load: Expression) -> None:
-        """Tell the tyre its load in N."""
+        """Give the tyre its load in N."""
         self._load = positive_part(load)
         self._grip = self._p["floor_friction"] * self._load + TRACE
 

@@ -35,7 +35,7 @@ def main() -> int:
     search = Search(robot, rehearsal_of(robot), invariants(robot), natures, print)
     driven, seed, count = 0.0, reported.seed, 0
     while driven < 3600.0 * reported.hours:
-        found, seconds = search.balance_voltage(seed)
+        found, seconds = search.random_run(seed)
         driven += seconds
         if found is not None:
             count += 1

@@ -155,9 +155,9 @@ class Search:
     natures: frozenset[FaultProfile]
     say: Callable[[str], None] = lambda _: None
     seen: Callable[[Rig], None] = lambda _: None
-    """Told the rig when an evening has been driven to its end, before its branches."""
+    """Called with the rig when a run has been driven to its end, before its branches."""
 
-    def balance_voltage(self, seed: int) -> tuple[Found | None, float]:
+    def random_run(self, seed: int) -> tuple[Found | None, float]:
         """Drive one evening and its branches; return what was found, shrunk, and the seconds driven."""
         found, driven = self.looked(seed)
         return (None if found is None else self.shrunk(found)), driven

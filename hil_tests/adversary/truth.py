@@ -65,7 +65,7 @@ class Look:
     unreached: frozenset[str] = frozenset()
     """The axes of boards that no word of any bridge can reach."""
     runs_on: frozenset[str] = frozenset()
-    """Those of them whose board goes on as it was told, until it is reached again: nothing can stop them."""
+    """Those of them whose board goes on as commanded, until it is reached again: nothing can stop them."""
     left_out: frozenset[str] = frozenset()
     """The axes that its mode does without, by an order, where this bridge alone gives power."""
     let_go: bool = False

@@ -21,7 +21,7 @@ TURNING: Final = "while it drives"
 STARTING: Final = "before it starts"
 TEXT: Final = """A board's own loop drives a wheel harder and harder whose encoder shows nothing: at full
 power after 0.1 s. Worst of the wheels two and three and of eight instants between two samples, by the plant's
-truth. A wheel that turned as it was told and then shows not one bit of its way is released there: its
+truth. A wheel that turned as commanded and then shows not one bit of its way is released there: its
 board can do no more, and it coasts. From rest, a wheel whose encoder is off looks like one that has not begun
 to turn yet, for as long as the robot file lets it lag."""
 

@@ -1,4 +1,4 @@
-"""Strangers' checkers, and what the description says to people: categories, interfaces, sources."""
+"""Third parties' checkers, and what the description says to people: categories, interfaces, sources."""
 
 import subprocess
 import sys

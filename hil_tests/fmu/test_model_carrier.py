@@ -1,4 +1,4 @@
-"""The carrier's plant, as a stranger would write it: made of parts, held to closed forms."""
+"""The carrier's plant, as a third party would write it: made of parts, held to closed forms."""
 
 import math
 from collections.abc import Iterator, Mapping

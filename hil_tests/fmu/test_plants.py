@@ -1,4 +1,4 @@
-"""Plants come from packages: a stranger's is listed, built and set from a robot's file as ours are."""
+"""Plants come from packages: a third party's is listed, built and set from a robot's file as ours are."""
 
 import sys
 import textwrap
@@ -61,7 +61,7 @@ Installer = Callable[..., None]
 
 @pytest.fixture
 def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Installer]:
-    """Put a stranger's distribution with these plants on the path, as pip would."""
+    """Put a third party's distribution with these plants on the path, as pip would."""
     monkeypatch.syspath_prepend(str(tmp_path))
 
     def installed(distribution: str = "swinging", **plants: str) -> None:

@@ -70,7 +70,7 @@ pytestmark = pytest.mark.skipif(
 
 
 def tiny_robot() -> Model:
-    """A second stranger, of our own exporter: motors without windings' inductance, plain kinematics."""
+    """A second third party, of our own exporter: motors without windings' inductance, plain kinematics."""
     symbol = {name: sp.Symbol(name, real=True) for name in INPUTS}
     rates = {axis: sp.Symbol(f"speed_{axis}", real=True) for axis in AXES}
     angles = {axis: sp.Symbol(f"angle_{axis}", real=True) for axis in AXES}

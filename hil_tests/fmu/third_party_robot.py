@@ -1,4 +1,4 @@
-"""A stranger's robot for PythonFMU, written without a look at our plant: four motors and plain kinematics.
+"""A third party's robot for PythonFMU, written without a look at our plant: four motors and plain kinematics.
 
 It has the names and nothing else: no units, no saved states, no friction, no slip.
 """

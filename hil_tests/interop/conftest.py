@@ -1,4 +1,4 @@
-"""The data sheet that a stranger is given."""
+"""The data sheet that a third party is given."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""A stranger feeds a path: the `canopen` library from PyPI in interpolated position mode, in virtual time.
+"""A third party feeds a path: the `canopen` library from PyPI in interpolated position mode, in virtual time.
 
 The records are put together here by hand from the layout that maxon documents: position as INT32, velocity as
 INT24, time as U8, low byte first.

@@ -1,4 +1,4 @@
-"""A stranger with our data sheet in hand: `canopen` drives a single EPOS2 by PDOs, through states and modes.
+"""A client with our data sheet in hand: `canopen` drives a single EPOS2 by PDOs, through states and modes.
 
 Nothing of the drive's table is used but the EDS that we write; `canopen` reads the PDO settings by itself.
 """

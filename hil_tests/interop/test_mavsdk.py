@@ -1,4 +1,4 @@
-"""MAVSDK, a stranger, drives the robot on the bench over a real socket, by its own library."""
+"""MAVSDK, a third party, drives the robot on the bench over a real socket, by its own library."""
 
 import asyncio
 import socket

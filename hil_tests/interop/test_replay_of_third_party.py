@@ -1,4 +1,4 @@
-"""A stranger's session, recorded by a real bus's clock, plays again into the drives to the microsecond."""
+"""A third party's session, recorded by a real bus's clock, plays again into the drives to the microsecond."""
 
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A stranger homes a drive: `canopen`'s own homing, on an axis between stops, in virtual time.
+"""A third party homes a drive: `canopen`'s own homing, on an axis between stops, in virtual time.
 
 It has our EDS and nothing else. Where home is, the plant's parameters say.
 """

@@ -148,7 +148,7 @@ def fight(pair: Pair) -> float:
 
 
 def crowd(pair: Pair) -> float:
-    """Two hundred strangers show that they live, two thousand times a second; then a stop is ordered."""
+    """Two hundred third parties show that they live, two thousand times a second; then a stop is ordered."""
     new_stations = [Station(pair.station.port, system=number) for number in range(2, 202)]
     ends = Event()
 

@@ -76,7 +76,7 @@ def test_a_stick_and_a_velocity_ask_for_three_ways_to_move() -> None:
 
 
 def test_the_control_law_is_2_15_with_the_error_actual_less_desired() -> None:
-    """On the path the wish is its own speed; off it, less K_p times the error and K_i its integral."""
+    """On the path the command is its own speed; off it, less K_p times the error and K_i its integral."""
     guide = named(ROBOT, "circle")
     control = ROBOT.geometry.control
     first = guide.command(seen(Pose(), SECOND, SECOND), 0)

@@ -62,7 +62,7 @@ def well(
     link_lost: str | None = None,
     **changes: Any,
 ) -> Snapshot:
-    """Make a healthy snapshot; the wish and one axis's fields are given as dictionaries."""
+    """Make a healthy snapshot; the command and one axis's fields are given as dictionaries."""
     changed = drives or {}
     command = dict(intent or {})
     enabled = stated(cia402.State.OPERATION_ENABLED)

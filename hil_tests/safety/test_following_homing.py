@@ -1,4 +1,4 @@
-"""What is believed of an axis that finds its zero: as fast as it is told to, either way, and then at rest."""
+"""What is believed of an axis that finds its zero: as fast as commanded, either way, and then at rest."""
 
 from typing import Final
 

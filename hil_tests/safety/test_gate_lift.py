@@ -107,7 +107,7 @@ def test_a_lift_that_was_let_go_stops_the_base_before_it_is_seen_to_move(robot: 
         ("lift moving", "the lift has been told to move")
     ]
     assert (ruling.allowed.speed_mps, lift_free(ruling)) == (0.0, True)
-    # The wish for the lift is given up: after its clear time the base is free.
+    # The command for the lift is given up: after its clear time the base is free.
     drive = {"speed_mps": 0.05}
     assert base_stopped(gate.rule(well(START + 2, intent=drive)))
     assert base_stopped(gate.rule(well(START + 3, intent=drive)))

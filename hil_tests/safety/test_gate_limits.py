@@ -28,7 +28,7 @@ STEP: Final = 0.80 * 0.144 * 9.81 * 0.050
 
 
 def requested(well: Well, now: Nanoseconds = START, **command: Any) -> Snapshot:
-    """Make a wish that the ramp has reached already, so that acceleration is no matter."""
+    """Make a command that the ramp has reached already, so that acceleration is no matter."""
     return well(now, intent=command, demanded_speed_mps=command.get("speed_mps", 0.0))
 
 

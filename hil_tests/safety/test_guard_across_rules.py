@@ -94,7 +94,7 @@ def pair(bound: float = 50.0) -> Trio:
 def test_only_who_has_not_been_sent_anything_at_this_instant_may_repair_a_sum() -> None:
     trio = pair()
     trio.axes["a"].commanded_at = trio.axes["b"].commanded_at = 0
-    assert trio.refuses(requested(a=60.0)) is None, "b may still mend it"
+    assert trio.refuses(requested(a=60.0)) is None, "b may still correct it"
     trio.axes["b"].commanded_at = CYCLE
     assert trio.refuses(requested(a=60.0)) == "sum of 60.0000 is beyond 50.0000"
     assert trio.refuses(requested(a=30.0, b=30.0)) == "sum of 60.0000 is beyond 50.0000", "both are asked"

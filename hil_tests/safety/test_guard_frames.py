@@ -44,7 +44,7 @@ ADMITTED: Final = (
 )
 
 REFUSED: Final = (
-    # Network management: stop, unknown commands, strangers, lengths.
+    # Network management: stop, unknown commands, third parties, lengths.
     (frame(0x000, "0200"), "content '02 00' is not listed"),
     (frame(0x000, "0201"), "content '02 01' is not listed"),
     (frame(0x000, "0300"), "content '03 00' is not listed"),

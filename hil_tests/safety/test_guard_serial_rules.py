@@ -74,7 +74,7 @@ def test_who_moves_is_kept_from_being_made_unable_to_receive_and_may_be_started(
 
 
 def test_all_are_reset_only_where_each_may_be() -> None:
-    """The first one is told to give up its power for long enough; the second one never was."""
+    """The first one is commanded to give up its power for long enough; the second one never was."""
     desk = SerialBench()
     off = word(1, 0x0000)
     assert desk.states(off) == (off,)

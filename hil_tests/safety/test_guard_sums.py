@@ -52,7 +52,7 @@ def test_a_sum_is_bounded_to_both_sides(
     bench.states(speed(1, 0), speed(2, 0))
     stated = {1: speed(1, left), 2: speed(2, right)}
     first, last = (stated[node] for node in order)
-    assert bench.states(first, now=CYCLE) == (first,), "the other one may still mend it"
+    assert bench.states(first, now=CYCLE) == (first,), "the other one may still correct it"
     sent = bench.states(last, now=CYCLE)
     if reason is None:
         assert sent == (last,)
@@ -128,7 +128,7 @@ def test_an_axis_that_speaks_twice_does_not_repair_for_the_others() -> None:
     bench.states(*(speed(node, 0) for node in (1, 2, 3)))
     for now in (1, 2):
         assert bench.states(speed(1, 1000), now=now) == (speed(1, 1000),)
-    assert bench.states(speed(2, 900), now=3) == (speed(2, 900),), "the third may still mend it"
+    assert bench.states(speed(2, 900), now=3) == (speed(2, 900),), "the third may still correct it"
     assert bench.states(speed(2, 900), now=4) == (speed(2, 900),)
     sent = bench.refuses(speed(3, 900), 5)[1]
     assert sorted(sent, key=repr) == [speed(node, 0) for node in (1, 2, 3)]

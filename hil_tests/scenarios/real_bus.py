@@ -1,6 +1,6 @@
 """The chain in two processes on a real bus, of SocketCAN or of datagrams, and who looks at it.
 
-A test drives as a stranger, with pymavlink over UDP, and looks at the bus with a socket of its own: it asks
+A test drives as others would, with pymavlink over UDP, and looks at the bus with a socket of its own: it asks
 the drives by SDO where they are, and believes neither the bridge nor the emulator.
 """
 

@@ -99,7 +99,7 @@ def test_an_order_that_was_stated_before_a_stop_does_not_undo_it(rides: Ridden, 
         **ALONE,
     )
     ride.runs_until(8.0)
-    assert any("said before a wish to stop" in text for text in texts(ride))
+    assert any("said before a stop command" in text for text in texts(ride))
     assert not ride.now["armed"]
     assert ("emergency stop" in ride.holding) is (stop == "emergency_stop")
 

@@ -92,7 +92,7 @@ def test_a_steering_that_ignores_its_target_does_not_follow(rides: Ridden) -> No
 
 
 def commanded_by_another(ride: Ride, rpm: dict[str, int], began: float, ended: float) -> None:
-    """Let a stranger send these speeds to enabled drives, ten times as often as the bridge."""
+    """Let a third party send these speeds to enabled drives, ten times as often as the bridge."""
     master = ride.rig.world.attach("another master", ForeignNode(), {CAN: ride.rig.can_wire})
     nodes = {axis.name: axis.epos2.node for axis in RARS.axes}
     for at in range(from_seconds(began), from_seconds(ended), 5 * MILLISECOND):

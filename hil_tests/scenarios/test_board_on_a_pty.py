@@ -19,7 +19,7 @@ PROGRAM: Final = Path(sys.executable).with_name("firmware-bridge")
 WITHIN: Final = 30 * SECOND
 """A loaded machine takes its time; nothing here is measured."""
 
-# What a stranger would write, in pyserial and bytes: programs of their own, which end with what was read.
+# What a third party would write, in pyserial and bytes: programs of their own, which end with what was read.
 ROS: Final = """
 import serial, sys, time
 line = serial.Serial(sys.argv[1], 57600, timeout=0.3)

@@ -6,7 +6,7 @@ from hil_tests.scenarios.foreign_node import ARM, CLEAR, CONTROL, ForeignNode
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
 
 ALONE = {"seconds": 120, "seed": 1}
-"""With a seed of its own a ride has a bench of its own, on which a stranger may sit down."""
+"""With a seed of its own a ride has a bench of its own, on which a third party may sit down."""
 DRIVES = step(4.0, speed_mps=0.3)
 ACCEPTED, DENIED, FAILED = 0, 2, 4
 STANDS = 31010

@@ -1,4 +1,4 @@
-"""Many stations at once: who drives hears the robot, and strangers gain nothing."""
+"""Many stations at once: who drives hears the robot, and third parties gain nothing."""
 
 import pytest
 

@@ -38,7 +38,7 @@ def unpowered(node: str, at_s: float = DIES_AT_S, **how: float) -> Fault:
 
 
 def silenced(node: str, at_s: float = DIES_AT_S, **how: float) -> Fault:
-    """All cables of a drive are out: nothing is heard of it any more."""
+    """All cables of a drive are out: nothing is received from it any more."""
     return fault("node_silent", at_s, node=node, **how)
 
 

@@ -22,7 +22,7 @@ from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 ROBOT: Final = find("rars")
 REHEARSAL: Final = rehearsal_of(ROBOT)
 HOLD_S: Final = 0.025
-"""A wish that is held for 50 ms acts as one that is late by half of that."""
+"""A command that is held for 50 ms acts as one that is late by half of that."""
 SWING_S: Final = 2.9
 """2 pi / (n sqrt(2 + 2 sqrt 2)), n = 1 1/s: one swing at the critical delay."""
 

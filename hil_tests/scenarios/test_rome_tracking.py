@@ -22,7 +22,7 @@ KP, KI = 2.0, 0.5
 RAMP: Final = 0.8 * 0.6
 CYCLE, FRAME, STEP = 0.05, 0.033, 0.0005
 REQUESTED, REPORTED = 0.010, 0.012
-"""From the begin of a cycle to its wish, at which the path's clock begins; and from there to the board."""
+"""From the begin of a cycle to its command, at which the path's clock begins; and from there to the board."""
 SECONDS: Final = 7.0
 ANGLES: Final = np.array([0.0, 2.0, 4.0]) * math.pi / 3.0
 P: Final[Vector] = np.stack([-np.sin(ANGLES), np.cos(ANGLES), np.full(3, L)], axis=1)

@@ -234,7 +234,7 @@ def test_a_drive_that_restarts_behind_the_gateway_is_noticed_and_set_up_again(ri
     target = steering.get(at.TARGET_POSITION)
     assert target != 0
     reset = Packet(CAN, canopen.NMT, canopen.encode_nmt(NmtCommand.RESET_NODE, 3))
-    one.rig.can_wire.carry(one.rig.world._stations["left"], reset)  # noqa: SLF001 - a stranger's word
+    one.rig.can_wire.carry(one.rig.world._stations["left"], reset)  # noqa: SLF001 - a third party's word
     one.runs_until(6.0)
     assert steering.get(at.TARGET_POSITION) != target
     assert "axis not enabled: steer" in one.holding

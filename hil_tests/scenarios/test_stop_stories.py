@@ -34,7 +34,7 @@ deafened = pytest.mark.parametrize("command", ["stop", "enter_pre_operational", 
 
 
 def driven(rides: Ridden, link: str, *steps: Step, command: str | None = None, fresh: bool = False) -> Ride:
-    """Drive at 0.3 m/s, where a stranger's network command meets the left wheel's drive."""
+    """Drive at 0.3 m/s, where a third party's network command meets the left wheel's drive."""
     faults = (
         () if command is None else (fault("nmt_stranger", NOT_RECEIVING_S, command=command, node="left"),)
     )
@@ -239,7 +239,7 @@ def test_another_master_stops_the_robot_and_blocks_arming_while_it_is_received(
 ) -> None:
     one = driven(rides, "can", step(6.5, speed_mps=0.0), step(8.0, arm=True), step(10.5, arm=True))
     one.runs_until(NOT_RECEIVING_S)
-    sender = one.rig.world._stations["left"]  # noqa: SLF001 - a stranger's word
+    sender = one.rig.world._stations["left"]  # noqa: SLF001 - a third party's word
     while to_seconds(one.rig.world.now) < 8.5:
         one.rig.can_wire.carry(sender, frame)
         one.runs(0.25)
@@ -265,7 +265,7 @@ def test_a_drive_that_someone_else_has_written_to_stops_and_is_set_up_again(
     drive = one.rig.devices.drives["left"]
     one.runs_until(NOT_RECEIVING_S)
     watched = drive.store.get(at.CONSUMER_HEARTBEAT_1)
-    sender = one.rig.world._stations["steer"]  # noqa: SLF001 - a stranger's word
+    sender = one.rig.world._stations["steer"]  # noqa: SLF001 - a third party's word
     one.rig.can_wire.carry(sender, Packet(CAN, 0x601, bytes.fromhex(frame)))
     one.runs_until(8.0)
     assert one.stands_from(NOT_RECEIVING_S, slower_than=0.01) < NOT_RECEIVING_S + 1.2

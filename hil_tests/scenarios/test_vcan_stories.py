@@ -1,4 +1,4 @@
-"""The same chain in two processes on a real SocketCAN bus, driven by a stranger: pymavlink over UDP."""
+"""The same chain in two processes on a real SocketCAN bus, driven by a third party: pymavlink over UDP."""
 
 import shutil
 import signal

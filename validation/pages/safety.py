@@ -76,7 +76,7 @@ def interlocks(kind: AnyKind, robot: AnyRobot) -> Iterator[Cells]:
 
 
 def limits(kind: AnyKind, robot: AnyRobot) -> Iterator[Cells]:
-    """Yield what clips a wish, in its order."""
+    """Yield what clips a command, in its order."""
     for row in kind.rules(robot)[""].limits:
         yield (row.name, _severity(row), _clear(row), row.remedy)
 

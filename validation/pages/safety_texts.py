@@ -16,7 +16,7 @@ from firmware_bridge.robot.settings.shield import ShieldDriver, ShieldLink, Shie
 from firmware_bridge.units import MILLISECOND, SECOND
 
 STOPS_TEXT: Final = """Whatever stops an axis, its device's own report must confirm it, newer than the stop:
-{confirmed}. A step that is not confirmed in its time gives way to the next one, the operator is told, and
+{confirmed}. A step that is not confirmed in its time gives way to the next one, the operator is informed, and
 the robot is disarmed. No step lasts longer than its row says, whatever the device reports meanwhile, and a
 stop waits for no start-up, no query and no quiet line; the bridge's own ramp down, {ramped} s at most,
 comes before the first. The first step that takes the power has ended {taken} s after the stop began, at the
@@ -47,15 +47,15 @@ disarmed. A row **needs** something that a driver's devices tell. Where they do 
 for it; where there is none, the robot file is refused. One that **takes power** switches its axis off until
 the robot is armed again, for what is not believed cannot ramp. The last row is of an axis that the robot's
 mode does without."""
-BELIEF_TEXT: Final = """From what was sent to it each axis has a range in which it may be: of speeds where
-it is told a speed or a stop, else of positions. The range reaches to a new demand at once, and leaves an
-old one with **lag**, and no faster than with **ramp** or **cruise**. An axis that is beside its range by
+BELIEF_TEXT: Final = """From what was sent to it each axis has a range in which it may be: of speeds
+where it is told a speed or a stop, else of positions. The range reaches to a new demand at once, and leaves
+an old one with **lag**, and no faster than with **ramp** or **cruise**. An axis that is beside its range by
 more than **speed**, and a 50th of what it was told, or **position** at every sample **within** this time
-strays: it moves unasked where it moves further, faster or another way than told, else it does not follow. A
-position that repeats to the last bit for as long may owe no more than **repeats** of the way asked; and it
-may stand with no more than **holds with** for twice as long. A robot rests when each axis that takes it from
-its place is slower than **stands below**. All of them are worked out from top speed, drive and link unless
-`[axes.belief]` in the robot file says otherwise."""
+deviates: it moves uncommanded where it moves further, faster or another way than commanded, else it does
+not follow. A position that repeats to the last bit for as long may be behind by no more than **repeats** of
+what was commanded; and it may stand with no more than **holds with** for twice as long. A robot rests when
+each axis that takes it from its place is slower than **stands below**. All of them are worked out from top
+speed, drive and link unless `[axes.belief]` in the robot file says otherwise."""
 LETTING_GO_TEXT: Final = """What ends without power, and what keeps it. Category 0 takes the power at once,
 1 at rest, 2 keeps it (EN 60204-1).
 
@@ -92,7 +92,7 @@ No motion command is obeyed that was said longer ago than `operator.max_age_ms`,
 which it is obeyed. It is as old as the oldest of these rows says; the first that dates it is off by half the
 shortest round trip at most, and dates nothing where another one says more by over `operator.max_age_ms`: the
 station's clocks disagree, which is told once. What no row dates is obeyed under the rule of
-silence, or moves nothing: `operator.unknown_age`. A wish to stop is obeyed however old, and nothing that was
+silence, or moves nothing: `operator.unknown_age`. A stop command is obeyed however old, and nothing that was
 said before it undoes it. [Why](decisions/age-of-words.md). A session may agree on more, up to
 `operator.max_age_ceiling_ms`: the robot is [slower then](decisions/agreed-delay.md), by the same factor."""
 STEPPER_POWER_TEXT: Final = """Nothing that the bridge says takes the motors' current: the board has no word

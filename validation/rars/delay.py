@@ -22,7 +22,7 @@ RADIUS: Final = 5.0
 SPEED: Final = 0.5
 LOOK_AHEAD: Final = 0.5
 CYCLE: Final = 0.050
-"""s: a wish is held so long, 5.3 and 6.1."""
+"""s: a command is held so long, 5.3 and 6.1."""
 FINE: Final = 0.010
 """s, of the independent way."""
 DELAYS: Final = (0.0, 0.5, 0.55, 0.8)
@@ -89,7 +89,7 @@ def delay(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                     ),
                 ),
                 "s² + (2 v / L s + 2 v² / L²) exp(-s tau) = 0, (B.4) corrected. Below the curve an "
-                "offset decays, above it grows; a wish that is held for 50 ms adds 25 ms to the delay.",
+                "offset decays, above it grows; a command that is held for 50 ms adds 25 ms to the delay.",
             ),
             Plot(
                 "How fast an offset grows",

@@ -58,7 +58,7 @@ class Joints(Shafts):
         return tuple(axis.angle(place) for axis, place in zip(JOINTS, self.places, strict=False))
 
     def reached(self, joint: int) -> bool:
-        """Tell whether a joint is at its switch."""
+        """Return whether a joint is at its switch."""
         axis, place = JOINTS[joint], self.places[joint]
         return place >= axis.steps - OVERDRIVE if axis.switch_at_most else place <= OVERDRIVE
 

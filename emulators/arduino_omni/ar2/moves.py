@@ -125,7 +125,7 @@ class Thinned:
         return self._left <= 0
 
     def steps_now(self) -> bool:
-        """Tell whether it steps in this turn of the loop."""
+        """Return whether it steps in this turn of the loop."""
         if self.over:
             return False
         if self._second == 0:

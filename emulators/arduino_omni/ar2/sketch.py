@@ -1,4 +1,4 @@
-"""The arm's sketch: a line, what it does, the next line; while it does something it is deaf but for its ring.
+"""The arm's sketch: a line, what it does, the next line; meanwhile bytes go into its ring alone.
 
 Sources: Chris-Annin/AR2, AR2_2.0. A move is answered before it begins. Fields are found by their letters in
 the whole line, a line with an unknown word is passed over in silence, and nothing says that a move has ended.

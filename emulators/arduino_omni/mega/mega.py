@@ -1,4 +1,4 @@
-"""The Mega 2560 as its processor is: a sketch that does one thing after the other, deaf while it starts.
+"""The Mega 2560 as its processor is: a sketch that does one thing at a time, and no byte while it starts.
 
 As a node it sits with its serial pins on the link "serial": bytes come and go in the time that the wire
 gives them. On USB it sits behind a second chip: `emulators.arduino_omni.usb_board`.
@@ -70,7 +70,7 @@ class Mega:
         others: tuple[Chip, ...] = (),
         boot: Nanoseconds = BOOT,
     ) -> None:
-        """Flash a sketch; `others` are further chips on the bus, `boot` is how long the loader is deaf.
+        """Flash a sketch; `others` are further chips on the bus, `boot` is how long the loader takes.
 
         `shafts` are told each instant at which the board does something.
         """

@@ -16,16 +16,16 @@ BOARD_ROWS: Final = (
     Kind(
         board.BoardReset,
         "Someone presses the board's button, or its supply has a dip. An instant: no end.",
-        "A board: deaf for the boot loader's 1.1 s, or until 9 s after the last byte where one comes in that"
-        " time, while the shield goes on as it was told; then those of"
+        "A board: receives nothing for the boot loader's 1.1 s, or until 9 s after the last byte where one"
+        " comes in that time, while the shield goes on as commanded; then those of"
         " ros_arduino_bridge and ArduinoIO release their motors; the others run on until they are set up.",
     ),
     Kind(
         board.BoardBrownOut,
         "The 5 V of the board's processor sag, as with a long USB cable: the brown-out detection holds it in"
         " reset. The shield has its own supply, and its chip lives on down to 2.3 V.",
-        "A board: deaf, while the shield goes on as it was told; with the supply it starts again, as after"
-        " `board_reset`.",
+        "A board: receives nothing, while the shield goes on as commanded; with the supply it restarts, as"
+        " after `board_reset`.",
         "the board's supply",
     ),
     Kind(

@@ -1,4 +1,4 @@
-"""Faults of the CAN bus: frames, cables, controllers, strangers."""
+"""Faults of the CAN bus: frames, cables, controllers, foreign nodes."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
@@ -179,7 +179,7 @@ class CanCut(OnBus, Lasting):
 
 
 class BabblingNode(OnBus, Lasting):
-    """A stranger floods the bus."""
+    """A foreign node floods the bus."""
 
     kind: ClassVar = "babbling_node"
     among: ClassVar = Stations.NONE
@@ -202,7 +202,7 @@ class BabblingNode(OnBus, Lasting):
 
 
 class NmtForeignNode(OnBus):
-    """A stranger sends a network command."""
+    """A foreign node sends a network command."""
 
     kind: ClassVar = "nmt_stranger"
     command: Annotated[
@@ -220,7 +220,7 @@ class NmtForeignNode(OnBus):
 
 
 class StrayFrames(OnBus, Lasting):
-    """A stranger sends one frame again and again."""
+    """A foreign node sends one frame again and again."""
 
     kind: ClassVar = "stray_frames"
     among: ClassVar = Stations.NONE

@@ -37,7 +37,7 @@ class DriveRestart(Lasting):
 
 
 class SetPointsIgnored(Lasting):
-    """A drive goes on as it was told last."""
+    """A drive goes on as commanded last."""
 
     kind: ClassVar = "set_points_ignored"
     node: One

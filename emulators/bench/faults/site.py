@@ -96,7 +96,7 @@ class Site:
         return board
 
     def send(self, link: str, address: int, payload: bytes) -> None:
-        """Have a stranger queue a frame on a link's bus; he is there from the first one on."""
+        """Have a foreign node queue a frame on a link's bus; he is there from the first one on."""
         name = FOREIGN_NODE if len(self.cans) == 1 else f"{FOREIGN_NODE} on {link}"
         wire = self.cans[link]
         wire.carry(self._foreign_node(link, name, {CAN: wire}), Packet(CAN, address, payload))
@@ -115,7 +115,7 @@ class Site:
         return found
 
     def waiting(self, link: str) -> int:
-        """Return how many frames of the stranger's on this link wait or are under way."""
+        """Return how many frames of the foreign node's on this link wait or are under way."""
         foreign_node = self._foreign_nodes.get(link)
         return 0 if foreign_node is None else self.cans[link].waiting(foreign_node)
 

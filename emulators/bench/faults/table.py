@@ -46,7 +46,7 @@ _ROWS: Final = (
         "All frames of a node are damaged until its controller leaves the bus (32 of them, some 4 ms);"
         " no one restarts the controller before the end. A bridge on a real bus ends then; this one goes"
         " on when its controller is back.",
-        "Is mute and deaf, and misses the bridge's heartbeat. Back on the bus it reports EMCY 0x81FD,"
+        "Sends and receives nothing: no heartbeat of the bridge. Back on the bus it reports EMCY 0x81FD,"
         " and 0x8130 if that took long enough; 0x8120, on its way off, was heard by no one and stays in"
         " its history.",
         _CONNECTION,
@@ -200,7 +200,7 @@ _ROWS: Final = (
     Kind(
         link.DatagramLate,
         "Datagrams queue up somewhere and come late. At the end later ones overtake them.",
-        "No device: when it begins the bridge hears nothing for so long, and then old wishes as if they"
+        "No device: when it begins the bridge hears nothing for so long, and then old commands as if they"
         " were new: MANUAL_CONTROL carries no time.",
     ),
     Kind(

@@ -3,7 +3,7 @@
 Sources: EPOS Firmware Specification (by analogy): 0x2000 counts while the DIP switch is 0, 0x2000 and 0x2001
 take effect after save and restart; CiA 305 for the change of the bit rate at run time. Where they are silent:
 a drive whose switch is 0 and that has saved no number is node 1; a drive at another bit rate than the bus is
-deaf and mute (a real one would also disturb the others with error frames).
+not receiving and silent (a real one would also disturb the others with error frames).
 """
 
 from typing import Final

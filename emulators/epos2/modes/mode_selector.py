@@ -130,6 +130,6 @@ class ModeSelector:
             self._latching = False
 
     def written(self, address: Address, value: int) -> None:
-        """Tell the mode a value that was written, if it heeds that object."""
+        """Give the mode a value that was written, if it heeds that object."""
         if address in self.mode.heeds:
             self.mode.written(address, value)

@@ -30,7 +30,7 @@ class DriveOnBus:
     receive: Callable[[int, bytes], None]
     """Let the drive hear a frame as if it came from the bus: a command to all is one to itself, too."""
     written: Callable[[], None]
-    """Tell the drive that an object has a new value."""
+    """Inform the drive that an object has a new value."""
 
 
 NO_NODE: Final = -1
@@ -55,7 +55,7 @@ class CanGateway:
         self._receives_lss = False
 
     def listens(self, address: int) -> bool:
-        """Tell whether a frame of this identifier is of interest."""
+        """Return whether a frame of this identifier is of interest."""
         return address == self.awaits or (address == canopen.LSS_RESPONSE and self._receives_lss)
 
     def ask(self, request: Request, now: Nanoseconds) -> Result:

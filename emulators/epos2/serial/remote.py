@@ -10,7 +10,7 @@ record of
   an interpolated path so, and could not otherwise reach a drive behind the gateway. A longer one is refused:
   nothing is buffered.
 * An object of up to four bytes that is read by segments waits here for the first of them.
-* Answers to other clients of the same server are told apart by the object's address.
+* Answers to other clients of the same server are distinguished by the object's address.
 """
 
 from collections.abc import Callable, Mapping

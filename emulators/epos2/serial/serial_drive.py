@@ -71,7 +71,7 @@ class SerialEpos2(Epos2):
     def _receive_bytes(self, chunk: bytes, now: Nanoseconds) -> Reaction:
         self._now = now
         self.motion.refresh(now)
-        if self.nmt_state is not NmtState.BOOT_UP:  # deaf until it has started
+        if self.nmt_state is not NmtState.BOOT_UP:  # receives nothing until it has started
             self._port.receive(chunk, now)
         return self._settle()
 

@@ -70,7 +70,7 @@ class SerialPort:
         return min(self._line.due, self._server.gateway.due, self._held_until, self._baud_due)
 
     def listens(self, address: int) -> bool:
-        """Tell whether a frame of the bus is of interest."""
+        """Return whether a frame of the bus is of interest."""
         return self._server.gateway.listens(address)
 
     def taken(self) -> bytes:

@@ -2,7 +2,7 @@
 
 Sources: EPOS Communication Guide, October 2006 (EPOS1), and maxon's command library. Where they are silent:
 the port works in every NMT state; a command to all nodes is one to the drive on the line, too; a
-frame that the host puts on the bus by SendCANFrame is not heard by that drive itself.
+frame that the host puts on the bus by SendCANFrame is not received by that drive itself.
 """
 
 from collections.abc import Callable, Mapping

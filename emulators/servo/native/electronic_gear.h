@@ -25,14 +25,14 @@ static inline bool servo_electronic_gear(servo_axis *axis)
     int64_t counted = axis->gear_rest + steps * axis->gear_numerator;
     int64_t whole = floor_division(counted, axis->gear_denominator);
     int64_t before = between(axis->lowest, axis->target_position, axis->highest);
-    int64_t speed = axis->velocity_demand, ahead, target, wish, following;
+    int64_t speed = axis->velocity_demand, ahead, target, wanted, following;
     axis->gear_counted = axis->master;
     axis->gear_rest = counted - whole * axis->gear_denominator;
     axis->target_position += shifted(within(whole, FASTEST_INPUT >> axis->fraction), axis->fraction);
     target = between(axis->lowest, axis->target_position, axis->highest);
     ahead = target - before;
-    wish = within(ahead + closing_speed(axis, before - axis->position_demand), axis->cruise);
-    following = between(speed - axis->deceleration, wish, speed + axis->acceleration);
+    wanted = within(ahead + closing_speed(axis, before - axis->position_demand), axis->cruise);
+    following = between(speed - axis->deceleration, wanted, speed + axis->acceleration);
     axis->acceleration_demand = following - speed;
     axis->velocity_demand = following;
     axis->position_demand += following;

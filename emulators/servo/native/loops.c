@@ -65,10 +65,10 @@ static int64_t budget(servo_axis *axis, int64_t flags)
 }
 
 /* The current that a regulator may have, and its integrator: held while limited unless it leads back. */
-static int64_t limited(const servo_axis *axis, int64_t wish, int64_t integral, int64_t *kept, int64_t places)
+static int64_t limited(const servo_axis *axis, int64_t wanted, int64_t integral, int64_t *kept, int64_t places)
 {
-    int64_t bounded = within(wish, axis->current_limit_ma);
-    if (bounded == wish || (integral > *kept) != (wish > 0))
+    int64_t bounded = within(wanted, axis->current_limit_ma);
+    if (bounded == wanted || (integral > *kept) != (wanted > 0))
         *kept = within(integral, shifted(axis->current_limit_ma, places));
     return bounded;
 }
@@ -78,10 +78,10 @@ static void velocity(servo_axis *axis)
     int64_t demand = axis->velocity_demand;
     int64_t error = within(demand - shifted(axis->step, axis->fraction), WIDEST_SPEED);
     int64_t integral = axis->velocity_integral + axis->velocity_i * error;
-    int64_t wish = (axis->velocity_p * error + integral) >> VELOCITY_PLACES;
-    wish += (axis->velocity_speed_forward * demand) >> SPEED_FORWARD_PLACES;
-    wish += (axis->velocity_acceleration_forward * axis->acceleration_demand) >> ACCELERATION_FORWARD_PLACES;
-    axis->current_demand_ma = limited(axis, wish, integral, &axis->velocity_integral, VELOCITY_PLACES);
+    int64_t wanted = (axis->velocity_p * error + integral) >> VELOCITY_PLACES;
+    wanted += (axis->velocity_speed_forward * demand) >> SPEED_FORWARD_PLACES;
+    wanted += (axis->velocity_acceleration_forward * axis->acceleration_demand) >> ACCELERATION_FORWARD_PLACES;
+    axis->current_demand_ma = limited(axis, wanted, integral, &axis->velocity_integral, VELOCITY_PLACES);
 }
 
 static int64_t position(servo_axis *axis)
@@ -90,27 +90,27 @@ static int64_t position(servo_axis *axis)
     int64_t error = axis->position_demand - shifted(axis->position, fraction);
     int64_t flags = limit >= 0 && beyond(error >> fraction, limit) ? FOLLOWING_ERROR : 0;
     int64_t difference = within(demand - shifted(axis->step, fraction), WIDEST_SPEED);
-    int64_t derivative = axis->derivative, integral, wish;
+    int64_t derivative = axis->derivative, integral, wanted;
     error = within(error, WIDEST_WAY);
     derivative += ((difference - derivative) * axis->position_filter) >> FILTER_PLACES;
     axis->derivative = derivative;
     integral = axis->position_integral + axis->position_i * error;
-    wish = (axis->position_p * error) >> POSITION_P_PLACES;
-    wish += integral >> POSITION_I_PLACES;
-    wish += (axis->position_d * derivative) >> POSITION_D_PLACES;
-    wish += (axis->position_speed_forward * demand) >> SPEED_FORWARD_PLACES;
-    wish += (axis->position_acceleration_forward * axis->acceleration_demand) >> ACCELERATION_FORWARD_PLACES;
-    axis->current_demand_ma = limited(axis, wish, integral, &axis->position_integral, POSITION_I_PLACES);
+    wanted = (axis->position_p * error) >> POSITION_P_PLACES;
+    wanted += integral >> POSITION_I_PLACES;
+    wanted += (axis->position_d * derivative) >> POSITION_D_PLACES;
+    wanted += (axis->position_speed_forward * demand) >> SPEED_FORWARD_PLACES;
+    wanted += (axis->position_acceleration_forward * axis->acceleration_demand) >> ACCELERATION_FORWARD_PLACES;
+    axis->current_demand_ma = limited(axis, wanted, integral, &axis->position_integral, POSITION_I_PLACES);
     return flags;
 }
 
 static void current_mode(servo_axis *axis)
 {
-    int64_t wish = within(axis->current_setting_ma, axis->current_limit_ma);
+    int64_t wanted = within(axis->current_setting_ma, axis->current_limit_ma);
     int64_t speed = axis->velocity_average;
-    if ((wish > 0 && speed > axis->speed_limit) || (wish < 0 && -speed > axis->speed_limit))
-        wish = 0;
-    axis->current_demand_ma = wish;
+    if ((wanted > 0 && speed > axis->speed_limit) || (wanted < 0 && -speed > axis->speed_limit))
+        wanted = 0;
+    axis->current_demand_ma = wanted;
 }
 
 static int64_t arrival(servo_axis *axis, int64_t flags)

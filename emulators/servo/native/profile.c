@@ -32,19 +32,19 @@ static bool move(servo_axis *axis)
     bool forward = left >= 0;
     int64_t way = forward ? left : -left;
     int64_t speed = forward ? axis->velocity_demand : -axis->velocity_demand;
-    int64_t slowing = axis->deceleration, wish, following;
+    int64_t slowing = axis->deceleration, wanted, following;
     if (way >= axis->stopping_distance)
-        wish = axis->cruise;
+        wanted = axis->cruise;
     else if (way <= slowing)
-        wish = least(way, axis->cruise);
+        wanted = least(way, axis->cruise);
     else
-        wish = least((whole_root(8 * slowing * way + slowing * slowing) - slowing) >> 1, axis->cruise);
+        wanted = least((whole_root(8 * slowing * way + slowing * slowing) - slowing) >> 1, axis->cruise);
     if (speed < 0)
         following = least(speed + slowing, 0);
-    else if (speed < wish)
-        following = least(speed + axis->acceleration, wish);
+    else if (speed < wanted)
+        following = least(speed + axis->acceleration, wanted);
     else
-        following = largest(speed - slowing, wish);
+        following = largest(speed - slowing, wanted);
     axis->acceleration_demand = forward ? following - speed : speed - following;
     axis->velocity_demand = forward ? following : -following;
     axis->position_demand += axis->velocity_demand;

@@ -213,7 +213,7 @@ def test_a_command_that_is_no_number_stops_all_of_it(name: str, value: float) ->
     kind = kind_of(robot)
     named = set()
     for command in spoiled(kind.rest, value):
-        titles = [title for title, read in kind.numbers.items() if read(command) is value]
+        titles = [title for title, read in kind.numbers.items() if repr(read(command)) == repr(value)]
         if titles:
             ruling = gate_of(robot).rule(seen(robot, START, Situation(command=command)))
             assert held(ruling)["wish unusable"] == f"the {titles[0]} asked for is {value}"
@@ -287,7 +287,7 @@ def within_bounds(paper: Paper) -> None:
 
 
 def moves(paper: Paper, axes: tuple[str, ...]) -> bool:
-    """Return whether any of these axes is told to go elsewhere than where it is."""
+    """Return whether any of these axes is commanded to go elsewhere than where it is."""
     for name in axes:
         demand = paper.demands.get(name)
         if isinstance(demand, Position):
@@ -299,7 +299,7 @@ def moves(paper: Paper, axes: tuple[str, ...]) -> bool:
 
 
 def states(paper: Paper, word: Stick | Velocity, command: Any) -> Any:
-    """Return the wish after a word of the operator; one that the robot cannot mean changes nothing."""
+    """Return the command after a word of the operator; one that the robot cannot mean changes nothing."""
     station = paper.kind.station
     if isinstance(word, Stick):
         return station.stick(word, command, paper.robot)

@@ -113,7 +113,7 @@ def _redraw(shown: Live, reading: Reading) -> None:
 
 
 class Changes:
-    """Tells each object in a line of its own when it first comes, and whenever it is another."""
+    """Reports each object in a line of its own when it first comes, and whenever it is another."""
 
     def __init__(self, reading: Reading) -> None:
         self._reading = reading

@@ -23,7 +23,7 @@ EXAMPLES: Final = """Examples:
 @command(EXAMPLES)
 @one_drive()
 def version(drive: OneDrive, *, as_json: JsonOption = False) -> None:
-    """Tell a drive's name, hardware, firmware and serial number."""
+    """Show a drive's name, hardware, firmware and serial number."""
     reading = Reading(IDENTITY)
     drive.finish(reading.once())
     if as_json:

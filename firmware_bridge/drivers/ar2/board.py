@@ -108,7 +108,7 @@ class Ar2Board:
         return f"{self.name}: {SILENT}" if missed else ""
 
     def master(self, _now: Nanoseconds) -> None:
-        """Tell nothing: a line has one host."""
+        """Report nothing: a line has one host."""
 
     @property
     def wake_at(self) -> Nanoseconds:

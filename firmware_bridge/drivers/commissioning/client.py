@@ -117,7 +117,7 @@ class JobClient:
                     self._rest = act() + self._rest
 
     def _come_true(self, now: Nanoseconds) -> bool:
-        """Tell whether what the newest step waits for has come."""
+        """Return whether what the newest step waits for has come."""
         if self._requested is not None:
             outcome = self._link.take()
             if outcome is None:

@@ -93,7 +93,7 @@ class Board:
         return self._booting.hint(now) if self.under_way[:1] == (Task.FIND,) else ""
 
     def master(self, _now: Nanoseconds) -> None:
-        """Tell nothing: a line has one host."""
+        """Report nothing: a line has one host."""
 
     @property
     def wake_at(self) -> Nanoseconds:

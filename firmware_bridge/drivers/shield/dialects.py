@@ -124,12 +124,12 @@ class Ros(Dialect):
         yield self._say("counts", "e", answer=12 * len(numbers) + 1, counts=numbers)
 
     def drive(self, wanted: Mapping[int, int], _ways: Mapping[int, int]) -> Iterator[Say]:
-        """Tell all speeds, also where they are the same: the board stops when it hears nothing."""
+        """Send all speeds, also where they are the same: the board stops when it hears nothing."""
         speeds = tuple(wanted[motor.port] for motor in self.motors)
         return iter((self._say("speeds", "m", speeds, answer=4, writes=CHANNELS * len(speeds)),))
 
     def release(self, _motors: Iterable[int]) -> Iterator[Say]:
-        """Tell speed 0, which releases all motors."""
+        """Send speed 0, which releases all motors."""
         return self.drive(dict.fromkeys((motor.port for motor in self.motors), 0), {})
 
 

@@ -8,7 +8,7 @@ from firmware_bridge.robot.table import Finite, NonNegative, Positive, Table
 
 
 class Limits(Table):
-    """What the interlocks hold, whatever the operator wishes."""
+    """What the interlocks hold, whatever the operator commands."""
 
     speed_mps: Positive
     """Of the tool."""

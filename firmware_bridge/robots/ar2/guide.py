@@ -1,4 +1,4 @@
-"""The arm's guides: the law of resolved rate along a course of the tool; the gate judges their wishes.
+"""The arm's guides: the law of resolved rate along a course of the tool; the gate judges their commands.
 
 q' = J+ (x_r' + K e), with e = x_r - x, and for a pose the law (3.21) to (3.23) (A. Seleit, MSc thesis, UCF,
 2020). A course begins where the tool is; while the arm is held back it waits. What the joints were told last

@@ -10,7 +10,7 @@ STILL: Final[tuple[float, ...]] = (0.0,) * 6
 
 @valueclass(frozen=True, slots=True)
 class Motion:
-    """What the operator wishes, what the gate allows, and what the bridge demands."""
+    """What the operator commands, what the gate allows, and what the bridge demands."""
 
     ahead_mps: float = 0.0
     left_mps: float = 0.0

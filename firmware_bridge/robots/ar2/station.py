@@ -28,7 +28,7 @@ from firmware_bridge.units import SECOND
 
 
 def of_stick(stick: Stick, _command: Motion, robot: Robot[Geometry]) -> Motion:
-    """Return the wish for a stick."""
+    """Return the command for a stick."""
     limits = robot.geometry.limits
     speed = limits.speed_mps
     return Motion(
@@ -40,7 +40,7 @@ def of_stick(stick: Stick, _command: Motion, robot: Robot[Geometry]) -> Motion:
 
 
 def of_target(velocity: Velocity, _command: Motion, _robot: Robot[Geometry]) -> Motion:
-    """Return the wish for a velocity on the level, and a turn rate."""
+    """Return the command for a velocity on the level, and a turn rate."""
     return Motion(velocity.forward_mps, velocity.left_mps, yaw_rad_s=velocity.yaw_rate_rad_s or 0.0)
 
 

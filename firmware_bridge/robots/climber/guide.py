@@ -1,4 +1,4 @@
-"""The climber's guides: along a path on the unrolled surface, by the polar law. They make wishes.
+"""The climber's guides: along a path on the unrolled surface, by the polar law. They give commands.
 
 The law is (27) to (29) of Qualls et al., JAMRIS 10(3), 2016, in the form that is stable (Siegwart and
 Nourbakhsh): with rho, alpha and beta the reference in polar coordinates from the robot,

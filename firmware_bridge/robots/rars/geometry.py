@@ -12,7 +12,7 @@ from firmware_bridge.units import STANDARD_GRAVITY
 
 
 class Limits(Table):
-    """What the interlocks hold, whatever the operator wishes (thesis 2.3.1, 4.2.1)."""
+    """What the interlocks hold, whatever the operator commands (thesis 2.3.1, 4.2.1)."""
 
     speed_mps: Positive
     acceleration_g: Positive

@@ -36,7 +36,7 @@ from firmware_bridge.robots.rars.rules import (
 )
 
 STAYS_WITHIN_RAD: Final = math.radians(1.0)
-"""So far may a wish be beside an angle that stays, before who drives is told that it does."""
+"""So far may a command be beside an angle that stays, before who drives is informed that it does."""
 
 
 class Failed(Rars):

@@ -5,7 +5,7 @@ from firmware_bridge.value import valueclass
 
 @valueclass(frozen=True, slots=True)
 class Motion:
-    """What the operator wishes, what the gate allows, and what the bridge demands."""
+    """What the operator commands, what the gate allows, and what the bridge demands."""
 
     speed_mps: float = 0.0
     """Of the rear axle's middle."""

@@ -43,7 +43,7 @@ def steer_for(speed_mps: float, yaw_rate_rad_s: float, base: DavisBase) -> float
 
 
 def of_stick(stick: Stick, command: Motion, robot: Robot[Geometry]) -> Motion:
-    """Return the wish for a stick; an axis that is not used leaves steering and lift target as they are."""
+    """Return the command for a stick; an unused axis leaves steering and lift target as they are."""
     limits = robot.geometry.limits
     side = stick.left if stick.turn is None else stick.turn
     return replace(
@@ -56,7 +56,7 @@ def of_stick(stick: Stick, command: Motion, robot: Robot[Geometry]) -> Motion:
 
 
 def of_target(velocity: Velocity, command: Motion, robot: Robot[Geometry]) -> Motion | Unusable:
-    """Return the wish for a velocity: forward speed, and the steering that gives the yaw rate."""
+    """Return the command for a velocity: forward speed, and the steering that gives the yaw rate."""
     if velocity.left_mps != 0.0:
         return Unusable("sideways", "this robot moves forward and backward only")
     speed, yaw_rate = velocity.forward_mps, velocity.yaw_rate_rad_s

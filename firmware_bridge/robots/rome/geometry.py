@@ -25,7 +25,7 @@ class Base(Table):
 
 
 class Limits(Table):
-    """What the interlocks hold, whatever the operator wishes."""
+    """What the interlocks hold, whatever the operator commands."""
 
     speed_mps: Positive
     acceleration_mps2: Positive

@@ -1,11 +1,11 @@
-"""ROME's guides: the control law (2.15) along a path. They make wishes, which the gate judges.
+"""ROME's guides: the control law (2.15) along a path. They give commands, which the gate judges.
 
 V = P(psi) (chi_d' - K_p e - K_i int e), with e = actual - desired (A. Seleit, MSc thesis, UCF, 2020). (2.17)
 has other signs, and diverges as it is printed. P is the body's; here it is a motion in the base's own frame.
 
 The path begins where the base stands: it is moved and turned there. While the base is held back the path
 waits, and the integral is forgotten; it is not added to while a rim is at its limit. Where cameras see the
-base the pose is theirs; before they have seen it nothing is wished for.
+base the pose is theirs; before they have seen it nothing is commanded.
 """
 
 import math

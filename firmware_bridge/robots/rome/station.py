@@ -16,7 +16,7 @@ from firmware_bridge.units import SECOND
 
 
 def of_stick(stick: Stick, command: Motion, robot: Robot[Geometry]) -> Motion:
-    """Return the wish for a stick."""
+    """Return the command for a stick."""
     limits = robot.geometry.limits
     return replace(
         command,
@@ -27,7 +27,7 @@ def of_stick(stick: Stick, command: Motion, robot: Robot[Geometry]) -> Motion:
 
 
 def of_target(velocity: Velocity, command: Motion, _robot: Robot[Geometry]) -> Motion:
-    """Return the wish for a velocity and a turn rate."""
+    """Return the command for a velocity and a turn rate."""
     return replace(
         command,
         ahead_mps=velocity.forward_mps,

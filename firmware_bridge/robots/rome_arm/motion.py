@@ -7,7 +7,7 @@ from firmware_bridge.value import valueclass
 
 @valueclass(frozen=True, slots=True)
 class Motion:
-    """What the operator wishes, what the gate allows, and what the bridge demands."""
+    """What the operator commands, what the gate allows, and what the bridge demands."""
 
     base: bases.Motion = bases.Motion()
     arm: arms.Motion = arms.Motion()

@@ -22,7 +22,7 @@ IN_TIME: Final = 1.0 - 1e-6
 
 
 def _unknown(view: View) -> bool:
-    """Tell whether no one knows where the arm is: the common row of a lost zero holds then."""
+    """Return whether no one knows where the arm is: the common row of a lost zero holds then."""
     return any(axis.zero_lost for axis in view.facts.axes.values())
 
 

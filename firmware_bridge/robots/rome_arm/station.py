@@ -27,7 +27,7 @@ from firmware_bridge.units import SECOND
 
 
 def of_stick(stick: Stick, command: Motion, robot: Robot[Geometry]) -> Motion:
-    """Return the wish for a stick: it drives the base, and the tool up and down."""
+    """Return the command for a stick: it drives the base, and the tool up and down."""
     base = bases.of_stick(stick, command.base, BASE.robot(robot))
     upwards = Stick(forward=None, left=None, turn=None, up=stick.up)
     arm = arms.of_stick(upwards, command.arm, ARM.robot(robot))
@@ -35,7 +35,7 @@ def of_stick(stick: Stick, command: Motion, robot: Robot[Geometry]) -> Motion:
 
 
 def of_target(velocity: Velocity, command: Motion, robot: Robot[Geometry]) -> Motion:
-    """Return the wish for a velocity and a turn rate of the base; the tool stays."""
+    """Return the command for a velocity and a turn rate of the base; the tool stays."""
     return Motion(bases.of_target(velocity, command.base, BASE.robot(robot)), ArmMotion())
 
 

@@ -1,7 +1,7 @@
 """Rules over several axes: a sum of speeds that stays within its bound, and sides that never move together.
 
 Set-points of one cycle leave one after the other, so between two vectors of speeds that are both within a
-bound lie mixtures that are not. A mixture is let through while another axis of the sum may still mend it:
+bound lie mixtures that are not. A mixture is let through while another axis of the sum may still correct it:
 until each of them has been sent a set-point, at the same instant or later, and no longer than a cycle. Over
 any length of time the sum's integral exceeds its bound by no more than a fixed amount, which no honest bridge
 can reach with mixtures; so no one can go on from one mixture to the next.
@@ -71,7 +71,7 @@ class SpeedSum(AxesRule):
         self._summed_at: Nanoseconds = 0
 
     def refuses(self, requested: Mapping[InForce, Requested], now: Nanoseconds) -> str | None:
-        """Refuse what passes the bound when no one is left to mend it; rest is never refused."""
+        """Refuse what passes the bound when no one is left to correct it; rest is never refused."""
         if not any(one.speed for one in requested.values()):
             return None
         value = 0.0
@@ -108,8 +108,8 @@ class SpeedSum(AxesRule):
         self.due = min(self._passed_at + self._patience, exhausted) if self._to_come else now
 
     def _others(self, axes: Collection[InForce], now: Nanoseconds) -> tuple[InForce, ...]:
-        """Return who may still mend what these axes do: no one that has been sent a set-point since."""
-        # To be within at an instant only, before the next word of that instant, mends nothing.
+        """Return who may still correct what these axes do: no one that has been sent a set-point since."""
+        # To be within at an instant only, before the next word of that instant, corrects nothing.
         to_come = self._to_come if self._kept_at in {NEVER, now} else self.axes
         return tuple(one for one in to_come if one not in axes and one.commanded_at < now)
 
@@ -136,7 +136,7 @@ class Exclusion(AxesRule):
         self._against: Final = {**dict.fromkeys(row.one, other), **dict.fromkeys(row.other, one)}
 
     def refuses(self, requested: Mapping[InForce, Requested], now: Nanoseconds) -> str | None:
-        """Refuse motion while the other side is told to move; rest is never refused."""
+        """Refuse motion while the other side is commanded to move; rest is never refused."""
         del now
         for axis in _movers(requested, self.members):
             moving = [

@@ -127,7 +127,7 @@ class GuardedAxis:
         return SetPoint(self._safe_word(), 0 if self.by_speed else self.target)
 
     def moves_with(self, set_point: SetPoint) -> bool:
-        """Tell whether the axis would move by this set-point.
+        """Return whether the axis would move by this set-point.
 
         A position counts until its drive reports that it is there, until a halt, or until the power is off.
         One near to where the axis rests does not count at all.
@@ -256,7 +256,7 @@ class GuardedAxis:
             self._rests_at = position_qc
 
     def _is_fresh(self, now: Nanoseconds) -> bool:
-        """Tell whether a report cannot have left the drive before the newest set-point reached it."""
+        """Return whether a report cannot have left the drive before the newest set-point reached it."""
         return now >= self._changed_at + self.cycle
 
     def _safe_word(self) -> int:

@@ -154,7 +154,7 @@ class Epos2SerialRules(WireRules):
         return axis.refuses_write(address, request.raw[:size], self.axes, by_object=False)
 
     def watch_may_end(self, node: int) -> bool:
-        """Tell whether a listed drive has confirmed that it has no power."""
+        """Return whether a listed drive has confirmed that it has no power."""
         return self._by_node[node].watch_may_end
 
     def _reads(self, request: ReadObject, packet: Packet, now: Nanoseconds) -> None:

@@ -111,7 +111,7 @@ class Guarded:
         return self._judged(self._tried(self.node.wake, now), now)
 
     def stop(self, now: Nanoseconds) -> Reaction:
-        """Pass the wish to end on, and judge what the node sends; a node that cannot stop is made safe."""
+        """Pass the command to end on, and judge what the node sends; a node that cannot stop is made safe."""
         self._stopping = True
         if not isinstance(self.node, Stoppable):
             return Reaction(self._sent(self._all_safe(), now))

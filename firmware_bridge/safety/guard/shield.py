@@ -68,7 +68,7 @@ class GuardedMotor:
 
     @property
     def powered(self) -> bool:
-        """Whether its half bridge is not released, as far as it was told."""
+        """Whether its half bridge is not released, as far as commanded."""
         return bool(self._inputs.in1 or self._inputs.in2)
 
     @property

@@ -119,7 +119,7 @@ class SeenOpening(PseudoTerminal):
         return found if self._reports_dtr else []
 
     def _drops(self) -> bool:
-        """Tell whether the last close drops DTR, as it does unless the client has said otherwise."""
+        """Return whether the last close drops DTR, as it does unless the client has said otherwise."""
         cflag = termios.tcgetattr(self._other)[_CFLAG]
         return bool(cflag & termios.HUPCL)
 

@@ -90,7 +90,7 @@ class UdpPort:
 
 
 def reaches_beyond(link: str) -> bool:
-    """Tell whether others than this machine can be at the other end of a link; PortError where it is none."""
+    """Return whether another machine can be at the other end of a link; PortError where it is none."""
     return not ipaddress.ip_address(_parsed(link)[2][0].partition("%")[0]).is_loopback
 
 

@@ -33,7 +33,7 @@ def toggle_of(segment: _WithControlByte) -> bool:
 
 
 def more_of(segment: _WithControlByte) -> bool:
-    """Tell whether more segments follow."""
+    """Return whether more segments follow."""
     return bool(segment.control & _MORE)
 
 

@@ -141,13 +141,13 @@ _OPTIONS: Final = Struct("<B4B")
 
 
 def connect_payload(connect: Connect) -> bytes:
-    """Return a client's wish to be served; with `wants` in the form that Motive 3 understands."""
+    """Return a client's request to be served; with `wants` in the form that Motive 3 understands."""
     payload = CONNECT.write(connect, V3_0, "connect")
     return payload if connect.wants is None else payload + _OPTIONS.pack(0, *connect.wants)
 
 
 def connected(payload: bytes) -> Connect:
-    """Return who wants frames. Clients say nothing, a word, or all of it: whatever comes is such a wish."""
+    """Return who wants frames. Clients say nothing, a word, or all of it: anything is such a request."""
     size = _VERSION_AT + 4
     if len(payload) < size:
         return Connect()

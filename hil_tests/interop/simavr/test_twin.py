@@ -1,7 +1,7 @@
 """The sketch as it is flashed, run by simavr, against the emulator: the same bytes on serial and on I2C.
 
 They are run by `pytest -m avr`, a step of its own in `.ci/run`, and fail there where gcc-avr, the core
-or libsimavr is missing; no other run of the tests has them. `make twins` runs as many lines as it is told.
+or libsimavr is missing; no other run of the tests has them. `make twins` runs as many lines as it is given.
 """
 
 from collections.abc import Iterator

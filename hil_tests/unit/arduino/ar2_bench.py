@@ -75,7 +75,7 @@ class Bench:
         return self.mega.serial.taken(NEVER)
 
     def moved(self) -> list[int]:
-        """Return by how many steps each axis was told to go, with signs, by the last line."""
+        """Return by how many steps each axis was commanded to go, with signs, by the last line."""
         reported = [0] * len(AXES)
         for axis, ahead, _ in self.kept:
             reported[axis] += ahead

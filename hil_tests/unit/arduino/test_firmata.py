@@ -1,4 +1,4 @@
-"""Firmata, both ends: the worked messages, queries, I2C down to a turning motor, strangers."""
+"""Firmata, both ends: the worked messages, queries, I2C down to a turning motor, third parties."""
 
 import pytest
 from hypothesis import given, settings

@@ -1,4 +1,4 @@
-"""MWProtocol, both ends: the worked frames whole and byte by byte, damage, strangers."""
+"""MWProtocol, both ends: the worked frames whole and byte by byte, damage, third parties."""
 
 import struct
 from dataclasses import fields

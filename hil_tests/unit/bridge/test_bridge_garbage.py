@@ -1,4 +1,4 @@
-"""Whatever strangers send, and whenever: no exception, and nothing moves that was not armed."""
+"""Whatever third parties send, and whenever: no exception, and nothing moves that was not armed."""
 
 from typing import TYPE_CHECKING
 

@@ -73,7 +73,7 @@ class Seeking(PaperDrive):
         self.seeks_for: Nanoseconds = SECOND
         self.gives_up = False
         self.rushes = 1.0
-        """So many times as fast as it was told."""
+        """So many times as fast as commanded."""
         self.seeking = False
         self.error = False
         self._began_at: Nanoseconds | None = None

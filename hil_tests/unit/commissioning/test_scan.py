@@ -1,4 +1,4 @@
-"""Who answers: emulated drives on a bus and behind a line, and a stranger's node; nothing is written."""
+"""Who answers: emulated drives on a bus and behind a line, and a third party's node; nothing is written."""
 
 from collections.abc import Mapping
 

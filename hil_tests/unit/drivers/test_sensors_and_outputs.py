@@ -154,7 +154,7 @@ def test_a_level_that_was_not_taken_is_written_until_it_is(bench: Bench) -> None
 
 
 class Once:
-    """A stranger on the bus who sends one frame."""
+    """A third party on the bus who sends one frame."""
 
     def __init__(self, packet: Packet) -> None:
         self.sent: tuple[Packet, ...] = (packet,)

@@ -1,4 +1,4 @@
-"""A stranger on the bus who sends anything, fast: seeded bursts of frames at a whole drive with a motor.
+"""A third party on the bus who sends anything, fast: seeded bursts of frames at a whole drive with a motor.
 
 After every frame it is checked that the answers are those of the standard, that the winding is driven only
 where the power machine allows it, and that with the stage off it takes energy from the shaft, or none.

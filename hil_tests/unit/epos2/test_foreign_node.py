@@ -1,4 +1,4 @@
-"""A stranger on the bus sends anything in any order: no exception, and the answers of the standard.
+"""A third party on the bus sends anything in any order: no exception, and the answers of the standard.
 
 The drive is whole, with its own motion control above an axis that never moves.
 """
@@ -32,7 +32,7 @@ SPEAKING = frozenset({NmtState.PRE_OPERATIONAL, NmtState.OPERATIONAL})
 
 
 class ForeignNode(RuleBasedStateMachine):
-    """Each rule is something that a stranger may do."""
+    """Each rule is something that a third party may do."""
 
     @initialize()
     def plug_in(self) -> None:

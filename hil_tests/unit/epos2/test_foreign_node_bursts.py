@@ -1,4 +1,4 @@
-"""A hundred thousand frames of a stranger, in every network state: no exception, the standard's answers, no
+"""100,000 frames of a foreign node, in every network state: no exception, the standard's answers, no
 current in the winding where none may be.
 
 `FOREIGN_FRAMES=10000000 pytest hil_tests/unit/epos2/test_foreign_node_bursts.py` is longer, with other seeds.

@@ -1,4 +1,4 @@
-"""A stranger on the serial line says anything at any time: no exception, no hang, and then a good answer.
+"""A third party on the serial line says anything at any time: no exception, no hang, and then a good answer.
 
 The drive is whole, with its own motion control above an axis that never moves. After the documented silence
 it must have forgotten everything and answer a good command in full.
@@ -25,7 +25,7 @@ from hil_tests.lanes import examples
 
 NODE = 5
 LONGEST = 500
-"""The largest time-out in ms that the stranger knows how to set."""
+"""The largest time-out in ms that the third party knows how to set."""
 
 OBJECT = st.sampled_from(list(OBJECTS)) | st.builds(Address, st.integers(0, 0xFFFF), st.integers(0, 0xFF))
 NODES = st.sampled_from([0, NODE, NODE, 7, 128, 255])
@@ -53,7 +53,7 @@ REQUESTED = st.one_of(
 
 
 class StrangeHost(RuleBasedStateMachine):
-    """Each rule is something that a stranger may do."""
+    """Each rule is something that a third party may do."""
 
     generation = Generation.V1
 

@@ -1,6 +1,6 @@
 """Rates of joints by hand: an arm of two links of 1 m in a plane, whose Jacobian is known in closed form.
 
-Sideways it has the row (cos a + cos(a + b), cos(a + b)). Of a scalar wish x the solution of least weighted
+Sideways it has the row (cos a + cos(a + b), cos(a + b)). Of a scalar command x the solution of least weighted
 squares is q_i = J_i / w_i / (sum of J_j^2 / w_j + damping) x.
 """
 
@@ -31,7 +31,7 @@ def nearness(angle: float, least: float, most: float) -> float:
 
 
 def assert_shared(below: float, above: float, command: float, weight: float) -> None:
-    """Check what both joints do for a wish sideways if the second weighs so much, and the first 1."""
+    """Check what both joints do for a command sideways if the second weighs so much, and the first 1."""
     found = resolved(
         planar(below, above, BEND), (0.0, BEND), np.array((command,)), rows=SIDEWAYS, moving=BOTH
     )
@@ -48,7 +48,7 @@ def assert_shared(below: float, above: float, command: float, weight: float) -> 
 def test_a_joint_weighs_more_by_the_slope_towards_its_nearer_limit(
     below: float, above: float, command: float
 ) -> None:
-    """The slope by differences; both joints go the way of the wish."""
+    """The slope by differences; both joints go the way of the command."""
     step = 1e-4 * min(below, above)
     slope = (nearness(step, -below, above) - nearness(-step, -below, above)) / (2.0 * step)
     weight = 1.0 + abs(slope) if (above < below) == (command > 0.0) else 1.0

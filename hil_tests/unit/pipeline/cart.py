@@ -258,7 +258,7 @@ class PaperDriver:
         return ()
 
     def received(self, now: Nanoseconds) -> None:
-        """Tell a sample."""
+        """Report a sample."""
         way = self.feedback.velocity * to_seconds(now - self.feedback.sampled_at)
         position = self.feedback.position + way
         self.feedback = replace(self.feedback, received_at=now, sampled_at=now, position=position)

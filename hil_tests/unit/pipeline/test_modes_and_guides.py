@@ -1,4 +1,4 @@
-"""A mode without a failed axis, and a guide that makes the wishes: who may choose them, what ends them."""
+"""A mode without a failed axis, and a guide that gives the commands: who may choose them, what ends them."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Serial ports and pseudo-terminals of this machine, with pyserial as the stranger at the other end."""
+"""Serial ports and pseudo-terminals of this machine, with pyserial as the third party at the other end."""
 
 import errno
 import fcntl

@@ -103,7 +103,7 @@ def test_counters_are_unwrapped(protocol: str, counts: tuple[int, int], moved: i
 
 
 def test_a_motor_that_is_not_counted_is_believed_and_states_so() -> None:
-    """The third one over ArduinoIO: it goes as it was told, and tells neither place nor speed."""
+    """The third one over ArduinoIO: it goes as commanded, and tells neither place nor speed."""
     one = motor("arduinoio", 2)
     assert one.reports == frozenset()
     assert motor("arduinoio", 2, 3).reports == {Reports.POSITION, Reports.VELOCITY, Reports.STOP}

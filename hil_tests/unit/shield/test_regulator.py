@@ -19,7 +19,7 @@ CYCLE: Final[Nanoseconds] = 50 * MILLISECOND
 ORDERS: Final = st.lists(
     st.tuples(st.floats(-9.0, 9.0) | st.just(0.0) | st.none(), st.integers(1, 120)), min_size=1, max_size=30
 )
-"""A wish in rad/s, None for a stop at once, and the milliseconds since the one before."""
+"""A command in rad/s, None for a stop at once, and the milliseconds since the one before."""
 
 
 def regulator_of(robot: AnyRobot) -> Ticks | Pwm:

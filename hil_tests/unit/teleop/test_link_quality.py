@@ -1,4 +1,4 @@
-"""What who drives is told of his link: both edges of each figure, once each way, and in which words."""
+"""What the station in control reads about its link: both edges of each figure, each way, and its words."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def link(
 
 
 def reported(*links: Link) -> list[list[tuple[Severity, str]]]:
-    """Return what one who drives is told on a link that changes so."""
+    """Return what the station in control is informed of on a link that changes so."""
     quality = Quality()
     return [quality.changes(one) for one in links]
 

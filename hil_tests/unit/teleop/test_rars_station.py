@@ -27,7 +27,7 @@ def stick(x: int = 0, y: int = 0x7FFF, z: int = 0, r: int = 0, buttons: int = 0)
 
 
 def target(vx: float = 0.0, yaw_rate: float = 0.0, **other: Any) -> Motion | str:
-    """Return the wish, or the reason for which there is none."""
+    """Return the command, or the reason for which there is none."""
     bench = rars()
     bench.stick(r=-500)
     replies = bench.target(vx, yaw_rate, **other)

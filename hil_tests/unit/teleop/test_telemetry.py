@@ -1,4 +1,4 @@
-"""What the operator is told, how often, and with which sign."""
+"""What the operator is informed of, how often, and with which sign."""
 
 from __future__ import annotations
 

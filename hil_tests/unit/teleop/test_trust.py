@@ -41,7 +41,7 @@ STOPS = {
 
 
 class Signer:
-    """A stranger's signing: pymavlink's own."""
+    """A third party's signing: pymavlink's own."""
 
     def __init__(self, key: bytes | None = KEY, *, system: int = 255, link: int = 1, at: int = 0) -> None:
         self.words: Any = mavlink.MAVLink(None, srcSystem=system, srcComponent=190)

@@ -1,6 +1,6 @@
 """The robot's guide: it drives a figure of eight by the pose, two circles that touch where it begins.
 
-It makes wishes, as a stick does: interlocks, limits and ramp stand between it and the wheels.
+It gives commands, as a stick does: interlocks, limits and ramp stand between it and the wheels.
 """
 
 import math

@@ -55,7 +55,7 @@ class CanLink:
         """When one was heard last, what it is, and its frame."""
 
     def hint(self, _now: Nanoseconds) -> str:
-        """Tell nothing: the drives are asked one by one, and a task that fails says what is missing."""
+        """Report nothing: the drives are asked one by one, and a task that fails says what is missing."""
         return ""
 
     def master(self, now: Nanoseconds) -> str | None:
@@ -76,7 +76,7 @@ class CanLink:
         return (self._beat,)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Take a frame; those of strangers, remote requests and error reports are ignored."""
+        """Take a frame; those of foreign nodes, remote requests and error reports are ignored."""
         if packet.address & ~can.STANDARD_MASK:
             return ()
         if packet.address in self._masters:

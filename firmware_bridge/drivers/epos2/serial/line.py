@@ -81,7 +81,7 @@ class MaxonLine:
     def _end(self, outcome: Outcome | None, now: Nanoseconds) -> None:
         if outcome is not None:
             self.busy += now - self._begun_at
-            # What the protocol still owes the drive leaves before the next command.
+            # What the protocol still has to send the drive leaves before the next command.
             self._say()
             self._take(self.node.receive(outcome_packet(self._under_way, outcome, self._link), now))
 

@@ -75,11 +75,11 @@ class SerialLink:
         return LOST if self._exchange.gone else None
 
     def hint(self, _now: Nanoseconds) -> str:
-        """Tell nothing: the drives are asked one by one, and a task that fails says what is missing."""
+        """Report nothing: the drives are asked one by one, and a task that fails says what is missing."""
         return ""
 
     def master(self, _now: Nanoseconds) -> None:
-        """Tell nothing: what others send on the bus stays behind the gateway."""
+        """Report nothing: what others send on the bus stays behind the gateway."""
 
     @property
     def wake_at(self) -> Nanoseconds:
