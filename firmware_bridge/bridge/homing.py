@@ -19,7 +19,7 @@ from firmware_bridge.intent import (
 )
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
-from firmware_bridge.safety.following import DEVIATES
+from firmware_bridge.safety.following import DEVIATION
 from firmware_bridge.safety.row import Row, Severity
 from firmware_bridge.safety.snapshot import Facts, Hold
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds, to_seconds
@@ -127,7 +127,7 @@ class Homing:
             self._place += feedback.velocity * to_seconds(feedback.sampled_at - self._sampled_at)
             self._low, self._high = min(self._low, self._place), max(self._high, self._place)
         self._sampled_at = feedback.sampled_at
-        furthest = homing.furthest(travel, axis.motor_turn) + 2.0 * DEVIATES * axis.top_speed
+        furthest = homing.furthest(travel, axis.motor_turn) + 2.0 * DEVIATION * axis.top_speed
         if self._high - self._low > furthest:
             self._reason = f"it went further than {furthest:.4g} {axis.unit}, from end to end and beyond"
         elif facts.now > self._since + from_seconds(homing.within_s) + PREPARED_WITHIN:

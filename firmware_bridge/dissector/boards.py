@@ -74,17 +74,17 @@ class ArduinoIoLine(BoardLine):
     def to_board(self, chunk: bytes) -> Iterator[str]:
         """Yield a command's name, and what followed; a direction as its letter."""
         for byte in chunk:
-            to_board = self._commands.take(byte)
-            if to_board is None:
+            command = self._commands.take(byte)
+            if command is None:
                 continue
-            if to_board.row.answers:
-                self._request = f" to {to_board.row.name}"
-            letters = to_board.row.letter == "B"
+            if command.row.answers:
+                self._request = f" to {command.row.name}"
+            letters = command.row.letter == "B"
             values = [
                 f"{kind.name} {chr(value) if letters and kind is arduinoio.RAW else value}"
-                for kind, value in zip(to_board.row.follows, to_board.values, strict=True)
+                for kind, value in zip(command.row.follows, command.values, strict=True)
             ]
-            yield _called(f"{to_board.row.letter}, {to_board.row.name}", ", ".join(values))
+            yield _called(f"{command.row.letter}, {command.row.name}", ", ".join(values))
 
     def from_board(self, chunk: bytes) -> Iterator[str]:
         """Yield numbers."""
@@ -107,16 +107,16 @@ class MwLine(BoardLine):
     def to_board(self, chunk: bytes) -> Iterator[str]:
         """Yield a command's number in the host's sequence, its name and fields."""
         for byte in chunk:
-            to_board = self._commands.take(byte)
-            if to_board is None:
+            command = self._commands.take(byte)
+            if command is None:
                 continue
-            row = mw.row_of_frame(to_board, self._libraries)
+            row = mw.row_of_frame(command, self._libraries)
             shape = None if row is None else row.request
-            self._request = None if shape is None else shape.decode(to_board.data)
-            name = f"command 0x{to_board.code:02X}" if row is None else row.name
-            raw = to_board.data.hex(" ").upper()
+            self._request = None if shape is None else shape.decode(command.data)
+            name = f"command 0x{command.code:02X}" if row is None else row.name
+            raw = command.data.hex(" ").upper()
             yield _called(
-                f"#{to_board.sequence} {name}", raw if self._request is None else _fields(self._request)
+                f"#{command.sequence} {name}", raw if self._request is None else _fields(self._request)
             )
         if self._commands.waits:
             yield "part of a frame"
@@ -172,17 +172,15 @@ class Ar2Line(BoardLine):
     def to_board(self, chunk: bytes) -> Iterator[str]:
         """Yield what a line asks for: steps of joints, ahead above 0, and what else is in it."""
         for line in self._commands.receive(chunk):
-            to_board = ar2.decode(line)
-            if to_board is None:
+            command = ar2.decode(line)
+            if command is None:
                 yield f"{UNREAD}: {line.decode('latin-1')!r}"
                 continue
-            values = [f"{_axis(letter)} {_steps(steps)}" for letter, steps in to_board.steps.items() if steps]
-            if to_board.steps and not values:
+            values = [f"{_axis(letter)} {_steps(steps)}" for letter, steps in command.steps.items() if steps]
+            if command.steps and not values:
                 values.append("no steps")
-            values += [f"{letter} {number}" for letter, number in to_board.fields.items()]
-            yield _called(
-                f"{to_board.word}, {ar2.COMMANDS[to_board.word]}", ", ".join(values) or to_board.text
-            )
+            values += [f"{letter} {number}" for letter, number in command.fields.items()]
+            yield _called(f"{command.word}, {ar2.COMMANDS[command.word]}", ", ".join(values) or command.text)
 
     def from_board(self, chunk: bytes) -> Iterator[str]:
         """Yield the text as it came."""

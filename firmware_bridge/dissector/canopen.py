@@ -216,7 +216,7 @@ class Canopen:
                 return f"{title}: {payload.hex(' ').upper()}, by a mapping that is not known"
             fields = self._nodes.fields(node, mapping, payload)
             return f"{title}: {', '.join(fields) if fields else 'bytes that do not fit its mapping'}"
-        return "a PDO of no one known"
+        return "a PDO of an unknown node"
 
 
 @dataclass(frozen=True, slots=True)

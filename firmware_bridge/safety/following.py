@@ -17,7 +17,7 @@ from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
-DEVIATES: Final = 1.0 / 40.0
+DEVIATION: Final = 1.0 / 40.0
 """Share of its top speed that an axis may stray; of positions the way of so many seconds at top speed."""
 GIVES: Final = 1.0 / 50.0
 """Share of a speed by which a regulator may give way, beside that: who turns on a slope is pulled ahead and
@@ -60,7 +60,7 @@ def within(axis: Axis, silence: Nanoseconds) -> Nanoseconds:
 
 def bounds_of(robot: AnyRobot, axis: Axis) -> Bounds:
     """Return what the robot file says, and where it does not, what follows from axis, drive and link."""
-    limits, stray, homing = axis.belief, DEVIATES * axis.top_speed, axis.zero.homing
+    limits, stray, homing = axis.belief, DEVIATION * axis.top_speed, axis.zero.homing
     slowest = axis.settings.slowest_ramp(axis.ratio)
     if homing is not None:
         # Interrupted it is halted with the acceleration of its homing.

@@ -20,6 +20,7 @@ LAPSES_AFTER: Final[Nanoseconds] = 5 * SECOND
 MOST_STATIONS: Final = 8
 """Beside who drives: a place more that sends heartbeats waits until one of them lapses."""
 MOST_PLACES: Final = 64
+"""Beside stations: so many places are remembered by what they have sent; of more, the oldest is forgotten."""
 LARGEST_CREDIT: Final = 1024
 """Bytes that a place may have sent before it is answered."""
 _TEXT: Final = dialect.MAVLINK_MSG_ID_STATUSTEXT
@@ -68,7 +69,7 @@ class Audience:
             self._credits.pop(source, None)
             return
         credit = self._credits.pop(source, 0) + size
-        while len(self._credits) >= MOST_STATIONS:
+        while len(self._credits) >= MOST_PLACES:
             gone = next(iter(self._credits))
             del self._credits[gone]
             self._old.discard(gone)

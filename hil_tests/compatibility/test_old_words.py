@@ -1,5 +1,6 @@
 """Each word of the release before: it does what the new one does, and a warning names that."""
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,10 +10,15 @@ import pytest
 from emulators.bench.cases import Situation
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.choices import chosen
+from emulators.testing.inherited.paper import seen
+from emulators.testing.process import Process
+from emulators.testing.rig import VirtualRig
 from firmware_bridge import renamed
 from firmware_bridge.kinds import find, load
 from firmware_bridge.renamed import RenamedWarning
 from firmware_bridge.robots.rars import KIND
+from firmware_bridge.safety.gate import NO_GROUP
+from firmware_bridge.safety.interlock import View
 from firmware_bridge.teleop.station import Value
 from firmware_bridge.units import SECOND
 
@@ -56,6 +62,29 @@ def test_a_robot_file_has_its_old_keys(tmp_path: Path) -> None:
         RenamedWarning, match=r"old\.toml: 'geometry\.limp' is called 'geometry\.degraded' now"
     ):
         assert load(file) == find("rars")
+
+
+def test_attributes_are_read_by_their_old_names(tmp_path: Path) -> None:
+    robot = find("carrier")
+    snapshot = seen(robot, SECOND)
+    view: View[Any, Any, Any] = View(robot, snapshot, snapshot.command, NO_GROUP, None)
+    with pytest.warns(RenamedWarning, match="Snapshot: 'wish' is called 'command' now"):
+        assert snapshot.wish is snapshot.command
+    with pytest.warns(RenamedWarning, match="View: 'asked' is called 'requested' now"):
+        assert view.asked is view.requested
+    program = Process([sys.executable, "-c", "print('here')"], tmp_path / "printed.txt")
+    with pytest.warns(RenamedWarning, match="Process: 'says' is called 'prints' now"):
+        program.says("here", within=60)
+    assert program.ends(within=60) == 0
+
+
+def test_what_the_operator_has_received_has_its_old_name() -> None:
+    rig = VirtualRig(find("carrier"))
+    try:
+        with pytest.warns(RenamedWarning, match=r"rig\.operator: 'told' is called 'texts' now"):
+            assert rig.operator.told == rig.operator.texts
+    finally:
+        rig.finish()
 
 
 def test_a_choice_of_an_emulated_drive_has_its_old_name() -> None:

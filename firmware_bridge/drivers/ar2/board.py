@@ -149,7 +149,7 @@ class Ar2Board:
 
     def placed(self, joint: Ar2Joint, steps: int, now: Nanoseconds) -> tuple[Packet, ...]:
         """Say on the line where a joint stands; it counts from there once the board has echoed it."""
-        joint.reported = steps
+        joint.commanded = steps
         self._places.append(Question(words.place(joint.number, steps), joint))
         return self._go_on(now)
 
@@ -266,7 +266,7 @@ class Ar2Board:
         self.busy += now - self._requested_at
         self._prove()
         if question.joint is not None:
-            question.joint.count, question.joint.reported = question.joint.reported, None
+            question.joint.count, question.joint.commanded = question.joint.commanded, None
             self._placed = True
         elif self._requests:
             self._close_task(now)
@@ -294,7 +294,7 @@ class Ar2Board:
         self.busy += now - self._requested_at
         self._question = None
         if question.joint is not None:
-            question.joint.reported = None
+            question.joint.commanded = None
         elif self._requests:
             self._tries += 1
             finding = self.under_way[0] is Task.FIND

@@ -80,7 +80,7 @@ class Ar2Joint:
         """Whether the board has proved that nothing moves since it may not."""
         self.count: int | None = None
         """Steps from the end of its way; None while no one knows."""
-        self.reported: int | None = None
+        self.commanded: int | None = None
         """The count that was said to the board, which has not answered."""
         self._position = self._velocity = 0.0
         self._received_at: Nanoseconds = NEVER_RECEIVED
@@ -121,7 +121,7 @@ class Ar2Joint:
     @property
     def busy(self) -> bool:
         """Whether the board has tasks to do, or is being told where the joint stands."""
-        return bool(self._board.under_way) or self.reported is not None
+        return bool(self._board.under_way) or self.commanded is not None
 
     @property
     def stopping(self) -> bool:
@@ -204,7 +204,7 @@ class Ar2Joint:
 
     def lost(self) -> None:
         """Learn that no one knows any more where it stands, and that it may not be moved."""
-        self.count = self.reported = None
+        self.count = self.commanded = None
         self.enabled = self.released = False
         self.demand = Stop.REST
 

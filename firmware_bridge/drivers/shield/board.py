@@ -253,8 +253,8 @@ class Board:
         self.busy += now - self._requested_at
         self._releasing.answered(self._questions, self.motors)
         if question.wanted is not None and numbers != question.wanted:
-            expected, wanted = (", ".join(map(str, them)) for them in (numbers, question.wanted))
-            self._fail(f"{question.what}: it says {expected}, expected {wanted}")
+            counted, wanted = (", ".join(map(str, them)) for them in (numbers, question.wanted))
+            self._fail(f"{question.what}: it says {counted}, expected {wanted}")
             return
         self._count(question, numbers)
         if self._waiting.part is Part.TASK:

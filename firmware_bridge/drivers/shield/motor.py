@@ -242,8 +242,8 @@ class ShieldMotor:
     def sampled(self, cycle_at: Nanoseconds, now: Nanoseconds) -> None:
         """Learn that the board has answered all questions of a cycle; where nothing is counted, believe."""
         if not self.measured:
-            on_output = self.demand.value if isinstance(self.demand, Speed) and self.enabled else 0.0
+            commanded = self.demand.value if isinstance(self.demand, Speed) and self.enabled else 0.0
             if self._estimated_at != NEVER_RECEIVED:
                 self._position += self._velocity * to_seconds(cycle_at - self._estimated_at)
-            self._velocity, self._estimated_at = on_output, cycle_at
+            self._velocity, self._estimated_at = commanded, cycle_at
         self._sampled_at, self._received_at = cycle_at, now

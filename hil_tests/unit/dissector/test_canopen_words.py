@@ -62,7 +62,7 @@ ROWS = [
         "0F00FFFFFFFF",
         "RPDO 4, node 3: 0x6040 Controlword = 0x000F (enable operation), 0x60FF Target Velocity = -1 rpm",
     ),
-    (0x180, "00", "a PDO of no one known"),
+    (0x180, "00", "a PDO of an unknown node"),
     (0x7FF, "00", "no CANopen service"),
     (0x123 | EXTENDED, "00", "a frame with 29 bits, no CANopen"),
     (BUS_OFF, "0000000000000000", "report of the controller: bus off"),

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_bridge.teleop.audience import LAPSES_AFTER, LARGEST_CREDIT, MOST_STATIONS
+from firmware_bridge.teleop.audience import LAPSES_AFTER, LARGEST_CREDIT, MOST_PLACES, MOST_STATIONS
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.wire.internet import number_of
 from hil_tests.lanes import examples
@@ -161,7 +161,7 @@ def test_no_place_that_is_no_station_gets_more_bytes_than_it_sent(
 
 
 def test_the_memory_of_foreign_nodes_is_bounded_and_so_is_their_credit(bench: RarsBench) -> None:
-    for source in range(1, 3 * MOST_STATIONS):
+    for source in range(1, 3 * MOST_PLACES):
         receives(bench, source, STICK)
     for _ in range(200):
         receives(bench, 1, STICK)
@@ -169,6 +169,17 @@ def test_the_memory_of_foreign_nodes_is_bounded_and_so_is_their_credit(bench: Ra
     bench.report()
     answers = b"".join(packet.payload for packet in receives(bench, 1, *[ping] * 20))
     assert len(answers) <= LARGEST_CREDIT
+
+
+@pytest.mark.parametrize(("others", "kept"), [(MOST_PLACES - 1, True), (MOST_PLACES, False)])
+def test_so_many_places_keep_their_credit(bench: RarsBench, others: int, *, kept: bool) -> None:
+    receives(bench, 1, *[STICK] * 20)
+    for source in range(2, 2 + others):
+        receives(bench, source, STICK)
+    ping = dialect.MAVLink_command_long_message(1, 1, 512, 0, 331, *(0.0,) * 6)
+    bench.report()
+    answers = b"".join(packet.payload for packet in receives(bench, 1, ping))
+    assert (len(answers) > 2 * len(Codec(255, 190).encode(ping))) is kept
 
 
 def test_who_requests_the_list_all_the_time_does_not_keep_it_from_its_end(bench: RarsBench) -> None:
