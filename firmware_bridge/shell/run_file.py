@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from firmware_bridge.intent import ConfirmZero
 from firmware_bridge.kinds import kind_named
+from firmware_bridge.renamed import with_new_keys
 from firmware_bridge.robot import AnyRobot, Problem, Robot, RobotFileError
 from firmware_bridge.robot.problems import problems_of
 from firmware_bridge.units import MILLISECOND, to_seconds
@@ -54,6 +55,7 @@ def read_run(folder: Path) -> AsRun | None:
         problem = f"cannot be read ({type(error).__name__}: {error}); name the robot behind the folder"
         raise RobotFileError(str(path), Problem("", problem)) from error
     model = Robot[kind.geometry]  # type: ignore[name-defined] # a class from a variable, for pydantic
+    table = with_new_keys(table, str(path), kind.geometry.model_fields)
     try:
         robot: AnyRobot = model.model_validate_json(json.dumps(table))
     except ValidationError as error:

@@ -19,6 +19,7 @@ from firmware_bridge.renamed import RenamedWarning
 from firmware_bridge.robots.rars import KIND
 from firmware_bridge.safety.gate import NO_GROUP
 from firmware_bridge.safety.interlock import View
+from firmware_bridge.shell.run_file import RUN_FILE, AsRun, read_run, run_file
 from firmware_bridge.teleop.station import Value
 from firmware_bridge.units import SECOND
 
@@ -62,6 +63,16 @@ def test_a_robot_file_has_its_old_keys(tmp_path: Path) -> None:
         RenamedWarning, match=r"old\.toml: 'geometry\.limp' is called 'geometry\.degraded' now"
     ):
         assert load(file) == find("rars")
+
+
+def test_a_recording_has_the_old_keys_of_its_robot(tmp_path: Path) -> None:
+    robot = find("rars")
+    (text,) = run_file(AsRun(robot)).values()
+    (tmp_path / RUN_FILE).write_text(text.replace('"degraded"', '"limp"'), encoding="utf-8")
+    with pytest.warns(RenamedWarning, match=r"'geometry\.limp' is called 'geometry\.degraded' now"):
+        kept = read_run(tmp_path)
+    assert kept is not None
+    assert kept.robot == robot
 
 
 def test_attributes_are_read_by_their_old_names(tmp_path: Path) -> None:
