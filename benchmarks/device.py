@@ -224,9 +224,9 @@ def frames() -> bool:
         spent = processor_seconds(partial(world.run, FILLED))
         rate = (wire.frames - before) / spent
         best = max(best, rate)
-        rows.append([f"timed bus: {talkers} sending, all hear", reported(rate)])
+        rows.append([f"timed bus: {talkers} sending, all receive", reported(rate)])
     rate = FRAMES / processor_seconds(partial(new_stations.frames, FRAMES))
-    rows.append(["python-can's virtual bus, untimed: one sends, one hears", reported(rate)])
+    rows.append(["python-can's virtual bus, untimed: one sends, one receives", reported(rate)])
     show("CAN frames a second of the processor's time", ("bus", "frames/s"), rows)
     return best >= LEAST_FRAMES
 
@@ -267,7 +267,7 @@ def main() -> int:
     """Print all, and which goals are missed: another machine may reach them."""
     goals: Sequence[tuple[str, Callable[[], bool]]] = (
         (f"{LEAST_REQUESTS:,} SDO requests a second, pure server work", pure_server),
-        (f"{LEAST_TIMES} times as many round trips as the strangers", round_trips),
+        (f"{LEAST_TIMES} times as many round trips as the others", round_trips),
         (f"{LEAST_FRAMES:,} frames a second through the timed bus", frames),
         (f"{NODES} drives in real time", full_bus),
     )

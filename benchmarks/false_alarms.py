@@ -31,16 +31,16 @@ DRIVEN: Final = (
 FLOORS: Final = (None, 0.15)
 """The plant's own, and one so slippery."""
 ALARMS: Final = (
-    "axis silent",
+    "axis timeout",
     "axis fault",
-    "axis answers late",
+    "late answer",
     "axis restarted",
-    "axis unmeasured",
-    "axis does not follow",
-    "axis moves unasked",
-    "axis position repeats",
+    "no feedback",
+    "tracking error",
+    "uncommanded motion",
+    "position not changing",
     "link lost",
-    "another master",
+    "second controller",
     "battery low",
 )
 """What holds where something has failed; what an emergency stop or an unknown zero ends in is none of it."""

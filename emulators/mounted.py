@@ -106,18 +106,18 @@ class Mounted:
         """Yield what a client has set up otherwise than it is mounted; `get` reads an object."""
         pulses, sensor, kind = get(at.ENCODER_PULSES), get(at.SENSOR_TYPE), get(at.MOTOR_TYPE)
         if pulses != self.pulses:
-            yield f"0x2210:1 says {pulses} pulses, the mounted encoder has {self.pulses} (--encoder)"
+            yield f"0x2210:1 is {pulses} pulses, the mounted encoder has {self.pulses} (--encoder)"
         if sensor in WITH_INDEX and not self.index:
-            yield f"0x2210:2 says {sensor}, with index; the mounted encoder has none (--encoder)"
+            yield f"0x2210:2 is {sensor}, with index; the mounted encoder has none (--encoder)"
         if self.motor is None:
             return
         brushless = kind in BRUSHLESS
         if brushless != (self.motor.kind == "ec"):
             mounted = "an EC motor is mounted" if self.motor.kind == "ec" else "a brushed motor is mounted"
-            yield f"0x6402 says motor type {kind}, {mounted} (--motor)"
+            yield f"0x6402 is motor type {kind}, {mounted} (--motor)"
         elif brushless and self.pairs and get(POLE_PAIRS) != self.pairs:
             given_pairs = get(POLE_PAIRS)
-            yield f"0x6410:3 says {given_pairs} pole pairs, the mounted motor has {self.pairs} (--pole-pairs)"
+            yield f"0x6410:3 is {given_pairs} pole pairs, the mounted motor has {self.pairs} (--pole-pairs)"
 
 
 class Comparison:

@@ -133,7 +133,7 @@ class World:
         """Ask a node to end in good order, now, as the real-time runner does on Ctrl-C."""
         station = self._station(name)
         if not isinstance(station.node, Stoppable):
-            raise WorldError(f"node '{name}' cannot be asked to stop")
+            raise WorldError(f"node '{name}' cannot be stopped in order")
         self._take(station, station.node.stop(self.now))
 
     def run(self, until: Nanoseconds) -> None:

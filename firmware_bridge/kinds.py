@@ -234,7 +234,7 @@ def beyond_bounds(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:
                 unit = axis.unit.value + ("/s" if what == "speed" else "")
                 yield Problem(
                     f"axes[{index}].{field}",
-                    f"the robot's limits let '{axis.name}' be asked for {sign * requested:.5g} {unit}, "
+                    f"the robot's limits let '{axis.name}' be commanded to {sign * requested:.5g} {unit}, "
                     f"the bound is {sign * bound:.5g} {unit}; widen it, or narrow the limits",
                 )
 

@@ -5,13 +5,45 @@ A robot file's keys, methods of what a robot package makes, and arguments that i
 
 import functools
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, Final, TypeVar
 
 T = TypeVar("T")
 
 ROBOT_KEYS: Final[Mapping[tuple[str, str], str]] = {("geometry", "limp"): "degraded"}
 """Old keys of a robot file, by their table, and what they are called now."""
+
+INTERLOCKS: Final[Mapping[str, str]] = {
+    "another master": "second controller",
+    "axis answers late": "late answer",
+    "axis does not follow": "tracking error",
+    "axis left out": "axis excluded",
+    "axis moves unasked": "uncommanded motion",
+    "axis position repeats": "position not changing",
+    "axis rewritten": "axis reconfigured",
+    "axis silent": "axis timeout",
+    "axis unmeasured": "no feedback",
+    "axis zero lost": "reference lost",
+    "bridge stood still": "bridge stalled",
+    "controls deflected": "stick not neutral",
+    "operator gone": "operator link lost",
+    "operator silent": "operator link timeout",
+    "paused": "operation paused",
+    "wish unusable": "command unusable",
+    "word too old": "command stale",
+    "word undated": "command not timestamped",
+}
+"""Old names of interlocks, without the axis or the link behind them."""
+
+STAGE: Final = " unconfirmed"
+"""How each old name of one ended that named a stop stage, which its text does now."""
+NOT_ACKNOWLEDGED: Final = "stop not acknowledged"
+
+FAULT_KINDS: Final[Mapping[str, str]] = {"nmt_stranger": "nmt_foreign_node"}
+"""Old kinds of faults."""
+
+FAULT_VALUES: Final[Mapping[tuple[str, str, str], str]] = {("bridge_ends", "how", "asked"): "interrupted"}
+"""Old values of a fault's keys, by kind and key."""
 
 CHOICES: Final[Mapping[str, str]] = {"tells-cured": "reports-reset"}
 """Old names of `emulate epos2 --choice`."""
@@ -34,6 +66,57 @@ def current(name: str, renamed: Mapping[str, str], where: str) -> str:
         return name
     warn(name, new, where)
     return new
+
+
+def interlock(name: str, where: str) -> str:
+    """Return an interlock's name of today, with its axis or link; a warning where it is an old one."""
+    title, colon, of = name.partition(": ")
+    if title.endswith(STAGE):
+        warn(title, NOT_ACKNOWLEDGED, where)
+        return NOT_ACKNOWLEDGED + colon + of
+    return current(title, INTERLOCKS, where) + colon + of
+
+
+def old_interlock(name: str) -> str:
+    """Return what an interlock was called before."""
+    title, colon, of = name.partition(": ")
+    return next((old for old, new in INTERLOCKS.items() if new == title), title) + colon + of
+
+
+class Interlocks(Mapping[str, str]):
+    """Interlocks by name, with their reasons; an old name finds what it is called now, with a warning."""
+
+    def __init__(self, reasons: Mapping[str, str], where: str, shown: Callable[[str], str] = str) -> None:
+        """Take the reasons by name; `shown` makes the names over which one iterates."""
+        self._reasons: Final = reasons
+        self._where: Final = where
+        self._shown: Final = shown
+
+    def __getitem__(self, name: str) -> str:
+        return self._reasons[interlock(name, self._where)]
+
+    def __iter__(self) -> Iterator[str]:
+        return map(self._shown, self._reasons)
+
+    def __len__(self) -> int:
+        return len(self._reasons)
+
+    def __repr__(self) -> str:
+        return repr(dict(self))
+
+
+def fault_table(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a fault's table of a mission with the kind and the values of today."""
+    kind = table.get("kind")
+    if not isinstance(kind, str):
+        return dict(table)
+    kind = current(kind, FAULT_KINDS, "fault")
+    made = {**table, "kind": kind}
+    for (of, key, old), new in FAULT_VALUES.items():
+        if of == kind and made.get(key) == old:
+            warn(old, new, f"fault {kind}, {key}")
+            made[key] = new
+    return made
 
 
 def with_new_keys(table: Mapping[str, Any], file: str, known: Iterable[str]) -> dict[str, Any]:

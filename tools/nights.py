@@ -61,7 +61,7 @@ STEPS: Final = (
         "simulated hours in which operators, links and devices are as bad as they may be",
         (
             _adversary("rars", "honest", 1),
-            _adversary("rars", "honest lying stranger", 1),
+            _adversary("rars", "honest lying foreign", 1),
             _adversary("rars --serial v2", "honest", 0.5),
             _adversary("rome", "honest", 1),
             _adversary("climber", "honest", 1),

@@ -96,7 +96,7 @@ ROWS: Final[tuple[BoardFault, ...]] = (
     BoardFault("board_hangs", "the firmware does nothing more until a reset; the shield goes on", _hang),
     BoardFault(
         "board_brown_out",
-        "the processor is held in reset; the shield goes on as it was told",
+        "the processor is held in reset; the shield goes on with its last command",
         lambda it: it.board.mega.brown_out(it.now, low=it.on),
     ),
     BoardFault(

@@ -18,16 +18,16 @@ EVERY: Final = 5
 LOOK: Final = """
 svg { width: 100%; height: 60vh; background: #fafafa; border: 1px solid #ddd }
 polyline { fill: none; stroke-linejoin: round } input { width: 100% }
-#holds { color: #a00; min-height: 3em } button { font: inherit; width: 6em }
+#events { color: #a00; min-height: 3em } button { font: inherit; width: 6em }
 """
 BODY: Final = """<h1>{title}</h1>
 <svg id="map" viewBox="{box}" role="img" aria-label="path"><g transform="scale(1,-1)">
 <polyline id="way" stroke="#bbb" stroke-width="{thin}"/>
 <polyline id="gone" stroke="#0072b2" stroke-width="{thick}"/>
 <polygon id="robot" fill="#009e73" points="{robot}"/></g></svg>
-<p><button id="play">play</button> <span id="says"></span></p>
+<p><button id="play">play</button> <span id="state"></span></p>
 <input id="at" type="range" min="0" value="0" step="1" aria-label="time">
-<p id="holds"></p><p class="pale">{of}; x ahead at the start, y to the left, m</p>
+<p id="events"></p><p class="pale">{of}; x ahead at the start, y to the left, m</p>
 <script>const run = {data};{script}</script>"""
 SCRIPT: Final = """
 const by = id => document.getElementById(id), last = run.at.length - 1;
@@ -39,9 +39,9 @@ function show(i) {
   const turned = run.heading[i] * 180 / Math.PI;
   by("robot").setAttribute("transform", `translate(${run.x[i]},${run.y[i]}) rotate(${turned})`);
   const now = run.at[i], state = run.armed[i] ? "armed" : "not armed";
-  by("says").textContent = `${now.toFixed(2)} s, ${run.speed[i].toFixed(3)} m/s, ${state}`;
-  by("holds").textContent = run.holds.filter(h => h.from <= now && (h.to === null || now < h.to))
-    .map(h => h.says).join("; ");
+  by("state").textContent = `${now.toFixed(2)} s, ${run.speed[i].toFixed(3)} m/s, ${state}`;
+  by("events").textContent = run.events.filter(h => h.from <= now && (h.to === null || now < h.to))
+    .map(h => h.text).join("; ");
 }
 let playing = null;
 function stop() { clearInterval(playing); playing = null; by("play").textContent = "play"; }
@@ -67,8 +67,8 @@ def animated(title: str, samples: Samples, holds: Sequence[Held]) -> str:
     """Return the page of a run; rows before the robot knew where it was are left out."""
     rows = _rows(samples)
     box, span = _box(rows["x"], rows["y"])
-    held = [{"from": it.began_s, "to": it.ended_s, "says": it.reason or it.name} for it in holds]
-    data = json.dumps({**rows, "holds": held}, separators=(",", ":"), allow_nan=False)
+    held = [{"from": it.began_s, "to": it.ended_s, "text": it.reason or it.name} for it in holds]
+    data = json.dumps({**rows, "events": held}, separators=(",", ":"), allow_nan=False)
     long, wide = 0.03 * span, 0.012 * span
     body = BODY.format(
         title=escape(title),

@@ -68,8 +68,8 @@ def _demanded_turn(seen: Snapshot[Any, Any]) -> float:
 
 
 DEMANDED: Final = (
-    Column("demanded_speed_mps", "what the bridge asks of the wheels", "m/s", seen=_demanded_speed),
-    Column("demanded_turn_rad_s", "what the bridge asks of the wheels", "rad/s", seen=_demanded_turn),
+    Column("demanded_speed_mps", "the bridge's set-points of the wheels", "m/s", seen=_demanded_speed),
+    Column("demanded_turn_rad_s", "the bridge's set-points of the wheels", "rad/s", seen=_demanded_turn),
 )
 SPEED_PANEL: Final = Panel(
     "Forward speed",
@@ -112,7 +112,8 @@ def cases(
         "acceleration limit",
         trips=Situation(command=motion(2.0 * speed, 0.0)),
         spares=Situation(command=motion(speed, 0.0)),
-        reason=f"asked to go from 0.00 m/s and 0.00 rad/s to {2.0 * speed:.2f} m/s and 0.00 rad/s at once",
+        reason="requested a step from 0.00 m/s and 0.00 rad/s "
+        f"to {2.0 * speed:.2f} m/s and 0.00 rad/s at once",
     )
 
 
@@ -135,5 +136,5 @@ def _limited(row: str, within: M, beyond: M, bound: tuple[float, str]) -> Case[M
         row,
         trips=Situation(command=beyond, demanded=within),
         spares=Situation(command=within, demanded=within),
-        reason=f"asked for {requested:.2f} {unit}, allowed is {allowed:.2f} {unit}",
+        reason=f"requested {requested:.2f} {unit}, allowed is {allowed:.2f} {unit}",
     )

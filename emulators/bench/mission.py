@@ -201,7 +201,7 @@ def _unconfirmed(index: int, step: Step, robot: AnyRobot) -> Iterator[Problem]:
     known = [axis.role for axis in robot.axes if axis.zero_confirmed]
     for role in step.zero or ():
         if role not in known:
-            problem = f"no one tells {robot.name} where such an axis stands; {near(role, known)}"
+            problem = f"{robot.name} has no such axis to confirm; {near(role, known)}"
             yield Problem(f"step[{index}].zero.{role}", problem)
     homed = [axis.role for axis in robot.axes if axis.zero.homing is not None]
     for place, role in enumerate(step.home or ()):

@@ -25,7 +25,7 @@ def page(summary: Summary, remarks: Mapping[str, str], pictures: Sequence[Path],
     title = f"{summary.robot}, {summary.mission}, seed {summary.seed}"
     parts = (
         *beginning(title, again, numbers(summary, remarks)),
-        *held(summary.holds),
+        *held(summary.interlock_events),
         "<h2>Faults that were put on</h2>",
         table(FAULTS, map(_faulted, summary.faults), SPAN) if summary.faults else "<p>none</p>",
         *shown(pictures),

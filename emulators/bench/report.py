@@ -25,7 +25,7 @@ def show(console: Console, summary: Summary, remarks: Mapping[str, str]) -> None
     console.print(measured)
     if summary.faults:
         console.print(_faulted(summary.faults))
-    console.print(_held(summary.holds) if summary.holds else "no interlock held\n")
+    console.print(_held(summary.interlock_events) if summary.interlock_events else "no interlock held\n")
 
 
 def numbers(summary: Summary, remarks: Mapping[str, str]) -> Iterator[tuple[str, str, str, str]]:

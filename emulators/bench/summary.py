@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from types import MappingProxyType
 from typing import Final
 
@@ -11,6 +11,7 @@ import numpy as np
 from emulators.bench.columns import ODOMETRY, POSE, SAMPLE_EVERY, Floats, Samples, current
 from emulators.bench.path_error import PathError
 from emulators.bench.records import FaultRecord, HoldRecord
+from firmware_bridge import renamed
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 NO_PATH: Final = PathError()
@@ -120,12 +121,22 @@ class Summary:
     """Of each link alone, by its name: which one a change has reached."""
     guard_refusals: int
     """Packets of the bridge that the guard let nothing of through, and silences that it filled."""
-    holds: tuple[Held, ...]
+    interlock_events: tuple[Held, ...]
     faults: tuple[Faulted, ...] = ()
     lines: tuple[LineRun, ...] = ()
     """The serial lines between bridge and drives; none where the bridge is on the CAN bus itself."""
     figures: dict[str, float | None] = field(default_factory=dict)
     """The robot's own numbers; in the file each is a key like the others."""
+
+    @property
+    def holds(self) -> tuple[Held, ...]:
+        """The interlock events, with the names of the release before."""
+        renamed.warn("holds", "interlock_events", "Summary")
+        return self.as_before()
+
+    def as_before(self) -> tuple[Held, ...]:
+        """Return the interlock events under their names of the release before."""
+        return tuple(replace(one, name=renamed.old_interlock(one.name)) for one in self.interlock_events)
 
 
 def summarise(
@@ -171,7 +182,7 @@ def summarise(
         trace_sha256=run.trace_sha256,
         links_sha256=run.links_sha256,
         guard_refusals=run.guard_refusals,
-        holds=tuple(map(held, holds)),
+        interlock_events=tuple(map(held, holds)),
         faults=tuple(Faulted(fault.kind, fault.title, fault.nodes, *_span(fault)) for fault in faults),
         lines=run.lines,
         figures={name: figure(samples) for name, figure in figures.items()},
@@ -209,8 +220,12 @@ def odometry_errors(samples: Samples) -> Floats:
 
 
 def as_json(summary: Summary) -> str:
-    """Write a summary as JSON, one key a line, ending in a new line."""
+    """Write a summary as JSON, one key a line, ending in a new line.
+
+    `holds` has the interlock events under their names of the release before, for one release more.
+    """
     table = asdict(summary)
+    table["holds"] = [asdict(one) for one in summary.as_before()]
     return json.dumps(table | table.pop("figures"), indent=2, ensure_ascii=False) + "\n"
 
 

@@ -138,7 +138,7 @@ def run(given: BenchOptions) -> None:
             summary = drive(order, lambda now: bar.update(task, completed=now))
     show(terminal(), summary, rehearsal.remarks(machine))
     say(f"results: {folder}/")
-    for hold in summary.holds:
+    for hold in summary.interlock_events:
         if hold.name == NOT_STARTED.name:
             raise refusal(f"the run did not start: {hold.reason}", FAILED)
 

@@ -190,7 +190,7 @@ def _firmware(given: BoardOptions) -> "Firmware":
     if given.auto_stop_ms is not None and found.auto_stop is None:
         raise refusal(
             f"--auto-stop-ms {given.auto_stop_ms}: {given.firmware} has no auto-stop; its motors run on until"
-            " they are told otherwise"
+            " they are commanded otherwise"
         )
     return found
 

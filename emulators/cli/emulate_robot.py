@@ -68,7 +68,7 @@ class RobotOptions(Outside):
         typer.Option(
             help="What the serial line speaks: v1 as on RS232, v2 as on USB; of a board with a motor shield "
             "what it was flashed with.",
-            show_default="as its host does; of a board as the robot file says",
+            show_default="as its host does; of a board by the robot file",
         ),
     ] = None
     encoders: EncodersOption = None

@@ -41,11 +41,11 @@ class FmeaOptions:
     robot: RobotArgument
     faults: Annotated[
         list[str] | None,
-        typer.Option("--fault", metavar="KIND", help="This kind; may be said again.", show_default="all"),
+        typer.Option("--fault", metavar="KIND", help="This kind; may be repeated.", show_default="all"),
     ] = None
     states: Annotated[
         list[str] | None,
-        typer.Option("--state", metavar="STATE", help="This state; may be said again.", show_default="all"),
+        typer.Option("--state", metavar="STATE", help="This state; may be repeated.", show_default="all"),
     ] = None
     out: Annotated[
         Path | None,
@@ -56,7 +56,7 @@ class FmeaOptions:
     )
     serial: Annotated[
         Generation | None,
-        typer.Option("--serial", help="Over the first drive's serial port.", show_default="as the file says"),
+        typer.Option("--serial", help="Over the first drive's serial port.", show_default="by the file"),
     ] = None
     protocol: FirmwareOption = None
     encoders: EncodersOption = None

@@ -24,7 +24,7 @@ SerialOption = Annotated[
     typer.Option(
         "--serial",
         help="Drive over the first drive's serial port instead of CAN, v1 as on RS232 or v2 as on USB.",
-        show_default="as the robot file says",
+        show_default="by the robot file",
     ),
 ]
 ProfileOption = Annotated[str, typer.Option("--profile", "-p", help=f"Which type: {', '.join(PROFILES)}.")]

@@ -75,7 +75,7 @@ def show(
         str,
         typer.Argument(
             metavar="MODEL|ROBOT|FMU",
-            help="A model that `fmu list` shows, a robot, or an FMU, whoever made it.",
+            help="A model that `fmu list` shows, a robot, or an FMU of any tool.",
             autocompletion=completing("fmu.plants:names"),
         ),
     ],
@@ -172,7 +172,7 @@ def build_model(
 
 @command(CHECK_EXAMPLE)
 def check(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="An FMU, whoever made it.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="An FMU of any tool.")],
     robot: Annotated[
         str | None,
         typer.Option("--robot", help="The robot under whose bench it has to fit.", show_default=False),

@@ -113,9 +113,7 @@ def _as_run(given: ReportOptions) -> "AsRun":
         return AsRun(find_robot(given.robot))
     found = read_run(given.folder)
     if found is None:
-        raise refusal(
-            f"{given.folder}: has no {RUN_FILE}, which says what was driven; name the robot behind it"
-        )
+        raise refusal(f"{given.folder}: has no {RUN_FILE}, which names the robot; name the robot behind it")
     return found
 
 

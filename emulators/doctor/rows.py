@@ -185,7 +185,9 @@ def clock(facts: Facts) -> Finding:
 def load(facts: Facts) -> Finding:
     """Judge how busy the machine is."""
     if facts.load is None:
-        return _careful(f"{facts.processors} processors; this system tells no load", "look at it by yourself")
+        return _careful(
+            f"{facts.processors} processors; this system reports no load", "look at it by yourself"
+        )
     found = f"{facts.load:.1f} processes want to run, on {facts.processors} processors"
     if facts.load > CROWDED * facts.processors:
         return _missing(f"{found}: none is free", "end what else runs before a real robot is driven")
@@ -239,7 +241,7 @@ def plants(facts: Facts) -> Finding:
     """Judge whether a first run has to wait for plants."""
     wanting = sorted(name for name, built in facts.plants.items() if not built)
     if None in facts.plants.values():
-        return _missing("without a compiler no one can tell", "install a C compiler")
+        return _missing("without a compiler it is unknown", "install a C compiler")
     if not wanting:
         return _ok(f"{', '.join(sorted(facts.plants)) or 'none is installed'}: built")
     remedy = "they are built when they are wanted, 10 s each; `firmware-bridge fmu build NAME` does it now"

@@ -49,7 +49,7 @@ class Epos2:
     ) -> None:
         """`storage` keeps saved parameters; at another bit rate than `bus_rate` the drive is off the bus."""
         if not 0 <= node_id <= LAST_NODE:
-            raise ValueError(f"a DIP switch says a number between 0 and {LAST_NODE}, not {node_id}")
+            raise ValueError(f"a DIP switch gives a number between 0 and {LAST_NODE}, not {node_id}")
         self.profile: Final = profile
         self._identity = Identity(node_id, bus_rate)
         self.store: Final = ObjectStore(

@@ -102,7 +102,7 @@ def watched(rig: VirtualRig, lasts_s: float | None = None) -> Course:
             break
         rig.runs(RESTS_S)
     reported = (entry for entry in rig.operator.diary if entry.at >= began and entry.kind is Kind.REPORTED)
-    holds = tuple(hold for hold in rig.held if hold.began >= began)
+    holds = tuple(hold for hold in rig.interlock_history if hold.began >= began)
     ends = NEVER if lasts_s is None else began + from_seconds(lasts_s)
     return Course(places, units, holds, tuple(reported), began, ends)
 

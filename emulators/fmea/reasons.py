@@ -41,7 +41,7 @@ REASONS: Final = (
     Reason("bridge_ends", "no one is left to say so: each device stops by its own watchdog", watched=True),
     Reason(
         "load_lifted",
-        "a motor whose load is off the floor turns as it is told: cameras alone see it, and only when the"
+        "a motor whose load is off the floor turns as commanded: cameras alone see it, and only when the"
         " base is further from where its motors say than `base slips` allows",
     ),
     Reason("grip_lost", "off the wall it falls, whatever is done: its tether alone holds it"),

@@ -23,10 +23,10 @@ thead th { position: sticky; top: 0; background: #fff }
 small { color: #666; display: block }
 """
 LEGEND: Final = (
-    (Verdict.NOTICED, "an interlock holds: which, and after how long"),
-    (Verdict.REPORTED, "the operator was told, and nothing holds"),
+    (Verdict.NOTICED, "an interlock is active: which, and after how long"),
+    (Verdict.REPORTED, "the operator was informed, and no interlock is active"),
     (Verdict.TOLERATED, "the robot does what it would have done"),
-    (Verdict.STANDS, "no one said a word, and the robot came to rest"),
+    (Verdict.STANDS, "nothing was reported, and the robot came to rest"),
 )
 
 
@@ -65,7 +65,7 @@ def as_page(robot: str, cells: Sequence[Cell]) -> str:
         f"{robot}: failures",
         f"<h1>What comes of each failure of {html.escape(robot)}</h1><p>Each was put on in each state and "
         f"taken off after two seconds, on the bench. By the plant's truth: when the robot stood for good, "
-        f"how far it went and turned, whatever was asked of it.</p><ul>{legend}"
+        f"how far it went and turned, whatever was commanded.</p><ul>{legend}"
         f'<li><span class="why">late or never, with a reason</span></li>'
         f'<li><span class="wrong">late or never, and no one knows why</span></li></ul>'
         f"<table><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>",

@@ -10,7 +10,8 @@ from dataclasses import replace
 from functools import partial
 from typing import Final
 
-from emulators.replay.comparison import EXACT, Comparison, Frames, Messages
+from emulators.replay.comparison import EXACT, Comparison, Frames
+from emulators.replay.earlier_texts import answers_of
 from emulators.replay.inputs import Inputs, inputs_of
 from emulators.replay.machine import Machine, machine_of
 from emulators.replay.order import Order
@@ -90,7 +91,7 @@ def _compared(order: Order, machine: Machine, name: str, sent: list[Sent], end: 
     """Compare what the bridge sends on a link with what it is recorded to have sent there."""
     wire, kind = machine.lanes[name].wire, machine.lanes[name].kind
     if kind == OPERATOR:
-        answers = Messages((one for one in sent if one.sender == BRIDGE), BRIDGE)
+        answers = answers_of(sent, BRIDGE)
         wire.observe(answers.take)
         return answers
     own = to_compare(order, sent, (BRIDGE,))
@@ -122,8 +123,8 @@ def _switched_on(order: Order, inputs: Inputs) -> tuple[Nanoseconds, Nanoseconds
     ]
     if not requested:
         raise RecordingFileError(
-            f"{inputs.name}: its first words do not tell when the bridge was started; give the operator.tlog"
-            " that was recorded with it (--operator), or the folder of the run"
+            f"{inputs.name}: its first messages do not show when the bridge was started; give the"
+            " operator.tlog that was recorded with it (--operator), or the folder of the run"
         )
     for name in requested:
         machine.lanes[name].wire.observe(_noting(spoken, name))

@@ -97,7 +97,7 @@ def _texts(folder: Path) -> Iterator[str]:
     except OSError:
         return
     left_out = f"\n... {len(lines) - LINES} more in {EVENTS}" if len(lines) > LINES else ""
-    yield f"<h2>What was said</h2><pre>{escape(chr(10).join(lines[:LINES]) + left_out)}</pre>"
+    yield f"<h2>Messages</h2><pre>{escape(chr(10).join(lines[:LINES]) + left_out)}</pre>"
 
 
 def _largest(values: Floats) -> float:

@@ -15,7 +15,8 @@ from typing import Final
 from emulators.bench.rehearsal import rehearsal_of
 from emulators.devices import devices
 from emulators.recorded import FRAMES, WORDS
-from emulators.replay.comparison import Frames, Messages
+from emulators.replay.comparison import Frames
+from emulators.replay.earlier_texts import answers_of
 from emulators.replay.files import one_file
 from emulators.replay.on_all_links import on_all_links
 from emulators.replay.order import Into, Order
@@ -59,7 +60,7 @@ SHARED: Final = LSS_RESPONSE
 def _drives(order: Order) -> Stage:
     """Put the drives of the recording on a bus with whoever else was there."""
     if order.stands:
-        raise RecordingFileError(f"{order.recording.name}: the drives are told no place, a bridge is")
+        raise RecordingFileError(f"{order.recording.name}: the drives take no position, a bridge does")
     robot, link = order.robot, order.link
     recording = _can_log(order, LEAD)
     lead = 0 if recording.virtual else LEAD
@@ -97,7 +98,7 @@ def _bench(order: Order) -> Stage:
     file = one_file(order, WORDS)
     if not is_telemetry(file) or order.operator is not None:
         raise RecordingFileError(
-            f"{file.name}: the bench hears an operator, and wants one telemetry log (.tlog)"
+            f"{file.name}: the bench takes an operator's messages, and wants one telemetry log (.tlog)"
         )
     robot = order.robot
     recording = read_telemetry(file)
@@ -105,7 +106,7 @@ def _bench(order: Order) -> Stage:
     if first_of(messages, BRIDGE) is None:
         raise RecordingFileError(f"{recording.name}: holds no message of the bridge of {robot.name}")
     from_devices = [one for one in messages if one.sender != BRIDGE]
-    answers = Messages((one for one in messages if one.sender == BRIDGE), BRIDGE)
+    answers = answers_of(messages, BRIDGE)
     operator = Player(script_of(from_devices, lambda _: 0))
     rig = Rig(robot, rehearsal_of(robot), operator, plant_path=order.plant, stands=order.stands)
     rig.operator_wire.observe(answers.take)
@@ -127,9 +128,9 @@ def _can_log(order: Order, lead: Nanoseconds) -> Recording:
             " beside it with --operator"
         )
     if is_lines(file):
-        raise RecordingFileError(f"{file.name}: the drives hear a CAN bus; lines are played into the bridge")
+        raise RecordingFileError(f"{file.name}: the drives take a CAN bus; lines are played into the bridge")
     if order.operator is not None:
-        raise RecordingFileError(f"{order.operator.name}: the drives hear no operator")
+        raise RecordingFileError(f"{order.operator.name}: the drives take no operator")
     if order.link not in order.robot.epos2_links:
         raise RecordingFileError(f"{file.name}: {order.robot.name} has no drives on a CAN bus")
     recording = read_can(file, order.channel)

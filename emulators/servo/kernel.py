@@ -126,7 +126,7 @@ def choose(command: str | None = None) -> Found:
     if command not in {"", NATIVE, TWIN}:
         raise ServoError(f"{VARIABLE}={command}: say '{NATIVE}', '{TWIN}', or nothing for the best there is")
     if command == TWIN:
-        return Found(None, "the twin was asked for")
+        return Found(None, "the reference was requested")
     found = find()
     if command == NATIVE and found.library is None:
         raise ServoError(f"the native servo cannot serve: {found.reason}")

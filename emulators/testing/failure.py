@@ -31,7 +31,7 @@ def failure_text(rig: VirtualRig, test: str, folder: Path, again: str, *, pictur
 
 def _lines(rig: VirtualRig, test: str, folder: Path, again: str, *, pictures: bool) -> Iterator[str]:
     yield f"{rig.robot.name}, seed {rig.seed}, at {rig.now:.2f} s of virtual time"
-    held = [hold for hold in rig.held if hold.ended is None or hold.ended > rig.began]
+    held = [hold for hold in rig.interlock_history if hold.ended is None or hold.ended > rig.began]
     yield f"holds since it was armed at {to_seconds(rig.began):.2f} s:{'' if held else ' none'}"
     yield from (f"  {_span(hold.began, hold.ended)}  {hold.name}: {hold.reason}" for hold in held)
     if rig.faults:
@@ -60,7 +60,14 @@ def _drawn(rig: VirtualRig, test: str, folder: Path) -> list[Path]:
     title = f"{rig.robot.name} · {test} · seed {rig.seed}"
     shown, more = rig.rehearsal.panels, rig.rehearsal.pictures
     return draw(
-        folder, title, rig.robot, shown, rig.bench.samples, holds=rig.held, faults=rig.faults, more=more
+        folder,
+        title,
+        rig.robot,
+        shown,
+        rig.bench.samples,
+        holds=rig.interlock_history,
+        faults=rig.faults,
+        more=more,
     )
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -19,6 +20,7 @@ from emulators.run import HAND_STREAM
 from emulators.testing.errors import RigError
 from emulators.testing.hand import FOR_GOOD_S, Hand
 from emulators.testing.recording import Recording
+from firmware_bridge import renamed
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near, nearest, problems_of
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds, to_seconds
@@ -70,7 +72,7 @@ class VirtualRig:
         arms = step(at_s=ARM_S, title="arms", arm=True)
         stands = self.rehearsal.stands
         zero = {axis.role: stands.get(axis.role, 0.0) for axis in robot.axes if axis.zero_confirmed}
-        confirmed = (step(at_s=0.0, title="says where it stands", zero=zero),) if zero else ()
+        confirmed = (step(at_s=0.0, title="confirms where it stands", zero=zero),) if zero else ()
         story = Mission(title=f"a test of {robot.name}", duration_s=FOR_GOOD_S, step=(*confirmed, arms))
         hand = np.random.default_rng([seed, HAND_STREAM])
         station = ScriptedOperator(robot, self.rehearsal, story, hand)
@@ -90,14 +92,30 @@ class VirtualRig:
         return to_seconds(self.bench.world.now)
 
     @property
+    def interlock_events(self) -> Mapping[str, str]:
+        """The interlocks that are active now, by name, with their reasons."""
+        return self._active("rig.interlock_events", str)
+
+    @property
+    def interlock_history(self) -> tuple[HoldRecord, ...]:
+        """All interlock events so far, the oldest first: `began_s` and `ended_s` are s of virtual time."""
+        return tuple(self.bench.holds)
+
+    @property
     def holds(self) -> Mapping[str, str]:
-        """What holds the robot now: each interlock's name, and its reason."""
-        return {hold.name: hold.reason for hold in self.bench.holds if hold.ended is None}
+        """The same as `interlock_events`, with the names of the release before."""
+        renamed.warn("holds", "interlock_events", "rig")
+        return self._active("rig.holds", renamed.old_interlock)
 
     @property
     def held(self) -> tuple[HoldRecord, ...]:
-        """All holds so far, the oldest first: `began_s` and `ended_s` are seconds of virtual time."""
-        return tuple(self.bench.holds)
+        """The same as `interlock_history`, with the names of the release before."""
+        renamed.warn("held", "interlock_history", "rig")
+        return tuple(replace(one, name=renamed.old_interlock(one.name)) for one in self.bench.holds)
+
+    def _active(self, where: str, shown: Callable[[str], str]) -> Mapping[str, str]:
+        reasons = {one.name: one.reason for one in self.bench.holds if one.ended is None}
+        return renamed.Interlocks(reasons, where, shown)
 
     @property
     def faults(self) -> tuple[FaultRecord, ...]:
@@ -126,7 +144,7 @@ class VirtualRig:
         """Run until the operator is informed that the robot is armed; RigError where he is not."""
         while not self.operator.armed:
             if self.bench.world.now >= ARMED_BY_S * SECOND:
-                holds = "; ".join(f"{name}: {reason}" for name, reason in self.holds.items())
+                holds = "; ".join(f"{name}: {reason}" for name, reason in self.interlock_events.items())
                 confirmed = " / ".join(self.operator.texts[-3:])
                 raise RigError(f"{self.robot.name} is not armed by {ARMED_BY_S:g} s: {holds or confirmed}")
             self.runs(STEP_S)

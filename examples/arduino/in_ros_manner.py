@@ -53,7 +53,7 @@ def main(port: str, ticks: int = 15, seconds: float = 2.0) -> None:
         for _ in range(round(seconds / EVERY_S)):
             stated = board.request("m " + " ".join([str(ticks)] * WHEELS))
             if stated != "OK":
-                sys.exit(f"the board does not take three speeds; it says {stated!r}")
+                sys.exit(f"the board does not take three speeds; it answers {stated!r}")
             print(board.request("e"))
             time.sleep(EVERY_S)
     finally:

@@ -39,7 +39,7 @@ LEFT_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest that taking the power off in order may last; then it is taken off step by step."""
 PLACE_DIGITS: Final = 4
 """Of a place that is kept for the next run."""
-HELD: Final = "the robot would not stand without power: Ctrl-C within 5 s lets go"
+HELD: Final = "the robot would not stand without power: Ctrl-C within 5 s powers down"
 ENDING: Final = "the bridge is ending; only an emergency stop or a forced disarm is obeyed now"
 STARTING: Final = Row("starting", "wait")
 ENDS: Final = Row("ending", "start the bridge again", severity=Severity.NOTICE)
@@ -377,7 +377,7 @@ class Bridge:
         stops = isinstance(request, EmergencyStop) or (isinstance(request, Disarm) and request.force)
         if isinstance(request, Disarm) and stops and self.phase in (Phase.FAILED, Phase.LEAVING):
             # The drives are on their way there, and a demand would end it.
-            return Verdict(accepted=True, reason="disarmed by force: the power is being taken already")
+            return Verdict(accepted=True, reason="disarmed by force: the power is being disabled already")
         if self.phase is Phase.RUNNING or stops:
             verdict = self._pipeline.decide(request, now)
             if self._task is None:

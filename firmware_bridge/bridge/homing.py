@@ -26,7 +26,7 @@ from firmware_bridge.units import SECOND, Nanoseconds, from_seconds, to_seconds
 
 STOPS: Final = (Disarm, EmergencyStop, EnterMode, Pause, ChangeDriver)
 """Requests that end a homing."""
-MEANWHILE: Final = ("not armed", "controls deflected", "axis zero lost", "axis restarted")
+MEANWHILE: Final = ("not armed", "stick not neutral", "reference lost", "axis restarted")
 """Rows that keep no axis from its homing: it is what they wait for, or no stick moves it."""
 PREPARED_WITHIN: Final[Nanoseconds] = 2 * SECOND
 """What reading back before the start, and after the end, may add to the time in the robot file."""
@@ -35,7 +35,7 @@ UNDER_WAY: Final = Row(
 )
 FAILED: Final = Row(
     "not homed",
-    "look what held it, then home it again, or say where it stands",
+    "look what held it, then home it again, or confirm its position",
     stops=frozenset(),
     severity=Severity.CRITICAL,
 )
@@ -79,7 +79,7 @@ class Homing:
         self._driver, self._reason, self._since = driver, "", now
         self._place = self._low = self._high = 0.0
         self._sampled_at = NEVER_RECEIVED
-        self._report(UNDER_WAY, f"{driver.axis.called} moves to find its zero", now)
+        self._report(UNDER_WAY, f"{driver.axis.called} is homing", now)
         return driver.home(now)
 
     def ordered(self, request: Request) -> None:

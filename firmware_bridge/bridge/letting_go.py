@@ -36,7 +36,7 @@ SLIPS_S: Final = 0.25
 """One that goes further than in this time at the speed below which it rests does not stand."""
 HELD: Final = Row(
     "held with power",
-    "block the wheels, then disarm by force; where the program ends, Ctrl-C twice within 5 s lets go, too",
+    "block the wheels, then disarm by force; at its end, Ctrl-C twice within 5 s powers down, too",
     severity=Severity.CRITICAL,
     blocks_arming=False,
 )
@@ -46,7 +46,7 @@ RESTS_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """A base that does not rest by then keeps its power, and that is told."""
 STAYS: Final = Row(
     "power stays on",
-    "keep clear; disarm by force, which takes it",
+    "keep clear; disarm by force, which disables it",
     severity=Severity.CRITICAL,
     blocks_arming=False,
 )
@@ -220,7 +220,7 @@ class LettingGo:
             self._hold = None
             return
         who = " and ".join(driver.axis.called for driver in moving)
-        self._hold = Hold(STAYS.name, f"the robot does not rest: {who} moves", STAYS, self._waits_from)
+        self._hold = Hold(STAYS.name, f"the robot is not at standstill: {who} moves", STAYS, self._waits_from)
 
     def _demand(self) -> Stop | None:
         if self.stage is Stage.KEPT:
@@ -264,7 +264,7 @@ class LettingGo:
                 if axis.driver.feedback.power is not Power.FAULT:
                     self._outbox += axis.driver.begin((Task.ENABLE,), now)
             called = slips.driver.axis.called
-            self._keep(f"on a slope: held with power; {called} moved when it was let go", now)
+            self._keep(f"on a slope: held with power; {called} moved when its power was disabled", now)
         elif now >= self._since + WATCHED_FOR:
             self._enter(Stage.LET_GO, now)
 
@@ -299,7 +299,7 @@ def _pulls(axes: Sequence[_Axis]) -> _Held | None:
     for axis in axes:
         if not isfinite(axis.pulled):
             called = axis.driver.axis.called
-            return _Held(nan, f"held with power: the current with which {called} stands is not known")
+            return _Held(nan, f"held with power: the holding current of {called} is not known")
     pulled = abs(sum(axis.pulled for axis in axes))
     friction = sum(axis.driver.axis.friction for axis in axes)
     if pulled <= friction:

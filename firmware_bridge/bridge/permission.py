@@ -146,13 +146,13 @@ class Permission(Generic[G, M, S]):
         if kept is not None:
             return Verdict(accepted=False, reason=f"zero: {kept}", temporary=True)
         if driver.axis.name in self.untrusted:
-            reason = f"zero: the power of {driver.axis.called} was taken; arm once, that puts it on"
+            reason = f"zero: the power of {driver.axis.called} was disabled; arm once, that enables it"
             return Verdict(accepted=False, reason=reason, temporary=True)
         now, feedback = seen.facts.now, driver.feedback
         if not self._ready(driver, now):
             failed = f" (last try: {driver.failure.problem})" if driver.failure is not None else ""
             self._enable(driver, now)
-            reason = f"zero: enabling {driver.axis.called}{failed} first, say it again"
+            reason = f"zero: enabling {driver.axis.called}{failed} first, repeat it then"
             return Verdict(accepted=False, reason=reason, temporary=True)
         if abs(feedback.velocity) > driver.axis.rests_below:
             return Verdict(accepted=False, reason=f"zero: {driver.axis.called} moves", temporary=True)
@@ -167,7 +167,7 @@ class Permission(Generic[G, M, S]):
         if hold is not None:
             return Verdict(accepted=False, reason=f"home: {hold.reason}; {hold.remedy}", temporary=True)
         self._outbox += self.homing.begin(driver, now)
-        return Verdict(accepted=True, reason=f"home: {axis.called} moves to find its zero")
+        return Verdict(accepted=True, reason=f"home: {axis.called} is homing")
 
     def _keeps_zeros(self, seen: Snapshot[M, S]) -> str | None:
         """Return why no axis may be told where it stands, or None."""
@@ -178,7 +178,7 @@ class Permission(Generic[G, M, S]):
         if self.emergency_stopped:
             return "the emergency stop is latched; clear it first"
         if self.powered_off:
-            return "the power was taken by force; arm once, that puts it on"
+            return "the power was disabled by force; arm once, that enables it"
         if not self.rules.at_rest(seen):
             return "the robot still moves"
         return self.stops.holds[0].reason if self.stops.escalating else None
@@ -219,7 +219,11 @@ class Permission(Generic[G, M, S]):
         stop = self.ordered_off(now, rests=self.rules.stands(seen))
         taken = {name for name, one in self.stops.of_axes.items() if one.ends_power}
         self._outbox += self._fleets.command_all(stop, self.untrusted | self.rules.without | taken)
-        does = "the drives are without power" if stop is Stop.POWER_OFF else "it brakes, then the power goes"
+        does = (
+            "the drives are without power"
+            if stop is Stop.POWER_OFF
+            else "it brakes, then the power is disabled"
+        )
         return Verdict(accepted=True, reason=f"disarmed by force: {does}")
 
     def _arm(self, seen: Snapshot[M, S], holds: tuple[Hold, ...]) -> Verdict:
@@ -256,11 +260,13 @@ class Permission(Generic[G, M, S]):
     def _requested(self, seen: Snapshot[M, S]) -> Verdict | None:
         """Refuse where something would move as soon as the robot is armed."""
         if not seen.facts.neutral:
-            return Verdict(accepted=False, reason=f"arm: {seen.facts.deflected or 'the stick is not let go'}")
+            return Verdict(
+                accepted=False, reason=f"arm: {seen.facts.deflected or 'the stick is not neutral'}"
+            )
         requested = self.rules.body.requested(seen.command, seen.body)
         if requested:
             moved = " and ".join(sorted(requested))
-            reason = f"arm: the {moved} would move at once; let the stick go, or disarm"
+            reason = f"arm: the {moved} would move at once; return the stick to neutral, or disarm"
             return Verdict(accepted=False, reason=reason)
         return None
 
@@ -292,7 +298,7 @@ class Permission(Generic[G, M, S]):
     def _resume(self, seen: Snapshot[M, S]) -> Verdict:
         if self.paused and not seen.facts.neutral:
             return Verdict(
-                accepted=False, reason=f"continue: {seen.facts.deflected or 'the stick is not let go'}"
+                accepted=False, reason=f"continue: {seen.facts.deflected or 'the stick is not neutral'}"
             )
         self.paused = False
         return Verdict(accepted=True, reason="the robot goes on")

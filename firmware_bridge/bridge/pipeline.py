@@ -253,12 +253,14 @@ class Pipeline(Generic[G, M, S]):
         made = self._kind.guides.get(name)
         if name and made is None:
             known = ", ".join(self._kind.guides) or "none"
-            return Verdict(accepted=False, reason=f"guide: this robot has no '{name}'; it has {known}")
+            return Verdict(
+                accepted=False, reason=f"path follower: this robot has no '{name}'; it has {known}"
+            )
         if name and not self._permission.armed:
-            return Verdict(accepted=False, reason="guide: arm the robot first")
+            return Verdict(accepted=False, reason="path follower: arm the robot first")
         self._guide = None if made is None else made(self._robot)
         self._command = None
-        return Verdict(accepted=True, reason=f"guide: {name or 'the operator'}")
+        return Verdict(accepted=True, reason=f"path follower: {name or 'the operator'}")
 
     def _against(self, axis: str, holds: tuple[Hold, ...]) -> tuple[Hold, ...]:
         """Return the holds that stop an axis."""

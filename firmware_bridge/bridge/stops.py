@@ -32,6 +32,7 @@ RAMPED_WITHIN: Final[Nanoseconds] = 3 * SECOND
 STEADY: Final[Nanoseconds] = 500 * MILLISECOND
 """A stop that was confirmed for less than this, and is not any more, is still the same stop: reports of
 standstill now and then do not put off the power-off."""
+NOT_ACKNOWLEDGED: Final = "stop not acknowledged"
 REMEDY: Final = "keep clear; use the hardware emergency stop if it moves"
 RUNS_ON: Final = "nothing is left to try; it may go on moving"
 
@@ -39,7 +40,7 @@ RUNS_ON: Final = "nothing is left to try; it may go on moving"
 class Progress(Enum):
     """How far a stop has come."""
 
-    NOT_REQUESTED = "not asked for"
+    NOT_REQUESTED = "not requested"
     UNDER_WAY = "under way"
     CONFIRMED = "confirmed"
     GIVEN_UP = "given up"
@@ -50,9 +51,9 @@ class AxisStop:
     """The stop of one axis."""
 
     __slots__ = (
-        "_due", "_gentle_until", "_rested", "_rests_below", "_rows", "_silent_after", "_slowing_from",
-        "_ways", "begun_at", "confirmed_at", "driver", "left_out", "link", "off", "place", "progress",
-        "since", "steps", "until",
+        "_due", "_failed_at", "_gentle_until", "_rested", "_rests_below", "_row", "_silent_after",
+        "_slowing_from", "_ways", "begun_at", "confirmed_at", "driver", "left_out", "link", "off", "place",
+        "progress", "since", "steps", "until",
     )  # fmt: skip
 
     def __init__(self, driver: Driver, robot: AnyRobot) -> None:
@@ -65,16 +66,9 @@ class AxisStop:
         self._rests_below: Final = RESTS * axis.top_speed
         self._silent_after: Final = link.silent_ms * MILLISECOND
         stops = None if link.stops is None else frozenset(link.stops)
-        self._rows: Final = {
-            step.name: Row(
-                f"{step.name} unconfirmed",
-                REMEDY,
-                stops=stops,
-                severity=Severity.CRITICAL,
-                disarms=stops is None,
-            )
-            for step in steps
-        }
+        self._row: Final = Row(
+            NOT_ACKNOWLEDGED, REMEDY, stops=stops, severity=Severity.CRITICAL, disarms=stops is None
+        )
         self.progress = Progress.NOT_REQUESTED
         self.left_out = False
         """The robot's mode does without the axis: what becomes of it holds nothing back."""
@@ -88,6 +82,8 @@ class AxisStop:
         self.place = 0
         self.begun_at: Nanoseconds = 0
         """When the present step was begun."""
+        self._failed_at: Nanoseconds = 0
+        """When the stage before the present one was given up."""
         self.confirmed_at: Nanoseconds = 0
         self.until: Nanoseconds = 0
         """When the present step ends at the latest."""
@@ -129,7 +125,7 @@ class AxisStop:
         same = before is Progress.CONFIRMED and now - self.confirmed_at < STEADY
         if same and self.off == off and self.step.ends_power:
             # Its device, which may have restarted meanwhile, is told once more, and has its time to answer.
-            until = self.until
+            until, self._failed_at = self.until, now
             self.progress = Progress.UNDER_WAY
             self._enter(self.place, now)
             self.until = max(until, min(self.until, self.since + TAKEN_WITHIN))
@@ -150,7 +146,7 @@ class AxisStop:
 
     def go_on(self, now: Nanoseconds) -> None:
         """Begin the next step, where one is left; after the time of the gentle ones it takes the power."""
-        following = self.place + 1
+        following, self._failed_at = self.place + 1, now
         if now >= self._gentle_until:
             ends_power = (it for it, step in enumerate(self.steps) if it >= following and step.ends_power)
             following = next(ends_power, following)
@@ -227,8 +223,8 @@ class AxisStop:
         else:
             then = f"next: {self.step.name}" + (f", {self.step.note}" if self.step.note else "")
         axis = self.driver.axis
-        row = self._rows[failed.name]
-        return Hold(f"{row.name}: {axis.name}", f"{axis.called}: {row.name}; {then}", row, self.begun_at)
+        reason = f"{axis.called}: {failed.name} not acknowledged; {then}"
+        return Hold(f"{NOT_ACKNOWLEDGED}: {axis.name}", reason, self._row, self._failed_at, stage=failed.name)
 
     def _enter(self, place: int, now: Nanoseconds) -> None:
         self.place, self.begun_at = place, now

@@ -68,7 +68,7 @@ class Zeros(Generic[G]):
         driver = self._drivers.get(request.axis)
         if driver is None:
             known = ", ".join(f"{name} ({gauge.unit})" for name, gauge in self._gauges.items()) or "none"
-            return f"zero: no one has to tell where {request.axis} stands; to be told: {known}"
+            return f"zero: no position to confirm for {request.axis}; to be confirmed: {known}"
         if math.isnan(request.value) and driver.axis.zero.homing is not None:
             return None
         gauge, ends = self._gauges[request.axis], driver.axis.travel or (math.nan, math.nan)

@@ -98,7 +98,7 @@ class DriveOptions:
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Obey only what is signed with this key (MAVLink 2), and sign what is said: 64 hexadecimal "
+            help="Obey only what is signed with this key (MAVLink 2), and sign what is sent: 64 hexadecimal "
             "digits, or the phrase that the station was given. An emergency stop is obeyed of anybody.",
             show_default=False,
         ),
@@ -112,7 +112,7 @@ class DriveOptions:
         ),
     ] = None
     openly: Annotated[
-        bool, typer.Option("--open", help="Without a key: let whoever can reach the link drive the robot.")
+        bool, typer.Option("--open", help="Without a key: let everyone who reaches the link drive the robot.")
     ] = False
     serial: Annotated[
         str | None,
@@ -163,7 +163,7 @@ class DriveOptions:
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Where the places of the axes are kept for the next run, which tells them as an offer.",
+            help="Where the places of the axes are kept for the next run, which offers them.",
             show_default="~/.local/state/firmware-bridge/ROBOT.json",
         ),
     ] = None
@@ -265,7 +265,7 @@ def _links(
             rate = given.bit_rate or table.bit_rate
             openers[name] = _can_opener(place, given.bit_rate, table.bit_rate)
             hints[name] = (
-                f"nothing was heard on {place.title}: are the drives on, at {rate} bit/s (--bitrate)?"
+                f"nothing was received on {place.title}: are the drives on, at {rate} bit/s (--bitrate)?"
             )
     return node, openers, lines, hints
 
@@ -335,11 +335,11 @@ def _no_board(table: "ShieldLink | Ar2Link") -> str:
 
     if isinstance(table, Ar2Link):
         return (
-            f"nothing was heard on the line at {table.line_rate} Bd: is the board on, and was it flashed "
+            f"nothing was received on the line at {table.line_rate} Bd: is the board on, and was it flashed "
             "with AR2 2.0?"
         )
     return (
-        f"nothing was heard on the line at {table.line_rate} Bd: is the board on, and was it flashed with "
+        f"nothing was received on the line at {table.line_rate} Bd: is the board on, and was it flashed with "
         f"{table.protocol.value} (--protocol)?"
     )
 
@@ -356,7 +356,7 @@ def _serial_opener(machine: "AnyRobot", place: "Place", rate: int) -> "Callable[
 def _nothing_received(spoken: Generation, rate: int) -> str:
     other = _OTHER[spoken]
     return (
-        f"nothing was heard on the line, which was spoken to in {spoken.value} at {rate} Bd: is the drive "
+        f"nothing was received on the line, which was tried in {spoken.value} at {rate} Bd: is the drive "
         f"on, and is it not {other.value} (--protocol {other.value})?"
     )
 

@@ -93,7 +93,7 @@ class MonitorOptions:
         typer.Option(
             metavar="epos2",
             help="What every node is whose PDO mapping no one was seen to write: an EPOS2 with its defaults.",
-            show_default="an EPOS2 where a node says that it is maxon's (0x1018:1), else not known",
+            show_default="an EPOS2 where a node reports maxon's vendor number (0x1018:1), else not known",
         ),
     ] = None
     eds: Annotated[
@@ -239,7 +239,7 @@ def _at_the_end(picture: "BusPicture") -> None:
     if picture.frames:
         terminal().print(drawn(picture))
     elif sys.exc_info()[0] is None:
-        say("nothing was heard")
+        say("nothing was received")
 
 
 def on_a_terminal() -> bool:

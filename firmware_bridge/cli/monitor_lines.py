@@ -40,7 +40,7 @@ def show_lines(order: LinesOrder, lines: Iterable[tuple[int, str]]) -> None:
             kinds[carried.link] = spoken
         if carried.link not in kinds:
             has = f"{order.robot} has no link '{carried.link}'; it has: {', '.join(kinds)}"
-            unknown = f"nothing says what the link '{carried.link}' speaks; say whose it is with --robot"
+            unknown = f"nothing states what the link '{carried.link}' speaks; name its robot with --robot"
             raise refusal(f"{where}: {unknown if known is None else has}", WRONG_INPUT)
         if order.link in {None, carried.link}:
             say(dissector.read(carried))

@@ -21,7 +21,7 @@ def instant(picture: BusPicture, at: int) -> str:
 
 def _head(picture: BusPicture) -> str:
     if picture.first_at is None:
-        return "nothing was heard yet"
+        return "nothing received yet"
     return (
         f"{picture.frames} frames in {to_seconds(picture.elapsed):.3f} s; load at "
         f"{picture.bit_rate // 1000} kbit/s: {picture.load_percent:.1f} % in the last second, "
@@ -42,14 +42,14 @@ def _nodes(picture: BusPicture) -> Table:
         name = f"{one.node} {one.title}".rstrip()
         network = "unknown" if one.network is None else one.network.title
         emergencies = f"{one.emergencies}: {one.emergency}" if one.emergency else "none"
-        table.add_row(*map(Text, (name, network, _beat(one), one.status or "not heard", emergencies)))
+        table.add_row(*map(Text, (name, network, _beat(one), one.status or "not received", emergencies)))
     return table
 
 
 def _beat(one: NodeSeen) -> str:
     if one.missing:
         return "MISSING"
-    return "not heard" if one.period is None else f"{one.period / MILLISECOND:.0f} ms"
+    return "not received" if one.period is None else f"{one.period / MILLISECOND:.0f} ms"
 
 
 def _messages(picture: BusPicture) -> Table:

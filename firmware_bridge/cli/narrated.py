@@ -131,7 +131,7 @@ class Narrated:
         self._show_operators(now)
         late = bridge.fleets.late
         if late != self._late and now - self._late_reported_at >= SECOND:
-            self._say(f"late: {late - self._late} cycles were longer than the robot file says", now)
+            self._say(f"late: {late - self._late} cycles were longer than the robot file allows", now)
             self._late, self._late_reported_at = late, now
         # What failed is told at the end, and what is said to no one need not be told step by step.
         ends = bridge.phase not in (Phase.STARTING, Phase.RUNNING)
@@ -160,10 +160,10 @@ class Narrated:
         known = {hold.name: hold.reason for hold in self._holds}
         for name in known:
             if name not in standing:
-                self._say(f"lets go: {name}", now)
+                self._say(f"cleared: {name}", now)
         for name, hold in standing.items():
             if known.get(name) != hold.reason:
-                self._say(f"holds: {name}: {hold.reason} ({hold.remedy})", now)
+                self._say(f"active: {name}: {hold.reason} ({hold.remedy})", now)
 
     def _say(self, text: str, now: Nanoseconds) -> None:
         self._print(f"{to_seconds(now):9.3f} s  {text}")

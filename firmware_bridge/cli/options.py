@@ -60,8 +60,8 @@ ZeroOption = Annotated[
         "--zero",
         metavar="AXIS=VALUE",
         help="Where an axis stands when the bridge starts, read off the robot; may be repeated. A wrong name "
-        "is answered with those that there are, and their units. Without it whoever drives says so before "
-        "the robot is armed.",
+        "is answered with those that there are, and their units. Without it the station in control confirms "
+        "before the robot is armed.",
         show_default=False,
     ),
 ]
@@ -70,7 +70,7 @@ HomeOption = Annotated[
     typer.Option(
         "--home",
         metavar="AXIS",
-        help="Home an axis once the drives are ready, as its robot file says; may be repeated, one comes "
+        help="Home an axis once the drives are ready, by its robot file; may be repeated, one comes "
         "after the other. IT MOVES: someone who drives must be speaking by then, and may stop it.",
         show_default=False,
     ),

@@ -61,7 +61,7 @@ class PilotOptions:
         str | None,
         typer.Option(
             metavar="NAME",
-            help="What it is: pedals, with a helm, or gamepad. One that says that it is a gamepad must be "
+            help="What it is: pedals, with a helm, or gamepad. One that presents itself as a gamepad must be "
             "called one.",
             show_default="pedals",
         ),
@@ -89,20 +89,22 @@ class PilotOptions:
     ] = False
     arm: Annotated[
         bool,
-        typer.Option("--arm", help="Arm the robot when it is heard. IT MOVES where a path is given."),
+        typer.Option(
+            "--arm", help="Arm the robot when its heartbeat is received. IT MOVES where a path is given."
+        ),
     ] = False
     telemetry: Annotated[
         str,
         typer.Option(
             metavar="NAME",
-            help="What the robot is asked for: usual, or cycle, all 20 times a second.",
+            help="The orders that are sent: usual, or cycle, all 20 times a second.",
         ),
     ] = "usual"
     key: Annotated[
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Sign what is said with the key in this file, as `drive --key`, and believe nothing else.",
+            help="Sign what is sent with the key in this file, as `drive --key`, and believe nothing else.",
             show_default="unsigned",
         ),
     ] = None

@@ -18,8 +18,8 @@ RecordOption = Annotated[
     typer.Option(
         metavar="FOLDER",
         help="Record the run in a new folder there: can.log or serial.log, capture.log where cameras see the "
-        "robot, operator.tlog, and events.log, which says who armed, drove and stopped. A full disk ends the "
-        "recording, never the run.",
+        "robot, operator.tlog, and events.log, which records who armed, drove and stopped. A full disk ends "
+        "the recording, never the run.",
         show_default=False,
     ),
 ]

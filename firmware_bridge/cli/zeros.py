@@ -22,10 +22,10 @@ def zeros_of(texts: Sequence[str] | None, homed: Sequence[str] | None = None) ->
         if not sign or not axis or math.isnan(number):
             raise refusal(f"--zero {text}: say AXIS=VALUE")
         if axis in positions:
-            raise refusal(f"--zero {text}: {axis} is said twice")
+            raise refusal(f"--zero {text}: {axis} is given twice")
         positions[axis] = number
     for axis in homed or ():
         if axis in positions:
-            raise refusal(f"--home {axis}: {axis} is said twice")
+            raise refusal(f"--home {axis}: {axis} is given twice")
         positions[axis] = math.nan
     return tuple(ConfirmZero(axis, number) for axis, number in positions.items())

@@ -58,10 +58,10 @@ class DifferentialRobot(Generic[G, M, S]):
             severity=Severity.CRITICAL,
             disarms=True,
         )
-        self.speed_limit: Final = self._limit("speed limit", self._speed, "ask for less speed")
+        self.speed_limit: Final = self._limit("speed limit", self._speed, "reduce the speed")
         self.turn_rate_limit: Final = self._limit("turn rate limit", self._turn, "turn more slowly")
         self.sideways_limit: Final = self._limit(
-            "sideways limit", self._sideways, "turn less or ask for less speed"
+            "sideways limit", self._sideways, "reduce turn rate or speed"
         )
         self.acceleration_limit: Final = self._limit(
             "acceleration limit", self._acceleration, "change speed and turn more slowly", Severity.INFO
@@ -171,7 +171,7 @@ class DifferentialRobot(Generic[G, M, S]):
         ):
             return requested, None
         return requested, (
-            f"asked to go from {demanded.speed_mps:.2f} m/s and {demanded.turn_rad_s:.2f} rad/s "
+            f"requested a step from {demanded.speed_mps:.2f} m/s and {demanded.turn_rad_s:.2f} rad/s "
             f"to {requested.speed_mps:.2f} m/s and {requested.turn_rad_s:.2f} rad/s at once"
         )
 

@@ -184,7 +184,7 @@ class Ar2Line(BoardLine):
 
     def from_board(self, chunk: bytes) -> Iterator[str]:
         """Yield the text as it came."""
-        yield f"says {chunk.decode('latin-1')!r}"
+        yield f"sent {chunk.decode('latin-1')!r}"
 
 
 def _axis(letter: str) -> str:

@@ -32,7 +32,7 @@ def state_of_tle(first: str, second: str, minutes: float = 0.0) -> State:
     body = Satrec.twoline2rv(first, second)
     error, place_km, speed_km_s = body.sgp4_tsince(minutes)
     if error:
-        raise ValueError(f"the orbit of the set cannot be told then: {SGP4_ERRORS[error]}")
+        raise ValueError(f"the orbit of the set cannot be computed then: {SGP4_ERRORS[error]}")
     unit_km = float(body.radiusearthkm)
     unit_s = math.sqrt(unit_km**3 / float(body.mu))
     x, y, z = (float(it) / unit_km for it in place_km)

@@ -62,6 +62,6 @@ class OperatorLink(Table):
         """Return the same link in a session whose words may be so old; RobotFileError above the ceiling."""
         agreed, ceiling = MILLISECONDS * max_delay_s, self.max_age_ceiling_ms
         if not LEAST_AGE_MS <= agreed <= ceiling:
-            problem = f"a delay of {max_delay_s:g} s was asked for; {LEAST_AGE_MS} to {ceiling} ms may be"
+            problem = f"a delay of {max_delay_s:g} s was requested; {LEAST_AGE_MS} to {ceiling} ms may be"
             raise RobotFileError(robot, Problem("operator.max_age_ceiling_ms", problem))
         return self.model_copy(update={"agreed_ms": round(agreed)})

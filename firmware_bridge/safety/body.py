@@ -35,7 +35,7 @@ class Body(Protocol[M, S]):
         """Return the next demand on the way to what is allowed, `elapsed` after `demanded`."""
 
     def demands(self, motion: M, state: S) -> Mapping[str, Demand]:
-        """Return the axes' demands for this motion, the first first; an axis left out rests."""
+        """Return the axes' demands for this motion, the first first; an axis excluded rests."""
 
     def advanced(
         self,

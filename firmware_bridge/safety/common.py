@@ -42,7 +42,7 @@ def whole_robot_rows(
         for title, read in numbers.items():
             value = read(view.seen.command)
             if value is not None and not math.isfinite(value):
-                return f"the {title} asked for is {value}"
+                return f"the {title} requested is {value}"
         return None
 
     return (
@@ -55,7 +55,7 @@ def whole_robot_rows(
         ),
         # Whatever its devices, its operator and the robot did meanwhile, no one has watched it.
         Interlock(
-            "bridge stood still",
+            "bridge stalled",
             _stood_still,
             "let the bridge's process run, then arm",
             severity=Severity.CRITICAL,
@@ -73,7 +73,7 @@ def whole_robot_rows(
         ),
         Interlock("not armed", _not_armed, "arm the robot", severity=Severity.NOTICE, blocks_arming=False),
         *operator_rows(),
-        Interlock("wish unusable", command_unusable, "send finite numbers"),
+        Interlock("command unusable", command_unusable, "send finite numbers"),
     )
 
 
@@ -104,7 +104,7 @@ def _master_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
         return view.facts.masters.get(name)
 
     return Interlock(
-        f"another master: {name}",
+        f"second controller: {name}",
         received,
         "end the other program, or take it off the bus, then arm",
         stops=None if link.stops is None else frozenset(link.stops),
@@ -143,7 +143,7 @@ def _not_armed(view: View[G, M, S]) -> str | None:
 
 def _axis_silent(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     if feedback.received_at == NEVER_RECEIVED:
-        return f"{axis.called} has never been heard"
+        return f"{axis.called} has not reported yet"
     silence = facts.now - feedback.received_at
     if silence < limit:
         return None
@@ -173,7 +173,7 @@ def _axis_zero_lost(axis: Axis, feedback: Feedback, facts: Facts, _limit: Nanose
     # One that was never heard is silent: one cause, one hold.
     if feedback.received_at == NEVER_RECEIVED or not (axis.zero_confirmed and feedback.zero_lost):
         return None
-    return f"{axis.called}: its zero is lost, nobody knows where it stands{_stood(axis, facts)}"
+    return f"{axis.called}: its reference is lost, position unknown{_stood(axis, facts)}"
 
 
 def _stood(axis: Axis, facts: Facts) -> str:
@@ -185,8 +185,8 @@ def _stood(axis: Axis, facts: Facts) -> str:
 def _axis_restarted(axis: Axis, feedback: Feedback, facts: Facts, _limit: Nanoseconds) -> str | None:
     if feedback.received_at == NEVER_RECEIVED or not (axis.zero_confirmed and feedback.zero_lost):
         return None
-    begun = f"{axis.called} has restarted, or was not asked about since the bridge began"
-    return f"{begun}: nobody knows where it stands{_stood(axis, facts)}"
+    begun = f"{axis.called} has restarted, or was not confirmed since the bridge began"
+    return f"{begun}: position unknown{_stood(axis, facts)}"
 
 
 def _axis_does_not_follow(axis: Axis, _feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
@@ -234,13 +234,13 @@ def _did(axis: Axis, known: Following) -> str:
     """Say what an axis was told, and what it does."""
     unit, demand = axis.unit, known.demand
     if isinstance(demand, Position):
-        did = f"told to go to {demand.value:.3f} {unit}, is at {known.position:.3f} {unit}"
+        did = f"commanded to {demand.value:.3f} {unit}, is at {known.position:.3f} {unit}"
     elif isinstance(demand, Speed):
-        did = f"told {demand.value:.2f} {unit}/s, moves with {known.velocity:.2f} {unit}/s"
+        did = f"commanded {demand.value:.2f} {unit}/s, moves with {known.velocity:.2f} {unit}/s"
     elif isinstance(demand, Homed):
-        did = f"told to find its zero, moves with {known.velocity:.2f} {unit}/s"
+        did = f"homing, moves with {known.velocity:.2f} {unit}/s"
     else:
-        did = f"told to stop, moves with {known.velocity:.2f} {unit}/s"
+        did = f"commanded to stop, moves with {known.velocity:.2f} {unit}/s"
     return f"{axis.called}, {did}"
 
 
@@ -248,17 +248,17 @@ def _axis_late(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds)
     if feedback.received_at == NEVER_RECEIVED or facts.now - feedback.received_at < limit // 2:
         return None
     silence = to_seconds(facts.now - feedback.received_at)
-    return f"{axis.called} does not tell its power and was last heard {silence:.2f} s ago"
+    return f"{axis.called} reports no power state, and answered {silence:.2f} s ago"
 
 
 def _axis_left_out(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     # One that is silent hears that its power goes off, or is stopped by its own watch over the bridge.
     on = feedback.power is Power.ON and facts.now - feedback.received_at < limit
-    return f"{axis.called} has power, and this mode does without it" if on else None
+    return f"{axis.called} has power, but this mode excludes it" if on else None
 
 
 AXIS_ANSWERS: Final = AxisInterlock(
-    "axis answers late", _axis_late, "check its power and its cable", clear_after=LINK_CLEARS_AFTER
+    "late answer", _axis_late, "check its power and its cable", clear_after=LINK_CLEARS_AFTER
 )
 """Stands in for "axis not enabled" where the device has no word for its power: then each answer must be
 fresh, not older than half the silence that is allowed."""
@@ -268,28 +268,28 @@ def _axis_unmeasured(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanose
     if feedback.received_at == NEVER_RECEIVED or facts.now - feedback.received_at < limit // 2:
         return None
     silence = to_seconds(facts.now - feedback.received_at)
-    return f"{axis.called} does not tell how it moves and was last heard {silence:.2f} s ago"
+    return f"{axis.called} reports no motion, and answered {silence:.2f} s ago"
 
 
 AXIS_UNMEASURED: Final = AxisInterlock(
-    "axis unmeasured", _axis_unmeasured, "check its power and its cable", clear_after=LINK_CLEARS_AFTER
+    "no feedback", _axis_unmeasured, "check its power and its cable", clear_after=LINK_CLEARS_AFTER
 )
 """Stands in for the rows that watch how an axis moves where its device cannot tell: then, too, each answer
 must be fresh. No one notices that it does not follow."""
 
-CONFIRM_ZERO: Final = "look where it stands, and say so (drive --zero, or MAV_CMD_USER_1)"
+CONFIRM_ZERO: Final = "look where it stands, and confirm it (drive --zero, or MAV_CMD_USER_1)"
 
 AXIS_RESTARTED: Final = AxisInterlock(
     "axis restarted", _axis_restarted, CONFIRM_ZERO, severity=Severity.CRITICAL
 )
-"""Stands in for "axis zero lost" where the device has no word for its zero: it is lost when the bridge
+"""Stands in for "reference lost" where the device has no word for its zero: it is lost when the bridge
 begins, and when the device is heard to restart. One that restarts in silence is believed."""
 
 MEASURED: Final = frozenset({Reports.POSITION, Reports.VELOCITY})
 
 AXIS_ROWS: Final = (
     AxisInterlock(
-        "axis silent",
+        "axis timeout",
         _axis_silent,
         "check its power and its cable",
         clear_after=LINK_CLEARS_AFTER,
@@ -302,7 +302,7 @@ AXIS_ROWS: Final = (
         severity=Severity.CRITICAL,
     ),
     AxisInterlock(
-        "axis rewritten",
+        "axis reconfigured",
         _axis_rewritten,
         "end the other program, or take it off the bus, then arm: it is set up again",
         severity=Severity.CRITICAL,
@@ -316,7 +316,7 @@ AXIS_ROWS: Final = (
         instead=AXIS_ANSWERS,
     ),
     AxisInterlock(
-        "axis zero lost",
+        "reference lost",
         _axis_zero_lost,
         CONFIRM_ZERO,
         needs=frozenset({Reports.ZERO}),
@@ -324,7 +324,7 @@ AXIS_ROWS: Final = (
         severity=Severity.CRITICAL,
     ),
     AxisInterlock(
-        "axis does not follow",
+        "tracking error",
         _axis_does_not_follow,
         "look what holds it, or whether its drive obeys, then arm",
         needs=MEASURED,
@@ -333,7 +333,7 @@ AXIS_ROWS: Final = (
         severity=Severity.CRITICAL,
     ),
     AxisInterlock(
-        "axis moves unasked",
+        "uncommanded motion",
         _uncommanded_motion,
         "cut its power, look who commands it, then arm",
         needs=MEASURED,
@@ -343,7 +343,7 @@ AXIS_ROWS: Final = (
         takes_power=True,
     ),
     AxisInterlock(
-        "axis position repeats",
+        "position not changing",
         _position_repeats,
         "look what blocks it; check its encoder and the encoder's coupling, then arm",
         needs=MEASURED,
@@ -355,5 +355,5 @@ AXIS_ROWS: Final = (
 )
 """Of each axis that the robot's mode uses."""
 
-LEFT_OUT_ROW: Final = AxisInterlock("axis left out", _axis_left_out, "wait for it, or leave this mode")
+LEFT_OUT_ROW: Final = AxisInterlock("axis excluded", _axis_left_out, "wait for it, or leave this mode")
 """Of each axis that the mode does without: it must be without power, or held."""

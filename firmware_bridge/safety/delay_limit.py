@@ -35,11 +35,11 @@ def delay_limit(slowed: Slow[G, M, S]) -> Limit[G, M, S]:
         if reason is None:
             return allowed, None
         agreed = f"{limit.most // MILLISECOND} ms instead of {limit.usual // MILLISECOND} ms"
-        return allowed, f"{reason} while words may be {agreed} old"
+        return allowed, f"{reason} while commands may be {agreed} old"
 
     return Limit(
         "delay limit",
         clip,
-        "ask for less speed, or agree on a shorter delay",
+        "reduce the speed, or agree on a shorter delay",
         clear_after=CLEARS_AFTER,
     )

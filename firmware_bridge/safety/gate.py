@@ -75,7 +75,7 @@ def axis_rows(robot: Robot[G], reports: Mapping[str, frozenset[Reports]]) -> tup
         rows = [(row, row.fitting(reports[axis.name])) for row in AXIS_ROWS]
         missing = [row.name for row, fitting in rows if fitting is None]
         if missing:
-            problem = f"what is on this link tells too little for: {', '.join(missing)}"
+            problem = f"the devices on this link report too little for: {', '.join(missing)}"
             raise RobotFileError(robot.name, Problem(f"links.{axis.link}.driver", problem))
         link = robot.links[axis.link]
         stops = None if link.stops is None else frozenset(link.stops)

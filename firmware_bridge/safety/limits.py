@@ -17,4 +17,4 @@ def bounded(
     allowed = min(max(value, -high if low is None else low), high)
     if abs(value - allowed) <= ROUNDING * high:
         return allowed, None
-    return allowed, f"asked for {value * scale:.2f} {unit}, allowed is {allowed * scale:.2f} {unit}"
+    return allowed, f"requested {value * scale:.2f} {unit}, allowed is {allowed * scale:.2f} {unit}"

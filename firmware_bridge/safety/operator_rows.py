@@ -24,7 +24,7 @@ def operator_rows() -> tuple[Interlock[G, M, S], ...]:
     return (
         # Many stations arm first and speak of motion then; until they do, the silence holds the robot itself.
         Interlock(
-            "operator silent",
+            "operator link timeout",
             _operator_silent,
             "send motion commands",
             clear_after=OPERATOR_CLEARS_AFTER,
@@ -33,15 +33,15 @@ def operator_rows() -> tuple[Interlock[G, M, S], ...]:
         ),
         # What he sees is as old, and what he asks for was right long ago. He may have let go since.
         Interlock(
-            "word too old",
+            "command stale",
             _word_too_old,
-            "let the stick go, wait for a better link; where the station's clock was set, take control again",
+            "return the stick to neutral, wait for a better link; if a clock was set, take control again",
             clear_after=OPERATOR_CLEARS_AFTER,
             parts=True,
         ),
         # A station is asked about its clock once it drives, and so after arming.
         Interlock(
-            "word undated",
+            "command not timestamped",
             _word_undated,
             "send set-points with their time and answer TIMESYNC, or see operator.unknown_age",
             clear_after=OPERATOR_CLEARS_AFTER,
@@ -49,18 +49,20 @@ def operator_rows() -> tuple[Interlock[G, M, S], ...]:
             parts=True,
         ),
         Interlock(
-            "operator gone",
+            "operator link lost",
             _operator_gone,
             "send motion commands, then arm",
             disarms=True,
         ),
         Interlock(
-            "controls deflected",
+            "stick not neutral",
             _deflected,
-            "let the stick go, or send a velocity of zero",
+            "return the stick to neutral, or send zero velocity",
             blocks_arming=False,
         ),
-        Interlock("paused", _paused, "continue, or arm", severity=Severity.NOTICE, blocks_arming=False),
+        Interlock(
+            "operation paused", _paused, "continue, or arm", severity=Severity.NOTICE, blocks_arming=False
+        ),
     )
 
 
@@ -86,7 +88,7 @@ def _word_too_old(view: View[G, M, S]) -> str | None:
 def _word_undated(view: View[G, M, S]) -> str | None:
     if view.facts.dated or not view.facts.age_limit.needed or _is_silent(view):
         return None
-    return "no one can tell how old the motion commands are"
+    return "the age of the motion commands is unknown"
 
 
 def _is_silent(view: View[G, M, S]) -> bool:
@@ -98,13 +100,13 @@ def _operator_gone(view: View[G, M, S]) -> str | None:
     limit = view.robot.operator.gone_ms * MILLISECOND
     if view.facts.received_at == NEVER_RECEIVED or view.facts.now - view.facts.received_at < limit:
         return None
-    return f"no motion command for {to_seconds(limit):g} s: no one drives"
+    return f"no motion command for {to_seconds(limit):g} s: no station in control"
 
 
 def _deflected(view: View[G, M, S]) -> str | None:
     if view.facts.neutral or not view.facts.neutral_required:
         return None
-    return f"not let go since the silence: {view.facts.deflected or 'the stick'}"
+    return f"not neutral since the timeout: {view.facts.deflected or 'the stick'}"
 
 
 def _paused(view: View[G, M, S]) -> str | None:

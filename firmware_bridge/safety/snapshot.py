@@ -146,7 +146,7 @@ class Hold:
     """One interlock that holds the robot back now, in words for people."""
 
     name: str
-    """Stable key, for instance "operator silent"; an axis's ends with the axis's name."""
+    """Stable key, for instance "operator link timeout"; an axis's ends with the axis's name."""
     reason: str
     """What holds, with the numbers at the time it began."""
     row: Row
@@ -154,6 +154,13 @@ class Hold:
     since: Nanoseconds
     axis: str = field(default="", compare=False)
     """Whose it is; empty where it is the robot's."""
+    stage: str = field(default="", compare=False)
+    """The stop stage that was not acknowledged; each stage is reported by a text of its own."""
+
+    @property
+    def text_key(self) -> tuple[str, str]:
+        """What tells one text of an operator from another: the name and the stage."""
+        return self.name, self.stage
 
     @property
     def remedy(self) -> str:

@@ -83,7 +83,7 @@ def conditions(text: str) -> Conditions:
         if not sign or row is None or (alone and way not in ways):
             raise ConditionsError(f"link: '{part}': {_expected(way, name, alone=alone, sign=bool(sign))}")
         if key in seen:
-            raise ConditionsError(f"link: '{part}': {key} is said twice")
+            raise ConditionsError(f"link: '{part}': {key} is given twice")
         seen.add(key)
         value = _number(part, number, row) / (2.0 if row.halved and not alone else 1.0)
         for one in (way,) if alone else WAYS:

@@ -126,7 +126,9 @@ def _capabilities(order: Order, exchange: Exchange) -> Answer:
 def _send_home(_: Order, exchange: Exchange) -> Answer:
     """Send where the odometry begins; before the first cycle nothing is known of it."""
     sent = exchange.send(dialect.MAVLINK_MSG_ID_HOME_POSITION)
-    return ACCEPTED if sent else Answer(Result.TEMPORARILY_REJECTED, "home: the bridge starts, ask again")
+    return (
+        ACCEPTED if sent else Answer(Result.TEMPORARILY_REJECTED, "home: the bridge is starting, try again")
+    )
 
 
 def _change_interval(order: Order, exchange: Exchange) -> Answer:
@@ -230,7 +232,7 @@ def _request_control(order: Order, exchange: Exchange) -> Answer:
         return change_control(exchange, requests=True, yields=second == 1.0)
     if first == 0.0 and second in (0.0, 1.0):
         return change_control(exchange, requests=second == 1.0, yields=third == 1.0)
-    return denied("control: parameter 1 must be 0 (give up) or 1 (ask for it)")
+    return denied("control: parameter 1 must be 0 (release) or 1 (request)")
 
 
 def change_control(exchange: Exchange, *, requests: bool, yields: bool) -> Answer:
@@ -240,7 +242,7 @@ def change_control(exchange: Exchange, *, requests: bool, yields: bool) -> Answe
     """
     control = exchange.session.control
     if not requests and control.driver != exchange.sender:
-        return denied(f"control: {exchange.sender} does not drive")
+        return denied(f"control: {exchange.sender} is not in control")
     if not requests:
         exchange.give_up_control()
     elif exchange.refusal is None or control.yields:
@@ -300,7 +302,7 @@ ROWS: Final = (
     Row(
         dialect.MAV_CMD_DO_PAUSE_CONTINUE,
         _pause,
-        "p1 0: come to rest and wait; 1: go on, the stick let go",
+        "p1 0: come to rest and wait; 1: continue, the stick neutral",
         stops=_zero,
     ),
     Row(dialect.MAV_CMD_OVERRIDE_GOTO, _pause, "the same", stops=_zero),
@@ -330,7 +332,7 @@ ROWS: Final = (
         dialect.MAV_CMD_DO_SET_MODE,
         _set_mode,
         "0 Manual: the whole robot, and on after a pause; 15 Guided; 4 Hold: pause; others after a failed "
-        "actuator; submode: the guide, 0 none; PX4's numbers, too",
+        "actuator; submode: the path follower, 0 none; PX4's numbers, too",
         stops=_holds,
     ),
     Row(
@@ -350,7 +352,7 @@ ROWS: Final = (
     Row(
         MAV_CMD_REQUEST_OPERATOR_CONTROL,
         _request_control,
-        "p1 1: drive, p2 1: and let others take over; p1 0: give control up",
+        "p1 1: drive, p2 1: and let others take over; p1 0: release control",
         anyone=True,
     ),
 )

@@ -49,7 +49,7 @@ class Control:
         """Say why a station may not drive; None where it does, or no one does."""
         if self.driver is None or sender == self.driver:
             return None
-        return f"{self.driver} drives; ask for control, or wait until it is given up"
+        return f"{self.driver} is in control; request control, or wait until it is released"
 
     def take(self, sender: Sender, now: Nanoseconds, *, yields: bool = False) -> None:
         """Let a station drive."""

@@ -66,11 +66,11 @@ class Exchange:
         """Why a command to move comes too late; None where it comes in time, or no one knows."""
         stopped, limit = self.peer.stopped, self.session.age_limit.most
         if stopped is not None and stopped.overtook(self.message.get_seq(), self.now):
-            return "it was said before a stop command, and came after it"
+            return "it was sent before a stop command, and came after it"
         age = self.session.age(self.message, self.sender, self.now)
         if age is None or age.nanoseconds < limit:
             return None
-        return f"it was said {to_seconds(age.nanoseconds):.2f} s ago, limit {to_seconds(limit):.2f} s"
+        return f"it was sent {to_seconds(age.nanoseconds):.2f} s ago, limit {to_seconds(limit):.2f} s"
 
     @property
     def station(self) -> AnyStation:
@@ -162,7 +162,7 @@ class Exchange:
 
     def _report_driver(self) -> None:
         """Report which station is in control, and what it must know of the robot's start."""
-        for text in (f"control: {self.sender} drives", *self.session.notes):
+        for text in (f"control: {self.sender} is in control", *self.session.notes):
             self.report(text)
 
     def give_up_control(self) -> None:
@@ -173,13 +173,13 @@ class Exchange:
         session.control.give_up()
         session.driven.begin()
         session.adopt(None, self.now)
-        self.report(f"control: {self.sender} has given it up, no one drives")
+        self.report(f"control: {self.sender} has released it, no station in control")
 
     def ask_driver(self, command: int) -> None:
         """Inform the station in control that the sender asks for control, and ask it by a command."""
         session, driver = self.session, self.session.control.driver
         given = session.speaker.say_sometimes(
-            "asked for control", f"control: {self.sender} asks for it; {driver} drives", self.now
+            "requested control", f"control: {self.sender} requests it; {driver} is in control", self.now
         )
         session.unsent += given
         if given and driver is not None:
@@ -309,7 +309,7 @@ class Exchange:
         if velocity.yaw_rate_rad_s and self.session.applied(velocity, motion_command) == self.session.applied(
             still, motion_command
         ):
-            return Unusable("turn alone", "this robot does not turn where it stands; send a velocity, too")
+            return Unusable("turn alone", "this robot does not turn on the spot; send a velocity, too")
         return velocity
 
     def move(self, motion: Motion, deflected: str) -> None:
@@ -317,7 +317,10 @@ class Exchange:
         session, neutral = self.session, not deflected
         if deflected and self.now - self.peer.rested_at < session.silent_after:
             session.dropped.undriven += 1
-            self.warn("number", f"a second station calls itself {self.sender}, and has let go: nothing moves")
+            self.warn(
+                "number",
+                f"a second station calls itself {self.sender}, and sends a neutral stick: nothing moves",
+            )
             return
         if isinstance(motion, Stick) and self.peer.last_command is not None:
             motion = motion.after(self.peer.last_command.motion)

@@ -69,15 +69,15 @@ ROWS: Final = (
         _differs,
         1.0,
         0.5,
-        "link: this station's clocks disagree by {trip:.2f} s: its words are as old as the oldest says",
+        "link: this station's clocks disagree by {trip:.2f} s: its messages count as old as the oldest",
         "link: this station's clocks agree again",
     ),
     Row(
         _undated,
         1.0,
         1.0,
-        "link: nobody can tell how old this station's words are, only when they cease",
-        "link: how old this station's words are is known",
+        "link: the age of this station's commands is unknown, only their loss is noticed",
+        "link: the age of this station's commands is known",
     ),
 )
 

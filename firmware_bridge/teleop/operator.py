@@ -175,7 +175,7 @@ class Operator(Generic[G, M, S]):
         to_us = target_of(message) == session.codec.system
         if (station or to_us) and not session.namesake:
             session.namesake = True
-            text = f"a station calls itself {sender}, as this robot: it is not heard; let it be system 255"
+            text = f"a station calls itself {sender}, as this robot: it is ignored; let it be system 255"
             session.report(Severity.WARNING, text)
 
     def _say_if_signed_in_vain(self, message: Message) -> None:
@@ -193,7 +193,7 @@ class Operator(Generic[G, M, S]):
         session = self._session
         if not session.control.lapses(now):
             return False
-        text = f"control: {session.control.driver} is gone, no one drives"
+        text = f"control: {session.control.driver} is gone, no station in control"
         session.control.give_up()
         session.driven.begin()
         session.adopt(None, now)

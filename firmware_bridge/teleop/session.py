@@ -270,7 +270,7 @@ class Session:
         peer.later = peer.numbered.receive(message.get_seq(), message.get_crc(), now)
         if alone and peer.numbered.two:
             peer.moved = None
-            text = f"two stations call themselves {sender}: only the first drives; renumber one"
+            text = f"two stations call themselves {sender}: only the first is in control; renumber one"
             self.report(Severity.WARNING, text)
         return peer
 

@@ -148,7 +148,7 @@ def velocity_of(message: Message, largest: Twist, heading_rad: float | None = No
         return Velocity(0.0, 0.0, 0.0 if carries.turn else None)
     along: tuple[float, float] | Unusable = _along(message.coordinate_frame, (vx, vy), largest, heading_rad)
     if carries.heading:
-        along = Unusable("heading", f"type mask {message.type_mask} asks for a heading; send a yaw rate")
+        along = Unusable("heading", f"type mask {message.type_mask} requests a heading; send a yaw rate")
     elif climb != 0.0:
         along = Unusable("vertical", "this robot stays on its plane")
     if isinstance(along, Unusable):

@@ -81,7 +81,7 @@ class Velocity:
             return ""
         speed = math.hypot(self.forward_mps, self.left_mps)
         turn = f", {self.yaw_rate_rad_s:.2f} rad/s" if self.yaw_rate_rad_s else ""
-        return f"a velocity of {speed:.2f} m/s{turn} is asked for: send one of zero first"
+        return f"a velocity of {speed:.2f} m/s{turn} is commanded: send zero first"
 
 
 @valueclass(frozen=True, slots=True)

@@ -169,8 +169,8 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT,
             SECOND,
             link,
-            "of who drives: RTT, round trip, s; AGE, of his newest motion command as it came, s; LOSS, share "
-            "of his frames",
+            "of the station in control: RTT, round trip, s; AGE, of its newest command, s; LOSS, share "
+            "of its frames",
             times=3,
         ),
         _stream(
@@ -185,7 +185,7 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
             dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
             SECOND,
             landed,
-            "in the air while it is armed, as an armed rover of PX4 says",
+            "in the air while it is armed, as an armed rover of PX4 reports",
             watched=lambda context: context.snapshot.facts.armed,
         ),
         _stream(dialect.MAVLINK_MSG_ID_BATTERY_STATUS, 2 * SECOND, battery, "voltage, sum of the currents"),

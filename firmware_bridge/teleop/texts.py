@@ -85,29 +85,30 @@ class HoldTexts:
 
     def __init__(self, speaker: Speaker) -> None:
         self._speaker: Final = speaker
-        self._shown: Final[dict[str, Severity]] = {}
+        self._shown: Final[dict[tuple[str, str], Severity]] = {}
         """What holds, as far as it has been told."""
-        self._began: Final[dict[str, list[Nanoseconds]]] = {}
+        self._began: Final[dict[tuple[str, str], list[Nanoseconds]]] = {}
         """When beginnings were told lately."""
-        self._informed: Final[set[str]] = set()
+        self._informed: Final[set[tuple[str, str]]] = set()
         """What was information, and is over."""
 
     def due(self, holds: tuple[Hold, ...], now: Nanoseconds) -> list[Message]:
         """Return texts of what is not as commanded last."""
-        current = {hold.name: hold for hold in holds if hold.name not in self._informed}
+        current = {hold.text_key: hold for hold in holds if hold.text_key not in self._informed}
         if current.keys() == self._shown.keys():
             return []
         messages: list[Message] = []
-        for name in [one for one in self._shown if one not in current]:
-            if self._shown.pop(name) is Severity.INFO:
-                self._informed.add(name)
-                continue
-            messages += self._speaker.say(Severity.INFO, f"released: {name}")
-        for name, hold in current.items():
-            lately = [at for at in self._began.get(name, ()) if now - at < Speaker.QUIET]
-            if name not in self._shown and len(lately) < self.MOST:
-                self._shown[name] = hold.row.severity
-                self._began[name] = [*lately, now]
+        active = {name for name, _ in current}
+        for key in [one for one in self._shown if one not in current]:
+            if self._shown.pop(key) is Severity.INFO:
+                self._informed.add(key)
+            elif key[0] not in active:
+                messages += self._speaker.say(Severity.INFO, f"cleared: {key[0]}")
+        for key, hold in current.items():
+            lately = [at for at in self._began.get(key, ()) if now - at < Speaker.QUIET]
+            if key not in self._shown and len(lately) < self.MOST:
+                self._shown[key] = hold.row.severity
+                self._began[key] = [*lately, now]
                 remedy = f"; {hold.remedy}" if hold.remedy else ""
                 messages += self._speaker.say(hold.row.severity, f"{hold.reason}{remedy}")
         return messages

@@ -124,7 +124,9 @@ class Signatures:
         if stamp <= newest:
             known = stream in self._streams
             return (
-                "was heard before, or overtaken" if known else "is signed more than 60 s ago: see its clock"
+                "was received before, or overtaken"
+                if known
+                else "is signed more than 60 s ago: see its clock"
             )
         self._streams[stream] = stamp
         self._least = max(self._least, stamp - now // UNIT)

@@ -19,7 +19,7 @@ _TYPE3: Final = '    <Float64Type name="{name}"{attributes}/>'
 
 CATEGORIES: Final[Mapping[str, str]] = {
     "logEvents": "phases of an instance: made, initialised, reset, ended",
-    "logStatusWarning": "what was asked for and is not there; the run goes on",
+    "logStatusWarning": "what was requested and is not there; the run goes on",
     "logStatusDiscard": "rates that are not finite: take a smaller step",
     "logStatusError": "why a call was refused; given even where logging is off",
 }

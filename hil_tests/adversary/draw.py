@@ -95,7 +95,7 @@ class Draw:
         steps = [self._step(at, does) for at, does in degraded.steps(self._lets_go(), goes)]
         steps += [*self._stands(), self._step(READY_S, {"arm": True}), *self.steps(READY_S + 0.5, seconds)]
         return Mission(
-            title="an evening with an adversary",
+            title="a random run",
             duration_s=seconds,
             input=Input.STICK,
             noise=noise,

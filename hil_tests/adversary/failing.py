@@ -22,7 +22,7 @@ class FaultProfile(Enum):
     """Someone fails, and no one lies."""
     LYING = "lying"
     """A drive tells what is not, or does not do what it says."""
-    FOREIGN_NODE = "stranger"
+    FOREIGN_NODE = "foreign"
     """Another master speaks on the bus."""
 
 
@@ -45,7 +45,7 @@ def _ends(chance: Generator) -> dict[str, Any]:
     if chance.random() < 0.4:
         return {"how": "killed"}
     again = {"again_after_s": round(float(chance.uniform(0.05, 4.9)), 3)}
-    return {"how": "asked", **(again if chance.random() < 0.5 else {})}
+    return {"how": "interrupted", **(again if chance.random() < 0.5 else {})}
 
 
 def _joins(chance: Generator) -> dict[str, Any]:
@@ -159,7 +159,7 @@ FAILING: Final[dict[str, Failing]] = {
     "encoder_frozen": Failing(FaultProfile.LYING, longest_s=LIES_S),
     "encoder_cut": Failing(FaultProfile.LYING),
     "encoder_counts_lost": Failing(FaultProfile.LYING, lambda _: {"share": 0.2}, longest_s=5.0),
-    "nmt_stranger": Failing(
+    "nmt_foreign_node": Failing(
         FaultProfile.FOREIGN_NODE,
         lambda chance: {
             "command": str(
@@ -179,5 +179,5 @@ def takes_power(fault: Fault) -> bool:
 
 def _requested(fault: Fault) -> bool:
     """Return whether it is a bridge that is asked once to end, which holds a robot on a slope, and may."""
-    once = isinstance(fault, BridgeEnds) and fault.how == "asked" and fault.again_after_s is None
+    once = isinstance(fault, BridgeEnds) and fault.how == "interrupted" and fault.again_after_s is None
     return once and fault.end == NEVER

@@ -116,7 +116,7 @@ def evenings(seconds: float, known: dict[str, str]) -> tuple[str, dict[str, str]
         found, _ = searches[number % len(searches)].looked(CALM + number)
         left.setdefault(now[0], "")
         if known and found is not None and known.get(now[0]):
-            return f"evening {number}: {found}", left
+            return f"run {number}: {found}", left
         if found is not None:
             left[now[0]] = ""
         number += 1

@@ -149,5 +149,5 @@ def test_a_robot_that_there_is_not_is_one_line_and_no_find(
     monkeypatch.setattr("sys.argv", ["adversary", "mars"])
     with pytest.raises(SystemExit) as ended:
         main()
-    assert ended.value.code == 2, "1 says that something was found"
+    assert ended.value.code == 2, "1 states that something was found"
     assert "mars: no such robot; perhaps 'rars'?" in capsys.readouterr().err

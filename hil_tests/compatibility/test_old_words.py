@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from emulators.bench.cases import Situation
+from emulators.bench.faults import read
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.choices import chosen
 from emulators.testing.inherited.paper import seen
@@ -102,3 +103,10 @@ def test_a_choice_of_an_emulated_drive_has_its_old_name() -> None:
     profile = PROFILES["70/10"]
     with pytest.warns(RenamedWarning, match="--choice: 'tells-cured' is called 'reports-reset' now"):
         assert chosen(profile, ["tells-cured=no"]) == chosen(profile, ["reports-reset=no"])
+
+
+def test_a_fault_is_put_on_by_its_old_words() -> None:
+    with pytest.warns(RenamedWarning, match="'nmt_stranger' is called 'nmt_foreign_node' now"):
+        assert read({"kind": "nmt_stranger", "at_s": 1.0, "command": "stop"}).kind == "nmt_foreign_node"
+    with pytest.warns(RenamedWarning, match="fault bridge_ends, how: 'asked' is called 'interrupted' now"):
+        assert read({"kind": "bridge_ends", "at_s": 1.0, "for_s": 1.0, "how": "asked"}).kind == "bridge_ends"

@@ -124,7 +124,7 @@ def _requested(
 
 REQUESTED: Final = (
     _requested("stick let go", Hand.lets_go, 2, _RAMP, lines=EVERY),
-    _requested("pause", lambda hand: hand.does(pause=True), 2, _RAMP, reports=("paused",)),
+    _requested("pause", lambda hand: hand.does(pause=True), 2, _RAMP, reports=("operation paused",)),
     _requested("disarm", Hand.disarms, 2, _RAMP, lines=EVERY, reports=("not armed",)),
     _requested(
         "emergency stop", Hand.stops, 1, f"{_POWER_OFF}; latched", lines=EVERY, reports=("emergency stop",)
@@ -154,7 +154,7 @@ LINK_DEAD: Final = Cause(
     fault=fault("datagram_loss"),
     lines=EVERY,
     worst_of=WORST_OF,
-    reports=("operator silent",),
+    reports=("operator link timeout",),
     answer=_RAMP,
 )
 KILLED: Final = Cause(

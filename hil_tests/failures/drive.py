@@ -143,7 +143,7 @@ def _driven(rig: VirtualRig, case: Case) -> Found:
     _begin(rig, case)
     way, rest = _watched(rig, case.motion)
     cause = case.cause
-    holds = {hold.name: hold.began for hold in reversed(rig.held) if hold.began >= began}
+    holds = {hold.name: hold.began for hold in reversed(rig.interlock_history) if hold.began >= began}
     times = [at for name, at in holds.items() if cause.reports and name.startswith(cause.reports)]
     outcome = Outcome(
         cause.name,

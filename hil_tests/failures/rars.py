@@ -24,11 +24,11 @@ _ONE_OFF: Final = "that drive has no power, the others ramp"
 _ESCALATES: Final = "the others ramp; that one by the next step, and the next"
 _ROLLS_OUT: Final = "that axis rolls out, or drops what it holds: brakes"
 _FAULT: Final = ("axis fault",)
-_SILENT: Final = ("axis silent",)
-_SILENT_OR_FAULT: Final = ("axis silent", "axis fault")
-_GONE: Final = ("axis silent", "axis not enabled", "axis zero lost", "axis restarted")
-_MASTER: Final = ("another master", "axis fault", *_GONE)
-_BELIEF: Final = ("axis fault", "axis does not follow", "axis moves unasked", "axis position repeats")
+_SILENT: Final = ("axis timeout",)
+_SILENT_OR_FAULT: Final = ("axis timeout", "axis fault")
+_GONE: Final = ("axis timeout", "axis not enabled", "reference lost", "axis restarted")
+_MASTER: Final = ("second controller", "axis fault", *_GONE)
+_BELIEF: Final = ("axis fault", "tracking error", "uncommanded motion", "position not changing")
 
 
 def _fails(name: str, what: Fault, answer: str, reports: tuple[str, ...], **row: Any) -> Cause:
@@ -45,7 +45,7 @@ FAILS: Final = (
         "operator's messages late by 0.6 s",
         fault("datagram_late", by_ms=600.0),
         "ramp; held while they are so old",
-        ("operator silent", "word too old"),
+        ("operator link timeout", "command stale"),
     ),
     KILLED,
     _fails("bridge off the bus", fault("node_silent", node="bridge"), WATCH, _SILENT, remains=ON_A_SLOPE),
@@ -77,25 +77,25 @@ FAILS: Final = (
         "a babbling node",
         fault("babbling_node", every_us=100),
         WATCH,
-        (*_SILENT_OR_FAULT, "axis answers late"),
+        (*_SILENT_OR_FAULT, "late answer"),
     ),
     _fails("all frames of one drive damaged", hits("frame_error"), _ESCALATES, _SILENT_OR_FAULT),
-    _fails("one drive hears no frame whole", hits("reception_error"), _ESCALATES, _SILENT_OR_FAULT),
+    _fails("one drive receives no whole frame", hits("reception_error"), _ESCALATES, _SILENT_OR_FAULT),
     _fails("one drive's frames are lost", hits("frame_loss"), _ESCALATES, _SILENT),
     _fails("one drive misses frames", hits("receive_overrun"), _ESCALATES, _SILENT_OR_FAULT),
     _fails("one drive off the bus", hits("bus_off"), _ESCALATES, _SILENT),
     _fails("one drive's cables out", hits("node_silent"), _ESCALATES, _SILENT),
     _rolls("one drive restarts", hits("drive_restart"), _GONE),
     _fails(
-        "another master stops a drive's process data",
-        hits("nmt_stranger", command="stop"),
+        "a second controller stops a drive's process data",
+        hits("nmt_foreign_node", command="stop"),
         _ESCALATES,
         _MASTER,
     ),
-    _rolls("another master resets a drive", hits("nmt_stranger", command="reset_node"), _MASTER),
+    _rolls("a second controller resets a drive", hits("nmt_foreign_node", command="reset_node"), _MASTER),
     _fails(
-        "another master resets a drive's communication",
-        hits("nmt_stranger", command="reset_communication"),
+        "a second controller resets a drive's communication",
+        hits("nmt_foreign_node", command="reset_communication"),
         _ESCALATES,
         _MASTER,
     ),
@@ -140,8 +140,8 @@ class Shown:
 
 SHOWN: Final = (
     Shown(
-        "another master drives the disarmed robot",
-        "another master; axis moves unasked",
+        "a second controller drives the disarmed robot",
+        "second controller; uncommanded motion",
         "power taken within 0.5 s, and with each of the bridge's frames",
         "test_another_master_does_not_drive_a_disarmed_robot_for_long",
     ),
@@ -153,8 +153,8 @@ SHOWN: Final = (
     ),
     Shown(
         "a drive has lost its zero with the lift up",
-        "axis zero lost",
-        "no arming before someone has said where it stands",
+        "reference lost",
+        "no arming before its position is confirmed",
         "test_a_raised_lift_that_restarts_is_believed_where_someone_saw_it",
     ),
     Shown(
@@ -184,7 +184,7 @@ SHOWN: Final = (
     Shown(
         "a crowd floods the operator's link",
         "-",
-        "who drives is heard and answered first",
+        "the station in control is served first",
         "test_a_crowd_that_beats_does_not_starve_who_drives",
     ),
     Shown(
@@ -201,7 +201,7 @@ SHOWN: Final = (
     ),
     Shown(
         "nothing reaches a drive any more",
-        "reset unconfirmed",
+        "stop not acknowledged",
         "reported; the emergency stop switch of the robot",
         "test_where_nothing_helps_the_operator_and_the_program_say_so",
     ),

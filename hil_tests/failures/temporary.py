@@ -25,7 +25,7 @@ def _ignored(name: str, what: Fault) -> Cause:
 
 
 def _silent(*axes: str) -> tuple[str, ...]:
-    return tuple(f"axis silent: {axis}" for axis in axes)
+    return tuple(f"axis timeout: {axis}" for axis in axes)
 
 
 def _all(*codes: int) -> Codes:
@@ -34,11 +34,13 @@ def _all(*codes: int) -> Codes:
 
 def _commanded(command: str) -> Cause:
     """Have another master command one drive."""
-    holds = ("axis not enabled: left", "another master: drives", "not armed")
+    holds = ("axis not enabled: left", "second controller: drives", "not armed")
     # One that is only not operational is made so again before it counts as silent.
     silent = _silent("left") if command.startswith("reset") else ()
-    what = fault("nmt_stranger", command=command, node="left")
-    return _row(f"another master's NMT {command} to a drive", what, *holds, *silent, codes={}, again=True)
+    what = fault("nmt_foreign_node", command=command, node="left")
+    return _row(
+        f"a second controller's NMT {command} to a drive", what, *holds, *silent, codes={}, again=True
+    )
 
 
 def _one_drive(name: str, kind: str, *codes: int, **keys: Any) -> Cause:
@@ -46,7 +48,7 @@ def _one_drive(name: str, kind: str, *codes: int, **keys: Any) -> Cause:
     return _row(name, what, "axis fault: right", codes={"right": codes}, again=True)
 
 
-_WRONG_WAY: Final = ("axis moves unasked", "axis does not follow", "axis position repeats")
+_WRONG_WAY: Final = ("uncommanded motion", "tracking error", "position not changing")
 TEMPORARY: Final = (
     # The bus: each damaged frame costs 8, each good one gives 1 back; above one in nine the counters climb.
     _ignored("one frame in twenty damaged", fault("frame_error", share=0.05, for_s=2.0)),
@@ -116,7 +118,7 @@ TEMPORARY: Final = (
     _row(
         "bridge off both its links for 0.7 s",
         fault("node_silent", node="bridge", for_s=0.7),
-        "operator silent",
+        "operator link timeout",
         *_silent(*AXES),
         codes=_all(HEARTBEAT_LOST),
         again=True,
@@ -124,8 +126,8 @@ TEMPORARY: Final = (
     *map(_commanded, ("stop", "enter_pre_operational", "reset_node", "reset_communication")),
     *(
         _row(
-            f"another master's NMT {command} to all",
-            fault("nmt_stranger", command=command),
+            f"a second controller's NMT {command} to all",
+            fault("nmt_foreign_node", command=command),
             *_silent(*AXES),
             codes={},
         )
@@ -157,8 +159,8 @@ TEMPORARY: Final = (
     _row(
         "operator's link dead for 1 s",
         fault("datagram_loss", for_s=1.0),
-        "operator silent",
-        "controls deflected",
+        "operator link timeout",
+        "stick not neutral",
         only=True,
         codes={},
         again=True,
@@ -173,7 +175,7 @@ TEMPORARY: Final = (
     ),
     # Boards.
     *(
-        _row(name, what, "not armed", lines=ROME, reports=("axis position repeats", "axis does not follow"))
+        _row(name, what, "not armed", lines=ROME, reports=("position not changing", "tracking error"))
         for name, what in (
             ("a motor's cable off", fault("motor_cable_off", node="two")),
             ("a wheel blocked", fault("shaft_blocked", node="two")),

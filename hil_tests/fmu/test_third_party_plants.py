@@ -108,7 +108,7 @@ def tiny_robot() -> Model:
     }
     return Model(
         name="tiny",
-        description="A stranger",
+        description="Third party",
         parameters=(Parameter("wanted_speed", 24.0, "V", "the battery's voltage", "ASSUME"),),
         inputs=tuple(Voltage(name, unit, name, 24.0) for name, unit in INPUTS.items()),
         states=tuple(states),
@@ -122,7 +122,7 @@ def tiny_robot() -> Model:
 
 @pytest.fixture(scope="module")
 def new_stations(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    folder = tmp_path_factory.mktemp("strangers")
+    folder = tmp_path_factory.mktemp("third_party")
     made = FmuBuilder.build_FMU(Path(__file__).with_name("third_party_robot.py"), dest=folder)
     found = {"PythonFMU": Path(made)}
     for fmi in (2, 3):
@@ -289,7 +289,7 @@ def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(new_statio
     late = [target for at, target in targets if at > failed_at + 500 * MILLISECOND]
     assert set(late) == {0}
     assert bridge.seen.demanded.speed_mps == 0.0
-    assert {f"axis silent: {axis}" for axis in AXES} <= {hold.name for hold in bridge.holds}
+    assert {f"axis timeout: {axis}" for axis in AXES} <= {hold.name for hold in bridge.holds}
 
 
 def test_the_command_line_states_it_in_one_line(new_stations: dict[str, Path], tmp_path: Path) -> None:

@@ -59,7 +59,7 @@ def session(emulated: Devices, sheet: Path) -> list[str]:
 
 def test_a_third_party_session_plays_again(emulated: Devices, sheet: Path, tmp_path: Path) -> None:
     log = session(emulated, sheet)
-    file = tmp_path / "stranger.log"
+    file = tmp_path / "third_party.log"
     file.write_text("\n".join(log) + "\n", encoding="ascii")
     outcome = replay(Order(RARS, file))
     assert outcome.into is Into.DRIVES

@@ -305,4 +305,4 @@ def test_the_robot_stands(name: str, reported: dict[str, Future[Reported]]) -> N
     assert came.status in (None, 0), came
     assert "on a slope" not in came.stated
     if name == "suspended":
-        assert "bridge stood still" in came.stated
+        assert "bridge stalled" in came.stated

@@ -1,5 +1,6 @@
 """RARS that is well in every respect, to be made unwell in one, and the gate that judges it."""
 
+import math
 from dataclasses import replace
 from typing import Any, Final, TypeAlias
 
@@ -25,6 +26,10 @@ FAULTS: Final = (
     cia402.State.FAULT_REACTION_ENABLED,
 )
 _MOTION: Final = frozenset({"speed_mps", "steer_rad", "lift_m", "lift_rate_mps"})
+
+
+def above(value: float) -> float:
+    return math.nextafter(value, math.inf)
 
 
 def gate_of(robot: Rars) -> Gate:

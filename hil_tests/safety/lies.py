@@ -103,13 +103,13 @@ def damaged(payload: bytes) -> tuple[bytes, ...]:
 
 IGNORES: Final = "set_points_ignored"
 OF_A_DRIVE: Final[Mapping[str, tuple[str, Callable[[], Change]]]] = {
-    "says off, and drives on": (IGNORES, lambda: states(OFF)),
-    "says off every 2nd time, and drives on": (IGNORES, lambda: states(OFF, every=2)),
-    "says off every 3rd time, and drives on": (IGNORES, lambda: states(OFF, every=3)),
-    "says quick stop, and drives on": (IGNORES, lambda: states(QUICK_STOP)),
-    "says fault, and drives on": (IGNORES, lambda: states(FAULT)),
-    "says off every 2nd time, and obeys": ("", lambda: states(OFF, every=2)),
-    "says quick stop, and obeys": ("", lambda: states(QUICK_STOP)),
+    "reports off, and drives on": (IGNORES, lambda: states(OFF)),
+    "reports off every 2nd time, and drives on": (IGNORES, lambda: states(OFF, every=2)),
+    "reports off every 3rd time, and drives on": (IGNORES, lambda: states(OFF, every=3)),
+    "reports quick stop, and drives on": (IGNORES, lambda: states(QUICK_STOP)),
+    "reports fault, and drives on": (IGNORES, lambda: states(FAULT)),
+    "reports off every 2nd time, and obeys": ("", lambda: states(OFF, every=2)),
+    "reports quick stop, and obeys": ("", lambda: states(QUICK_STOP)),
     "a twin stands, enabled": ("", lambda: beside(ENABLED)),
     "a twin stands, enabled; ignores": (IGNORES, lambda: beside(ENABLED)),
     "a twin is off": ("", lambda: beside(OFF)),

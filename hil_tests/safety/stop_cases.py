@@ -9,21 +9,18 @@ from firmware_bridge.intent import NEVER_RECEIVED, AgeLimit
 from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.cia402 import State
-from hil_tests.safety.gate_bench import stated
+from hil_tests.safety.gate_bench import above, stated
 
 START: Final = 100 * SECOND
-NAN: Final = math.nan
-AXES: Final = ("left", "right", "steer", "lift")
 TITLES: Final = {
     "left": "node 1 (left rear wheel)",
     "right": "node 2 (right rear wheel)",
     "steer": "node 3 (steering)",
     "lift": "node 4 (scissor lift)",
 }
-
-
-def above(value: float) -> float:
-    return math.nextafter(value, math.inf)
+MOVES: Final = {
+    name: f"{title}, commanded 1.50 rad/s, moves with 0.25 rad/s" for name, title in TITLES.items()
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +66,7 @@ BACKLOG: Final = 100 * MILLISECOND
 CASES: Final = (
     Case("emergency stop", {"emergency_stopped": True}, {}, "the emergency stop is latched"),
     Case(
-        "bridge stood still",
+        "bridge stalled",
         {"stood_still": 500 * MILLISECOND},
         {"stood_still": 500 * MILLISECOND - 1},
         "the bridge itself did nothing for 0.50 s, limit 0.50 s",
@@ -83,61 +80,67 @@ CASES: Final = (
     ),
     Case("not armed", {"armed": False}, {}, "the robot is not armed"),
     Case(
-        "operator silent",
+        "operator link timeout",
         intent(received_at=START - OPERATOR_LIMIT),
         intent(received_at=START - OPERATOR_LIMIT + 1),
         "no motion command for 0.50 s, limit 0.50 s",
         LINK,
     ),
     Case(
-        "operator gone",
+        "operator link lost",
         intent(received_at=START - OPERATOR_GONE),
         {},
-        "no motion command for 10 s: no one drives",
-        also=("operator silent",),
+        "no motion command for 10 s: no station in control",
+        also=("operator link timeout",),
     ),
     Case(
-        "controls deflected",
+        "stick not neutral",
         {"neutral_required": True, "neutral": False},
         {"neutral_required": True},
-        "not let go since the silence: the stick",
+        "not neutral since the timeout: the stick",
     ),
     Case(
-        "controls deflected",
+        "stick not neutral",
         {"neutral_required": True, "neutral": False},
         {"neutral": False},
-        "not let go since the silence: the stick",
+        "not neutral since the timeout: the stick",
     ),
-    Case("paused", {"paused": True}, {}, "the operator has paused the robot"),
+    Case("operation paused", {"paused": True}, {}, "the operator has paused the robot"),
     Case(
-        "operator silent",
+        "operator link timeout",
         intent(received_at=START - 200 * MILLISECOND) | dated(500 * MILLISECOND),
         intent(received_at=START - 200 * MILLISECOND + 1) | dated(500 * MILLISECOND - 1),
         "no motion command for 0.20 s, limit 0.20 s",
         LINK,
     ),
     Case(
-        "word too old",
+        "command stale",
         dated(500 * MILLISECOND),
         dated(500 * MILLISECOND - 1),
         "the newest motion command was 0.50 s old when it came, limit 0.50 s",
         LINK,
     ),
     Case(
-        "word too old",
+        "command stale",
         dated(500 * MILLISECOND) | {"dated": False},
         dated(500 * MILLISECOND - 1) | {"dated": False},
         "the newest motion command was at least 0.50 s old when it came, limit 0.50 s",
         LINK,
     ),
     Case(
-        "word undated",
+        "command not timestamped",
         {"age_limit": AgeLimit(needed=True)},
         {"age_limit": AgeLimit(needed=True), **dated(0)},
-        "no one can tell how old the motion commands are",
+        "the age of the motion commands is unknown",
         LINK,
     ),
-    Case("operator silent", intent(received_at=NEVER_RECEIVED), {}, "no motion command has come yet", LINK),
+    Case(
+        "operator link timeout",
+        intent(received_at=NEVER_RECEIVED),
+        {},
+        "no motion command has come yet",
+        LINK,
+    ),
     Case(
         "link lost: drives",
         {"link_lost": "the serial line to the drives is gone"},
@@ -146,25 +149,25 @@ CASES: Final = (
         LINK,
     ),
     Case(
-        "another master: drives",
+        "second controller: drives",
         {"masters": {"drives": "someone else sends SYNC: 080#"}},
         {},
         "someone else sends SYNC: 080#",
         LINK,
     ),
-    Case("wish unusable", intent(speed_mps=NAN), {}, "the speed asked for is nan"),
-    Case("wish unusable", intent(speed_mps=math.inf), {}, "the speed asked for is inf"),
-    Case("wish unusable", intent(steer_rad=NAN), {}, "the steer angle asked for is nan"),
-    Case("wish unusable", intent(steer_rad=-math.inf), {}, "the steer angle asked for is -inf"),
-    Case("wish unusable", intent(lift_m=NAN), {}, "the lift height asked for is nan"),
-    Case("wish unusable", intent(lift_rate_mps=NAN), {}, "the lift rate asked for is nan"),
+    Case("command unusable", intent(speed_mps=math.nan), {}, "the speed requested is nan"),
+    Case("command unusable", intent(speed_mps=math.inf), {}, "the speed requested is inf"),
+    Case("command unusable", intent(steer_rad=math.nan), {}, "the steer angle requested is nan"),
+    Case("command unusable", intent(steer_rad=-math.inf), {}, "the steer angle requested is -inf"),
+    Case("command unusable", intent(lift_m=math.nan), {}, "the lift height requested is nan"),
+    Case("command unusable", intent(lift_rate_mps=math.nan), {}, "the lift rate requested is nan"),
     Case("steer angle unknown", {"steer_rad": None}, {}, "the actual steer angle is not known"),
-    Case("steer angle unknown", {"steer_rad": NAN}, {}, "the actual steer angle is not known"),
+    Case("steer angle unknown", {"steer_rad": math.nan}, {}, "the actual steer angle is not known"),
     Case("steer angle unknown", {"steer_rad": math.inf}, {}, "the actual steer angle is not known"),
     Case("lift height unknown", {"lift_m": None}, {}, "the actual lift height is not known"),
     Case(
         "lift height unknown",
-        {"lift_m": NAN},
+        {"lift_m": math.nan},
         {},
         "the actual lift height is not known",
         also=("lift extended",),
@@ -189,7 +192,7 @@ CASES: Final = (
     ),
     Case(
         "lift moving",
-        drive("lift", velocity=NAN),
+        drive("lift", velocity=math.nan),
         drive("left", velocity=9.0),
         "the lift's screw turns with nan rad/s",
         LINK,
@@ -197,86 +200,84 @@ CASES: Final = (
     ),
     *(
         Case(
-            f"axis silent: {name}",
+            f"axis timeout: {name}",
             drive(name, received_at=START - DRIVE_LIMIT),
             drive(name, received_at=START - DRIVE_LIMIT + 1),
             f"{TITLES[name]} silent for 0.25 s, limit 0.25 s",
             LINK,
         )
-        for name in AXES
+        for name in TITLES
     ),
     *(
         Case(
-            f"axis silent: {name}",
+            f"axis timeout: {name}",
             drive(name, received_at=NEVER_RECEIVED, **stated(None)),
             {},
-            f"{TITLES[name]} has never been heard",
+            f"{TITLES[name]} has not reported yet",
             LINK,
         )
-        for name in AXES
+        for name in TITLES
     ),
     *(
         Case(
             f"{row}: {name}",
             follows(name, uncommanded=uncommanded, obeyed_at=START - DRIVE_LIMIT),
             follows(name, uncommanded=uncommanded, obeyed_at=START - DRIVE_LIMIT + 1),
-            f"{TITLES[name]}, told 1.50 rad/s, moves with 0.25 rad/s for 0.25 s",
+            f"{MOVES[name]} for 0.25 s",
             LINK,
         )
-        for name in AXES
-        for row, uncommanded in (("axis does not follow", False), ("axis moves unasked", True))
+        for name in TITLES
+        for row, uncommanded in (("tracking error", False), ("uncommanded motion", True))
     ),
     Case(
-        "axis moves unasked: left",
+        "uncommanded motion: left",
         follows("left", uncommanded=True, obeyed_at=START - DRIVE_LIMIT, demand=Stop.REST),
         {},
-        f"{TITLES['left']}, told to stop, moves with 0.25 rad/s for 0.25 s",
+        f"{TITLES['left']}, commanded to stop, moves with 0.25 rad/s for 0.25 s",
         LINK,
     ),
     Case(
-        "axis moves unasked: lift",
+        "uncommanded motion: lift",
         follows("lift", uncommanded=True, obeyed_at=START - DRIVE_LIMIT, demand=Homed()),
         follows("lift", uncommanded=True, obeyed_at=START - DRIVE_LIMIT + 1, demand=Homed()),
-        f"{TITLES['lift']}, told to find its zero, moves with 0.25 rad/s for 0.25 s",
+        f"{TITLES['lift']}, homing, moves with 0.25 rad/s for 0.25 s",
         LINK,
     ),
     Case(
-        "axis does not follow: steer",
+        "tracking error: steer",
         follows("steer", obeyed_at=START - DRIVE_LIMIT, demand=Position(1.0)),
         {},
-        f"{TITLES['steer']}, told to go to 1.000 rad, is at 0.125 rad for 0.25 s",
+        f"{TITLES['steer']}, commanded to 1.000 rad, is at 0.125 rad for 0.25 s",
         LINK,
     ),
     *(
         Case(
-            f"axis position repeats: {name}",
+            f"position not changing: {name}",
             follows(name, settled_at=START - DRIVE_LIMIT, place_at=START - DRIVE_LIMIT),
             follows(name, settled_at=START - DRIVE_LIMIT + 1, place_at=START - DRIVE_LIMIT),
-            f"{TITLES[name]}, told 1.50 rad/s, moves with 0.25 rad/s: its position has not changed by a bit "
-            "for 0.25 s",
+            f"{MOVES[name]}: its position has not changed by a bit for 0.25 s",
             LINK,
         )
-        for name in AXES
+        for name in TITLES
     ),
     Case(
-        "axis position repeats: left",
+        "position not changing: left",
         follows("left", obeyed_at=START - DRIVE_LIMIT, place_at=START - DRIVE_LIMIT // 2),
         follows("left", obeyed_at=START - DRIVE_LIMIT + 1, place_at=START - DRIVE_LIMIT),
-        f"{TITLES['left']}, told 1.50 rad/s, moves with 0.25 rad/s: its position has not changed by a bit "
-        "for 0.12 s",
+        f"{MOVES['left']}: its position has not changed by a bit for 0.12 s",
         LINK,
-        also=("axis does not follow: left",),
+        also=("tracking error: left",),
     ),
     Case(
-        "axis does not follow: left",
+        "tracking error: left",
         follows("left", obeyed_at=START - DRIVE_LIMIT, place_at=START - DRIVE_LIMIT // 2 + 1),
         {},
-        f"{TITLES['left']}, told 1.50 rad/s, moves with 0.25 rad/s for 0.25 s",
+        f"{MOVES['left']} for 0.25 s",
         LINK,
     ),
     Case(
         # It owes its way since it strays.
-        "axis does not follow: left",
+        "tracking error: left",
         follows(
             "left",
             obeyed_at=START - DRIVE_LIMIT,
@@ -284,23 +285,23 @@ CASES: Final = (
             place_at=START - DRIVE_LIMIT,
         ),
         {},
-        f"{TITLES['left']}, told 1.50 rad/s, moves with 0.25 rad/s for 0.25 s",
+        f"{MOVES['left']} for 0.25 s",
         LINK,
-        also=("axis position repeats: left",),
+        also=("position not changing: left",),
     ),
     Case(
         # It owes its way since 100 ms.
-        "axis does not follow: left",
+        "tracking error: left",
         follows("left", obeyed_at=START - DRIVE_LIMIT, settled_at=START - BACKLOG, place_at=START - BACKLOG),
         follows(
             "left", obeyed_at=START - DRIVE_LIMIT + 1, settled_at=START - BACKLOG, place_at=START - BACKLOG
         ),
-        f"{TITLES['left']}, told 1.50 rad/s, moves with 0.25 rad/s for 0.25 s",
+        f"{MOVES['left']} for 0.25 s",
         LINK,
     ),
     *(
         Case(
-            "axis position repeats: left",
+            "position not changing: left",
             follows("left", place_at=START - 2 * DRIVE_LIMIT) | drive("left", current_a=sign * above(10.0)),
             follows("left", place_at=START - 2 * DRIVE_LIMIT + late) | drive("left", current_a=sign * amps),
             f"{TITLES['left']} pulls with 10.0 A, and has not moved by a bit for 0.50 s",
@@ -310,43 +311,42 @@ CASES: Final = (
         for late, amps in ((0, 10.0), (1, 20.0))
     ),
     Case(
-        "axis position repeats: left",
-        follows("left", place_at=START - 2 * DRIVE_LIMIT) | drive("left", current_a=NAN),
+        "position not changing: left",
+        follows("left", place_at=START - 2 * DRIVE_LIMIT) | drive("left", current_a=math.nan),
         follows("left", place_at=START - 2 * DRIVE_LIMIT) | drive("left", current_a=None),
         f"{TITLES['left']} pulls with nan A, and has not moved by a bit for 0.50 s",
         LINK,
     ),
     *(
         Case(
-            "axis position repeats: left",
+            "position not changing: left",
             follows("left", halted=True, place_at=START - HALTS),
             follows("left", halted=halted, place_at=START - HALTS + late),
-            f"{TITLES['left']}, told 1.50 rad/s, moves with 0.25 rad/s: it turned, and 0.04 s later has not "
-            "moved by a bit",
+            f"{MOVES['left']}: it turned, and 0.04 s later has not moved by a bit",
             LINK,
         )
         for halted, late in ((True, 1), (False, 0))
     ),
     *(
         Case(
-            f"axis zero lost: {name}",
+            f"reference lost: {name}",
             drive(name, zero_lost=True),
             {},
-            f"{TITLES[name]}: its zero is lost, nobody knows where it stands",
+            f"{TITLES[name]}: its reference is lost, position unknown",
         )
         for name in ("steer", "lift")
     ),
     Case(
-        "axis zero lost: steer",
+        "reference lost: steer",
         drive("steer", zero_lost=True) | {"stood": {"steer": "12.50 deg", "lift": "0.10 m"}},
         drive("left", zero_lost=True),
-        f"{TITLES['steer']}: its zero is lost, nobody knows where it stands (last known: 12.50 deg)",
+        f"{TITLES['steer']}: its reference is lost, position unknown (last known: 12.50 deg)",
     ),
     Case(
-        "axis silent: steer",
+        "axis timeout: steer",
         drive("steer", received_at=NEVER_RECEIVED, zero_lost=True, **stated(None)),
         drive("right", zero_lost=True),
-        f"{TITLES['steer']} has never been heard",
+        f"{TITLES['steer']} has not reported yet",
         LINK,
     ),
     *(
@@ -356,7 +356,7 @@ CASES: Final = (
             drive(name, fault=""),
             f"{TITLES[name]} reports fault 0x8611",
         )
-        for name in AXES
+        for name in TITLES
     ),
     Case("axis fault: steer", drive("steer", fault="0x0001"), {}, f"{TITLES['steer']} reports fault 0x0001"),
     *(
@@ -373,7 +373,7 @@ CASES: Final = (
         )
     ),
     Case(
-        "axis rewritten: steer",
+        "axis reconfigured: steer",
         drive("steer", rewritten="603#2316100100000000"),
         drive("steer", rewritten=""),
         f"{TITLES['steer']}: someone else has written to it, 603#2316100100000000",

@@ -19,7 +19,7 @@ from hil_tests.safety.driving import ARM, ORDERS, driving, runs, speed
 
 OTHERS: Final = {
     "bridge_ends", "second_bridge", "second_station", "datagram_loss", "datagram_late", "datagram_doubled",
-    "nmt_stranger", "stray_frames",
+    "nmt_foreign_node", "stray_frames",
 }  # fmt: skip
 """Not of the robot: they end the bridge, or speak in the operator's name."""
 KINDS: Final = sorted(FAILING.keys() - OTHERS)

@@ -12,7 +12,7 @@ from firmware_bridge.robot.belief import Belief
 from firmware_bridge.safety.following import bounds_of, within
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.safety.following_bench import CYCLE, GIVES, RARS, SLACK, STEERING, WHEEL, Axle, rested, settled
-from hil_tests.safety.stop_cases import above
+from hil_tests.safety.gate_bench import above
 
 AT_THREE: Final = SLACK + 3.0 * GIVES
 """The slack of a wheel that was told 3 rad/s, one way or the other."""
@@ -168,10 +168,10 @@ def test_what_is_no_number_is_uncommanded() -> None:
 def test_a_new_speed_counts_at_once_and_the_old_one_for_a_while() -> None:
     one = settled(Speed(3.0), 3.0)
     one.commanded(Speed(0.0))
-    assert not one.deviates(0.0), "it may be as fast as it was told"
+    assert not one.deviates(0.0), "it may be as fast as commanded"
     one = settled(Speed(3.0), 3.0)
     one.commanded(Speed(0.0))
-    assert not one.deviates(3.0), "it may not have heard yet"
+    assert not one.deviates(3.0), "it may not have received it yet"
     # 10.9 rad/s2 for 50 ms are 0.545 rad/s, and 200 ms take 22 % of 3 rad/s: the slower one counts.
     assert one.deviates(3.0), "now it should be slower"
 
@@ -195,7 +195,7 @@ def test_a_range_reaches_to_each_new_speed_and_keeps_what_it_has(sign: float) ->
     one = rested(Speed(0.0))
     one.commanded(Speed(sign * 3.0))
     one.commanded(Speed(0.0))
-    assert not one.deviates(sign * 3.0), "told twice between two samples, it may have heard of either"
+    assert not one.deviates(sign * 3.0), "commanded twice between two samples, it may have received either"
     one = rested(Speed(sign * 3.0))
     one.commanded(Speed(sign * 5.0))
     known = one.does(0.0)
@@ -368,7 +368,7 @@ def test_however_slow_it_should_go_it_backlog_until_it_moves(sign: float) -> Non
     one = settled(Speed(sign * 5e-7), sign * 5e-7)
     assert one.does(0.0).backlog == pytest.approx(0.05 * 5e-7)
     one.commanded(Speed(0.0))
-    assert one.does(0.0, 3).backlog == pytest.approx(0.05 * 5e-7), "to be told to stand pays nothing back"
+    assert one.does(0.0, 3).backlog == pytest.approx(0.05 * 5e-7), "a command to stand pays nothing back"
     assert one.does(sign * 1e-9).backlog == 0.0
 
 
@@ -384,7 +384,7 @@ def test_an_encoder_that_freezes_while_its_wheel_is_stopped_is_known_at_rest(sto
     assert known.backlog > bounds_of(RARS, WHEEL).creep
     assert known.sampled_at - known.settled_at >= 8 * CYCLE
     one.commanded(Stop.POWER_OFF)
-    assert one.does(0.0).backlog == 0.0, "what no one drives owes nothing"
+    assert one.does(0.0).backlog == 0.0, "what no one drives has no backlog"
 
 
 def test_what_it_may_creep_it_may_owe() -> None:

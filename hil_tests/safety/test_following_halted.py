@@ -25,9 +25,9 @@ def test_a_wheel_that_turned_and_shows_not_one_bit_of_its_way_has_halted(sign: f
         pytest.param(Speed(3.0), (1.499999,), id="it turned too slowly"),
         pytest.param(Speed(3.0), (-3.0,), id="it turned the other way"),
         pytest.param(Speed(3.0), (3.0, 0.1, 0.1), id="it slowed down before"),
-        pytest.param(Speed(0.9), (0.9,), id="it owes no more than it may creep"),
+        pytest.param(Speed(0.9), (0.9,), id="its backlog is no more than it may creep"),
         pytest.param(Speed(0.0), (0.5,), id="it need not move"),
-        pytest.param(Stop.REST, (3.0,), id="it is told to stop"),
+        pytest.param(Stop.REST, (3.0,), id="it is commanded to stop"),
     ],
 )
 def test_a_wheel_that_stands_for_another_reason_has_not_halted(

@@ -20,8 +20,8 @@ START: Final = 100 * SECOND
         ({"speed_mps": math.nextafter(0.010, 1)}, "the robot drives with 0.01 m/s"),
         ({"speed_mps": math.nextafter(-0.010, -1)}, "the robot drives with -0.01 m/s"),
         ({"speed_mps": math.nan}, "the robot drives with nan m/s"),
-        ({"demanded_speed_mps": 1e-9}, "the robot is told to drive with 0.00 m/s"),
-        ({"demanded_speed_mps": -0.05}, "the robot is told to drive with -0.05 m/s"),
+        ({"demanded_speed_mps": 1e-9}, "the robot is commanded to drive with 0.00 m/s"),
+        ({"demanded_speed_mps": -0.05}, "the robot is commanded to drive with -0.05 m/s"),
     ],
 )
 @pytest.mark.parametrize("command", [{"lift_m": 0.3}, {"lift_rate_mps": 0.05}, {"lift_rate_mps": -0.05}])
@@ -104,7 +104,7 @@ def test_a_lift_that_was_let_go_stops_the_base_before_it_is_seen_to_move(robot: 
     assert lift_free(gate.rule(well(START, intent={"lift_m": 0.3})))
     ruling = gate.rule(well(START + 1, intent={"lift_m": 0.3, "speed_mps": 0.05}))
     assert [(hold.name, hold.reason) for hold in ruling.holds] == [
-        ("lift moving", "the lift has been told to move")
+        ("lift moving", "the lift has been commanded to move")
     ]
     assert (ruling.allowed.speed_mps, lift_free(ruling)) == (0.0, True)
     # The command for the lift is given up: after its clear time the base is free.
@@ -165,4 +165,4 @@ def test_at_the_deadline_a_silence_trips_and_not_before(robot: Rars, well: Well)
         early = gate_of(robot).rule(with_facts(received, now=deadline - 1))
         late = gate_of(robot).rule(with_facts(received, now=deadline))
         assert names(early) == ()
-        assert {name.split(":")[0] for name in names(late)} == {"axis silent"}
+        assert {name.split(":")[0] for name in names(late)} == {"axis timeout"}

@@ -38,7 +38,7 @@ def reckless(robot: Rars) -> Rars:
 
 
 def test_a_number_is_reported_in_the_unit_of_its_bound_unless_another_is_named() -> None:
-    assert bounded(-200.0, 100.0, "m/s") == (-100.0, "asked for -200.00 m/s, allowed is -100.00 m/s")
+    assert bounded(-200.0, 100.0, "m/s") == (-100.0, "requested -200.00 m/s, allowed is -100.00 m/s")
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -192,13 +192,13 @@ def test_reasons_give_the_numbers(robot: Rars, well: Well) -> None:
     )
     reasons = {hold.name: hold.reason for hold in gate.rule(snapshot).holds}
     assert reasons == {
-        "speed limit": "asked for 0.80 m/s, allowed is 0.50 m/s",
-        "steer angle limit": "asked for 65.00 deg, allowed is 60.00 deg",
-        "turn radius limit": "asked for 60.00 deg, allowed is 58.95 deg",
-        "lift rate limit": "asked for 0.50 m/s, allowed is 0.10 m/s",
-        "lift range limit": "asked for 2.00 m, allowed is 1.12 m",
-        "acceleration limit": "asked to go from 0.00 to 0.50 m/s at once, limit 1.41 m/s2",
-        "lift refused": "the robot is asked to drive with 0.50 m/s",
+        "speed limit": "requested 0.80 m/s, allowed is 0.50 m/s",
+        "steer angle limit": "requested 65.00 deg, allowed is 60.00 deg",
+        "turn radius limit": "requested 60.00 deg, allowed is 58.95 deg",
+        "lift rate limit": "requested 0.50 m/s, allowed is 0.10 m/s",
+        "lift range limit": "requested 2.00 m, allowed is 1.12 m",
+        "acceleration limit": "requested a step from 0.00 to 0.50 m/s at once, limit 1.41 m/s2",
+        "lift refused": "the robot is requested to drive with 0.50 m/s",
     }
     assert all(hold.remedy and hold.since == START for hold in gate.rule(snapshot).holds)
 
@@ -280,7 +280,7 @@ def test_the_delay_limit_names_both_ages_and_is_shown_for_300_milliseconds(robot
     (hold, *_) = gate.rule(snapshot).holds
     assert (hold.name, hold.reason) == (
         "delay limit",
-        "asked for 0.50 m/s, allowed is 0.25 m/s while words may be 1000 ms instead of 500 ms old",
+        "requested 0.50 m/s, allowed is 0.25 m/s while commands may be 1000 ms instead of 500 ms old",
     )
     clear = START + SECOND
     for now, shown in ((clear, True), (clear + SHOWN_FOR - 1, True), (clear + SHOWN_FOR, False)):

@@ -126,7 +126,9 @@ def test_a_driver_that_reports_too_little_is_refused_with_the_robots_file(robot:
         with pytest.raises(RobotFileError) as refusal:
             gate.axis_rows(robot, {axis.name: frozenset() for axis in robot.axes})
     assert refusal.value.file == "rars"
-    assert str(refusal.value) == "rars: links.drives.driver: what is on this link tells too little for: any"
+    assert (
+        str(refusal.value) == "rars: links.drives.driver: the devices on this link report too little for: any"
+    )
 
 
 @pytest.mark.parametrize("flag", ["disarms", "latches", "parts"])

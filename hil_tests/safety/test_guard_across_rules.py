@@ -97,7 +97,7 @@ def test_only_who_has_not_been_sent_anything_at_this_instant_may_repair_a_sum() 
     assert trio.refuses(requested(a=60.0)) is None, "b may still correct it"
     trio.axes["b"].commanded_at = CYCLE
     assert trio.refuses(requested(a=60.0)) == "sum of 60.0000 is beyond 50.0000"
-    assert trio.refuses(requested(a=30.0, b=30.0)) == "sum of 60.0000 is beyond 50.0000", "both are asked"
+    assert trio.refuses(requested(a=30.0, b=30.0)) == "sum of 60.0000 is beyond 50.0000", "both are requested"
 
 
 def test_within_for_an_instant_only_mends_nothing() -> None:
@@ -196,10 +196,9 @@ def test_one_homes_alone_and_goes_on() -> None:
     trio = Trio()
     trio.axes["a"].homes = True
     assert trio.refuses(requested(a=1.0)) is None, "it is the one"
-    assert trio.refuses(requested(b=1.0)) == "homing: b may not move while a finds its zero"
+    assert trio.refuses(requested(b=1.0)) == "homing: b may not move while a is homing"
     assert (
-        trio.refuses({**requested(a=1.0), **requested(b=1.0)})
-        == "homing: b may not move while a finds its zero"
+        trio.refuses({**requested(a=1.0), **requested(b=1.0)}) == "homing: b may not move while a is homing"
     )
     foreign_node = cast("Any", Axis("d"))
     assert trio.rule.refuses({foreign_node: Requested(moves=True, speed=1.0)}, 0) is None, (

@@ -98,7 +98,7 @@ def test_over_can_a_watch_ends_only_after_a_word_without_power() -> None:
     bench.receives(status(1, 0x0140))
     assert bench.states(ends) == (ends,)
     bench.states(wheel(1, ENABLE, 0))
-    assert bench.states(ends) != (ends,), "power was asked for since"
+    assert bench.states(ends) != (ends,), "power was requested since"
 
 
 def test_over_a_serial_line_it_is_the_same() -> None:
@@ -130,4 +130,4 @@ def test_over_a_serial_line_it_is_the_same() -> None:
     on = word(1, ENABLE)
     for packet in desk.states(on):
         desk.receives(done(packet))
-    assert not leaves(desk), "power was asked for since"
+    assert not leaves(desk), "power was requested since"

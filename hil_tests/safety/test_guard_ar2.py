@@ -80,7 +80,7 @@ def test_what_is_not_listed_or_beyond_its_bound_does_not_leave(data: bytes, why:
 
 def test_a_joint_moves_once_someone_has_stated_where_it_stands() -> None:
     one = OnTheLine()
-    assert "no one has said where it stands" in one.refused(STEP)
+    assert "its position is not confirmed" in one.refused(STEP)
     assert one.reported().states(STEP)
 
 
@@ -125,7 +125,7 @@ def test_a_board_that_begins_again_stands_no_one_knows_where(
     one = OnTheLine().reported()
     assert one.states(STEP)
     begins_again(one)
-    assert "no one has said where it stands" in one.refused(STEP)
+    assert "its position is not confirmed" in one.refused(STEP)
 
 
 steps = st.lists(st.integers(-90, 90), min_size=6, max_size=6)

@@ -223,7 +223,7 @@ def test_a_joint_that_is_no_axis_is_not_moved_and_not_stated_to_stand_anywhere()
 def test_what_other_axes_must_know_of_a_joint() -> None:
     joint = joints(rules_of())[0]
     assert (joint.homes, joint.homes_within_s, joint.speed) == (False, 0.0, 0.0)
-    assert joint.commanded_at < -1_000_000 * 10**9, "no one has said anything yet"
+    assert joint.commanded_at < -1_000_000 * 10**9, "nothing was sent yet"
     assert joint.cycle == ROBOT.cycle * ROBOT.ar2_link(ARM).every
 
 
@@ -237,7 +237,7 @@ def test_a_joint_moves_though_no_one_has_stated_where_the_others_stand() -> None
         proven(rules, f"q{number}")
         assert not any(joint.powered for joint in joints(rules))
     assert [joint.place for joint in joints(rules)] == [115, *[None] * 5]
-    assert "no one has said" in str(refuses(rules, move(5, 5)))
+    assert "its position is not" in str(refuses(rules, move(5, 5)))
 
 
 @pytest.mark.parametrize("rounds", [1, 2, 3])

@@ -124,7 +124,7 @@ VALUES: Final = {
     at.HOMING_METHOD: -4,
 }
 """All at their bounds."""
-NO_WORD: Final = "the drive has not said that its homing moves no more than the file says"
+NO_WORD: Final = "the drive has not reported that its homing moves no more than the file allows"
 
 
 def prepared(
@@ -244,7 +244,7 @@ def test_a_place_elsewhere_belongs_to_its_file(made: Made) -> None:
 def test_while_it_homes_nothing_else_is_commanded_to_move(made: Made) -> None:
     line = started(made)
     reason = line.goes(STEER, 20_000)
-    assert reason == "homing: steering may not move while scissor lift finds its zero"
+    assert reason == "homing: steering may not move while scissor lift is homing"
     with pytest.raises(AssertionError):
         line.wheel(100)
 
@@ -326,7 +326,7 @@ def test_another_link_counts_as_well() -> None:
     assert line.writes(LIFT, at.CONTROLWORD, START) == "a homing started while node 3 may move"
     line.rests(1)
     assert line.writes(LIFT, at.CONTROLWORD, START) is None
-    assert line.goes(STEER, 20_000) == "homing: steering may not move while scissor lift finds its zero"
+    assert line.goes(STEER, 20_000) == "homing: steering may not move while scissor lift is homing"
 
 
 REPORTED: Final = st.fixed_dictionaries(

@@ -75,7 +75,7 @@ def test_a_network_command_is_for_its_link(bench: Bench) -> None:
     leave = Packet("tail", 0x000, b"\x80\x00")
     assert bench.states(leave) == (leave,)
     stays = Packet("base", 0x000, b"\x80\x00")
-    assert bench.refuses(stays)[0] == "node 1 moves and would no longer hear set-points"
+    assert bench.refuses(stays)[0] == "node 1 moves and would receive no more set-points"
 
 
 def test_a_statusword_is_of_its_link_s_drive(bench: Bench) -> None:

@@ -38,7 +38,7 @@ def test_a_drive_that_moves_is_not_taken_off_the_bus(bench: Bench, command: int,
     bench.states(wheel(1, 0x000F, 0), wheel(2, 0x000F, 1), position(3, 0x000F, 5))
     assert bench.states(START_NODE) == (START_NODE,)
     reason, sent = bench.refuses(leave)
-    assert reason == "node 2 moves and would no longer hear set-points"
+    assert reason == "node 2 moves and would receive no more set-points"
     assert sent == (wheel(1, 0x000F, 0), wheel(2, 0x000F, 0), position(3, 0x010F, 5))
     # It was stopped instead, so the next try is allowed; afterwards it counts as without power.
     assert bench.states(leave) == (leave,)
@@ -80,7 +80,7 @@ def test_a_drive_is_reset_where_it_has_not_confirmed_in_its_time(
     bench.states(wheel(1, 0x000F, 0), wheel(2, 0x000F, 0), position(3, 0x003F, 7), position(4, 0x003F, 7))
     bench.states(*words, now=PATIENCE)
     bench.states(*words, now=PATIENCE + 50 * MILLISECOND)
-    reason = f"node {addressed or 1} has not been told for 200 ms to give up its power"
+    reason = f"node {addressed or 1} has been without an order to disable its power stage for 200 ms"
     assert bench.refuses(reset(addressed), 2 * PATIENCE - 1)[0] == reason
     assert bench.states(reset(addressed), now=2 * PATIENCE) == (reset(addressed),)
 
@@ -101,9 +101,9 @@ def test_any_other_word_starts_the_time_again(bench: Bench, word: int) -> None:
     bench.states(*OFF)
     bench.states(wheel(2, word, 0), now=PATIENCE)
     bench.states(OFF[1], now=2 * PATIENCE)
-    assert "has not been told" in bench.refuses(reset(2), 3 * PATIENCE - 1)[0]
+    assert "has been without an order" in bench.refuses(reset(2), 3 * PATIENCE - 1)[0]
     assert bench.states(reset(2), now=3 * PATIENCE) == (reset(2),)
-    assert "has not been told" in bench.refuses(reset(2), 4 * PATIENCE)[0], "once"
+    assert "has been without an order" in bench.refuses(reset(2), 4 * PATIENCE)[0], "once"
 
 
 def test_another_drive_may_leave_the_bus(bench: Bench) -> None:

@@ -115,7 +115,7 @@ class AnySpeech(RuleBasedStateMachine):
 
     def write(self, node: int, payload: bytes) -> None:
         """Take an SDO request, or a frame that drives do not mind."""
-        assert payload != bytes.fromhex("2316100100000000"), "no drive has said that it has no power"
+        assert payload != bytes.fromhex("2316100100000000"), "no drive has reported that it has no power"
         if payload[:3] == b"\x2b\x40\x60":
             self.words(node, int.from_bytes(payload[4:6], "little"))
             self.power[node] = self.moves[node] = self.goal[node] = False

@@ -166,7 +166,7 @@ def test_a_moving_drive_keeps_its_network_state(desk: SerialBench) -> None:
 
 def test_the_watch_of_a_drive_with_power_is_not_ended(desk: SerialBench) -> None:
     off = number(LEFT, at.CONSUMER_HEARTBEAT_1, 0)
-    assert off not in desk.states(off), "it has said nothing yet"
+    assert off not in desk.states(off), "it has sent nothing yet"
     confirms_no_power(desk, LEFT)
     assert desk.states(off) == (off,)
     desk.states(word(LEFT, ENABLE))

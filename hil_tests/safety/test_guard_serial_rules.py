@@ -83,7 +83,7 @@ def test_all_are_reset_only_where_each_may_be() -> None:
     later = 10_000 * MILLISECOND
     assert desk.guard.links[LINK].refuses(reset, later) is None
     everybody = states(SendNmtService(canopen.ALL_NODES, NmtCommand.RESET_NODE))
-    assert "node 2 has not been told" in str(desk.guard.links[LINK].refuses(everybody, later))
+    assert "node 2 has been without an order" in str(desk.guard.links[LINK].refuses(everybody, later))
 
 
 def test_each_position_that_is_read_counts() -> None:

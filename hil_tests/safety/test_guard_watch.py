@@ -200,9 +200,9 @@ def test_a_bridge_that_fails_while_stopping_is_made_safe(robot: AnyRobot) -> Non
     scripted.breaks = False
     scripted.wake_at = NEVER
     received = bench.guard.receive(Packet(OPERATOR, 0, b""), CYCLE)
-    assert received.wake_at != NEVER, "it has not been taken, whatever the bridge says to a packet"
+    assert received.wake_at != NEVER, "it has not been taken, whatever the bridge makes of a packet"
     assert bench.guard.wake(CYCLE) == Reaction((), NEVER)
-    assert scripted.requested == 2, "asked once more, it ends"
+    assert scripted.requested == 2, "ended once more, it ends"
     assert bench.guard.wake(CYCLE) == Reaction((), NEVER)
     assert scripted.requested == 2
 
@@ -218,7 +218,7 @@ def test_a_node_that_fails_is_not_hidden(robot: AnyRobot) -> None:
             raise ValueError(now)
 
     node: Node = guarded(Broken(), robot)
-    assert node.wake(7) == Reaction((), 7), "what the guard says leaves first"
+    assert node.wake(7) == Reaction((), 7), "what the guard sends leaves first"
     with pytest.raises(ValueError, match="7"):
         node.wake(8)
 

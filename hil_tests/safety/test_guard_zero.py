@@ -184,7 +184,9 @@ def test_the_start_needs_each_word_of_the_drives(made: Made, without: int) -> No
     for place, (how, address, value) in enumerate(STEPS):
         if place != without:
             getattr(line, how)(LIFT, address, value)
-    assert line.writes(LIFT, at.CONTROLWORD, START) == "the drive has not said that its homing moves nothing"
+    assert (
+        line.writes(LIFT, at.CONTROLWORD, START) == "the drive has not reported that its homing moves nothing"
+    )
 
 
 @BOTH

@@ -78,7 +78,7 @@ def test_a_speed_of_less_than_one_rpm_is_one() -> None:
 @pytest.mark.parametrize("address", [at.HOMING_METHOD, at.HOME_OFFSET])
 def test_only_the_mode_itself_is_left_while_the_word_that_starts_is_down(address: at.Address) -> None:
     one = zeroing()
-    assert one.refuses_write(at.MODE, PROFILE_POSITION, ENABLE, "node 1") is None, "whoever moves"
+    assert one.refuses_write(at.MODE, PROFILE_POSITION, ENABLE, "node 1") is None, "whichever moves"
     assert "bit 4 is up" in str(one.refuses_write(at.MODE, PROFILE_POSITION, START_HOMING, None))
     assert one.refuses_write(at.MODE, HOMING, START_HOMING, None) is None
     assert one.refuses_write(address, PROFILE_POSITION, START_HOMING, None) is None

@@ -50,11 +50,11 @@ def answers_each_third() -> Callable[[Packet], tuple[Packet, ...]]:
 
 
 LIES: Final = {
-    "tells the truth": lambda: lambda packet: (packet,),
-    "says it is off": lambda: states(0x0240),
-    "says now and then it is off": lambda: states(0x0240, 3),
-    "says it is in a quick stop": lambda: states(0x8207),
-    "says it is in fault": lambda: states(0x0208),
+    "reports the truth": lambda: lambda packet: (packet,),
+    "reports it is off": lambda: states(0x0240),
+    "reports now and then it is off": lambda: states(0x0240, 3),
+    "reports it is in a quick stop": lambda: states(0x8207),
+    "reports it is in fault": lambda: states(0x0208),
     "answers each third request": answers_each_third,
 }
 
@@ -69,7 +69,7 @@ def moved_s(order: Callable[[VirtualRig], None], lie: str, robot: str) -> float:
         return runs(rig, 6.0)
 
 
-@pytest.mark.long(keeps=["tells the truth"])
+@pytest.mark.long(keeps=["reports the truth"])
 @every("robot", ["rars", "climber"])
 @pytest.mark.parametrize("lie", LIES)
 def test_an_order_to_stop_is_no_slower_than_the_stick_let_go(robot: str, lie: str) -> None:

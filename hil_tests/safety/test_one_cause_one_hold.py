@@ -13,8 +13,8 @@ from hil_tests.safety.stop_cases import START
 RARS: Final = find("rars")
 SILENT: Final[Nanoseconds] = RARS.operator.silent_ms * MILLISECOND
 UNWELL: Final[dict[str, dict[str, Any]]] = {
-    "word too old": {"sent_at": START - 600 * MILLISECOND - SILENT, "dated": True},
-    "word undated": {"age_limit": AgeLimit(needed=True)},
+    "command stale": {"sent_at": START - 600 * MILLISECOND - SILENT, "dated": True},
+    "command not timestamped": {"age_limit": AgeLimit(needed=True)},
 }
 
 
@@ -25,4 +25,4 @@ def test_at_the_silence_that_stops_the_other_row_gives_way(
 ) -> None:
     seen = well(RARS, START, intent={"received_at": START - silence}, **UNWELL[row])
     held = names(gate_of(RARS).rule(seen))
-    assert (row in held, "operator silent" in held) == (not silent, silent)
+    assert (row in held, "operator link timeout" in held) == (not silent, silent)

@@ -42,7 +42,7 @@ def broken() -> Callable[[Packet], tuple[Packet, ...]]:
 
 LIARS: Final = {
     "a twin that is off": lambda: twin(DISABLED, first=False),
-    "a twin that is off, heard first": lambda: twin(DISABLED, first=True),
+    "a twin that is off, received first": lambda: twin(DISABLED, first=True),
     "a twin that is enabled": lambda: twin(ENABLED, first=False),
     "positions from anywhere": broken,
 }

@@ -14,33 +14,33 @@ from firmware_bridge.safety.common import (
 
 ROBOT = find("rome_arm")
 TABLE = """
-emergency stop         critical   0     disarms   blocks arming
-bridge stood still     critical   0     disarms   blocks arming
-link lost: board       critical   200   disarms   blocks arming
-link lost: arm         critical   200             blocks arming  stops arm
-another master: board  critical   200   disarms   blocks arming
-another master: arm    critical   200             blocks arming  stops arm
-battery low            critical   5000  disarms   blocks arming
-not armed              notice     0
-operator silent        warning    200
-word too old           warning    200             blocks arming
-word undated           warning    200
-operator gone          warning    0     disarms   blocks arming
-controls deflected     warning    0
-paused                 notice     0
-wish unusable          warning    0               blocks arming
-axis silent            critical   200   disarms   blocks arming
-axis fault             critical   0     disarms   blocks arming
-axis rewritten         critical   0     disarms   blocks arming  takes power
-axis not enabled       warning    0     disarms   blocks arming
-axis zero lost         critical   0     disarms   blocks arming
-axis does not follow   critical   200   disarms   blocks arming
-axis moves unasked     critical   200   disarms   blocks arming  takes power
-axis position repeats  critical   200   disarms   blocks arming  takes power
-axis restarted         critical   0     disarms   blocks arming
-axis left out          warning    0     disarms   blocks arming
-axis unmeasured        warning    200   disarms   blocks arming
-axis answers late      warning    200   disarms   blocks arming
+emergency stop            critical   0     disarms   blocks arming
+bridge stalled            critical   0     disarms   blocks arming
+link lost: board          critical   200   disarms   blocks arming
+link lost: arm            critical   200             blocks arming  stops arm
+second controller: board  critical   200   disarms   blocks arming
+second controller: arm    critical   200             blocks arming  stops arm
+battery low               critical   5000  disarms   blocks arming
+not armed                 notice     0
+operator link timeout     warning    200
+command stale             warning    200             blocks arming
+command not timestamped   warning    200
+operator link lost        warning    0     disarms   blocks arming
+stick not neutral         warning    0
+operation paused          notice     0
+command unusable          warning    0               blocks arming
+axis timeout              critical   200   disarms   blocks arming
+axis fault                critical   0     disarms   blocks arming
+axis reconfigured         critical   0     disarms   blocks arming  takes power
+axis not enabled          warning    0     disarms   blocks arming
+reference lost            critical   0     disarms   blocks arming
+tracking error            critical   200   disarms   blocks arming
+uncommanded motion        critical   200   disarms   blocks arming  takes power
+position not changing     critical   200   disarms   blocks arming  takes power
+axis restarted            critical   0     disarms   blocks arming
+axis excluded             warning    0     disarms   blocks arming
+no feedback               warning    200   disarms   blocks arming
+late answer               warning    200   disarms   blocks arming
 """
 
 

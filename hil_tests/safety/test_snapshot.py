@@ -44,8 +44,8 @@ def test_a_robot_is_whole_and_its_operator_there_where_nothing_else_is_stated() 
 @pytest.mark.parametrize(("change", "same"), [({"axis": "lift"}, True), ({"since": 1}, False)])
 def test_a_hold_is_the_same_whosever_it_is(change: dict[str, Any], *, same: bool) -> None:
     """Its name says whose it is already."""
-    row = Row(name="axis silent: lift", remedy="check its cable")
-    hold = Hold("axis silent: lift", "silent", row, 0)
+    row = Row(name="axis timeout: lift", remedy="check its cable")
+    hold = Hold("axis timeout: lift", "silent", row, 0)
     assert hold.axis == ""
     assert (replace(hold, **change) == hold) is same
 
@@ -102,7 +102,7 @@ def test_a_row_that_is_confined_to_some_groups_is_the_same_else() -> None:
 
 def test_a_pause_is_no_more_than_a_notice() -> None:
     rows: Any = operator_rows()
-    (row,) = (row for row in rows if row.name == "paused")
+    (row,) = (row for row in rows if row.name == "operation paused")
     assert row.severity is Severity.NOTICE
 
 
@@ -113,5 +113,5 @@ def test_a_weaker_row_states_for_how_long_an_axis_was_not_received(row: AxisInte
     needed: dict[str, Any] = {"axes": {}, "sensors": {}, "links_lost": {}}
     facts = Facts(now=5 * SECOND, armed=True, emergency_stopped=False, received_at=0, neutral=True, **needed)
     stated = str(row.judge(axis, feedback, facts, SECOND))
-    assert stated.startswith(f"{axis.called} does not tell ")
-    assert "was last heard 2.00 s ago" in stated
+    assert stated.startswith(f"{axis.called} reports no ")
+    assert "answered 2.00 s ago" in stated

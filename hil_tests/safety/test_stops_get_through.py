@@ -144,7 +144,7 @@ def test_an_order_begins_a_stop_again_that_nothing_brought_about() -> None:
         runs(rig, 10.0)
         stops = rig.bench.bridge.stops.values()
         assert {stop.progress for stop in stops} == {Progress.GIVEN_UP}
-        assert "nothing is left to try" in rig.holds["reset unconfirmed: one"]
+        assert "nothing is left to try" in rig.interlock_events["stop not acknowledged: one"]
         rig.operator.stops()
         runs(rig, 0.2)
         assert {stop.progress for stop in stops} == {Progress.UNDER_WAY}

@@ -26,16 +26,16 @@ Well: TypeAlias = Callable[..., Snapshot]
 EVERYTHING: Final = frozenset(Reports)
 SILENT: Final = EVERYTHING - {Reports.POWER}
 """What a device tells that has no word for its power."""
-STRONG, WEAK = "axis not enabled", "axis answers late"
-KNOWN: Final = "axis zero lost"
-ALWAYS: Final = ("axis silent", "axis fault", "axis rewritten")
-WATCHED: Final = ("axis does not follow", "axis moves unasked", "axis position repeats")
-UNMEASURED: Final = "axis unmeasured"
+STRONG, WEAK = "axis not enabled", "late answer"
+KNOWN: Final = "reference lost"
+ALWAYS: Final = ("axis timeout", "axis fault", "axis reconfigured")
+WATCHED: Final = ("tracking error", "uncommanded motion", "position not changing")
+UNMEASURED: Final = "no feedback"
 LIMIT: Final = 250 * MILLISECOND
 """The silence that RARS's link allows."""
 RARS: Final = kinds.find("rars")
-ZERO_LOST: Final = next(row for row in common.AXIS_ROWS if row.name == "axis zero lost")
-RESTARTED: Final = " has restarted, or was not asked about since the bridge began"
+ZERO_LOST: Final = next(row for row in common.AXIS_ROWS if row.name == "reference lost")
+RESTARTED: Final = " has restarted, or was not confirmed since the bridge began"
 HOME_IT: Final = "; home it (drive --home, or MAV_CMD_USER_1 with NaN)"
 
 
@@ -160,14 +160,14 @@ def test_the_weaker_row_wants_an_answer_within_half_the_silence(
 ) -> None:
     ruling = silent(robot).rule(received(well(SECOND), "lift", SECOND - silence))
     assert (f"{WEAK}: lift" in names(ruling)) is holds
-    assert "axis silent: lift" not in names(ruling)
+    assert "axis timeout: lift" not in names(ruling)
 
 
 def test_it_stops_and_disarms_as_the_strong_one(robot: Rars, well: Well) -> None:
     ruling = silent(robot).rule(received(well(SECOND), "lift", SECOND - LIMIT // 2))
     (hold,) = [hold for hold in ruling.holds if hold.name == f"{WEAK}: lift"]
     assert (hold.row.stops, hold.row.disarms, hold.row.blocks_arming) == (None, True, True)
-    assert "does not tell its power and was last heard 0.12 s ago" in hold.reason
+    assert "reports no power state, and answered 0.12 s ago" in hold.reason
 
 
 @pytest.mark.parametrize(("clear", "holds"), [(199, True), (200, False)])
@@ -183,7 +183,7 @@ def test_it_lets_go_when_answers_have_been_fresh_for_200_ms(
 
 def test_one_that_was_never_received_is_silent_and_not_late(robot: Rars, well: Well) -> None:
     held = names(silent(robot).rule(received(well(SECOND), "lift", NEVER_RECEIVED)))
-    assert "axis silent: lift" in held
+    assert "axis timeout: lift" in held
     assert f"{WEAK}: lift" not in held
 
 
@@ -198,7 +198,7 @@ def test_a_device_without_a_word_for_its_zero_is_requested_about_when_it_restart
     for name, holds in (
         ("lift", {"axis restarted: lift"}),
         ("left", set()),
-        ("steer", {"axis zero lost: steer"}),
+        ("steer", {"reference lost: steer"}),
     ):
         axes = dict(well(SECOND).facts.axes)
         axes[name] = replace(axes[name], zero_lost=True)
@@ -210,7 +210,7 @@ def test_one_that_was_never_received_is_silent_and_has_not_restarted(robot: Rars
     reported = reports_of(robot, lift=EVERYTHING - {Reports.ZERO})
     axes = {**well(SECOND).facts.axes, "lift": Feedback("lift", zero_lost=True)}
     ruling = gate.Gate(robot, KIND.rules(robot), reported).rule(with_facts(well(SECOND), axes=axes))
-    assert set(names(ruling)) == {"axis silent: lift"}
+    assert set(names(ruling)) == {"axis timeout: lift"}
 
 
 @pytest.mark.parametrize(
@@ -228,7 +228,7 @@ def test_a_lost_zero_is_reported_with_the_last_known_place_and_the_way_to_home(
     lost = Feedback("lift", Power.ON, received_at=SECOND, zero_lost=True)
     facts = with_facts(well(SECOND), stood=stood).facts
     for row, reason in (
-        (ZERO_LOST, ": its zero is lost, nobody knows where it stands"),
-        (common.AXIS_RESTARTED, f"{RESTARTED}: nobody knows where it stands"),
+        (ZERO_LOST, ": its reference is lost, position unknown"),
+        (common.AXIS_RESTARTED, f"{RESTARTED}: position unknown"),
     ):
         assert row.judge(axis, lost, facts, LIMIT) == f"node 4 (scissor lift){reason}{ending}"

@@ -24,34 +24,34 @@ Well: TypeAlias = Callable[..., Snapshot]
 ALL: Final = None
 FOLLOWS: Final = {
     "emergency stop": (ALL, "disarms", "blocks arming"),
-    "bridge stood still": (ALL, "disarms", "blocks arming"),
+    "bridge stalled": (ALL, "disarms", "blocks arming"),
     "link lost: drives": (ALL, "disarms", "blocks arming"),
-    "another master: drives": (ALL, "disarms", "blocks arming"),
+    "second controller: drives": (ALL, "disarms", "blocks arming"),
     # Arming must not wait for what only arming changes, nor for who speaks of motion afterwards.
     "not armed": (ALL,),
-    "operator silent": (ALL, "parts"),
-    "word too old": (ALL, "blocks arming", "parts"),
-    "word undated": (ALL, "parts"),
-    "operator gone": (ALL, "disarms", "blocks arming"),
-    "controls deflected": (ALL,),
-    "paused": (ALL,),
+    "operator link timeout": (ALL, "parts"),
+    "command stale": (ALL, "blocks arming", "parts"),
+    "command not timestamped": (ALL, "parts"),
+    "operator link lost": (ALL, "disarms", "blocks arming"),
+    "stick not neutral": (ALL,),
+    "operation paused": (ALL,),
     "battery low": (ALL, "disarms", "blocks arming"),
-    "wish unusable": (ALL, "blocks arming"),
+    "command unusable": (ALL, "blocks arming"),
     "steer angle unknown": (ALL, "blocks arming"),
     "lift height unknown": (ALL, "blocks arming"),
     # A lift comes down only when the robot is armed.
     "lift extended": ({"base"},),
     "lift moving": ({"base"},),
     "lift refused": ({"lift"},),
-    "axis silent": (ALL, "disarms", "blocks arming"),
+    "axis timeout": (ALL, "disarms", "blocks arming"),
     "axis fault": (ALL, "disarms", "blocks arming"),
-    "axis rewritten": (ALL, "disarms", "blocks arming", "takes power"),
+    "axis reconfigured": (ALL, "disarms", "blocks arming", "takes power"),
     "axis not enabled": (ALL, "disarms", "blocks arming"),
-    "axis does not follow": (ALL, "disarms", "blocks arming"),
-    "axis moves unasked": (ALL, "disarms", "blocks arming", "takes power"),
-    "axis position repeats": (ALL, "disarms", "blocks arming", "takes power"),
-    "axis zero lost": (ALL, "disarms", "blocks arming"),
-    "axis left out": (ALL, "disarms", "blocks arming"),
+    "tracking error": (ALL, "disarms", "blocks arming"),
+    "uncommanded motion": (ALL, "disarms", "blocks arming", "takes power"),
+    "position not changing": (ALL, "disarms", "blocks arming", "takes power"),
+    "reference lost": (ALL, "disarms", "blocks arming"),
+    "axis excluded": (ALL, "disarms", "blocks arming"),
     "delay limit": (set(),),
     "speed limit": (set(),),
     "tipping limit": (set(),),
@@ -153,7 +153,7 @@ def test_an_axis_that_is_left_out_may_have_no_power_while_it_is_received(
     seen = well(SECOND, drives={"lift": {"power": power, "received_at": SECOND - silence}})
     ruling = gate_of(robot).rule(with_facts(seen, without=frozenset({"lift"})))
     assert [(hold.name, hold.reason) for hold in ruling.holds] == (
-        [("axis left out: lift", "node 4 (scissor lift) has power, and this mode does without it")]
+        [("axis excluded: lift", "node 4 (scissor lift) has power, but this mode excludes it")]
         if holds
         else []
     )

@@ -32,7 +32,7 @@ class ForeignNode:
 
     def joins(self, ride: Ride) -> "ForeignNode":
         """Sit down on the operator's link."""
-        ride.rig.world.attach(f"stranger {self.source}", self, {OPERATOR: ride.rig.operator_wire})
+        ride.rig.world.attach(f"foreign node {self.source}", self, {OPERATOR: ride.rig.operator_wire})
         return self
 
     def talks(self, ride: Ride, at_s: float | None = None, *orders: tuple[int, tuple[float, ...]]) -> None:

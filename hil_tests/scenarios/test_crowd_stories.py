@@ -78,6 +78,6 @@ def test_a_crowd_that_does_not_beat_gets_no_more_than_it_gives(rides: Ridden, *,
     ride.runs_until(8.0)
     assert set(gone) <= {0, *crowd.sent}
     assert all(gone.get(place, 0) <= sent for place, sent in crowd.sent.items())
-    assert speaks or set(gone) == {0}, "who says nothing good is not answered"
+    assert speaks or set(gone) == {0}, "a station that sends nothing good is not answered"
     assert ride.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
     assert gone[0] > 8 * 5_000

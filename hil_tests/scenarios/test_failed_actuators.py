@@ -146,7 +146,7 @@ def test_a_mode_is_not_entered_in_motion_nor_while_armed(rides: Ridden) -> None:
     )
     ride.runs_until(8.0)
     assert "stop and disarm first" in texts(ride)
-    assert abs(ride.now["speed_mps"]) < 0.002, "who asks for another mode does not drive by hand"
+    assert abs(ride.now["speed_mps"]) < 0.002, "a station that requests another mode does not drive by hand"
     ride.runs_until(10.0)
     assert power(ride, "left") is State.OPERATION_ENABLED
 

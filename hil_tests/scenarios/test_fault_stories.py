@@ -26,7 +26,7 @@ def test_a_lift_whose_drive_has_restarted_is_not_taken_for_retracted(rides: Ridd
     ride.runs_until(14.0)
     assert ride.now["lift_m"] > 0.01
     assert ride.fastest(12.0, 14.0) < 0.002, "the lift is up"
-    assert "axis zero lost: lift" in ride.holding
+    assert "reference lost: lift" in ride.holding
 
 
 def test_a_lift_that_states_it_is_not_where_it_was_sent_is_not_armed(rides: Ridden) -> None:
@@ -37,7 +37,7 @@ def test_a_lift_that_states_it_is_not_where_it_was_sent_is_not_armed(rides: Ridd
         (entry.at, entry.text) for entry in ride.operator.diary.entries if entry.at >= from_seconds(11)
     ]
     assert (from_seconds(11), "arm: temporarily rejected") in answers
-    assert any("its zero is lost" in text for _, text in answers)
+    assert any("its reference is lost" in text for _, text in answers)
     assert ride.now["lift_m"] == pytest.approx(0.05, abs=2e-4), "it has not moved"
     assert ride.fastest(9.0, 14.0) < 0.002
 
@@ -47,7 +47,9 @@ def test_late_datagrams_are_a_silent_operator_until_the_first_has_come(rides: Ri
     ride = rides(*DRIVING, seconds=20, faults=[late])
     ride.runs_until(9.0)
     (hold,) = [
-        hold for hold in ride.rig.holds if hold.name == "operator silent" and hold.began > from_seconds(4)
+        hold
+        for hold in ride.rig.holds
+        if hold.name == "operator link timeout" and hold.began > from_seconds(4)
     ]
     assert to_seconds(hold.began) == pytest.approx(6.45, abs=0.06)
     assert hold.ended is not None
@@ -57,7 +59,7 @@ def test_late_datagrams_are_a_silent_operator_until_the_first_has_come(rides: Ri
 def test_the_record_states_which_faults_were_on_and_when(rides: Ridden) -> None:
     faults = (
         fault("frame_loss", 5.0, node="steer", share=0.1, for_s=0.5, title="a loose contact"),
-        fault("nmt_stranger", 5.5, command="start"),
+        fault("nmt_foreign_node", 5.5, command="start"),
         fault("datagram_late", 6.0, by_ms=10),
     )
     ride = rides(*DRIVING, seconds=20, faults=faults)
@@ -65,7 +67,7 @@ def test_the_record_states_which_faults_were_on_and_when(rides: Ridden) -> None:
     found = [(one.kind, one.title, to_seconds(one.began), one.ended) for one in ride.rig.faults.records]
     assert found == [
         ("frame_loss", "a loose contact", 5.0, from_seconds(5.5)),
-        ("nmt_stranger", "", 5.5, from_seconds(5.5)),
+        ("nmt_foreign_node", "", 5.5, from_seconds(5.5)),
         ("datagram_late", "", 6.0, None),
     ]
     assert ride.rig.faults.records[0].nodes == ("steer",)

@@ -73,11 +73,11 @@ def test_a_raised_lift_that_restarted_is_homed_and_the_robot_drives(rides: Ridde
         faults=[fault("drive_restart", 5.2, node="lift", for_s=0.2)],
     )
     one.runs_until(6.4)
-    assert "axis zero lost: lift" in one.holding
+    assert "reference lost: lift" in one.holding
     assert one.now["lift_m"] > 0.04
     one.runs_until(15.9)
     assert one.held("homing: lift")
-    assert not {"homing: lift", "not homed: lift", "axis zero lost: lift"} & one.holding
+    assert not {"homing: lift", "not homed: lift", "reference lost: lift"} & one.holding
     assert one.now["lift_m"] == pytest.approx(0.0, abs=LIFT_ERROR_M)
     assert one.rig.bridge.seen.body.lift_m == pytest.approx(0.0, abs=1e-3)
     assert one.fastest(4.0, 15.9) < 0.002
@@ -99,7 +99,7 @@ def test_steering_that_no_one_has_seen_finds_its_end(rides: Ridden, robot: AnyRo
         stands=False,
     )
     one.runs_until(8.0)
-    assert not {"axis zero lost: steer", "axis zero lost: lift"} & one.holding
+    assert not {"reference lost: steer", "reference lost: lift"} & one.holding
     known = math.degrees(one.rig.bridge.seen.body.steer_rad)
     assert known == pytest.approx(steer_deg(one), abs=0.5)
     assert known == pytest.approx(-END_DEG, abs=0.5)
@@ -138,7 +138,7 @@ def test_it_is_stopped_on_its_way_and_found_by_the_next_order(
     stays(one, 4.2, 5.4)
     assert why in " | ".join(one.held("not homed: steer"))
     one.runs_until(12.5)
-    assert not {"not homed: steer", "axis zero lost: steer"} & one.holding
+    assert not {"not homed: steer", "reference lost: steer"} & one.holding
     assert steer_deg(one) == pytest.approx(-END_DEG, abs=0.5)
     assert kept_back(one) == []
 
@@ -175,7 +175,7 @@ def test_a_drive_that_gives_its_homing_up_has_no_zero(rides: Ridden) -> None:
         stands=False,
     )
     one.runs_until(9.0)
-    assert {"not homed: steer", "axis zero lost: steer"} <= one.holding
+    assert {"not homed: steer", "reference lost: steer"} <= one.holding
     assert "it gave its homing up" in " | ".join(one.held("not homed"))
 
 
@@ -186,7 +186,7 @@ def test_an_encoder_that_stands_still_ends_it(rides: Ridden) -> None:
     )
     on_its_way(one, 3.25)
     one.runs_until(6.0)
-    assert {"not homed: steer", "axis zero lost: steer"} <= one.holding
+    assert {"not homed: steer", "reference lost: steer"} <= one.holding
 
 
 def test_a_plant_without_the_switch_is_refused() -> None:

@@ -57,7 +57,7 @@ def test_an_operator_who_tries_everything_forbidden_gets_no_further(driven: Driv
 
 @pytest.mark.long(beside="test_at_its_threshold_it_stops_the_robot_and_states_why")
 def test_every_interlock_that_an_operator_can_trip_is_tripped_and_states_why(driven: Driven) -> None:
-    holds = summary(driven("interlocks"))["holds"]
+    holds = summary(driven("interlocks"))["interlock_events"]
     assert all(hold["reason"] for hold in holds)
     assert {
         "not armed",
@@ -68,7 +68,7 @@ def test_every_interlock_that_an_operator_can_trip_is_tripped_and_states_why(dri
         "lift refused",
         "lift moving",
         "lift extended",
-        "operator silent",
+        "operator link timeout",
         "emergency stop",
         "axis not enabled: left",
     } <= {hold["name"] for hold in holds}
@@ -82,7 +82,7 @@ def test_nothing_rolls_while_the_lift_is_extended(driven: Driven) -> None:
     frames = [parse_candump(line) for line in (driven("interlocks") / "can.log").read_text().splitlines()]
     lifted = [
         (hold["began_s"], hold["ended_s"])
-        for hold in summary(driven("interlocks"))["holds"]
+        for hold in summary(driven("interlocks"))["interlock_events"]
         if hold["name"] == "lift extended"
     ]
     assert len(lifted) >= 2
@@ -119,13 +119,13 @@ def test_what_goes_wrong_in_the_mission_of_faults_is_held_and_named(driven: Driv
     assert reported["max_acceleration_mps2"] <= LARGEST_ACCELERATION_MPS2
     assert len(reported["faults"]) == len(missions.find("faults", find("rars"), REHEARSAL).fault)
     assert all(fault["title"] for fault in reported["faults"])
-    reasons = " ".join(hold["reason"] for hold in reported["holds"])
+    reasons = " ".join(hold["reason"] for hold in reported["interlock_events"])
     for code in ("0x8110", "0x3220", "0x4210", "0xFF0A", "0x81FD", "0x8130"):
         assert code in reasons
     # Where the index comes first, before or after its turn, hangs on where the wheels stand.
     assert reasons.count("0xFF02") + reasons.count("0xFF03") >= INDEX_FAULTS
-    names = {hold["name"].split(":")[0] for hold in reported["holds"]}
-    assert {"operator silent", "axis silent", "axis fault", "axis not enabled", "not armed"} <= names
+    names = {hold["name"].split(":")[0] for hold in reported["interlock_events"]}
+    assert {"operator link timeout", "axis timeout", "axis fault", "axis not enabled", "not armed"} <= names
 
 
 @pytest.mark.long(beside="test_a_cause_has_the_outcome_that_was_measured")
@@ -133,7 +133,9 @@ def test_nothing_but_rolling_out_follows_a_fault_that_stops_the_robot(driven: Dr
     """From the titles: until the seventeenth second no one stops; after each later fault all do."""
     reported = summary(driven("faults"))
     stopped = [
-        hold["began_s"] for hold in reported["holds"] if hold["name"] in {"not armed", "operator silent"}
+        hold["began_s"]
+        for hold in reported["interlock_events"]
+        if hold["name"] in {"not armed", "operator link timeout"}
     ]
     for fault in reported["faults"]:
         soon = [at for at in stopped if fault["began_s"] <= at <= fault["began_s"] + 1.0]

@@ -124,7 +124,7 @@ def test_another_master_s_frames_are_held_against_him(rides: Ridden) -> None:
         faults=[fault("stray_frames", 5.0, identifier=0x501, data="060000000000", for_s=1.0)],
     )
     one.runs_until(7.0)
-    assert one.held("another master: drives")
+    assert one.held("second controller: drives")
     assert one.fastest(6.5, 7.0) < 0.01
 
 

@@ -117,7 +117,7 @@ def test_the_station_drives_over_the_link_and_both_sides_find_out_how_slow_it_is
     assert values["RTT"] == pytest.approx(0.4, abs=0.01)
     assert values["AGE"] == pytest.approx(0.2, abs=0.06)
     assert driven.station.link.round_trip(from_seconds(11.0)) == pytest.approx(from_seconds(0.4), abs=1e7)
-    assert "word too old" not in driven.holds
+    assert "command stale" not in driven.holds
 
 
 @pytest.mark.long(beside="test_a_point_that_follows_a_line_late_settles_below_it_and_swings_above")

@@ -239,5 +239,5 @@ def test_a_bridge_that_was_given_where_its_axes_stand_is_informed_again(tmp_path
     for one in (Order(RARS, log, into=Into.BRIDGE), Order(RARS, tlog, into=Into.BENCH)):
         assert replay(replace(one, stands=stated)).difference is None
         assert replay(one).difference is not None
-    with pytest.raises(RecordingFileError, match=r"can\.log: the drives are told no place, a bridge is"):
+    with pytest.raises(RecordingFileError, match=r"can\.log: the drives take no position, a bridge does"):
         replay(Order(RARS, log, into=Into.DRIVES, stands=stated))

@@ -159,7 +159,9 @@ def test_one_changed_bit_of_what_it_has_received_is_another_run(title: str, tmp_
     outcome = replay(Order(RUNS[title].robot, with_lines(folder_of(title), changed, tmp_path)))
     assert outcome.difference is not None
     received_at = parse_chunk(lines[place])[0]
-    assert received_at < outcome.until < received_at + 100 * MILLISECOND, "what it says next is another word"
+    assert received_at < outcome.until < received_at + 100 * MILLISECOND, (
+        "what it reports next is another word"
+    )
 
 
 @pytest.mark.long(beside="test_one_changed_bit_of_what_the_bridge_has_sent_is_named_by_its_line")
@@ -225,7 +227,7 @@ def test_a_machine_that_was_late_is_late_again(
     (tmp_path / WORDS).unlink()
     order = Order(run.robot, tmp_path)
     if run is not BUS:
-        with pytest.raises(RecordingFileError, match="do not tell when the bridge was started; give"):
+        with pytest.raises(RecordingFileError, match="do not show when the bridge was started; give"):
             replay(order)
     (tmp_path / WORDS).write_bytes(b"".join(words))
     outcome = replay(order)

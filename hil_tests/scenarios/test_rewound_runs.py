@@ -37,7 +37,7 @@ FAULTS: Final[Sequence[Fault]] = (
     fault("can_cut", 19.4, between=["steer", "lift"], for_s=0.3),
     fault("can_swapped", 18.9, node="right", for_s=0.1),
     fault("bus_off", 19.2, node="bridge", for_s=0.1),
-    fault("nmt_stranger", 10.45, command="reset_node", node="left"),
+    fault("nmt_foreign_node", 10.45, command="reset_node", node="left"),
     fault("node_silent", 10.5, node="steer", for_s=0.05),
 )
 Act = Callable[[Ride], None]
@@ -144,7 +144,7 @@ def kept() -> Iterator[Kept]:
 
 def test_the_story_has_everything_that_may_be_forgotten(straight: Straight) -> None:
     held = {hold.name.split(":")[0] for hold in straight.one.rig.holds}
-    assert {"starting", "not armed", "axis silent", "axis fault", "emergency stop", "lift moving"} <= held
+    assert {"starting", "not armed", "axis timeout", "axis fault", "emergency stop", "lift moving"} <= held
     assert straight.one.rig.operator_wire.lost > 0
     assert all(record.ended is not None for record in straight.one.rig.faults.records)
     assert len(straight.one.rig.faults.records) == len(FAULTS)

@@ -110,11 +110,11 @@ def test_an_orbit_too_large_for_the_base_takes_its_time_and_states_so() -> None:
     ("faults", "name"),
     [
         (fault(8.0, "board_reset", 'link = "arm"'), "axis restarted: j1"),
-        (fault(8.0, "board_reset", 'link = "board"'), "axis silent: one"),
-        (fault(8.0, "board_hangs", 'link = "arm"'), "axis silent: j1"),
-        (fault(8.0, "board_hangs", 'link = "board"'), "axis silent: one"),
-        (fault(8.0, "board_silent", 'link = "arm"\nfor_s = 4.0'), "axis silent: j1"),
-        (fault(8.0, "board_silent", 'link = "board"\nfor_s = 4.0'), "axis silent: one"),
+        (fault(8.0, "board_reset", 'link = "board"'), "axis timeout: one"),
+        (fault(8.0, "board_hangs", 'link = "arm"'), "axis timeout: j1"),
+        (fault(8.0, "board_hangs", 'link = "board"'), "axis timeout: one"),
+        (fault(8.0, "board_silent", 'link = "arm"\nfor_s = 4.0'), "axis timeout: j1"),
+        (fault(8.0, "board_silent", 'link = "board"\nfor_s = 4.0'), "axis timeout: one"),
     ],
     ids=["arm reset", "base reset", "arm hangs", "base hangs", "arm silent", "base silent"],
 )

@@ -81,7 +81,9 @@ def test_the_line_mission_arrives_as_over_can(driven: Callable[[AnyRobot, str], 
     assert through["path_length_m"] == pytest.approx(over_can["path_length_m"], abs=0.002)
     assert through["max_speed_mps"] == pytest.approx(over_can["max_speed_mps"], abs=0.001)
     assert through["odometry_error_m"] == pytest.approx(over_can["odometry_error_m"], abs=0.001)
-    assert {hold["name"] for hold in through["holds"]} == {hold["name"] for hold in over_can["holds"]}
+    assert {hold["name"] for hold in through["interlock_events"]} == {
+        hold["name"] for hold in over_can["interlock_events"]
+    }
     (line,) = through["lines"]
     assert over_can["lines"] == []
     assert (line["protocol"], line["baud"], line["cycle_ms"]) == ("v2", 1_000_000, 50.0)
@@ -101,13 +103,13 @@ def test_every_interlock_holds_as_over_can(driven: Callable[[AnyRobot, str], Pat
     )
     # A line reads the currents one by one: after a hard stop it may keep the power where CAN lets go.
     holds = [
-        [hold for hold in reported["holds"] if hold["name"] != "held with power"]
+        [hold for hold in reported["interlock_events"] if hold["name"] != "held with power"]
         for reported in (over_can, through)
     ]
     names, began = ([[hold[key] for hold in reported] for reported in holds] for key in ("name", "began_s"))
     assert names[0] == names[1]
     # The set-up takes longer; what is wrong then follows it.
-    first = ["starting", "not armed", "axis zero lost: steer", "axis zero lost: lift"]
+    first = ["starting", "not armed", "reference lost: steer", "reference lost: lift"]
     assert names[0][: len(first)] == first
     assert began[1][len(first) :] == pytest.approx(began[0][len(first) :], abs=0.15)
     assert through["max_speed_mps"] < 0.502
@@ -207,7 +209,7 @@ def test_a_drive_behind_the_gateway_that_falls_silent_stops_the_robot(rides: Rid
     one.runs_until(CUT_S)
     one.rig.world.silence("steer", one.rig.world.now)
     one.runs_until(CUT_S + 0.35)
-    assert "axis silent: steer" in one.holding
+    assert "axis timeout: steer" in one.holding
     assert not armed(one)
     assert one.stands_from(CUT_S, slower_than=0.01) < CUT_S + 0.6
     one.rig.world.silence("steer", NEVER)

@@ -144,9 +144,9 @@ def test_the_robot_is_armed_over_the_line_loses_it_and_is_armed_again(
     comes("link lost: drives: the serial line to the drives is gone (plug the adapter in again, then arm)")
     comes("  disarmed")
     start(*emulation)
-    comes("lets go: link lost: drives")
+    comes("cleared: link lost: drives")
     until(
-        lambda: bridge.reported.count("lets go: axis zero lost") == 4,
+        lambda: bridge.reported.count("cleared: reference lost") == 4,
         lambda: bridge.reported,
         operator.stands,
     )
@@ -185,9 +185,9 @@ def test_a_second_station_on_another_port_clears_and_arms_nothing_but_may_stop(
     other.orders(185, 1.0)
     until(lambda: bridge.states("  disarmed"), lambda: bridge.reported, operator.holds_the_stick)
     later(1, both)
-    assert not bridge.states("lets go: emergency stop")
+    assert not bridge.states("cleared: emergency stop")
     operator.orders(5300, 1.0)
-    until(lambda: bridge.states("lets go: emergency stop"), lambda: bridge.reported, operator.holds_the_stick)
+    until(lambda: bridge.states("cleared: emergency stop"), lambda: bridge.reported, operator.holds_the_stick)
     other.leaves()
     assert bridge.ends() == 0, bridge.reported
 
@@ -206,11 +206,11 @@ def test_a_second_station_on_another_port_clears_and_arms_nothing_but_may_stop(
         ),
         (("--zero", "lift"), "--zero lift: say AXIS=VALUE"),
         (("--zero", "lift=up"), "--zero lift=up: say AXIS=VALUE"),
-        (("--zero", "lift=0", "--zero", "lift=1"), "--zero lift=1: lift is said twice"),
+        (("--zero", "lift=0", "--zero", "lift=1"), "--zero lift=1: lift is given twice"),
         (("--zero", "lift=2"), "zero: lift at 2 m is not within 0 to 1.116"),
         (
             ("--zero", "left=0"),
-            "zero: no one has to tell where left stands; to be told: steer (deg), lift (m)",
+            "zero: no position to confirm for left; to be confirmed: steer (deg), lift (m)",
         ),
         (("--baud", "9600"), "--protocol and --baud are of a serial port; name it with --serial DEVICE"),
     ],

@@ -148,7 +148,7 @@ def test_what_friction_seemed_to_explain_is_caught_when_it_rolls(rides: Ridden, 
     """It came to rest from above: friction holds part of the slope while the current is looked at."""
     one = rides(ARMED, *DOWNHILL, STOPPED, seconds=20, robot=on_slope(degrees))
     one.runs_until(STOPPED_S + 3.5)
-    assert "moved when it was let go" in one.held("held with power")[0]
+    assert "moved when its power was disabled" in one.held("held with power")[0]
     assert powered(one) == [True, True, False, False], "what holds by itself is not given power again"
     assert 0.001 < went(one, STOPPED_S) < ALLOWED_M
     assert one.fastest(STOPPED_S + 3.0) < 0.003
@@ -230,7 +230,7 @@ def test_ctrl_c_on_a_slope_holds_and_a_second_one_within_5_s_lets_go(
     one.ends()
     one.runs(0.5)
     assert bridge.phase is Phase.STOPPING, "more than 5 s after it was first held: it is a first one again"
-    assert "Ctrl-C within 5 s lets go" in {hold.name: hold.reason for hold in bridge.holds}["ending"]
+    assert "Ctrl-C within 5 s powers down" in {hold.name: hold.reason for hold in bridge.holds}["ending"]
     assert went(one, STOPPED_S) < 0.001
     one.runs(4.0)
     one.ends()
@@ -284,4 +284,4 @@ def test_a_driver_that_reports_no_current_keeps_the_power(
     one.runs_until(STOPPED_S + 1.5)
     assert states(one) == {State.QUICK_STOP_ACTIVE}
     reason = one.held("held with power")[0]
-    assert reason == "held with power: the current with which node 1 (left rear wheel) stands is not known"
+    assert reason == "held with power: the holding current of node 1 (left rear wheel) is not known"

@@ -104,11 +104,11 @@ def test_a_robot_is_driven_by_channels_and_stops_when_they_cease(rides: Ridden) 
     assert ride.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
     station.word = None
     ride.runs_until(8.0)
-    assert "operator silent" in ride.holding
+    assert "operator link timeout" in ride.holding
     assert ride.stands_from(6.0, slower_than=0.005) < 6.0 + 0.55 + 0.35
     station.word = channels(1700)
     ride.runs_until(9.0)
-    assert "controls deflected" in ride.holding
+    assert "stick not neutral" in ride.holding
     assert ride.fastest(8.0) < 0.005
     station.word = channels(1500)
     ride.runs_until(10.0)
@@ -138,7 +138,7 @@ def test_channels_report_no_age_and_are_obeyed_where_such_words_are(
     station.word = channels(1700)
     ride.runs_until(6.0)
     assert ride.now["speed_mps"] == pytest.approx(speed, abs=0.005)
-    assert ("word undated" in ride.holding) is (age is UnknownAge.REFUSE)
+    assert ("command not timestamped" in ride.holding) is (age is UnknownAge.REFUSE)
 
 
 def test_offboard_drives_and_hold_stops_whatever_set_points_go_on(rides: Ridden) -> None:
@@ -151,7 +151,7 @@ def test_offboard_drives_and_hold_stops_whatever_set_points_go_on(rides: Ridden)
     assert 6 << 16 in station.modes
     station.orders(MODE, 1.0, 4.0, 3.0)
     ride.runs_until(8.0)
-    assert "paused" in ride.holding
+    assert "operation paused" in ride.holding
     assert ride.stands_from(6.0, slower_than=0.005) < 6.0 + 0.1 + 0.35
     assert 4 << 16 | 3 << 24 in station.modes
     station.orders(MODE, 1.0, 6.0)

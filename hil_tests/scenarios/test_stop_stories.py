@@ -7,6 +7,7 @@ import pytest
 from emulators.robots.rars import RarsStep as Step
 from emulators.wires import DatagramWire
 from firmware_bridge.bridge import Bridge, Phase
+from firmware_bridge.bridge.stops import NOT_ACKNOWLEDGED
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.kinds import find, kind_of
 from firmware_bridge.node import CAN, OPERATOR
@@ -26,6 +27,7 @@ RARS: Final[AnyRobot] = find("rars")
 LINKS: Final = {"can": RARS, "serial": over_serial(RARS)}
 DRIVING: Final = (ARMED, step(4.0, speed_mps=0.3))
 NOT_RECEIVING_S: Final = 6.0
+LEFT: Final = "node 1 (left rear wheel)"
 UNPOWERED: Final = (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.SWITCHED_ON)
 BEAT: Final = canopen.ERROR_CONTROL + RARS.epos2_link("drives").bridge_node
 
@@ -36,7 +38,7 @@ deafened = pytest.mark.parametrize("command", ["stop", "enter_pre_operational", 
 def driven(rides: Ridden, link: str, *steps: Step, command: str | None = None, fresh: bool = False) -> Ride:
     """Drive at 0.3 m/s, where a third party's network command meets the left wheel's drive."""
     faults = (
-        () if command is None else (fault("nmt_stranger", NOT_RECEIVING_S, command=command, node="left"),)
+        () if command is None else (fault("nmt_foreign_node", NOT_RECEIVING_S, command=command, node="left"),)
     )
     own_bench = {"robot": LINKS[link]} if fresh or link != "can" else {}
     return rides(*DRIVING, *steps, seconds=20, faults=faults, **own_bench)
@@ -48,7 +50,7 @@ def states(one: Ride) -> list[State | None]:
 
 
 def reported(one: Ride) -> set[str]:
-    return {hold.name for hold in one.rig.holds if "unconfirmed" in hold.name}
+    return {hold.reason.partition(";")[0] for hold in one.rig.holds if hold.name.startswith(NOT_ACKNOWLEDGED)}
 
 
 def unpowered(one: Ride) -> bool:
@@ -134,8 +136,8 @@ def test_a_drive_that_receives_only_the_heartbeat_stops_when_it_is_withheld(ride
     left = one.rig.devices.drives["left"]
     assert state_of(left.store.get(at.STATUSWORD)) is State.FAULT
     assert left.store.get(at.Address(0x1003, 1)) == 0x8130
-    assert "power off by SDO unconfirmed: left" in reported(one)
-    assert "silence unconfirmed: left" not in reported(one), "it was enough"
+    assert f"{LEFT}: power off by SDO not acknowledged" in reported(one)
+    assert f"{LEFT}: silence not acknowledged" not in reported(one), "it was enough"
 
 
 def test_a_drive_without_a_watch_that_receives_only_the_network_is_reset_at_last(rides: Ridden) -> None:
@@ -148,8 +150,8 @@ def test_a_drive_without_a_watch_that_receives_only_the_network_is_reset_at_last
     assert unpowered(one)
     one.runs_until(14.0)
     assert one.fastest(13.5, 14.0) < 0.003, "it rolls out"
-    assert "silence unconfirmed: left" in reported(one)
-    assert "the drive's zero is lost" in one.held("silence unconfirmed: left")[0]
+    assert f"{LEFT}: silence not acknowledged" in reported(one)
+    assert any("the drive's zero is lost" in reason for reason in one.held(f"{NOT_ACKNOWLEDGED}: left"))
     assert one.rig.guard.refused == 0
 
 
@@ -158,9 +160,8 @@ def test_where_nothing_helps_the_operator_and_the_program_say_so(rides: Ridden) 
     one.runs_until(NOT_RECEIVING_S + 0.01)
     receives_only(one)
     one.runs_until(12.0)
-    assert one.held("reset unconfirmed: left") == [
-        "node 1 (left rear wheel): reset unconfirmed; nothing is left to try; it may go on moving"
-    ]
+    last = one.held(f"{NOT_ACKNOWLEDGED}: left")[-1]
+    assert last == f"{LEFT}: reset not acknowledged; nothing is left to try; it may go on moving"
     ended(one, 4.0)
     assert one.rig.bridge.unconfirmed == ("node 1 (left rear wheel)",)
     assert states(one)[0] is State.OPERATION_ENABLED, "only the battery switch is left"
@@ -245,9 +246,9 @@ def test_another_master_stops_the_robot_and_blocks_arming_while_it_is_received(
         one.runs(0.25)
     assert one.stands_from(NOT_RECEIVING_S, slower_than=0.01) < NOT_RECEIVING_S + 0.8
     assert not one.now["armed"]
-    assert one.held("another master: drives") == [reported]
+    assert one.held("second controller: drives") == [reported]
     one.runs_until(11.0)
-    assert "another master: drives" not in one.holding
+    assert "second controller: drives" not in one.holding
     assert one.now["armed"]
 
 
@@ -270,10 +271,10 @@ def test_a_drive_that_someone_else_has_written_to_stops_and_is_set_up_again(
     one.runs_until(8.0)
     assert one.stands_from(NOT_RECEIVING_S, slower_than=0.01) < NOT_RECEIVING_S + 1.2
     assert not one.now["armed"]
-    (reported,) = one.held("axis rewritten: left")
+    (reported,) = one.held("axis reconfigured: left")
     assert f"601#{frame}" in reported
     assert states(one)[0] in UNPOWERED, "no one knows what it would do"
     one.runs_until(12.5)
-    assert "axis rewritten: left" not in one.holding
+    assert "axis reconfigured: left" not in one.holding
     assert one.now["armed"]
     assert drive.store.get(at.CONSUMER_HEARTBEAT_1) == watched

@@ -75,7 +75,7 @@ def test_another_master_drives_the_disarmed_robot_no_further(bench: Bench, clien
     assert client.is_reported("someone else sends"), client.texts
     comes_to_rest(bench, 3.0)
     for node in WHEELS:
-        assert bench.eye.state(node) in DISABLED, "what moves unasked loses its power"
+        assert bench.eye.state(node) in DISABLED, "what moves uncommanded loses its power"
 
 
 @pytest.mark.parametrize("at_once", [True, False], ids=["ended at once", "not ended"])
@@ -90,7 +90,7 @@ def test_a_second_bridge_leaves_the_first_one_s_robot_alone(
         client.states_until(0.0, lambda: second.printed, 40.0, "the second one has begun")
         second.process.send_signal(signal.SIGINT)
     client.states_until(0.0, lambda: second.process.poll() is not None, 40.0, "its end")
-    for word in ("another master", "axis fault", "axis restarted", "axis not enabled"):
+    for word in ("second controller", "axis fault", "axis restarted", "axis not enabled"):
         assert f"holds: {word}" not in first.printed[before:], first.printed
     client.arms()  # who was silent for long
     bench.gets_under_way(client, 0.2)

@@ -64,7 +64,7 @@ def test_a_raised_lift_that_restarts_is_believed_where_someone_saw_it(rides: Rid
         faults=[fault("drive_restart", 9.0, node="lift", for_s=0.2)],
     )
     one.runs_until(14.4)
-    assert "axis zero lost: lift" in one.holding
+    assert "reference lost: lift" in one.holding
     assert one.fastest(9.5, 14.4) < 0.002
     assert one.now["lift_m"] == pytest.approx(RAISED_M, abs=LIFT_ERROR_M)
     one.runs_until(17.4)
@@ -97,7 +97,7 @@ def test_steering_that_restarts_at_45_degrees_does_not_run_into_its_stop(
         faults=[fault("drive_restart", 10.0, node="steer", for_s=0.2)],
     )
     one.runs_until(15.9)
-    assert "axis zero lost: steer" in one.holding
+    assert "reference lost: steer" in one.holding
     assert one.fastest(11.5, 15.9) < 0.002
     assert steer_deg(one) == pytest.approx(TURNED_DEG, abs=STEER_ERROR_DEG), "it stays where it was"
     one.runs_until(21.9)
@@ -125,7 +125,7 @@ def test_a_lift_that_restarts_on_its_way_is_disarmed_and_stays(rides: Ridden, ro
     assert 0.02 < stood < 0.28
     one.runs_until(17.0)
     assert one.now["lift_m"] == pytest.approx(stood, abs=1e-3)
-    assert "axis zero lost: lift" in one.holding
+    assert "reference lost: lift" in one.holding
     assert one.operator.diary.armed is False
 
 
@@ -135,9 +135,9 @@ def test_a_robot_that_starts_with_its_lift_up_is_not_armed_unseen(rides: Ridden,
     """Its bridge has never seen it before; an operator who says nothing drives nothing."""
     one = rides(ARMED, step(4.0, speed_mps=0.2), seconds=8, robot=robot, stands=False)
     one.runs_until(7.0)
-    assert {"axis zero lost: steer", "axis zero lost: lift"} <= one.holding
+    assert {"reference lost: steer", "reference lost: lift"} <= one.holding
     assert one.fastest() < 0.002
-    assert "look where it stands, and say so" in reported(one)
+    assert "look where it stands, and confirm it" in reported(one)
 
 
 @pytest.mark.long(beside="test_a_stop_in_the_middle_leaves_it_lost_and_the_drive_is_set_up_again")
@@ -155,7 +155,7 @@ def test_an_emergency_stop_while_a_zero_is_set_leaves_it_lost(rides: Ridden) -> 
         stands=False,
     )
     one.runs_until(7.9)
-    assert "axis zero lost: lift" in one.holding
+    assert "reference lost: lift" in one.holding
     one.runs_until(11.0)
     assert answers(one, 8.0)[-1] == "arm: accepted"
     assert kept_back(one) == []
@@ -173,7 +173,7 @@ def test_a_wheel_that_restarts_needs_no_one(rides: Ridden) -> None:
     )
     one.runs_until(12.0)
     assert one.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
-    assert not one.held("axis zero lost: left")
+    assert not one.held("reference lost: left")
 
 
 @pytest.mark.long(keeps=["can-0.05-right", "serial-0.339-left"])

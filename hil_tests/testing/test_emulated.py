@@ -26,7 +26,7 @@ def interfaces(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_vcan_is_taken_where_it_is_and_else_datagrams(interfaces: Path) -> None:
     assert buses.buses(None)[0] == Bus("loopback_multicast", GROUPS[0])
-    assert buses.buses("vcan") == (Bus("socketcan", "vcan0"),), "so that its absence is said by its name"
+    assert buses.buses("vcan") == (Bus("socketcan", "vcan0"),), "so that its absence is reported by its name"
     for name in ("vcan1", "can0", "vcan0"):
         (interfaces / name).touch()
     assert buses.buses(None) == (Bus("socketcan", "vcan0"), Bus("socketcan", "vcan1"))

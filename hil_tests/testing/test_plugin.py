@@ -30,7 +30,7 @@ STORIES = """
     import pytest
 
     def test_begins_where_the_first_test_began(rig, recording):
-        assert rig.holds == {}
+        assert rig.interlock_events == {}
         assert rig.body.speed == pytest.approx(0.0, abs=1e-3)
         assert rig.operator.texts[-1] == "armed"
         assert rig.now < 3.1
@@ -42,7 +42,7 @@ STORIES = """
         fault("frame_loss")
         rig.runs(1)
         assert len(recording.frames) < before + 40
-        assert any(name.startswith("axis silent") for name in rig.holds)
+        assert any(name.startswith("axis timeout") for name in rig.interlock_events)
 
     @pytest.mark.robot("rome")
     @pytest.mark.seeds(2)
@@ -86,13 +86,13 @@ def test_the_stories_of_the_page_and_others(pytester: pytest.Pytester, run: Run)
 
 def test_a_failing_test_states_what_held_and_keeps_what_happened(pytester: pytest.Pytester, run: Run) -> None:
     pytester.makeini("[pytest]\nrig_robot = rars")
-    pytester.makepyfile(test_it=BLOCKS["test_silence"].replace('"operator silent"', '"boredom"'))
+    pytester.makepyfile(test_it=BLOCKS["test_silence"].replace('"operator link timeout"', '"boredom"'))
     result = run("--kept", "left", "--seed", "3", "--no-pictures", "--report-page", "new/page.html")
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(
         [
             "rars, seed 3, at 6.01 s of virtual time",
-            "*operator silent: no motion command for 0.50 s, limit 0.50 s",
+            "*operator link timeout: no motion command for 0.50 s, limit 0.50 s",
             "*step: falls silent",
             "kept in left/test_it.py-test_silence: can.log, operator.tlog, samples.csv",
         ]
@@ -101,7 +101,7 @@ def test_a_failing_test_states_what_held_and_keeps_what_happened(pytester: pytes
     assert "page: new/page.html" in result.outlines
     page = (pytester.path / "new" / "page.html").read_text(encoding="utf-8")
     assert "again: <code>pytest test_it.py::test_silence --seed 3</code>" in page
-    assert "operator silent: no motion command for 0.50 s, limit 0.50 s" in page
+    assert "operator link timeout: no motion command for 0.50 s, limit 0.50 s" in page
     assert "assert &#x27;boredom&#x27; in" in page
     (folder,) = (pytester.path / "left").iterdir()
     assert " drives 701#00\n" in (folder / "can.log").read_text(encoding="ascii")
@@ -119,8 +119,8 @@ def test_dead_encoder(rig):
     rig.operator.drives(0.2)
     rig.fault("motor_cable_off", node="two", for_s=0.5)
     rig.runs(1.0)
-    assert all(hold.began_s == hold.began / 1e9 for hold in rig.held)
-    assert "axis position repeats: one" in rig.holds
+    assert all(hold.began_s == hold.began / 1e9 for hold in rig.interlock_history)
+    assert "position not changing: one" in rig.interlock_events
 """
     )
     result = run("--robot", "rome", "--no-pictures")

@@ -106,7 +106,7 @@ os.kill(os.getpid(), 9)
 """
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells a process that its parent is gone")
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux informs a process that its parent is gone")
 def test_a_test_session_that_is_killed_leaves_no_program_behind(tmp_path: Path) -> None:
     killed = subprocess.run(
         [sys.executable, "-c", ORPHAN, str(tmp_path / "child.txt")],

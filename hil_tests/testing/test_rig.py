@@ -28,7 +28,7 @@ def traces(rig: VirtualRig) -> tuple[object, ...]:
     return (
         rig.bench.world.trace_sha256,
         rig.recording.chunks,
-        rig.held,
+        rig.interlock_history,
         rig.operator.texts,
         rig.bench.samples.csv(),
     )
@@ -57,7 +57,7 @@ def test_a_branch_has_not_been(rig: VirtualRig) -> None:
     with rig.branch():
         rig.operator.stops()
         rig.runs(0.5)
-        assert "emergency stop" in rig.holds
+        assert "emergency stop" in rig.interlock_events
     assert traces(rig) == before
     rig.runs(0.5)
     assert rig.body.speed > 0.15
@@ -78,9 +78,11 @@ def test_a_rig_that_was_broken_off_is_made_again(kept: Kept, rig: VirtualRig) ->
 
 def test_the_operator_falls_silent_and_comes_back(rig: VirtualRig) -> None:
     rig.operator.falls_silent()
-    assert rig.runs_until(lambda: "operator silent" in rig.holds, within=1.0) == pytest.approx(0.5, abs=0.06)
+    assert rig.runs_until(
+        lambda: "operator link timeout" in rig.interlock_events, within=1.0
+    ) == pytest.approx(0.5, abs=0.06)
     rig.operator.comes_back()
-    rig.runs_until(lambda: "operator silent" not in rig.holds, within=1.0)
+    rig.runs_until(lambda: "operator link timeout" not in rig.interlock_events, within=1.0)
     with pytest.raises(AssertionError, match=r"not so within 0.1 s of virtual time, at \d"):
         rig.runs_until(lambda: rig.body.speed > 1.0, within=0.1)
 

@@ -24,7 +24,7 @@ def test_the_host_states_its_part_through_noise(exchange: Exchange, generation: 
     answered = generation in row_of(exchange.request).answered
     for _ in range(2):
         for chunk in cut(NOISE[generation]):
-            assert host.receive(chunk, 0) is None, "no one has asked"
+            assert host.receive(chunk, 0) is None, "no request was sent"
         host.ask(encode_request(exchange.request), 0, answered=answered)
         outcome, in_frame = None, False
         for who, turn in groupby(dialogue(exchange, generation), key=lambda part: part[0]):

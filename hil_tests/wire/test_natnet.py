@@ -287,7 +287,7 @@ def test_a_version_that_no_one_has_described_is_refused(version: Version) -> Non
 def test_a_list_of_another_length_than_stated_is_refused() -> None:
     payload = bytearray(split(LOST_4_1)[1])
     payload[payload.index(b"\x26\0\0\0")] = 0x27
-    with pytest.raises(NatNetError, match="bodies: said to be 39 bytes long, and 38 by its items"):
+    with pytest.raises(NatNetError, match="bodies: 39 bytes long by its header, and 38 by its items"):
         frames.decoded(bytes(payload), Version(4, 1))
 
 

@@ -21,7 +21,7 @@ TRACK: Final = 0.10
 DIAMETER: Final = 4.0 * TRACK
 DRAWN: Final = (13.3, 20.0, 500.0)
 RATIOS: Final = (13.3, 15.0, 20.0, 50.0, 200.0, 500.0, 2000.0)
-FIGURES: Final = "The source's figures are not at hand, only what its text says of them."
+FIGURES: Final = "The source's figures are not at hand, only what its text states about them."
 RADII: Final = (
     'Its radii of 2e5, 2e2 and 0.5e2 "m" do not fit its ratios: what is driven here goes by the ratio, with '
     "wheels and caster of the validation robot."

@@ -26,9 +26,9 @@ _RECOVERY: Final = {
     Recovery.RESET_NODE: "reset node",
 }
 _ENABLED: Final = {
-    FaultReaction.NONE: "told only",
+    FaultReaction.NONE: "reported only",
     FaultReaction.DISABLE: "power off at once, Fault",
-    FaultReaction.QUICK_STOP: "as 0x605E says, by default ramp with 0x6085; power off, Fault",
+    FaultReaction.QUICK_STOP: "by 0x605E, by default ramp with 0x6085; power off, Fault",
 }
 CONNECTION: Final = 0x8130
 UNTESTED: Final = "no cause in the emulation yet"
@@ -42,12 +42,12 @@ def cells(row: Emergency, tests: Tests) -> tuple[str, ...]:
     reported_only = row.reaction is FaultReaction.NONE
     powered = _ENABLED[row.reaction]
     if row.code == CONNECTION:
-        powered = "as 0x6007 says, by default ramp with 0x6085; power off, Fault"
+        powered = "by 0x6007, by default ramp with 0x6085; power off, Fault"
     return (
         f"0x{row.code:04X}",
         row.cause,
         f"0x{row.register:02X}",
-        "told only" if reported_only else "Fault",
+        "reported only" if reported_only else "Fault",
         powered,
         "none needed" if reported_only else _RECOVERY[row.recovery],
         row.provenance.value,

@@ -9,7 +9,7 @@ from pydantic.fields import FieldInfo
 from emulators.bench.faults import KINDS, Kind
 from emulators.cli.faults import COMMON
 
-HEADINGS: Final = ("key", "what it says", "values", "without it")
+HEADINGS: Final = ("key", "what it reports", "values", "without it")
 _SIGNS: Final = MappingProxyType({"ge": ">=", "gt": ">", "le": "<=", "lt": "<"})
 """How pydantic calls a bound."""
 

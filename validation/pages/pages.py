@@ -239,7 +239,7 @@ def _safety(measured: Mapping[str, Sequence[str]]) -> str:
             *filter(None, (watchdog_text(robot),)),
             f"### What stops `{robot.name}`",
             table(safety.HEADINGS, safety.interlocks(kind, robot)),
-            "### What clips a wish",
+            "### What limits a command",
             table(safety.LIMIT_HEADINGS, safety.limits(kind, robot)),
             "### How far its axes are believed",
             BELIEF_TEXT,
@@ -321,7 +321,9 @@ STOP_TEXT: Final = """* **QGroundControl** takes the robot for a generic rover. 
 * **pymavlink, MAVProxy, DroneKit**: modes `MANUAL`, `GUIDED`, `HOLD`; `rc` overrides.
 * **MAVROS**: `setpoint_velocity` with `mav_frame: BODY_NED`, `setpoint_raw`, `manual_control`, and
   `rc/override`."""
-COMMANDS_TEXT: Final = "\\* Of who does not drive, what asks, and what stops; all else is refused in words."
+COMMANDS_TEXT: Final = (
+    "\\* From a station without control: requests and stops; all else is refused by a text."
+)
 
 
 def _stations() -> str:
@@ -342,7 +344,7 @@ def _stations() -> str:
         table(stations.CHANNEL_HEADINGS, stations.channels()),
         "## Set-points",
         MASKS_TEXT,
-        "## What is told",
+        "## Texts",
         NARROW_TEXT.format(full=full, slow=slow),
         table(stations.STREAM_HEADINGS, stations.streams()),
         "## Commands",

@@ -35,7 +35,7 @@ AXIS_HEADINGS: Final = (
 BELIEF_HEADINGS: Final = (
     "axis", "stands below", "speed", "position", "ramp", "cruise", "lag", "repeats", "holds with", "within"
 )  # fmt: skip
-AGE_HEADINGS: Final = ("from", "dated", "tells")
+AGE_HEADINGS: Final = ("from", "dated", "notes")
 UNPOWERED_HEADINGS: Final = ("axis", "without power", "friction")
 BOUND_HEADINGS: Final = (
     "axis", "on the link", "silent after", "top speed", "travel", "zero", "on the wire", "rows"

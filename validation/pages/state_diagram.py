@@ -5,7 +5,7 @@ from typing import Final
 from emulators.epos2.control.power_states import TRANSITIONS, Happening, RampOption, Stage, Transition
 from firmware_bridge.wire.cia402 import Command, State
 
-HEADINGS: Final = ("no.", "from", "on", "to", "power stage", "slow-down asked by")
+HEADINGS: Final = ("no.", "from", "on", "to", "power stage", "slow-down requested by")
 _FAULT: Final = 13
 
 

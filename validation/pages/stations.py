@@ -26,8 +26,8 @@ WAYS: Final = {
 """Where an axis goes with more microseconds, by its sign."""
 Cells: TypeAlias = tuple[str, ...]
 RADIO_BIT_S: Final = 57_600
-MODE_HEADINGS: Final = ("mode", "number", "in PX4's numbers: main, sub", "also asked for by")
-STREAM_HEADINGS: Final = ("message", "on a network", f"on {RADIO_BIT_S} bit/s", "tells")
+MODE_HEADINGS: Final = ("mode", "number", "in PX4's numbers: main, sub", "also requested by")
+STREAM_HEADINGS: Final = ("message", "on a network", f"on {RADIO_BIT_S} bit/s", "content")
 COMMAND_HEADINGS: Final = ("command", "number", "of whom", "does")
 STICK_HEADINGS: Final = ("robot", *(name for name, _ in AXES.values()), "buttons")
 CHANNEL_HEADINGS: Final = ("channel", "is", "2000 us is")

@@ -113,7 +113,7 @@ def delay(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                 ),
                 "v = 0.5 m/s, L = 0.5 m, from (4.5, 0) looking radially out, h2 = 0 (5.3): the "
                 "look-ahead circle only touches the path there, so it is enlarged, by 1.1 (ASSUME). The "
-                "robot does at once what it is told.",
+                "robot does at once what it is commanded.",
             ),
             Plot(
                 "The same, from above",

@@ -34,7 +34,7 @@ SETTLED_S: Final = ((15.0, 120.0), (140.0, 240.0))
 QUICK_S: Final = 60.0
 DRIFTS: Final = (
     "The thesis shows odometry beside measurement in Fig. 4.18 and 4.19 without a number for what it is off. "
-    "Here the wheels' tread slips as the plant's floor lets it, and the encoders tell what the wheels turn."
+    "Here the wheels' tread slips as the plant's floor lets it, and the encoders report what the wheels turn."
 )
 
 
@@ -83,7 +83,7 @@ def line_and_circles(quick: bool) -> Findings:  # noqa: FBT001 - every study tak
                         "dashed",
                     ),
                 ),
-                "300 mm/s; the radius becomes larger at 125 s, as the text at Fig. 4.18 and 4.19 says.",
+                "300 mm/s; the radius becomes larger at 125 s, as the text at Fig. 4.18 and 4.19 has it.",
                 equal=True,
             ),
             Plot(

@@ -42,8 +42,8 @@ def page(made: Sequence[tuple[Study, Findings]]) -> str:
     contents = "".join(f'<li><a href="#{one.name}">{html.escape(one.title)}</a></li>' for one, _ in made)
     body = "".join(part for study, findings in made for part in _section(study, findings))
     stated = (
-        "Each says what its source has printed, what an independent way gives, what ours gives, and why they "
-        "differ. A bound is how far ours may be from the independent value."
+        "Each states what its source has printed, what an independent way gives, what ours gives, and why "
+        "they differ. A bound is how far ours may be from the independent value."
     )
     return document("Studies", f"<h1>Studies</h1><p>{stated}</p><ol>{contents}</ol>{body}")
 

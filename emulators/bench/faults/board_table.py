@@ -9,8 +9,8 @@ BOARD_ROWS: Final = (
     Kind(
         board.BoardSilent,
         "The board's USB cable is out, or its second chip hangs; the sketch lives on.",
-        "A board: ros_arduino_bridge stops its motors when it has heard nothing for its time, the other"
-        " firmwares let them run on as they were told last. The bridge holds `axis silent`.",
+        "A board: ros_arduino_bridge stops its motors when it has received nothing for its time, the other"
+        " firmwares let them run on with the last command. Interlock: `axis timeout`.",
         "the board's line",
     ),
     Kind(
@@ -36,7 +36,7 @@ BOARD_ROWS: Final = (
     ),
     Kind(
         board.CurrentLimit,
-        "A half bridge cuts a current that reaches 3.2 A, as the data sheet says; without it a motor has all"
+        "A half bridge cuts a current that reaches 3.2 A, by the data sheet; without it a motor has all"
         " that it takes.",
         "A board: notices nothing; a wheel that is held pushes less.",
     ),
@@ -63,12 +63,12 @@ BOARD_ROWS: Final = (
         board.I2cStuck,
         "A line of the I2C bus is held low: by a chip that was cut off in the middle of a byte, by a wire.",
         "A board: hangs at its next word to the shield, which goes on as it was set; no reset of the board"
-        " frees it. The bridge goes through its steps and says that the wheels may turn.",
+        " frees it. The bridge goes through its steps and reports that the wheels may turn.",
         "the shield",
     ),
     Kind(
         board.LineGarbage,
-        "A disturbance on the line between bridge and board: bytes that no one has said, to both of them,"
+        "A disturbance on the line between bridge and board: bytes that no one has sent, to both of them,"
         " in the middle of what they say.",
         "A board: reads them as its firmware reads anything. MWProtocol alone has a checksum; with ArduinoIO"
         " a byte may become the speed of a motor.",
@@ -82,8 +82,8 @@ BOARD_ROWS: Final = (
     Kind(
         board.ShaftBlocked,
         "Something holds what the motor turns: a cable, a threshold, a hand. The others push on.",
-        "A board: notices nothing; a loop of speeds on it drives harder and harder. The bridge holds"
-        " `axis position repeats` and `axis does not follow`.",
+        "A board: notices nothing; a loop of speeds on it drives harder and harder. Interlocks:"
+        " `position not changing` and `tracking error`.",
         "the shaft",
     ),
     Kind(
@@ -91,35 +91,35 @@ BOARD_ROWS: Final = (
         "A light base stands on what is uneven, or someone picks it up: what the motor turns is in the air,"
         " and spins free.",
         "A board: notices nothing, its encoder counts on. The base goes otherwise than its motors turn: where"
-        " cameras see it the bridge holds `base slips`; without them odometry is wrong, and no one knows.",
+        " cameras see it: interlock `base slips`; without them odometry is wrong, and no one knows.",
         "the load",
     ),
     Kind(
         board.MotorSupplySag,
         "The motors' own supply sags, as a battery that is empty; the processor lives on its own. Below 2.5 V"
         " the half bridges lock their outputs, and from 2.8 V on they work again.",
-        "A board: notices nothing; a loop of speeds on it drives harder and harder. The bridge holds `axis"
-        " does not follow`.",
+        "A board: notices nothing; a loop of speeds on it drives harder and harder. Interlock:"
+        " `tracking error`.",
         "the motors' supply",
     ),
     Kind(
         board.MotorCableOff,
         "A wire between shield and motor is off: the motor rolls out.",
-        "A board: notices nothing. The bridge holds `axis does not follow`.",
+        "A board: notices nothing. Interlock: `tracking error`.",
         "the motor's cable",
     ),
     Kind(
         board.MotorLeadsSwapped,
-        "The two leads of a motor are exchanged: it turns the other way than it is told, and its encoder says"
-        " so.",
-        "A board: notices nothing; a loop of speeds drives it at full speed the wrong way. The bridge holds"
-        " `axis moves unasked`.",
+        "The two leads of a motor are exchanged: it turns the other way than commanded, and its encoder"
+        " reports so.",
+        "A board: notices nothing; a loop of speeds drives it at full speed the wrong way. Interlock:"
+        " `uncommanded motion`.",
         "the motor's leads",
     ),
     Kind(
         board.EncoderCableOff,
         "The cable of a motor's encoder is off: no edge comes any more, the motor turns on.",
-        "A board: its loop drives harder and harder. The bridge holds `axis position repeats`.",
+        "A board: its loop drives harder and harder. Interlock: `position not changing`.",
         "the encoder's cable",
     ),
 )

@@ -204,7 +204,7 @@ class BabblingNode(OnBus, Lasting):
 class NmtForeignNode(OnBus):
     """A foreign node sends a network command."""
 
-    kind: ClassVar = "nmt_stranger"
+    kind: ClassVar = "nmt_foreign_node"
     command: Annotated[
         Literal["start", "stop", "enter_pre_operational", "reset_node", "reset_communication"],
         Field(description="network command of CiA 301"),

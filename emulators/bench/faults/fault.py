@@ -119,7 +119,7 @@ class OnBus(Fault, ABC):
     """A fault on the bus of one link."""
 
     link: Annotated[
-        str | None, Field(description="on which link; needed where there are several, and no axis tells it")
+        str | None, Field(description="on which link; needed where there are several, and no axis implies it")
     ] = None
 
     def on(self, robot: AnyRobot) -> str:

@@ -19,16 +19,16 @@ class BridgeEnds(Lasting):
     kind: ClassVar = "bridge_ends"
     among: ClassVar = Stations.NONE
     how: Annotated[
-        Literal["asked", "killed"], Field(description="asked as by Ctrl-C, or killed in mid-sentence")
-    ] = "asked"
+        Literal["interrupted", "killed"], Field(description="ended as by Ctrl-C, or killed in mid-sentence")
+    ] = "interrupted"
     again_after_s: Annotated[
-        float | None, Field(gt=0, le=60, description="asked once more after so long")
+        float | None, Field(gt=0, le=60, description="ended once more after so long")
     ] = None
 
     @model_validator(mode="after")
     def _a_dead_station_has_no_orders(self) -> Self:
         if self.how == "killed" and self.again_after_s is not None:
-            raise ValueError("again_after_s: what was killed is not asked again")
+            raise ValueError("again_after_s: what was killed is not ended again")
         return self
 
     def targets(self, robot: AnyRobot) -> frozenset[str]:
@@ -84,7 +84,7 @@ class SecondStation(Lasting):
     stick: Annotated[float, Field(ge=-1, le=1, description="how far it holds its stick forward")] = 0.0
     order: Annotated[
         Literal["", "take", "give up", "arm", "disarm", "emergency stop", "clear", "hold", "garbage"],
-        Field(description="what it asks twice a second, or what it sends that is no MAVLink"),
+        Field(description="what it requests twice a second, or what it sends that is no MAVLink"),
     ] = ""
     system: Annotated[int, Field(ge=1, le=255, description="its system; the first station's is 255")] = 254
 

@@ -9,6 +9,7 @@ from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 from emulators.bench.faults.fault import Fault, Problem
 from emulators.bench.faults.kind import Kind
 from emulators.bench.faults.table import KINDS
+from firmware_bridge.renamed import fault_table
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near
 
@@ -23,6 +24,7 @@ def read(table: Any) -> Fault:
         return table
     if not isinstance(table, dict):
         raise PydanticCustomError(WRONG, "a fault is a table: [[fault]]")
+    table = fault_table(table)
     rest = {key: value for key, value in table.items() if key != "kind"}
     kind = KINDS.get(str(table.get("kind")))
     if kind is None:

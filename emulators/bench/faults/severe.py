@@ -15,7 +15,7 @@ _STATIONS: Final = ("take", "arm", "disarm", "emergency stop", "garbage")
 
 SEVERE: Final[Mapping[str, tuple[Keys, ...]]] = MappingProxyType(
     {
-        "nmt_stranger": tuple({"command": command} for command in _NMT),
+        "nmt_foreign_node": tuple({"command": command} for command in _NMT),
         # A SYNC, and the heartbeat of a node that says that it is stopped.
         "stray_frames": ({"identifier": 0x080, "every_ms": 5}, {"identifier": 0x701, "data": "04"}),
         "supply_sag": ({"to_v": 8.0}, {"to_v": 13.0}),
@@ -29,7 +29,7 @@ SEVERE: Final[Mapping[str, tuple[Keys, ...]]] = MappingProxyType(
         "datagram_doubled": ({"after_ms": 200.0},),
         "capture_late": ({"by_ms": 500.0},),
         "body_shakes": ({"noise_mm": 30.0},),
-        "bridge_ends": ({"how": "asked"}, {"how": "killed"}),
+        "bridge_ends": ({"how": "interrupted"}, {"how": "killed"}),
         "second_station": tuple({"order": order, "stick": 1.0} for order in _STATIONS),
     }
 )

@@ -24,7 +24,7 @@ from fmu.plant import FmuPlant
 
 BRIDGE: Final = "bridge"
 OPERATOR_STATION: Final = "operator"
-FOREIGN_NODE: Final = "stranger"
+FOREIGN_NODE: Final = "foreign node"
 SECOND_BRIDGE: Final = "second bridge"
 SECOND_STATION: Final = "second station"
 

@@ -27,14 +27,14 @@ _ROWS: Final = (
         bus.ReceptionError,
         "A bad plug or termination at one node: it alone sees frames wrongly, and its error flag"
         " destroys them for all, until it is passive after some 15; from then on it misses them alone.",
-        "As with `frame_error`: EMCY 0x8120 when it is passive. It hears no set-point and no heartbeat"
+        "As with `frame_error`: EMCY 0x8120 when it is passive. It receives no set-point and no heartbeat"
         " any more, so EMCY 0x8130 follows after 0x1016.",
     ),
     Kind(
         bus.FrameLoss,
         "A driver, an adapter or a full queue between a node's program and its controller swallows"
         " frames: nothing is on the cable, no one notices.",
-        "Sends as ever and is not heard. It misses nothing itself.",
+        "Sends as ever and is not received. It misses nothing itself.",
     ),
     Kind(
         bus.ReceiveOverrun,
@@ -47,26 +47,26 @@ _ROWS: Final = (
         " no one restarts the controller before the end. A bridge on a real bus ends then; this one goes"
         " on when its controller is back.",
         "Sends and receives nothing: no heartbeat of the bridge. Back on the bus it reports EMCY 0x81FD,"
-        " and 0x8130 if that took long enough; 0x8120, on its way off, was heard by no one and stays in"
+        " and 0x8130 if that took long enough; 0x8120, on its way off, was received by no one and stays in"
         " its history.",
         _CONNECTION,
     ),
     Kind(
         bus.CanCut,
-        "The bus falls into two that hear nothing of each other. A node that is alone on its part gets"
+        "The bus falls into two that receive nothing of each other. A node that is alone on its part gets"
         " no acknowledgement, repeats its frame until it is passive, and sends it when the cable is whole"
         f" again, with up to {WAITING} frames that have waited. Reflections at the open ends are not"
         " emulated.",
-        "On the far side: misses the bridge's heartbeat, EMCY 0x8130, stops as 0x6007 says. Alone: EMCY"
+        "On the far side: misses the bridge's heartbeat, EMCY 0x8130, stops by 0x6007. Alone: EMCY"
         " 0x8120, too.",
         _CONNECTION,
     ),
     Kind(
         bus.CanSwapped,
-        "The node hears nothing and is not understood. As soon as it has a frame to send no one"
+        "The node receives nothing and is not understood. As soon as it has a frame to send no one"
         " acknowledges it, and its repetitions pull the bus the wrong way: they destroy everybody's"
         " frames, until all controllers are off the bus, again and again.",
-        "Everybody: EMCY 0x8120 and 0x81FD, and 0x8130 as no one hears the bridge. Nothing is heard of"
+        "Everybody: EMCY 0x8120 and 0x81FD, and 0x8130 as no one receives the bridge. Nothing is received of"
         " these before the wires are right.",
         _CONNECTION,
     ),
@@ -75,7 +75,7 @@ _ROWS: Final = (
         "A node that no one knows sends without end. Lower identifiers win the bus, so frames of others"
         " come late or not at all.",
         "Its frames wait; heartbeats may come too late for those who watch them (EMCY 0x8130).",
-        "the stranger",
+        "the foreign node",
     ),
     Kind(
         bus.NmtForeignNode,
@@ -89,12 +89,12 @@ _ROWS: Final = (
         "Another master, or a tool that replays a log, sends one frame again and again: a SYNC, a set-point,"
         " the bridge's own heartbeat.",
         "Obeys it as it would the bridge's.",
-        "the stranger",
+        "the foreign node",
     ),
     Kind(
         bus.NodeSilent,
         "All cables of a node are out, or its transceiver is dead; it lives on.",
-        "Misses the bridge's heartbeat: EMCY 0x8130, which no one hears, and it stops as 0x6007 says."
+        "Misses the bridge's heartbeat: EMCY 0x8130, which no one receives, and it stops by 0x6007."
         " Was it the bridge, all drives do so.",
         _CONNECTION,
     ),
@@ -111,7 +111,7 @@ _ROWS: Final = (
         "The program part of a drive that takes set-points hangs; its regulators, its communication and its"
         " watch over the bridge live on.",
         "Takes every controlword and every target, by PDO, SDO or serial line, carries out none, and goes on"
-        " as it was told last. It says all the time that it is enabled. A lost heartbeat, a fault of its own"
+        " with its last command. It reports enabled all the time. A lost heartbeat, a fault of its own"
         " and a reset still stop it (ASSUME).",
         "the drive's set-points",
     ),
@@ -158,10 +158,10 @@ _ROWS: Final = (
         device.EncoderSwapped,
         "Channels A and B are exchanged: the count runs against the motor, and the regulator drives it"
         " away. At rest nothing shows.",
-        "A board: notices nothing, and its motor runs away at full speed; the bridge holds `axis moves"
-        " unasked`. A drive: EMCY 0xFF02 or 0xFF03 within a turn where 0x2210 has it watch the index; else"
-        " 0xFF11, at full voltage with the count running the other way, or 0x8611, when the following error"
-        " is too large.",
+        "A board: notices nothing, and its motor runs away at full speed (`uncommanded motion`"
+        " in the bridge). A drive: EMCY 0xFF02 or 0xFF03 within a turn where 0x2210 has it watch the"
+        " index; else 0xFF11, at full voltage with the count running the other way, or 0x8611, when the"
+        " following error is too large.",
         "the encoder's channels",
     ),
     Kind(
@@ -195,12 +195,12 @@ _ROWS: Final = (
     Kind(
         link.DatagramLoss,
         "The radio link loses datagrams.",
-        "No device: the bridge holds `operator silent` after `operator.silent_ms`.",
+        "No device: interlock `operator link timeout` after `operator.silent_ms`.",
     ),
     Kind(
         link.DatagramLate,
         "Datagrams queue up somewhere and come late. At the end later ones overtake them.",
-        "No device: when it begins the bridge hears nothing for so long, and then old commands as if they"
+        "No device: when it begins the bridge receives nothing for so long, and then old commands as if they"
         " were new: MANUAL_CONTROL carries no time.",
     ),
     Kind(
@@ -225,7 +225,7 @@ _ROWS: Final = (
     Kind(
         capture.BodyHidden,
         "Someone stands before the cameras, or the robot is where none of them looks.",
-        "The capture system sends the last pose again and says that the body is not tracked.",
+        "The capture system sends the last pose again and reports the body as not tracked.",
         "what the cameras see",
     ),
     Kind(
@@ -256,14 +256,14 @@ _ROWS: Final = (
         "Someone presses Ctrl-C, once or twice, or the bridge's process is killed: what it had queued is"
         " not sent. With the end of the fault a bridge is started, which knows of the one before what that"
         " has left in its file: the places of the axes, as an offer.",
-        "Asked to end: the bridge brings it to rest, takes its power and its watch. Killed: it misses the"
-        " bridge's heartbeat, EMCY 0x8130, and stops as 0x6007 says.",
+        "On an orderly end the bridge brings it to rest, takes its power and its watch. Killed: it misses the"
+        " bridge's heartbeat, EMCY 0x8130, and stops by 0x6007.",
         _CONNECTION,
     ),
     Kind(
         people.SecondBridge,
         "Someone starts a second bridge on the same bus, and ends it by Ctrl-C with the end of the fault.",
-        "No device: the second bridge hears the first one, says so and sends nothing.",
+        "No device: the second bridge receives the first one, reports it and sends nothing.",
         "the second bridge",
     ),
     Kind(

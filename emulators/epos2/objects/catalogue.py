@@ -14,9 +14,9 @@ from firmware_bridge.wire.epos2.differences import EDS_50_5
 from firmware_bridge.wire.epos2.hardware import TYPES
 from firmware_bridge.wire.epos2.rows import EDS, Provenance
 
-_NAME: Final = Known(Provenance.DOCUMENTED, "the type's name tells supply and continuous current")
+_NAME: Final = Known(Provenance.DOCUMENTED, "the type's name gives supply and continuous current")
 _PEAK: Final = Known(Provenance.ASSUMED, "own assumption: twice the continuous current; no document at hand")
-_UNKNOWN: Final = Known(Provenance.ASSUMED, "no source tells it")
+_UNKNOWN: Final = Known(Provenance.ASSUMED, "no source states it")
 _ORDERED: Final = Known(Provenance.DOCUMENTED, "documents and projects of users that name the order number")
 _FIRMWARE_FILE: Final = "names of maxon's firmware files and users' drivers"
 _HARDWARE: Final = Known(Provenance.DOCUMENTED, _FIRMWARE_FILE)

@@ -149,7 +149,7 @@ REHEARSAL: Final = Rehearsal(
         Column("odometry_y_m", "above the floor", "m", seen=_believed(2)),
         Column("odometry_heading_rad", "of a view from the side", "rad", seen=_straight),
         Column("odometry_left_m", "to the left", "m", seen=_believed(1)),
-        Column("demanded_speed_mps", "what the bridge asks of the tool", "m/s", seen=_demanded_speed),
+        Column("demanded_speed_mps", "the bridge's set-points of the tool", "m/s", seen=_demanded_speed),
         Column(OFFSET, "a guide's clock less the run's", "s", seen=_path_offset),
         *(
             Column(

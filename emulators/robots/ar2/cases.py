@@ -29,11 +29,11 @@ def cases(robot: Robot[Geometry]) -> Iterator[Case]:
         "tool speed limit",
         0,
         limits.speed_mps,
-        f"asked for {JUST * limits.speed_mps:.3f} m/s, allowed is {limits.speed_mps:.3f} m/s",
+        f"requested {JUST * limits.speed_mps:.3f} m/s, allowed is {limits.speed_mps:.3f} m/s",
     )
     turn = limits.turn_rate_rad_s
     yield _beyond(
-        "tool turn limit", 4, turn, f"asked for {JUST * turn:.2f} rad/s, allowed is {turn:.2f} rad/s"
+        "tool turn limit", 4, turn, f"requested {JUST * turn:.2f} rad/s, allowed is {turn:.2f} rad/s"
     )
     yield _at_the_end(robot)
     yield _too_fast_for_joints(robot)
@@ -41,14 +41,14 @@ def cases(robot: Robot[Geometry]) -> Iterator[Case]:
         "joint limit",
         trips=_moving(upwards(0.01), STRAIGHT),
         spares=_moving(upwards(0.01), BENT),
-        reason="near a singular posture, at 0.000: the tool leaves its way",
+        reason="near a singular posture, at 0.000: the tool leaves its path",
     )
     step = limits.acceleration_mps2 * robot.cycle_ms / 1000.0
     yield Case(
         "acceleration limit",
         trips=Situation(command=upwards(1.2 * step), body=BENT),
         spares=Situation(command=upwards(step), body=BENT),
-        reason=f"asked to change by {1200.0 * step:.0f} mm/s at once",
+        reason=f"requested a change of {1200.0 * step:.0f} mm/s at once",
     )
 
 

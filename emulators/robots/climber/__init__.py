@@ -149,7 +149,7 @@ REHEARSAL: Final = Rehearsal(
         Column("odometry_heading_rad", "counter-clockwise", "rad", seen=lambda seen: _believed(seen)[2]),
         *DEMANDED,
         Column("joint_rad", "right half against the left", "rad", plant="joint"),
-        Column("measured_joint_rad", "what its sensor tells", "rad", seen=_measured_joint),
+        Column("measured_joint_rad", "what its sensor reports", "rad", seen=_measured_joint),
         Column("fall_m", "how far it has fallen", "m", plant="fall"),
         Column(OFFSET, "a guide's clock less the run's", "s", seen=_path_offset),
         Column("battery_v", "battery's terminal voltage", "V", plant="battery_voltage"),

@@ -58,7 +58,7 @@ def _at_the_joint(robot: Robot[Geometry], side: float) -> Iterator[Case]:
             trips=Situation(command=ahead, demanded=ahead, body=replace(WELL, joint_rad=angle)),
             spares=spared,
             reason=(
-                f"the joint's angle is {math.degrees(angle):.1f} deg: asked for {speed:.3f} m/s "
+                f"the joint's angle is {math.degrees(angle):.1f} deg: requested {speed:.3f} m/s "
                 f"{first} first, allowed is {allowed:.3f} m/s"
             ),
         )
@@ -68,7 +68,7 @@ def _at_the_joint(robot: Robot[Geometry], side: float) -> Iterator[Case]:
             trips=Situation(command=ahead, demanded=ahead, body=replace(WELL, joint_rad=unknown)),
             spares=Situation(command=Motion(turn_rad_s=0.01), body=replace(WELL, joint_rad=unknown)),
             reason=(
-                f"the joint's angle is {known}: asked for {speed:.3f} m/s {first} first, allowed is 0.000 m/s"
+                f"the joint's angle is {known}: requested {speed:.3f} m/s {first} first, allowed is 0.000 m/s"
             ),
         )
 
@@ -77,7 +77,7 @@ def _on_the_wall(robot: Robot[Geometry]) -> Iterator[Case]:
     del robot
     below = math.nextafter(ON_WALL, 0.0)
     for share, reason in (
-        (None, "no one tells whether its magnets are on the wall"),
+        (None, "no sensor reports whether its magnets are on the wall"),
         (math.nan, "nan% of its magnets are on the wall"),
         (below, f"{below:.0%} of its magnets are on the wall"),
     ):
@@ -111,7 +111,7 @@ def _lost() -> Iterator[Case]:
         "robot slips",
         trips=Situation(located=replace(SEEN, slip_mps=math.nextafter(bound, math.inf))),
         spares=Situation(located=replace(SEEN, slip_mps=bound)),
-        reason=(f"the robot moves {bound:.3f} m/s otherwise than its wheels turn, limit {bound:.3f} m/s"),
+        reason=(f"the robot moves {bound:.3f} m/s apart from its wheels' speed, limit {bound:.3f} m/s"),
         robot=under_cameras,
     )
 
@@ -160,6 +160,6 @@ def _coupled(robot: Robot[Geometry]) -> Iterator[Case]:
         "coupled wheels",
         trips=Situation(command=Motion(turn_rad_s=0.1), demanded=Motion(turn_rad_s=0.1)),
         spares=Situation(command=back, demanded=back),
-        reason="asked to turn with 0.10 rad/s: one shaft turns both wheels",
+        reason="requested a turn of 0.10 rad/s: one shaft turns both wheels",
         robot=machine,
     )

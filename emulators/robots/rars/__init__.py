@@ -120,7 +120,7 @@ REHEARSAL: Final = Rehearsal(
         *PLANAR,
         Column("steer_rad", "inner front wheel, left positive", "rad", plant="steer"),
         Column("lift_m", "height above collapsed", "m", plant="lift_height"),
-        Column("demanded_speed_mps", "what the bridge asks of the wheels", "m/s", seen=_demanded),
+        Column("demanded_speed_mps", "the bridge's set-points of the wheels", "m/s", seen=_demanded),
     ),
     panels=(
         Panel(

@@ -108,7 +108,7 @@ def _limits(robot: Robot[Geometry]) -> Iterator[Case]:
             "acceleration limit",
             trips=Situation(command=Motion(side * 2.0 * step)),
             spares=Situation(command=Motion(side * step)),
-            reason=f"asked to go from 0.00 to {side * 2.0 * step:.2f} m/s at once, "
+            reason=f"requested a step from 0.00 to {side * 2.0 * step:.2f} m/s at once, "
             f"limit {limits.acceleration_mps2:.2f} m/s2",
         )
     yield _limited(
@@ -127,7 +127,7 @@ def _limited(row: str, within: Motion, beyond: Motion, values: tuple[float, floa
         row,
         trips=Situation(command=beyond, demanded=within),
         spares=Situation(command=within, demanded=within),
-        reason=f"asked for {requested:.2f} {unit}, allowed is {allowed:.2f} {unit}",
+        reason=f"requested {requested:.2f} {unit}, allowed is {allowed:.2f} {unit}",
     )
 
 
@@ -141,6 +141,6 @@ def _tipping(robot: Robot[Geometry], steer_rad: float) -> Case:
         "tipping limit",
         trips=Situation(command=beyond, demanded=within, body=turning),
         spares=Situation(command=within, demanded=within, body=turning),
-        reason=f"asked for {JUST * top:.2f} m/s, allowed is {top:.2f} m/s",
+        reason=f"requested {JUST * top:.2f} m/s, allowed is {top:.2f} m/s",
         robot=robot.model_copy(update={"geometry": robot.geometry.model_copy(update={"limits": limits})}),
     )

@@ -47,7 +47,7 @@ def cases(robot: Robot[Geometry]) -> Iterator[Case]:
         trips=Situation(command=Motion(left_mps=2.0 * step)),
         spares=Situation(command=Motion(left_mps=step)),
         reason=(
-            "asked to go from (0.00, 0.00) m/s and 0.00 rad/s to "
+            "requested a step from (0.00, 0.00) m/s and 0.00 rad/s to "
             f"(0.00, {2.0 * step:.2f}) m/s and 0.00 rad/s at once"
         ),
     )
@@ -84,7 +84,7 @@ def _lost() -> Iterator[Case]:
         "base slips",
         trips=Situation(located=replace(seen, slip_mps=math.nextafter(bound, math.inf))),
         spares=Situation(located=replace(seen, slip_mps=bound)),
-        reason=f"the base moves {bound:.2f} m/s otherwise than its wheels turn, limit {bound:.2f} m/s",
+        reason=f"the base moves {bound:.2f} m/s apart from its wheels' speed, limit {bound:.2f} m/s",
         robot=under_cameras,
     )
 
@@ -113,7 +113,7 @@ def _limited(robot: Robot[Geometry], side: float) -> Iterator[Case]:
             command=Motion(0.0, side * left, side * turning),
             demanded=Motion(0.0, side * left, side * turning),
         ),
-        reason=(f"asked for {JUST * limits.rim_mps:.2f} m/s at a wheel, allowed is {limits.rim_mps:.2f} m/s"),
+        reason=(f"requested {JUST * limits.rim_mps:.2f} m/s at a wheel, allowed is {limits.rim_mps:.2f} m/s"),
     )
 
 
@@ -123,5 +123,5 @@ def _beyond(row: str, within: Motion, beyond: Motion, requested: str, allowed: s
         row,
         trips=Situation(command=beyond, demanded=within),
         spares=Situation(command=within, demanded=within),
-        reason=f"asked for {requested}, allowed is {allowed}",
+        reason=f"requested {requested}, allowed is {allowed}",
     )

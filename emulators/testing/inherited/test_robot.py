@@ -139,23 +139,23 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
     silent = robot.operator.silent_ms * MILLISECOND
     yield "emergency stop", {"emergency_stopped": True}
     yield "not armed", {"armed": False}
-    yield "operator silent", {"received_at": START - silent}
-    yield "operator silent", {"received_at": NEVER_RECEIVED}
+    yield "operator link timeout", {"received_at": START - silent}
+    yield "operator link timeout", {"received_at": NEVER_RECEIVED}
     for link in robot.links:
         yield f"link lost: {link}", {"links_lost": {link: "it is gone"}}
-        yield f"another master: {link}", {"masters": {link: "someone else sends SYNC: 080#"}}
+        yield f"second controller: {link}", {"masters": {link: "someone else sends SYNC: 080#"}}
     well = axes_of(robot, START)
     for axis in robot.axes:
         limit = silence_of(robot, axis.link)
         for row, changes in (
-            ("axis silent", {"received_at": START - limit}),
-            ("axis silent", {"received_at": NEVER_RECEIVED, "power": Power.UNKNOWN}),
+            ("axis timeout", {"received_at": START - limit}),
+            ("axis timeout", {"received_at": NEVER_RECEIVED, "power": Power.UNKNOWN}),
             ("axis fault", {"fault": "0x8611"}),
             ("axis fault", {"power": Power.FAULT}),
-            ("axis rewritten", {"rewritten": "601#2316100100000000"}),
+            ("axis reconfigured", {"rewritten": "601#2316100100000000"}),
             ("axis not enabled", {"power": Power.STOPPED}),
             ("axis not enabled", {"power": Power.OFF}),
-            *((("axis zero lost", {"zero_lost": True}),) if axis.zero_confirmed else ()),
+            *((("reference lost", {"zero_lost": True}),) if axis.zero_confirmed else ()),
         ):
             changed = replace(well[axis.name], **changes)
             yield f"{row}: {axis.name}", {"axes": {**well, axis.name: changed}}
@@ -164,9 +164,9 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
         deviates = Following(sampled_at=START, obeyed_at=START - long)
         repeats = replace(deviates, obeyed_at=START, settled_at=START - long)
         for row, following in (
-            ("axis does not follow", deviates),
-            ("axis moves unasked", replace(deviates, uncommanded=True)),
-            ("axis position repeats", repeats),
+            ("tracking error", deviates),
+            ("uncommanded motion", replace(deviates, uncommanded=True)),
+            ("position not changing", repeats),
         ):
             yield f"{row}: {axis.name}", {"following": {axis.name: following}}
 
@@ -179,11 +179,11 @@ def test_the_common_rows_stop_all_of_it_whatever_it_is_requested(name: str) -> N
         for command in full_motions(kind, robot):
             ruling = gate_of(robot).rule(seen(robot, START, Situation(command=command), **facts))
             assert hold in held(ruling), hold
-            if not hold.startswith(("link lost", "another master")):
+            if not hold.startswith(("link lost", "second controller")):
                 assert ruling.stopped == frozenset(kind.groups), hold
             assert not ruling.requested & ruling.stopped, hold
         tripped.add(hold.split(":")[0])
-    unsent = set() if any(axis.zero_confirmed for axis in robot.axes) else {"axis zero lost"}
+    unsent = set() if any(axis.zero_confirmed for axis in robot.axes) else {"reference lost"}
     assert {row.name for row in AXIS_ROWS} - unsent <= tripped
 
 
@@ -216,7 +216,7 @@ def test_a_command_that_is_no_number_stops_all_of_it(name: str, value: float) ->
         titles = [title for title, read in kind.numbers.items() if repr(read(command)) == repr(value)]
         if titles:
             ruling = gate_of(robot).rule(seen(robot, START, Situation(command=command)))
-            assert held(ruling)["wish unusable"] == f"the {titles[0]} asked for is {value}"
+            assert held(ruling)["command unusable"] == f"the {titles[0]} requested is {value}"
             assert ruling.stopped == frozenset(kind.groups)
             assert not ruling.requested
             named.update(titles)

@@ -50,7 +50,7 @@ GatewayOption = Annotated[
     typer.Option(
         min=FIRST_NODE,
         max=LAST_NODE,
-        help="The drive on the line is this node. It is asked first; where it is another, nothing is done.",
+        help="The drive on the line is this node. It is queried first; where it is another, nothing is done.",
         show_default=False,
     ),
 ]

@@ -70,7 +70,7 @@ def scan(
     client = drive.converse(found.script(), overhear=found.overhear)
     say(json.dumps(_record(found), indent=2) if as_json else _text(found))
     if not client.finished:
-        raise refusal("interrupted; not everybody was asked", INTERRUPTED)
+        raise refusal("interrupted; not all nodes were queried", INTERRUPTED)
     if not any(each.answers for each in found.found):
         raise refusal(f"no one answers on {drive.where}: {_SILENCE}", FAILED)
 
@@ -86,7 +86,7 @@ def _text(scan: Scan) -> str:
 def _row(found: Found) -> tuple[str, ...]:
     network = " or ".join(each.title for each in found.network) or "unknown"
     if not found.answers:
-        return (f"{found.node}", "heard, does not answer", "-", "-", network, "-")
+        return (f"{found.node}", "received, does not answer", "-", "-", network, "-")
     return (f"{found.node}", _device(found), _version(found), _serial_number(found), network, _state(found))
 
 

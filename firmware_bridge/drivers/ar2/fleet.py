@@ -23,7 +23,7 @@ def ar2_fleet(robot: AnyRobot, name: str) -> Fleet:
     needed = table.move + (LINE_US + table.port_latency_us) * MICROSECOND
     if cycle < needed:
         problem = (
-            f"a move of {table.move_ms} ms, and what is said for it, take {needed / MILLISECOND:.0f} ms, and "
+            f"a move of {table.move_ms} ms, and its messages, take {needed / MILLISECOND:.0f} ms, and "
             f"the link's cycle is {cycle // MILLISECOND} ms; say a shorter move_ms, or every"
         )
         raise RobotFileError(robot.name, Problem(f"links.{name}.move_ms", problem))

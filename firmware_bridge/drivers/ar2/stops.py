@@ -13,7 +13,7 @@ from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot.settings.ar2 import Ar2Link
 from firmware_bridge.units import MILLISECOND
 
-CONFIRMED_BY: Final = "an answer to what was asked behind the last move"
+CONFIRMED_BY: Final = "an answer to the request behind the last move"
 
 
 def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:

@@ -23,7 +23,7 @@ _TURNED: Final = 0.5
 class Sighting(Enum):
     """What the newest frame said of the body."""
 
-    UNKNOWN = "no frame was heard"
+    UNKNOWN = "no frame was received"
     ABSENT = "the stream has no such body"
     LOST = "the body is not tracked"
     SEEN = "the body is tracked"

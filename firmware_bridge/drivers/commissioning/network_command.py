@@ -66,7 +66,9 @@ class NetworkCommand:
         operational = bool(int.from_bytes(raw, "little") & Status.REMOTE)
         if operational is not _OPERATIONAL[self.command]:
             found = "operational" if operational else "not operational"
-            raise CommissioningError(f"node {self.node} is {found} after it; does another master command it?")
+            raise CommissioningError(
+                f"node {self.node} is {found} after it; does a second controller command it?"
+            )
         self.seen = True
         return ()
 

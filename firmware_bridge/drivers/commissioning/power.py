@@ -82,7 +82,7 @@ PROCEDURES: Final[Mapping[Wanted, Procedure]] = {
     Wanted.SHUTDOWN: Procedure(
         _words_towards(State.READY_TO_SWITCH_ON),
         frozenset({State.READY_TO_SWITCH_ON}),
-        "the power stage is off; what turned is slowed down or runs out, as 0x605B says",
+        "the power stage is off; what turned is slowed down or runs out, by 0x605B",
     ),
     Wanted.QUICK_STOP: Procedure(
         {},
@@ -126,7 +126,9 @@ class PowerCommand:
         statusword = int.from_bytes(raw, "little")
         state = state_of(statusword)
         if state is None:
-            raise CommissioningError(f"the statusword 0x{statusword:04X} tells no state; is this an EPOS2?")
+            raise CommissioningError(
+                f"the statusword 0x{statusword:04X} is no known state; is this an EPOS2?"
+            )
         if state in self.procedure.done:
             return ()
         words = () if state is self._written_in else self.procedure.words.get(state, ())
@@ -148,7 +150,7 @@ class PowerCommand:
     def _cause(self, state: State) -> str:
         if state is State.FAULT:
             return "the cause of the fault still stands, see `state`; some need `nmt reset-node`"
-        return "see `state`; another master may write the controlword, too"
+        return "see `state`; a second controller may write the controlword, too"
 
 
 def _writes(words: tuple[int, ...]) -> Script:

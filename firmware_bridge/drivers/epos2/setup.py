@@ -201,7 +201,7 @@ def _supervision(link: Epos2Link, flows: Traffic) -> Iterator[Row]:
 
 def _protection(axis: Axis) -> Iterator[Row]:
     motor, profile = axis.epos2, axis.epos2.profile
-    protects = "protects the motor and whoever stands near"
+    protects = "protects the motor and people near it"
     yield Row(at.MOTOR_TYPE, U16, motor.motor_type, "motor type", "how the winding is driven", read_back=True)
     for address, kind, value, name, why in (
         (at.ENCODER_PULSES, U32, motor.encoder_lines, "encoder lines", "every position is counted in them"),
@@ -225,7 +225,7 @@ def _range(travel: Travel, margin_qc: int) -> Iterator[Row]:
 
 def _motion(axis: Axis) -> Iterator[Row]:
     profile, mode = axis.epos2.profile, MODE[axis.command]
-    yield Row(at.MODE, I8, mode, "mode of operation", "as the robot file says", read_back=True)
+    yield Row(at.MODE, I8, mode, "mode of operation", "by the robot file", read_back=True)
     why = "a trapezoid: its acceleration is bounded"
     yield Row(at.MOTION_PROFILE_TYPE, I16, TRAPEZOID, "motion profile type", why)
     for address, value, name in (

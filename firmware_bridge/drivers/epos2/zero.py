@@ -34,7 +34,7 @@ _ATTAINED: Final = int(Status.HOMING_ATTAINED | Status.REFERENCED)
 _FAILED: Final = int(Status.HOMING_ERROR)
 _ENDED: Final = int(Status.HOMING_ATTAINED | Status.HOMING_ERROR)
 _WHY: Final = "it stands there, someone saw it"
-_SLOW: Final = "no faster than the robot file says"
+_SLOW: Final = "no faster than the robot file allows"
 
 
 def set_zero(axis: Axis, feedback: DriveFeedback, position: float) -> Script:

@@ -194,7 +194,7 @@ class Board:
             self._releasing.forget()
             sent = self._again(question, now)
         elif self._starts_until <= now:
-            self._fail("the encoders tell nothing")
+            self._fail("the encoders report nothing")
         return sent + self._go_on(now)
 
     # What is said
@@ -254,7 +254,7 @@ class Board:
         self._releasing.answered(self._questions, self.motors)
         if question.wanted is not None and numbers != question.wanted:
             counted, wanted = (", ".join(map(str, them)) for them in (numbers, question.wanted))
-            self._fail(f"{question.what}: it says {counted}, expected {wanted}")
+            self._fail(f"{question.what}: it reports {counted}, expected {wanted}")
             return
         self._count(question, numbers)
         if self._waiting.part is Part.TASK:

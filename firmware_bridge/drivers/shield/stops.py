@@ -21,7 +21,7 @@ from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 SET_UP_WITHIN: Final[Nanoseconds] = SECOND
 """From a board's first answer after its reset until it has released its motors."""
 
-CONFIRMED_BY: Final = "counts with the axis at standstill, or an answer to what was asked behind its release"
+CONFIRMED_BY: Final = "counts with the axis at standstill, or an answer to the request behind its release"
 
 
 def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
@@ -40,7 +40,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
     board = link.stops_itself
     runs_on = "the motors run on while it boots: the shield has no wire to the board's reset"
     if board:
-        runs_on += f"; where it hears nothing it stops them {link.auto_stop_ms} ms after the last word"
+        runs_on += f"; where it receives nothing it stops them {link.auto_stop_ms} ms after the last word"
     return (
         StopStep(
             "speed 0",

@@ -79,7 +79,7 @@ INTERLOCKS: Final = (
     Interlock(
         "tool outside",
         _outside,
-        "look where the joints stand, and say so; or take it back by hand without power",
+        "look where the joints stand, and confirm it; or take it back by hand without power",
         clear_after=CLEARS_AFTER,
         severity=Severity.CRITICAL,
         disarms=True,
@@ -102,7 +102,7 @@ def slowed(view: View, share: float) -> tuple[Motion, str | None]:
     speed, length = _bounded(motion.speed, high)
     if length <= high * (1.0 + ROUNDING):
         return _with(motion, speed, motion.turn), None
-    return _with(motion, speed, motion.turn), f"asked for {length:.3f} m/s, allowed is {high:.3f} m/s"
+    return _with(motion, speed, motion.turn), f"requested {length:.3f} m/s, allowed is {high:.3f} m/s"
 
 
 def _turn(view: View) -> tuple[Motion, str | None]:
@@ -110,7 +110,7 @@ def _turn(view: View) -> tuple[Motion, str | None]:
     turn, length = _bounded(motion.turn, high)
     if length <= high * (1.0 + ROUNDING):
         return _with(motion, motion.speed, turn), None
-    return _with(motion, motion.speed, turn), f"asked for {length:.2f} rad/s, allowed is {high:.2f} rad/s"
+    return _with(motion, motion.speed, turn), f"requested {length:.2f} rad/s, allowed is {high:.2f} rad/s"
 
 
 def _workspace(view: View) -> tuple[Motion, str | None]:
@@ -140,7 +140,7 @@ def _joints(view: View) -> tuple[Motion, str | None]:
     body = Body(view.robot)
     rates, share = body.rates(body.begin(view.seen.demanded, view.body), motion.twist)
     if rates.watch.damping and share >= 1.0:
-        return motion, f"near a singular posture, at {rates.watch.smallest:.3f}: the tool leaves its way"
+        return motion, f"near a singular posture, at {rates.watch.smallest:.3f}: the tool leaves its path"
     if share >= 1.0:
         return motion, None
     allowed = motion_of([share * it for it in motion.twist], motion.angles, motion.path_s)
@@ -157,7 +157,7 @@ def _acceleration(view: View) -> tuple[Motion, str | None]:
         return requested, None
     return (
         requested,
-        f"asked to change by {1000.0 * math.dist(before.speed, requested.speed):.0f} mm/s at once",
+        f"requested a change of {1000.0 * math.dist(before.speed, requested.speed):.0f} mm/s at once",
     )
 
 
@@ -171,7 +171,7 @@ def _limit(
 
 
 LIMITS: Final = (
-    _limit("tool speed limit", lambda view: slowed(view, 1.0), "ask for less speed"),
+    _limit("tool speed limit", lambda view: slowed(view, 1.0), "reduce the speed"),
     _limit("tool turn limit", _turn, "turn more slowly"),
     _limit("workspace", _workspace, "take the tool back inside"),
     _limit("joint limit", _joints, "take the tool elsewhere, or more slowly"),

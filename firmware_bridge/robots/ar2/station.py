@@ -78,7 +78,7 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
     axes=(*USUAL_AXES, StickAxis.UP),
     values=(
         *(_coordinate(axis, letter) for axis, letter in enumerate("XYZ")),
-        Value("PATH", SECOND // 5, lambda seen: seen.command.path_s, "s on the course that a guide follows"),
+        Value("PATH", SECOND // 5, lambda seen: seen.command.path_s, "s on the path that is followed"),
     ),
     parameters=(
         Fixed("SPD_MAX", lambda robot: robot.geometry.limits.speed_mps, "m/s"),

@@ -37,7 +37,7 @@ def _slips(view: View) -> str | None:
     if located is None or known is None or located.slip_mps <= known[1].slip_mps:
         return None
     return (
-        f"the robot moves {located.slip_mps:.3f} m/s otherwise than its wheels turn, "
+        f"the robot moves {located.slip_mps:.3f} m/s apart from its wheels' speed, "
         f"limit {known[1].slip_mps:.3f} m/s"
     )
 
@@ -45,7 +45,7 @@ def _slips(view: View) -> str | None:
 def _off_the_wall(view: View) -> str | None:
     on_wall = view.body.on_wall
     if on_wall is None:
-        return "no one tells whether its magnets are on the wall"
+        return "no sensor reports whether its magnets are on the wall"
     if on_wall >= ON_WALL:
         return None
     return f"{on_wall:.0%} of its magnets are on the wall"
@@ -89,7 +89,7 @@ def _joint(view: View) -> tuple[Motion, str | None]:
     known = "not known" if joint is None else f"{math.degrees(joint):.1f} deg"
     first = "nose" if motion.speed_mps > 0.0 else "tail"
     return replace(motion, speed_mps=math.copysign(high, motion.speed_mps)), (
-        f"the joint's angle is {known}: asked for {abs(motion.speed_mps):.3f} m/s {first} first, "
+        f"the joint's angle is {known}: requested {abs(motion.speed_mps):.3f} m/s {first} first, "
         f"allowed is {high:.3f} m/s"
     )
 
@@ -158,7 +158,7 @@ def _coupled(view: View) -> tuple[Motion, str | None]:
     if not view.geometry.base.coupled or motion.turn_rad_s == 0.0:
         return motion, None
     return replace(motion, turn_rad_s=0.0), (
-        f"asked to turn with {motion.turn_rad_s:.2f} rad/s: one shaft turns both wheels"
+        f"requested a turn of {motion.turn_rad_s:.2f} rad/s: one shaft turns both wheels"
     )
 
 

@@ -30,7 +30,7 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
     values=(
         CLIMBER.turn_value,
         Value("JOINT", SECOND // 10, _joint_deg, "deg, the right half against the left"),
-        Value("PATH", SECOND // 5, lambda seen: seen.command.path_s, "s on the path that a guide follows"),
+        Value("PATH", SECOND // 5, lambda seen: seen.command.path_s, "s on the path that is followed"),
     ),
     parameters=(
         *CLIMBER.parameters,

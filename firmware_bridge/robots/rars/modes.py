@@ -172,10 +172,10 @@ def _limits(*more: Limit) -> tuple[Limit, ...]:
 
 
 STEERING_STAYS: Final = Limit(
-    "steering out of use", _steering_stays, "let the steering go", clear_after=LIMIT_CLEARS_AFTER
+    "steering out of use", _steering_stays, "return the steering to neutral", clear_after=LIMIT_CLEARS_AFTER
 )
 LIFT_STAYS: Final = Limit(
-    "lift out of use", _lift_stays, "let the lift's stick go", clear_after=LIMIT_CLEARS_AFTER
+    "lift out of use", _lift_stays, "return the lift's stick to neutral", clear_after=LIMIT_CLEARS_AFTER
 )
 LITTLE_STEER: Final = Limit(
     "steer angle after a failure", _little_steer, "steer less", clear_after=LIMIT_CLEARS_AFTER

@@ -55,7 +55,7 @@ def _lift_extended(view: View) -> str | None:
 
 def _lift_moves(view: View) -> str | None:
     if view.before is not None and LIFT in view.before.requested:
-        return "the lift has been told to move"
+        return "the lift has been commanded to move"
     limit = LIFT_RESTS_RAD_S if view.holding else LIFT_MOVES_RAD_S
     turning = view.body.screw_rad_s
     if turning is None or abs(turning) <= limit:
@@ -71,9 +71,9 @@ def _base_drives(view: View) -> str | None:
     if not abs(speed) <= (BASE_RESTS_MPS if view.holding else BASE_MOVES_MPS):
         return f"the robot drives with {speed:.2f} m/s"
     if view.seen.demanded.speed_mps != 0.0:
-        return f"the robot is told to drive with {view.seen.demanded.speed_mps:.2f} m/s"
+        return f"the robot is commanded to drive with {view.seen.demanded.speed_mps:.2f} m/s"
     if view.allowed.speed_mps != 0.0:
-        return f"the robot is asked to drive with {view.allowed.speed_mps:.2f} m/s"
+        return f"the robot is requested to drive with {view.allowed.speed_mps:.2f} m/s"
     return None
 
 
@@ -98,7 +98,7 @@ INTERLOCKS: Final = (
     Interlock(
         "lift moving",
         _lift_moves,
-        "let the lift come to rest at the height asked for",
+        "let the lift come to rest at the requested height",
         stops=frozenset({BASE}),
         clear_after=LIFT_CLEARS_AFTER,
         blocks_arming=False,
@@ -173,7 +173,10 @@ def _acceleration(view: View, limits: Limits) -> tuple[Motion, str | None]:
     if abs(speed - ramp.step(demanded, speed, bend, ramp.longest_step)) <= SPEED_TOLERANCE_MPS:
         return view.allowed, None
     limit = limits.acceleration_mps2
-    return view.allowed, f"asked to go from {demanded:.2f} to {speed:.2f} m/s at once, limit {limit:.2f} m/s2"
+    return (
+        view.allowed,
+        f"requested a step from {demanded:.2f} to {speed:.2f} m/s at once, limit {limit:.2f} m/s2",
+    )
 
 
 def _limit(
@@ -192,11 +195,11 @@ def limits_by(of: Callable[[Geometry], Limits]) -> tuple[Limit, ...]:
         return of(view.geometry)
 
     return (
-        _limit("speed limit", lambda view: clip_speed(view, limits(view).speed_mps), "ask for less speed"),
+        _limit("speed limit", lambda view: clip_speed(view, limits(view).speed_mps), "reduce the speed"),
         _limit(
             "tipping limit",
             lambda view: clip_speed(view, _tipping_speed(view)),
-            "steer less or ask for less speed",
+            "reduce steer angle or speed",
         ),
         _limit(
             "steer angle limit", lambda view: clip_steer(view, limits(view).steer_angle_rad), "steer less"
@@ -207,9 +210,9 @@ def limits_by(of: Callable[[Geometry], Limits]) -> tuple[Limit, ...]:
         _limit(
             "lift rate limit",
             lambda view: _lift_rate(view, limits(view).lift_rate_mps),
-            "ask for a slower lift",
+            "reduce the lift rate",
         ),
-        _limit("lift range limit", _lift_range, "ask for a height within reach"),
+        _limit("lift range limit", _lift_range, "request a height within reach"),
         _limit(
             "acceleration limit",
             lambda view: _acceleration(view, limits(view)),

@@ -83,7 +83,7 @@ class Geometry(Table):
             if speed > SETTLES * self.limits.speed_mps:
                 scale = "" if name == "points" else f"; say {name} = {self.scale_of(name):.3g} or less"
                 raise ValueError(
-                    f"the path {name} asks for {speed:.3g} m/s, limits.speed_mps is "
+                    f"the path {name} needs {speed:.3g} m/s, limits.speed_mps is "
                     f"{self.limits.speed_mps:.3g}{scale}"
                 )
         return self

@@ -53,7 +53,7 @@ def _slips(view: View) -> str | None:
     if located is None or known is None or located.slip_mps <= known[1].slip_mps:
         return None
     bound = known[1].slip_mps
-    return f"the base moves {located.slip_mps:.2f} m/s otherwise than its wheels turn, limit {bound:.2f} m/s"
+    return f"the base moves {located.slip_mps:.2f} m/s apart from its wheels' speed, limit {bound:.2f} m/s"
 
 
 INTERLOCKS: Final = (
@@ -107,7 +107,7 @@ def _rim(view: View) -> tuple[Motion, str | None]:
     allowed = with_twist(motion, shortened(motion.twist, distance, high))
     if fastest <= high * (1.0 + ROUNDING):
         return allowed, None
-    return allowed, f"asked for {fastest:.2f} m/s at a wheel, allowed is {high:.2f} m/s"
+    return allowed, f"requested {fastest:.2f} m/s at a wheel, allowed is {high:.2f} m/s"
 
 
 def _acceleration(view: View) -> tuple[Motion, str | None]:
@@ -116,7 +116,7 @@ def _acceleration(view: View) -> tuple[Motion, str | None]:
     near = ramp_of(view.robot).step(demanded.twist, requested.twist, view.robot.cycle)
     if max(abs(new - old) for old, new in zip(near, requested.twist, strict=True)) <= TOLERANCE:
         return requested, None
-    return requested, f"asked to go from {_text_of(demanded)} to {_text_of(requested)} at once"
+    return requested, f"requested a step from {_text_of(demanded)} to {_text_of(requested)} at once"
 
 
 def _text_of(motion: Motion) -> str:
@@ -133,9 +133,9 @@ def _limit(
 
 
 LIMITS: Final = (
-    _limit("speed limit", lambda view: slowed(view, 1.0), "ask for less speed"),
+    _limit("speed limit", lambda view: slowed(view, 1.0), "reduce the speed"),
     _limit("turn rate limit", _turn, "turn more slowly"),
-    _limit("rim limit", _rim, "turn less or ask for less speed"),
+    _limit("rim limit", _rim, "reduce turn rate or speed"),
     _limit("acceleration limit", _acceleration, "change speed and turn more slowly", Severity.INFO),
 )
 """Applied in this order; a later one sees what an earlier one left."""

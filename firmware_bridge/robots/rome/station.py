@@ -55,7 +55,7 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
     stop_button=2,
     values=(
         Value("TURN", SECOND // 10, _turn_deg_s, "deg/s, left positive"),
-        Value("PATH", SECOND // 5, lambda seen: seen.command.path_s, "s on the path that a guide follows"),
+        Value("PATH", SECOND // 5, lambda seen: seen.command.path_s, "s on the path that is followed"),
     ),
     parameters=(
         Fixed("WHEEL_R", lambda robot: robot.geometry.base.wheel_radius_m, "m"),

@@ -84,7 +84,10 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
         *_values(BASE, bases.STATION.values),
         *_values(ARM, _TOOL),
         Value(
-            "PATH_RATE", SECOND, lambda seen: seen.command.path_rate, "of a guide's path, 1 as it is meant"
+            "PATH_RATE",
+            SECOND,
+            lambda seen: seen.command.path_rate,
+            "of the path that is followed, 1 as it is planned",
         ),
     ),
     parameters=(

@@ -173,7 +173,7 @@ class OneHomes(AxesRule):
         for axis in _movers(requested, self.members):
             homing = next((it.axis.title for it in self.axes if it is not axis and it.homes), None)
             if homing is not None:
-                return f"{self.name}: {axis.axis.title} may not move while {homing} finds its zero"
+                return f"{self.name}: {axis.axis.title} may not move while {homing} is homing"
         return None
 
     def stops_with(self, axes: Collection[InForce]) -> tuple[InForce, ...]:

@@ -116,7 +116,7 @@ class GuardedJoint:
         if not steps:
             return None
         if self.place is None:
-            return f"{self.axis.called}: moved by {steps} steps, and no one has said where it stands"
+            return f"{self.axis.called}: moved by {steps} steps, and its position is not confirmed"
         if abs(steps) > self.at_once:
             return f"{self.axis.called}: {steps} steps at once, {self.at_once} are allowed"
         there = self.place + steps
@@ -177,7 +177,7 @@ class Ar2Rules(WireRules):
         if joint is None:
             return f"no axis is joint J{number}"
         if self._under_way:
-            return f"{joint.axis.called}: said to stand at {place} steps while the arm may move"
+            return f"{joint.axis.called}: its position set to {place} steps while the arm may move"
         return joint.refuses_place(place)
 
     def _refuses_move(self, move: Move) -> str | None:

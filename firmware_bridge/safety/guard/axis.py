@@ -160,7 +160,7 @@ class GuardedAxis:
             return f"node {self.node} has no power, and nothing to be reset for"
         if now < self._off_since + self._patience:
             patience = self._patience // MILLISECOND
-            return f"node {self.node} has not been told for {patience} ms to give up its power"
+            return f"node {self.node} has been without an order to disable its power stage for {patience} ms"
         return None
 
     def sent(self, set_point: SetPoint, now: Nanoseconds) -> None:

@@ -47,7 +47,7 @@ class CaptureRules(WireRules):
         if packet.address != self._server:
             return "it does not go to the capture system that the robot file names"
         if int.from_bytes(packet.payload[:2], "little") not in LISTENERS or len(packet.payload) < _HEAD:
-            return "it asks a capture system for more than a listener may"
+            return "more than a listener may request of a capture system"
         return None
 
     def safe(self, axis: Any) -> tuple[Packet, ...]:

@@ -170,7 +170,7 @@ class Epos2CanRules(WireRules):
     def _refuses_command(self, command: int, node: int, now: Nanoseconds) -> str | None:
         for axis in self._addressed(node) if command != NmtCommand.START else ():
             if axis.moving:
-                return f"node {axis.node} moves and would no longer hear set-points"
+                return f"node {axis.node} moves and would receive no more set-points"
             reason = axis.keeps_from_reset(now) if command == NmtCommand.RESET_NODE else None
             if reason is not None:
                 return reason

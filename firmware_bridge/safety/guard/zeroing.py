@@ -119,9 +119,11 @@ class Zeroing:
         """Return why a controlword may not be sent now; `by_object` where it is by SDO."""
         if word == START_HOMING and not self.prepared:
             moves = (
-                "nothing" if len(self._ways) < len(("in place", "by file")) else "no more than the file says"
+                "nothing"
+                if len(self._ways) < len(("in place", "by file"))
+                else "no more than the file allows"
             )
-            return f"the drive has not said that its homing moves {moves}"
+            return f"the drive has not reported that its homing moves {moves}"
         if word == NEW_SET_POINT and self.in_homing:
             return "a new position in homing mode"
         if by_object and word in {ENABLE, HALT} and not self.in_homing:

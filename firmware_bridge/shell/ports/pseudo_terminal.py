@@ -70,7 +70,7 @@ class PseudoTerminal(ByteFile):
             return True
         if self._say is not None:
             say, self._say = self._say, None
-            say(f"{self.name}: its client has not set the device's {self._baud} Bd; neither hears the other")
+            say(f"{self.name}: its client has not set the device's {self._baud} Bd; nothing is received")
         return False
 
     def close(self) -> None:

@@ -32,13 +32,13 @@ DEFAULTS: Final[dict[str, dict[str, Any]]] = {
 }
 """What an interface is opened with where neither arguments nor configuration say it."""
 CAUTIONS: Final = {
-    MULTICAST: f"{MULTICAST} is no true bus: groups hear each other, and a master its own frames, so that "
-    f"python-canopen stops its RPDOs; take -i {loopback_multicast.NAME}, with the master too",
+    MULTICAST: f"{MULTICAST} is no true bus: groups receive each other's frames, and a sender its own, so "
+    f"that python-canopen stops its RPDOs; take -i {loopback_multicast.NAME}, with the master too",
 }
 """What is said when an interface is opened."""
 REMEDIES: Final = {
     MULTICAST: ". Its channel is a multicast group, as 239.74.163.2, to which this machine needs a route (`"
-    f"ip route get 239.74.163.2` says it); -i {loopback_multicast.NAME} needs none",
+    f"ip route get 239.74.163.2` shows it); -i {loopback_multicast.NAME} needs none",
 }
 """What helps where an interface cannot be opened."""
 UNMARKED_ECHO: Final = frozenset({MULTICAST})
@@ -243,5 +243,5 @@ def _why(error: BaseException) -> str:
     if isinstance(cause, OSError) and cause.strerror and cause.strerror not in text:
         text = f"{text}: {cause.strerror}"
     if isinstance(error, can.CanInterfaceNotImplementedError | ImportError | NameError):
-        return f"{text}. Install the driver, or the library, that python-can asks for with this interface"
+        return f"{text}. Install the driver, or the library, that python-can needs for this interface"
     return text

@@ -57,7 +57,7 @@ class SeenOpening(PseudoTerminal):
         except (OSError, AttributeError) as error:
             self.close()
             raise PortError(
-                f"cannot see who opens {self.name}: {error}; only Linux says it; leave --reset-on-open away"
+                f"cannot see who opens {self.name}: {error}; only Linux shows it; omit --reset-on-open"
             ) from error
         for fileno in (self._watch, self._fileno):
             both.register(fileno, select.EPOLLIN)

@@ -219,7 +219,9 @@ class Items:
         begun = reader.at
         found = tuple([self._item.read(reader, name) for _ in range(count)])
         if size is not None and reader.at - begun != size:
-            raise NatNetError(f"{name}: said to be {size} bytes long, and {reader.at - begun} by its items")
+            raise NatNetError(
+                f"{name}: {size} bytes long by its header, and {reader.at - begun} by its items"
+            )
         return found
 
     def write(self, value: Value, version: Version, name: str) -> bytes:
@@ -276,7 +278,9 @@ class Tagged:
         begun = reader.at
         value = self._kinds[number][1].read(reader, name)
         if size is not None and reader.at - begun != size:
-            raise NatNetError(f"{name}: said to be {size} bytes long, and {reader.at - begun} by its fields")
+            raise NatNetError(
+                f"{name}: {size} bytes long by its header, and {reader.at - begun} by its fields"
+            )
         return value
 
     def write(self, value: Value, version: Version, name: str) -> bytes:

@@ -73,7 +73,7 @@ def split(datagram: bytes) -> tuple[MessageId, bytes]:
     if message is None:
         raise NatNetError(f"message {number} is not known")
     if size > len(datagram) - _HEAD.size:
-        raise NatNetError(f"{message.name} says {size} bytes, and {len(datagram) - _HEAD.size} came")
+        raise NatNetError(f"{message.name} announces {size} bytes, and {len(datagram) - _HEAD.size} came")
     return message, datagram[_HEAD.size : _HEAD.size + size]
 
 

@@ -129,7 +129,7 @@ class Binary:
     def _received(self) -> Received:
         line: str = self._process.stdout.readline()  # type: ignore[union-attr]
         if not line.endswith("\n"):
-            raise RuntimeError("the harness has ended; it has said why")
+            raise RuntimeError("the harness has ended; it has printed why")
         stated, _, bus = line.rstrip("\n").partition(" ")
         return Received(bytes.fromhex(stated), bus)
 

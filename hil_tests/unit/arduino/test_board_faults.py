@@ -259,7 +259,7 @@ def test_a_cable_that_is_out_carries_nothing_and_the_sketch_lives_on() -> None:
     it.run(0.7)
     assert it.lines == [LINE_LOST]
     assert it.ask(b"o 0 0 0\r", 0.5) == b""
-    assert it.board.motors.speeds[0] == pytest.approx(speed, rel=0.02), "it never heard that"
+    assert it.board.motors.speeds[0] == pytest.approx(speed, rel=0.02), "it never received that"
     it.run(0.5)
     assert it.lines == [LINE_LOST, LINE_BACK]
     assert it.ask(b"b\r") == b"57600\r\n"

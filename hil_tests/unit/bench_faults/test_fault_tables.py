@@ -31,7 +31,7 @@ LEAST = {
     "bus_off": 'node = "left"',
     "can_cut": 'between = ["left", "right"]',
     "can_swapped": 'node = "left"',
-    "nmt_stranger": 'command = "stop"',
+    "nmt_foreign_node": 'command = "stop"',
     "stray_frames": "identifier = 0x80",
     "node_silent": 'node = "bridge"',
     "drive_restart": "node = 4",
@@ -150,7 +150,10 @@ AT = "at_s = 2.0\n"
             "fault[0].between: rars has no node 'rigth'; perhaps",
         ),
         (table("can_cut", f'{AT}between = ["left"]'), "fault[0].between: "),
-        (table("nmt_stranger", f'{AT}command = "halt"'), "fault[0].command: Input should be 'start', 'stop'"),
+        (
+            table("nmt_foreign_node", f'{AT}command = "halt"'),
+            "fault[0].command: Input should be 'start', 'stop'",
+        ),
         (table("supply_sag", f"{AT}to_v = 24.0"), "fault[0].to_v: 24 V is no sag of a supply of 24 V"),
         (table("supply_surge", f"{AT}to_v = 20.0"), "fault[0].to_v: 20 V is no surge of a supply of 24 V"),
         (table("logic_supply_sag", f"{AT}node = 1\nto_v = 5.0"), "fault[0].to_v: "),
@@ -182,7 +185,7 @@ def test_all_that_is_wrong_is_stated_at_once() -> None:
     lines = refusal(
         table("frame_los", AT)
         + table("frame_loss", f"{AT}nod = 3\nshare = 7.0")
-        + table("nmt_stranger", 'at_s = 1.0\ncommand = "stop"\nfor_s = 1.0')
+        + table("nmt_foreign_node", 'at_s = 1.0\ncommand = "stop"\nfor_s = 1.0')
     )
     assert [line.split(":")[1].strip() for line in lines] == [
         "fault[0].kind",

@@ -61,7 +61,7 @@ def test_faults_gives_each_of_them_a_title_and_most_of_them_an_end() -> None:
     mission = find("faults")
     assert len({fault.kind for fault in mission.fault}) > 15
     assert all(fault.title for fault in mission.fault)
-    assert {fault.kind for fault in mission.fault if fault.end == fault.begin} == {"nmt_stranger"}
+    assert {fault.kind for fault in mission.fault if fault.end == fault.begin} == {"nmt_foreign_node"}
 
 
 def test_a_mission_is_a_few_lines() -> None:

@@ -43,7 +43,7 @@ def rows(count: int, speed: float) -> Samples:
 
 HOLDS = [
     HoldRecord("not armed", "the robot is not armed", 0, SECOND // 10),
-    HoldRecord("operator silent", "a very long reason " * 20, SECOND),
+    HoldRecord("operator link timeout", "a very long reason " * 20, SECOND),
 ]
 
 
@@ -82,7 +82,7 @@ def test_faults_are_marked_in_the_pictures_over_time_and_in_no_other(tmp_path: P
     table = rows(200, 0.3)
     faults = [
         FaultRecord("frame_loss", "a loose contact", ("steer",), SECOND // 2, SECOND),
-        FaultRecord("nmt_stranger", "", (), SECOND, SECOND),
+        FaultRecord("nmt_foreign_node", "", (), SECOND, SECOND),
         FaultRecord("can_cut", "", ("left",), SECOND),
     ]
     drawn = []

@@ -121,7 +121,7 @@ def test_a_run_without_rows_has_not_moved() -> None:
 def test_the_file_has_the_keys_that_its_readers_rely_on() -> None:
     holds = [
         HoldRecord("lift extended", "lift is 50 mm up", 100 * MILLISECOND, 2 * SECOND, remedy="lower it"),
-        HoldRecord("operator silent", "nothing heard for 500 ms", 3 * SECOND),
+        HoldRecord("operator link timeout", "nothing received for 500 ms", 3 * SECOND),
     ]
     read = json.loads(as_json(summarise(RUN, rows(11, lambda _: 0.1), holds)))
     assert {
@@ -146,12 +146,12 @@ def test_the_file_has_the_keys_that_its_readers_rely_on() -> None:
     }
     lift = {"name": "lift extended", "reason": "lift is 50 mm up", "began_s": 0.1, "ended_s": 2.0}
     silence = {
-        "name": "operator silent",
-        "reason": "nothing heard for 500 ms",
+        "name": "operator link timeout",
+        "reason": "nothing received for 500 ms",
         "began_s": 3.0,
         "ended_s": None,
     }
-    assert read["holds"] == [lift | {"remedy": "lower it"}, silence | {"remedy": ""}]
+    assert read["interlock_events"] == [lift | {"remedy": "lower it"}, silence | {"remedy": ""}]
 
 
 def test_the_faults_that_were_put_on_are_reported_with_their_beginning_and_end() -> None:

@@ -47,7 +47,7 @@ def test_who_arms_beside_a_stick_that_idles_begins_with_his_own_let_go(started: 
         started.runs(0.05)
     assert started.bridge.seen.facts.armed
     assert {target for _, target in started.words("left", begin)} == {0}
-    assert "not let go since the silence: x stands at 1000" in started.reported()
+    assert "not neutral since the timeout: x stands at 1000" in started.reported()
     for x in (0, 0, *(600,) * 20):
         other_states(started, stick(x))
         started.runs(0.05)
@@ -78,7 +78,7 @@ def test_a_driver_who_is_lost_leaves_a_robot_that_is_not_armed(bench_with: Calla
     assert bench.bridge.seen.facts.armed
     bench.runs(0.2)
     assert not bench.bridge.seen.facts.armed
-    assert "no one drives" in bench.reported()
+    assert "no station in control" in bench.reported()
 
 
 def test_control_is_lost_at_rest_only(armed: "Bench", monkeypatch: pytest.MonkeyPatch) -> None:
@@ -90,7 +90,7 @@ def test_control_is_lost_at_rest_only(armed: "Bench", monkeypatch: pytest.Monkey
     assert "is gone" not in armed.reported()
     monkeypatch.undo()
     armed.runs(0.1)
-    assert "is gone, no one drives" in armed.reported()
+    assert "is gone, no station in control" in armed.reported()
 
 
 def test_a_refusal_of_the_first_station_is_not_the_others(armed: "Bench") -> None:

@@ -64,7 +64,7 @@ def test_every_way_to_ask_for_a_stop_stops_at_the_ramp(
     begin = armed.now
     armed.commands(command, *params)
     armed.runs(1)
-    assert ramped_down(armed, begin), "the stick still asks for 0.3 m/s"
+    assert ramped_down(armed, begin), "the stick still commands 0.3 m/s"
 
 
 def test_a_disarmed_robot_needs_a_new_arm(armed: "Bench") -> None:
@@ -118,7 +118,7 @@ def test_who_armed_before_he_spoke_of_motion_begins_with_the_stick_let_go(bench:
     bench.talks = True
     driving(bench)
     assert set(bench.words("left", begin)) == {(0x000F, 0)}
-    assert "not let go since the silence: x stands at 600" in bench.reported()
+    assert "not neutral since the timeout: x stands at 600" in bench.reported()
     bench.speed = 0.0
     bench.runs(0.3)
     driving(bench)
@@ -146,7 +146,7 @@ def test_after_a_long_silence_motion_needs_a_new_arm(armed: "Bench") -> None:
         armed.runs(seconds)
         reported.append(armed.bridge.seen.facts.armed)
     assert reported == [True, False]
-    assert "no one drives" in armed.reported()
+    assert "no station in control" in armed.reported()
     armed.talks = True
     armed.runs(0.5)
     begin = armed.now

@@ -156,12 +156,12 @@ def test_what_goes_to_the_drive_is_read_back_before_it_starts(started: Bench) ->
 
 def test_it_is_lost_while_it_homes_known_when_it_has_and_drives(started: Bench) -> None:
     homing(started)
-    assert holds(started, "axis zero lost: lift")
+    assert holds(started, "reference lost: lift")
     assert started.arms() == TEMPORARILY_REJECTED
-    assert "arm: node 4 (scissor lift) moves to find its zero" in started.reported()
+    assert "arm: node 4 (scissor lift) is homing" in started.reported()
     started.runs(1.5)
     assert not holds(started, "homing: lift")
-    assert not holds(started, "axis zero lost: lift")
+    assert not holds(started, "reference lost: lift")
     assert started.bridge.places["lift"] == 0.0
     assert started.arms() == ACCEPTED
     started.lift = 1.0
@@ -173,16 +173,16 @@ def test_one_at_a_time_and_none_is_confirmed_meanwhile(started: Bench) -> None:
     homing(started)
     for axis, value in ((STEER, NAN), (LIFT, NAN), (STEER, 0.0), (LIFT, 0.1)):
         assert started.commands(STANDS, axis, value) == TEMPORARILY_REJECTED
-        assert "zero: node 4 (scissor lift) moves to find its zero" in started.reported()
+        assert "zero: node 4 (scissor lift) is homing" in started.reported()
     started.runs(1.5)
-    assert not holds(started, "axis zero lost: lift")
+    assert not holds(started, "reference lost: lift")
 
 
 def test_an_axis_waits_for_those_that_its_file_names(bench: Bench) -> None:
     bench.drives["lift"].referenced = False
     bench.starts()
     assert bench.commands(STANDS, STEER, NAN) == TEMPORARILY_REJECTED
-    assert "home: node 4 (scissor lift): its zero is lost" in bench.reported()
+    assert "home: node 4 (scissor lift): its reference is lost" in bench.reported()
     assert bench.commands(STANDS, LIFT, 0.0) == ACCEPTED
     bench.runs(0.5)
     assert bench.commands(STANDS, STEER, NAN) == ACCEPTED
@@ -232,7 +232,7 @@ def test_every_way_to_ask_for_a_stop_stops_it(
     started.runs(0.1)
     assert not drive.seeking
     assert holds(started, "not homed: lift")
-    assert holds(started, "axis zero lost: lift")
+    assert holds(started, "reference lost: lift")
     assert "it was stopped by an order" in started.reported()
     stood = drive.position
     started.runs(2.0)
@@ -261,7 +261,7 @@ def test_a_drive_that_fails_is_reported_and_halted(started: Bench) -> None:
     started.runs(1.5)
     assert "was not homed: it gave its homing up" in started.reported()
     assert "2b 40 60 00 0f 01 00 00" in words(started, begin)
-    assert holds(started, "axis zero lost: lift")
+    assert holds(started, "reference lost: lift")
 
 
 def test_one_that_does_not_end_is_halted_in_its_time(started: Bench) -> None:
@@ -277,7 +277,7 @@ def test_one_that_does_not_end_is_halted_in_its_time(started: Bench) -> None:
     assert not drive.seeking
     assert started.now - begin < 13 * SECOND
     assert "was not homed: it has not found its zero in time" in started.reported()
-    assert holds(started, "axis zero lost: steer")
+    assert holds(started, "reference lost: steer")
 
 
 def test_one_that_goes_beyond_its_travel_is_stopped(started: Bench) -> None:
@@ -291,7 +291,7 @@ def test_one_that_goes_beyond_its_travel_is_stopped(started: Bench) -> None:
     started.runs(0.7)
     assert not drive.seeking
     assert "it went further than 5.713 rad" in started.reported()
-    assert holds(started, "axis zero lost: steer")
+    assert holds(started, "reference lost: steer")
 
 
 def test_one_that_runs_faster_loses_its_power(started: Bench) -> None:
@@ -300,7 +300,7 @@ def test_one_that_runs_faster_loses_its_power(started: Bench) -> None:
     started.runs(0.8)
     assert not drive.seeking
     assert drive.state is not State.OPERATION_ENABLED
-    assert "told to find its zero, moves with -5.99 rad/s" in started.reported()
+    assert "homing, moves with -5.99 rad/s" in started.reported()
     assert holds(started, "not homed: lift")
 
 
@@ -329,7 +329,7 @@ def test_a_drive_that_reads_back_something_else_is_never_started(
     started.runs(1.0)
     assert [word for word in words(started, begin) if word.startswith("2b 40 60 00 1f")] == []
     assert holds(started, "not homed: lift")
-    assert holds(started, "axis zero lost: lift")
+    assert holds(started, "reference lost: lift")
     assert started.arms() == TEMPORARILY_REJECTED
 
 
@@ -341,7 +341,7 @@ def test_at_the_start_one_is_homed_after_the_other() -> None:
     bench.runs(2.0)
     assert holds(bench, "homing: lift")
     bench.runs(2.0)
-    assert not holds(bench, "axis zero lost: lift")
+    assert not holds(bench, "reference lost: lift")
     assert holds(bench, "homing: steer")
     bench.runs(2.5)
     assert bench.arms() == ACCEPTED
@@ -355,6 +355,6 @@ def test_at_the_start_no_one_homes_without_an_operator() -> None:
     bench.runs(8.0)
     bench.talks = True
     bench.runs(3.0)
-    assert holds(bench, "axis zero lost: lift")
+    assert holds(bench, "reference lost: lift")
     assert bench.sent(0x604) != []
     assert [word for word in words(bench, 0) if word.startswith("2f 98 60")] == []

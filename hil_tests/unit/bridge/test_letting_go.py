@@ -197,9 +197,7 @@ def test_a_current_that_is_not_known_keeps_the_power(what: dict[str, Any]) -> No
     standing = Standing()
     standing.reports("right", **what)
     assert standing.requests(LOOKS_FOR) is Stop.QUICK_STOP
-    assert standing.reported() == [
-        "held with power: the current with which node 2 (right) stands is not known"
-    ]
+    assert standing.reported() == ["held with power: the holding current of node 2 (right) is not known"]
 
 
 def test_a_driver_that_cannot_report_it_keeps_the_power() -> None:
@@ -337,7 +335,9 @@ def test_one_that_moves_after_it_was_let_go_is_caught(what: dict[str, Any], *, s
     assert begun == ([[Task.ENABLE], [Task.ENABLE], []] if slips else [[], [], []])
     assert standing.letting_go.held is slips
     if slips:
-        assert standing.reported() == ["on a slope: held with power; node 1 (left) moved when it was let go"]
+        assert standing.reported() == [
+            "on a slope: held with power; node 1 (left) moved when its power was disabled"
+        ]
         standing.cart.drivers["left"].busy = True
         assert standing.requests() is Stop.REST, "a quick stop would end what gives it power"
         standing.cart.drivers["left"].busy = False

@@ -17,17 +17,17 @@ def test_it_is_reported_when_the_base_does_not_rest_in_its_time() -> None:
     standing.requests(RESTS_WITHIN - CYCLE, rests=False)
     assert standing.reported() == []
     standing.requests(CYCLE, rests=False)
-    assert standing.reported() == ["the robot does not rest: node 1 (left) moves"]
+    assert standing.reported() == ["the robot is not at standstill: node 1 (left) moves"]
 
 
-@pytest.mark.parametrize("what", ["it rests", "no one asks", "the power is ordered off", "the wheel stands"])
+@pytest.mark.parametrize("what", ["it rests", "no request", "the power is ordered off", "the wheel stands"])
 def test_it_is_reported_no_longer_than_it_is_so(what: str) -> None:
     standing = turning()
     standing.requests(RESTS_WITHIN, rests=False)
     assert standing.reported()
     if what == "it rests":
         standing.requests()
-    elif what == "no one asks":
+    elif what == "no request":
         standing.letting_go.not_requested(standing.now)
     elif what == "the power is ordered off":
         standing.letting_go.ordered(standing.now)

@@ -59,9 +59,10 @@ class Watched:
 
     def unconfirmed(self) -> str | None:
         """The step that failed last, if any."""
-        holds = [hold.name for hold in self.stops.holds]
+        holds = self.stops.holds
+        assert [hold.name for hold in holds] == ["stop not acknowledged: left"] * len(holds)
         assert len(holds) <= 1
-        return holds[0].removesuffix(" unconfirmed: left") if holds else None
+        return holds[0].stage if holds else None
 
     def confirmed(self) -> bool:
         return not self.stops.under_way and not self.stops.given_up
@@ -167,7 +168,7 @@ def test_a_drive_that_is_receiving_nothing_is_taken_through_every_step() -> None
     # Two silences, two objects of which the first ends with its task, the watch from top speed, the reset.
     assert to_seconds(watched.now - START) < 0.25 + 0.25 + 0.2 + 0.2 + 0.35 + 12.0 / 21.0 + 1.0 + 6 * 0.05
     (hold,) = watched.stops.holds
-    assert hold.reason == "node 1 (left): reset unconfirmed; nothing is left to try; it may go on moving"
+    assert hold.reason == "node 1 (left): reset not acknowledged; nothing is left to try; it may go on moving"
     assert hold.row.disarms
 
 

@@ -48,7 +48,7 @@ FRAMES: Final = (
 
 
 def lost(bench: "Bench", name: str) -> bool:
-    return f"axis zero lost: {name}" in {hold.name for hold in bench.bridge.holds}
+    return f"reference lost: {name}" in {hold.name for hold in bench.bridge.holds}
 
 
 def restarted(bench: "Bench", name: str = "lift") -> None:
@@ -84,13 +84,13 @@ def test_a_restarted_drive_moves_when_it_was_given_its_position(started: "Bench"
     assert lost(started, "lift")
     assert not lost(started, "steer")
     assert started.arms() == TEMPORARILY_REJECTED
-    assert "its zero is lost" in started.reported()
+    assert "its reference is lost" in started.reported()
     assert started.commands(STANDS, LIFT, HALF_UP_M) == ACCEPTED
     started.runs(0.3)
     assert not lost(started, "lift")
     assert started.arms() == ACCEPTED
     started.runs(0.5)
-    assert started.drives["lift"].position == pytest.approx(HALF_UP_QC, abs=1), "to be told moves nothing"
+    assert started.drives["lift"].position == pytest.approx(HALF_UP_QC, abs=1), "a confirmation moves nothing"
 
 
 def test_it_may_be_stated_twice_and_once_more_otherwise(started: "Bench") -> None:
@@ -112,9 +112,9 @@ def test_while_it_is_set_it_is_stated_again_in_vain_and_no_one_is_armed(started:
 @pytest.mark.parametrize(
     ("axis", "value", "why"),
     [
-        (1, 0.0, "no one has to tell where left stands; to be told: steer (deg), lift (m)"),
-        (0, 0.0, "no one has to tell where axis 0 stands"),
-        (5, 0.0, "no one has to tell where axis 5 stands"),
+        (1, 0.0, "no position to confirm for left; to be confirmed: steer (deg), lift (m)"),
+        (0, 0.0, "no position to confirm for axis 0"),
+        (5, 0.0, "no position to confirm for axis 5"),
         (LIFT, 2.0, "lift at 2 m is not within 0 to 1.116"),
         (LIFT, -0.001, "lift at -0.001 m is not within"),
         (LIFT, NAN, "lift at nan m is not within"),
@@ -157,7 +157,7 @@ def test_nor_after_a_forced_disarm_or_in_an_emergency_stop(armed: "Bench") -> No
     armed.commands(dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE, 1.0)
     armed.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, 21196.0)
     assert armed.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
-    assert "zero: the power was taken by force" in armed.reported()
+    assert "zero: the power was disabled by force" in armed.reported()
 
 
 def test_a_drive_without_power_is_enabled_first(started: "Bench") -> None:
@@ -165,7 +165,7 @@ def test_a_drive_without_power_is_enabled_first(started: "Bench") -> None:
     started.inject("lift", started.drives["lift"].boots())
     started.runs(3)
     assert started.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
-    assert "first, say it again" in started.reported()
+    assert "first, repeat it then" in started.reported()
     started.runs(1.0)
     assert started.commands(STANDS, LIFT, 0.1) == ACCEPTED
     started.runs(0.3)
@@ -245,7 +245,7 @@ def test_what_an_earlier_run_has_kept_is_reported_and_not_believed(bench: "Bench
         drive.referenced = False
     bench.starts()
     assert lost(bench, "lift")
-    assert "nobody knows where it stands (last known: 0.25 m)" in bench.reported()
+    assert "position unknown (last known: 0.25 m)" in bench.reported()
     assert bench.arms() == TEMPORARILY_REJECTED
     assert bench.bridge.places == {"lift": 0.25}
     bench.stands(lift_m=0.1)
@@ -255,7 +255,7 @@ def test_what_an_earlier_run_has_kept_is_reported_and_not_believed(bench: "Bench
 def test_after_a_restart_it_is_reported_where_the_axis_was_last(started: "Bench") -> None:
     started.stands(steer_deg=-30.0, lift_m=0.3)
     restarted(started)
-    assert "nobody knows where it stands (last known: 0.3 m)" in started.reported()
+    assert "position unknown (last known: 0.3 m)" in started.reported()
     assert started.bridge.places == pytest.approx({"lift": 0.3, "steer": -30.0}, abs=1e-3)
 
 

@@ -49,8 +49,8 @@ def test_drives_that_are_not_known_to_be_without_power_are_named_at_the_end(
     (text,) = problems
     assert "not confirmed to be without power" in text
     assert all(name in text for name in NAMES)
-    assert "unconfirmed" not in capsys.readouterr().out, (
-        "no one was heard: the steps of the stop tell nothing"
+    assert "not acknowledged" not in capsys.readouterr().out, (
+        "nothing was received: the stop stages report nothing"
     )
     assert took[0] < STOP_WITHIN, to_seconds(took[0])
 
@@ -67,5 +67,5 @@ def test_a_line_on_which_nothing_was_received_is_reported_with_what_it_was_spoke
 
     monkeypatch.setattr("firmware_bridge.cli.real_time.carry", carried)
     options = DriveOptions(robot="rars", mavlink="udpin:127.0.0.1:0", serial="/dev/nowhere")
-    with pytest.raises(StartUpFailedError, match=r"nothing was heard .* in v2 .*\(--protocol v1\)\?$"):
+    with pytest.raises(StartUpFailedError, match=r"nothing was received .* in v2 .*\(--protocol v1\)\?$"):
         run(options)

@@ -42,7 +42,7 @@ def test_where_nothing_stops_them_it_is_stated_and_only_then_requested_again_the
     assert stated == [f"the stop goes on. {leaving.unattended}. Once more within 5 s leaves it so"]
     assert leaving.may_leave(SECOND + later) is leaves
     if not leaves:
-        assert leaving.may_leave(SECOND + later + 1), "it was said again"
+        assert leaving.may_leave(SECOND + later + 1), "it was printed again"
 
 
 def test_a_failure_to_report_takes_nothing_from_the_devices_and_is_raised_next(tmp_path: Path) -> None:

@@ -132,7 +132,7 @@ def test_a_pilot_without_what_it_needs_is_reported_what(words: str, reported: st
     ("words", "reported"),
     [
         ("bench rars --link dealy=0.5", "'dealy=0.5': there is no key 'dealy'; perhaps 'delay'?"),
-        ("bench rars --link delay=0.5 --max-delay 3", "a delay of 3 s was asked for; 50 to 2000 ms may be"),
+        ("bench rars --link delay=0.5 --max-delay 3", "a delay of 3 s was requested; 50 to 2000 ms may be"),
         ("bench rars --mission line --predictor", "no one follows a path, who could predict?"),
         ("drive rars -i virtual -c mistakes --link up.lose=0.1", "there is no key 'lose'; perhaps 'loss'?"),
         ("drive rars --link drive=can:can0", "rars has no link 'drive'; perhaps 'drives'?"),

@@ -96,10 +96,10 @@ def test_a_bridge_that_no_one_reads_any_more_stops_in_good_order() -> None:
         "from firmware_bridge.cli import main\n"
         "import sys\n"
         "stop = Bridge.stop\n"
-        "def told(self, now):\n"
-        "    sys.stderr.write('asked to stop\\n')\n"
+        "def ordered(self, now):\n"
+        "    sys.stderr.write('ordered to stop\\n')\n"
         "    return stop(self, now)\n"
-        "Bridge.stop = told\n"
+        "Bridge.stop = ordered\n"
         "main()"
     )
     with subprocess.Popen(
@@ -109,7 +109,7 @@ def test_a_bridge_that_no_one_reads_any_more_stops_in_good_order() -> None:
         assert "bridge on no one" in process.stdout.readline()
         process.stdout.close()
         assert process.stderr is not None
-        assert process.stderr.read() == "asked to stop\n"
+        assert process.stderr.read() == "ordered to stop\n"
     assert process.returncode == 1
 
 

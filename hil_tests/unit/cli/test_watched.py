@@ -85,4 +85,4 @@ def test_a_node_that_is_there_and_sends_nothing_is_named_at_the_start(
     node.receive(answer, SECOND + MILLISECOND)
     assert "node 2 is on the bus twice: answers with its number have come" in capsys.readouterr().out
     assert [packet.address for packet in recorded] == [0x701, 0x582], "the question is no drive's"
-    assert node.wake(2 * SECOND).sent == (Packet("can", 0x701, b"\0"),), "it asks once"
+    assert node.wake(2 * SECOND).sent == (Packet("can", 0x701, b"\0"),), "it requests once"

@@ -84,7 +84,7 @@ def on_the_bus(rig: Rig, nodes: range, listen: Nanoseconds = 0) -> tuple[Scan, d
 
 def test_a_bus_is_requested_from_1_to_127_and_only_read() -> None:
     rig = Rig()
-    rig.world.attach("stranger", ForeignNode(OBJECTS), {CAN: rig.bus})
+    rig.world.attach("foreign", ForeignNode(OBJECTS), {CAN: rig.bus})
     requested: list[Packet] = []
     rig.bus.observe(lambda _at, sender, packet: requested.append(packet) if sender == "client" else None)
     before = rig.world.now
@@ -105,7 +105,7 @@ def test_a_bus_is_requested_from_1_to_127_and_only_read() -> None:
 
 def test_a_foreign_node_is_distinguished_from_a_drive_and_not_requested_what_only_a_drive_knows() -> None:
     rig = Rig()
-    rig.world.attach("stranger", ForeignNode(OBJECTS), {CAN: rig.bus})
+    rig.world.attach("foreign", ForeignNode(OBJECTS), {CAN: rig.bus})
     _, found = on_the_bus(rig, range(FOREIGN_NODE, FOREIGN_NODE + 1))
     foreign_node = found[FOREIGN_NODE]
     assert (foreign_node.maxon, foreign_node.profile, foreign_node.state, foreign_node.network) == (
@@ -122,7 +122,7 @@ def test_a_foreign_node_is_distinguished_from_a_drive_and_not_requested_what_onl
 def test_a_node_that_falls_silent_under_way_is_listed_with_what_it_has_stated() -> None:
     rig = Rig()
     foreign_node = ForeignNode({at.DEVICE_TYPE: OBJECTS[at.DEVICE_TYPE]}, refuses=False)
-    rig.world.attach("stranger", foreign_node, {CAN: rig.bus})
+    rig.world.attach("foreign", foreign_node, {CAN: rig.bus})
     scan, found = on_the_bus(rig, range(1, 10))
     assert set(found[FOREIGN_NODE].outcomes) == {at.DEVICE_TYPE}
     assert set(found) == {NEAR, FAR, FOREIGN_NODE}

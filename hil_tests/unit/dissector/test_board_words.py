@@ -103,7 +103,7 @@ GOLDEN: Final[dict[str, tuple[Stated, ...]]] = {
     # AR2_2.0: letters and numbers; what comes back has no line's end but an echo's.
     Ar2Firmware.AR2_2_0: (
         (REQUESTED, ar2.test("q1"), "TM, echo: q1"),
-        (REPORTED, ar2.echo("q1"), "says 'q1\\n\\r\\n'"),
+        (REPORTED, ar2.echo("q1"), "sent 'q1\\n\\r\\n'"),
         (
             REQUESTED,
             ar2.move((0, 1, -3, 0, 1, 0, 7), 2.5),

@@ -68,7 +68,7 @@ OUTCOMES: Final[list[tuple[str, dict[str, Any], Verdict, str, str]]] = [
     ("plants", {"plants": {"rars": True, "x": False}}, CAREFUL, "not built yet: x", "fmu build"),
     ("plants", {"plants": {"rars": False}}, MISSING, "none is built", "10 s each"),
     ("plants", {"plants": {"x": False}, "extras": {"plants": ("sympy",)}}, MISSING, "none", "[plants]"),
-    ("plants", {"plants": {"rars": None}}, MISSING, "no one can tell", "install a C compiler"),
+    ("plants", {"plants": {"rars": None}}, MISSING, "it is unknown", "install a C compiler"),
     ("servo kernel", {}, OK, "loaded", ""),
     (
         "servo kernel",
@@ -138,7 +138,7 @@ OUTCOMES: Final[list[tuple[str, dict[str, Any], Verdict, str, str]]] = [
     ("load", {}, OK, "0.5 processes want to run, on 2 processors", ""),
     ("load", {"load": 2.0}, OK, "2.0 processes", ""),
     ("load", {"load": 2.1}, CAREFUL, "2.1 processes", "end what else runs"),
-    ("load", {"load": None}, CAREFUL, "2 processors; this system tells no load", "by yourself"),
+    ("load", {"load": None}, CAREFUL, "2 processors; this system reports no load", "by yourself"),
     ("load", {"load": 4.1}, MISSING, "none is free", "end what else runs"),
 ]
 """Title, what is otherwise than on a machine that has everything, and what is said then."""

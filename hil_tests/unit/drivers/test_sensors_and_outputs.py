@@ -85,7 +85,7 @@ def test_each_sensor_is_requested_at_its_own_pace(bench: Bench) -> None:
     bench.runs(0.2)
     after = bench.readings()
     assert after["reach"].value == 0.25
-    assert after["battery"] == before["battery"], "it is asked once a second"
+    assert after["battery"] == before["battery"], "it is queried once a second"
     bench.runs(1.0)
     assert bench.readings()["battery"].value == 18.0
 
@@ -173,7 +173,7 @@ def test_after_a_restart_the_outputs_come_back_with_the_set_up(bench: Bench) -> 
     bench.runs(0.2)
     bench.host.repairs = False
     reset = canopen.encode_nmt(NmtCommand.RESET_NODE, 1)
-    bench.world.attach("stranger", Once(Packet(CAN, canopen.NMT, reset)), {CAN: bench.buses[LINK]})
+    bench.world.attach("foreign", Once(Packet(CAN, canopen.NMT, reset)), {CAN: bench.buses[LINK]})
     bench.runs(0.3)
     assert pins(bench, "left") == 0, "the mask is gone with the set-up"
     assert bench.feedback("left").power is Power.UNKNOWN

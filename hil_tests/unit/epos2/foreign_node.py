@@ -46,7 +46,7 @@ class ForeignNode:
     """One drive, one motor, and the number of frames sent so far."""
 
     def __init__(self) -> None:
-        self.axis = ServoAxis("stranger's", 2000)
+        self.axis = ServoAxis("foreign", 2000)
         set_winding(self.axis, MOTOR.torque_constant, MOTOR.resistance, MOTOR.inductance)
         plant = DcMotors((MOTOR,))
         self.bank = ServoBank(plant, [self.axis])

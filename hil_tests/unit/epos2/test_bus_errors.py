@@ -71,7 +71,7 @@ def test_an_error_passive_drive_states_so_and_stops_until_communication_is_reset
     assert bench.state == State.FAULT.value
     assert not bench.axis.powered
     bench.until(140)
-    assert bench.state == State.FAULT.value, "a fault reset alone does not cure it"
+    assert bench.state == State.FAULT.value, "a fault reset alone does not reset it"
     assert bench.drive.store.get(at.ERROR_REGISTER) == 0x10
     bench.until(160)
     assert bench.drive.store.get(at.ERROR_REGISTER) == 0
@@ -89,7 +89,7 @@ def test_a_drive_that_was_off_the_bus_states_so_when_it_is_back() -> None:
     while bench.wire.confinement("drive").condition is not Condition.OFF:
         bench.world.run(bench.world.now + MILLISECOND // 10)
         assert bench.world.now < begin + 20 * MILLISECOND
-    assert bench.reported() == [], "no one hears it any more"
+    assert bench.reported() == [], "no one receives it any more"
     assert bench.state == State.FAULT.value, "it stops all the same"
     bench.until(100)
     assert bench.reported() == [frame(0x81FD)]
@@ -124,6 +124,6 @@ def test_a_drive_that_cannot_get_rid_of_its_frames_stops_and_keeps_it_in_its_his
     bench.until(90)
     assert bench.state == State.FAULT.value
     assert bench.drive.store.get(HISTORY[0]) == 0x81FF
-    assert bench.drive.store.get(at.ERROR_HISTORY_COUNT) == 1, "told once, not for every frame"
+    assert bench.drive.store.get(at.ERROR_HISTORY_COUNT) == 1, "reported once, not for every frame"
     bench.until(150)
     assert frame(0x81FF) not in bench.reported(), "its message was one frame too many"

@@ -36,7 +36,7 @@ class ForeignNode(RuleBasedStateMachine):
 
     @initialize()
     def plug_in(self) -> None:
-        self.drive = Epos2(NODE, ServoAxis("stranger's", 2000))
+        self.drive = Epos2(NODE, ServoAxis("foreign", 2000))
         self.now: Nanoseconds = 0
         self.due = self._checked(self.drive.wake(0)).wake_at
 

@@ -59,7 +59,7 @@ class StrangeHost(RuleBasedStateMachine):
 
     @initialize()
     def plug_in(self) -> None:
-        self.drive = SerialEpos2(NODE, ServoAxis("stranger's", 2000), EPOS2_70_10, generation=self.generation)
+        self.drive = SerialEpos2(NODE, ServoAxis("foreign", 2000), EPOS2_70_10, generation=self.generation)
         self.now: Nanoseconds = 0
         self.commands = 0
         self.due = self._checked(self.drive.wake(0)).wake_at

@@ -76,11 +76,11 @@ def test_in_a_state_the_robot_does_what_it_states() -> None:
         assert 0.02 < rig.body.speed < 0.24
     with rig.branch():
         states["emergency stop"].enter(rig)
-        assert "emergency stop" in rig.holds
+        assert "emergency stop" in rig.interlock_events
         assert abs(rig.body.speed) < 5e-3
     with rig.branch():
         states["disarmed"].enter(rig)
-        assert "not armed" in rig.holds
+        assert "not armed" in rig.interlock_events
     rig.finish()
 
 
@@ -155,7 +155,7 @@ def test_a_bridge_that_is_killed_is_excused_only_where_the_devices_stop_by_thems
     assert killed.wrong is runs_on
     assert (killed.effect.stands_after_ms is None) is runs_on
     assert bool(killed.why) is not runs_on
-    requested = next(cell for cell in cells if "asked" in cell.failure.title)
+    requested = next(cell for cell in cells if "interrupted" in cell.failure.title)
     assert not requested.late
 
 
@@ -169,7 +169,7 @@ def test_an_encoder_that_freezes_while_the_robot_is_stopped_does_not_run_away_un
     cells = of_state(made, all_failures(made(), ["encoder_frozen"]), "stopping")
     left = next(cell for cell in cells if cell.failure.place == "left")
     assert left.effect.verdict is Verdict.NOTICED
-    assert left.effect.noticed_by == "axis position repeats: left"
+    assert left.effect.noticed_by == "position not changing: left"
     assert left.effect.after_ms is not None
     assert left.effect.after_ms < LATE_MS
     assert left.effect.stands_after_ms is not None

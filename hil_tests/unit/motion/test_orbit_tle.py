@@ -60,7 +60,7 @@ def test_a_body_that_has_come_down_is_reported() -> None:
         "1 28872U 05037B   05333.02012661  .25992681  00000-0  24476-3 0  1534",
         "2 28872  96.4736 157.9986 0303955 244.0492 110.6523 16.46015938 10708",
     )
-    with pytest.raises(ValueError, match=r"cannot be told then: .*decayed"):
+    with pytest.raises(ValueError, match=r"cannot be computed then: .*decayed"):
         state_of_tle(*falls, 60.0)
 
 

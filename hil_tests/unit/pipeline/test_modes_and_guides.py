@@ -82,10 +82,8 @@ def test_while_it_has_power_the_robot_is_held_by_a_row_of_its_own() -> None:
     cart.runs(10)
     cart.requests(EnterMode("brushless"))
     cart.runs(10)
-    assert cart.held() == {"not armed", "axis left out: brush"}
-    assert cart.requests(Arm()).reason.startswith(
-        "arm: node 1 (brush) has power, and this mode does without it"
-    )
+    assert cart.held() == {"not armed", "axis excluded: brush"}
+    assert cart.requests(Arm()).reason.startswith("arm: node 1 (brush) has power, but this mode excludes it")
     off(cart, "brush")
     cart.runs()
     assert cart.requests(Arm()).accepted
@@ -110,7 +108,7 @@ def test_one_that_sends_nothing_any_more_is_waited_for_as_long_as_its_link_allow
     cart.runs()
     cart.silent = {"brush"}
     cart.runs(cycles)
-    assert ("axis left out: brush" in cart.held()) is held
+    assert ("axis excluded: brush" in cart.held()) is held
 
 
 def test_power_that_comes_back_disarms() -> None:
@@ -118,7 +116,7 @@ def test_power_that_comes_back_disarms() -> None:
     assert cart.requests(Arm()).accepted
     off(cart, "brush", Power.ON)
     cart.runs()
-    assert "axis left out: brush" in cart.held()
+    assert "axis excluded: brush" in cart.held()
     assert not cart.permission.armed
 
 
@@ -147,7 +145,10 @@ def test_a_guide_makes_the_commands() -> None:
 
 def test_an_unknown_guide_is_answered_with_those_that_there_are() -> None:
     verdict = PaperCart().requests(Follow("astray"))
-    assert (verdict.accepted, verdict.reason) == (False, "guide: this robot has no 'astray'; it has ahead")
+    assert (verdict.accepted, verdict.reason) == (
+        False,
+        "path follower: this robot has no 'astray'; it has ahead",
+    )
 
 
 def test_a_stick_takes_over_and_the_guide_does_not_come_back() -> None:
@@ -166,7 +167,7 @@ def test_the_operator_must_be_received_while_a_guide_drives() -> None:
     cart.runs(9)
     assert cart.newest("left") == GUIDED
     cart.runs(11)
-    assert "operator silent" in cart.held()
+    assert "operator link timeout" in cart.held()
     assert cart.newest("left") == Speed(0.0)
 
 
@@ -196,7 +197,7 @@ def test_a_guide_is_refused_by_a_robot_that_is_not_armed() -> None:
     cart = PaperCart()
     cart.runs(10)
     verdict = cart.requests(Follow("ahead"))
-    assert (verdict.accepted, verdict.reason) == (False, "guide: arm the robot first")
+    assert (verdict.accepted, verdict.reason) == (False, "path follower: arm the robot first")
     assert cart.requests(Follow("")).accepted
 
 

@@ -154,7 +154,7 @@ def test_a_drive_that_falls_silent_on_its_own_link_stops_its_group_alone() -> No
     bench = sweeping(stops_itself)
     bench.world.silence("brush", bench.world.now)
     bench.runs(1.0)
-    assert "axis silent: brush" in bench.held()
+    assert "axis timeout: brush" in bench.held()
     assert bench.bridge.seen.facts.armed
     assert bench.speed("left") == pytest.approx(5.0, abs=0.1)
     assert bench.guard.refusals == ()

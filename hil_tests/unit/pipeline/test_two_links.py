@@ -94,7 +94,7 @@ def test_a_link_that_stops_only_its_group_leaves_the_wheels_rolling() -> None:
     assert bench.held() == {f"link lost: {TOOL}"}
     assert bench.newest("brush") == Speed(0.0)
     bench.runs(20)
-    assert bench.held() == {f"link lost: {TOOL}", "axis silent: brush"}
+    assert bench.held() == {f"link lost: {TOOL}", "axis timeout: brush"}
     assert bench.permission.armed
     assert bench.newest("left") == Speed(5.0)
     assert bench.newest("brush") == Speed(0.0)

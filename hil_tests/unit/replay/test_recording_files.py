@@ -133,7 +133,7 @@ ORDERS: dict[str, tuple[Into, str, str | None, str]] = {
     "telemetry into the drives": (Into.DRIVES, "a.tlog", None, "a telemetry log is played into the bench"),
     "telemetry into the bridge": (Into.BRIDGE, "a.tlog", None, "a telemetry log is played into the bench"),
     "frames into the bench": (Into.BENCH, "a.log", None, "wants one telemetry log"),
-    "the drives' operator": (Into.DRIVES, "a.log", "a.tlog", "a.tlog: the drives hear no operator"),
+    "the drives' operator": (Into.DRIVES, "a.log", "a.tlog", "a.tlog: the drives take no operator"),
     "a bridge that is silent": (Into.BRIDGE, "silent.log", None, "holds no word of a bridge"),
     "no one answers": (Into.BENCH, "a.tlog", None, "a.tlog: holds no message of the bridge of rars"),
     "another day's operator": (Into.BRIDGE, "a.log", "b.tlog", "b.tlog: was recorded at another time"),

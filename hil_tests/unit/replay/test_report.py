@@ -70,7 +70,7 @@ def test_it_knows_what_the_bridge_knew_in_the_run(bench: Path, tmp_path: Path) -
     for name in ("odometry_x_m", "odometry_y_m", "odometry_heading_rad", "demanded_speed_mps", "armed"):
         assert np.array_equal(then[name][:rows], now[name][:rows], equal_nan=True), name
     assert now["odometry_x_m"][-1] > 0.5
-    assert {"x_m", "heading_rad", "steer_rad"} & set(now.dtype.names or ()) == set(), "no plant tells it"
+    assert {"x_m", "heading_rad", "steer_rad"} & set(now.dtype.names or ()) == set(), "no plant has it"
     driving = slice(520, 590)
     assert np.abs(now["speed_mps"] - then["speed_mps"])[driving].max() < 0.02
     for name in ("motor_speed_left_rad_s", "current_left_a"):
@@ -102,8 +102,8 @@ def test_a_real_drive_is_reported_in_its_own_folder(tmp_path: Path) -> None:
     done = reported("report", str(folder), "rars", "--animate")
     assert done.exit_code == 0, done.output
     page = (folder / "report.html").read_text(encoding="utf-8")
-    assert "What was said" in page
-    assert "axis zero lost: lift" in page
+    assert "Messages" in page
+    assert "reference lost: lift" in page
     assert (folder / "animated.html").exists()
 
 
@@ -151,7 +151,7 @@ def test_a_path_is_played_from_where_the_robot_knew_its_place() -> None:
     data = json.loads(re.search(r"const run = (\{.*?\});\n", page, re.DOTALL)[1].replace("<\\/", "</"))  # type: ignore[index]
     assert data["at"][0] == 0.1
     assert data["x"][-1] == 1.0
-    assert data["holds"] == [{"from": 0.2, "to": None, "says": "50 mm </script>"}]
+    assert data["events"] == [{"from": 0.2, "to": None, "text": "50 mm </script>"}]
     assert page.count("</script>") == 1
     assert "a &lt;run&gt;" in page
     assert re.findall(r'(?:src|href)="(?!data:|#)', page) == []

@@ -181,7 +181,7 @@ MISTAKES = (
         "a top speed below what the limits ask",
         ("top_speed = 16.0 ", "top_speed = 1.0 "),
         "axes[0].top_speed",
-        ("'left' be asked for 14.8", "the bound is 1 rad/s", "narrow the limits"),
+        ("'left' be commanded to 14.8", "the bound is 1 rad/s", "narrow the limits"),
     ),
     Mistake(
         "a position's profile above the top speed",

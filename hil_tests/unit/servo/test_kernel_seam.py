@@ -91,7 +91,7 @@ def test_a_library_from_other_sources_is_not_used(tmp_path: Path) -> None:
 
 def test_the_environment_chooses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(kernel.VARIABLE, "twin")
-    assert kernel.choose() == kernel.Found(None, "the twin was asked for")
+    assert kernel.choose() == kernel.Found(None, "the reference was requested")
     monkeypatch.setenv(kernel.VARIABLE, "fast")
     with pytest.raises(ServoError, match="FIRMWARE_BRIDGE_SERVO=fast: say 'native', 'twin'"):
         kernel.choose()

@@ -58,7 +58,7 @@ def test_what_passed_is_in_files_that_the_field_reads(tmp_path: Path) -> None:
     assert text.endswith(" line T 90 02\n")
     at, way, frame = parse_chunk((box.folder / CAPTURE_LOG).read_text().rstrip("\n"), epoch=0)
     (first_word, _), *_ = parse_tlog((box.folder / OPERATOR_LOG).read_bytes(), epoch=0)
-    assert at - first_word == 1 - MILLISECOND, "what is cut to microseconds tells the same instants"
+    assert at - first_word == 1 - MILLISECOND, "what is cut to microseconds has the same instants"
     assert (at - parse_chunk(text.rstrip("\n"), epoch=0)[0], way) == (1, Direction.RECEIVED), (
         "to the nanosecond"
     )

@@ -65,7 +65,7 @@ def test_the_frames_are_those_that_were_written(suffix: str, tmp_path: Path) -> 
     recording = read_can(path, None)
     assert [entry.packet for entry in recording.entries] == [packet for _, packet in wanted]
     assert recording.entries[1].where == f"run{suffix}, frame 2"
-    assert recording.virtual is (suffix != ".asc"), "only who tells the hour can tell the bench's"
+    assert recording.virtual is (suffix != ".asc"), "only a log with the hour has the bench's"
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)

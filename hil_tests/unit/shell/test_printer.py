@@ -50,7 +50,7 @@ def test_what_no_one_takes_is_dropped_and_counted_and_reported_when_someone_does
             break
     lines = taken.decode().splitlines()
     reported = [text for text in lines if text.startswith("(")]
-    assert reported, "it is said"
+    assert reported, "it is printed"
     assert all(text.endswith(" lines before this one could not be printed)") for text in reported)
     lost = sum(int(text[1:].split(" ")[0]) for text in reported)
     assert lines.count(line) == stated - lost < stated

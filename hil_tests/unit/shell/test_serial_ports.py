@@ -96,7 +96,7 @@ def test_clients_come_and_go() -> None:
                 client.write(name)
                 assert received(port, len(name)) == name
             assert port.read(0) == []
-            port.write(0, b"no one hears this", 0)
+            port.write(0, b"no one receives this", 0)
 
 
 @pytest.mark.parametrize("kind", [PseudoTerminal, SeenOpening])
@@ -113,9 +113,7 @@ def test_a_client_at_another_bit_rate_and_the_device_do_not_receive_each_other_w
             assert not received(port, 2, SECOND // 10)
             port.write(0, b"0 0\r\n", 0)
             assert client.read(9) == b""
-        assert stated == [
-            f"{port.name}: its client has not set the device's 57600 Bd; neither hears the other"
-        ]
+        assert stated == [f"{port.name}: its client has not set the device's 57600 Bd; nothing is received"]
         client.baudrate = 57_600
         client.write(b"e\r")
         assert received(port, 2) == b"e\r"
@@ -151,7 +149,7 @@ def test_where_the_system_reports_no_one_who_opens_a_line_there_is_one_all_the_s
         with serial.Serial(port.path, 57_600) as client:
             client.write(b"e\r")
             assert received(port, 2) == b"e\r"
-    with pytest.raises(PortError, match="leave --reset-on-open away"):
+    with pytest.raises(PortError, match="omit --reset-on-open"):
         open_serial("pty", 57_600, reports_dtr=True)
 
 
@@ -296,7 +294,7 @@ def test_a_cable_that_is_pulled_takes_the_port_away_and_a_new_one_comes_back_und
             with pytest.raises(serial.SerialException):
                 client.read(1)
         assert not link.is_symlink()
-        port.write(0, b"no one hears it", 0)
+        port.write(0, b"no one receives it", 0)
         assert (port.read(0), port.fileno()) == ([], waits_at)
         port.write(LINE_BACK, b"", 0)
         with serial.Serial(str(link), timeout=1) as client:

@@ -263,7 +263,7 @@ def test_a_silent_board_is_reported_every_word_that_lets_go_before_one_again(
     words = len(set(reported))
     assert words > 1
     assert len(set(reported[:words])) == words
-    assert len(reported) > words + 3, "and again, while it may be heard"
+    assert len(reported) > words + 3, "and again, while it may be received"
 
 
 def test_motors_that_are_released_stay_so_while_speed_0_is_stated_again() -> None:

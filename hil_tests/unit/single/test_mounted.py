@@ -84,7 +84,7 @@ def test_a_wrong_pulse_number_is_found_by_the_index_and_named_by_the_console() -
         came = turned(Mounted(motor=RE_40, pulses=mounted), with_encoder(written))
         assert came.codes[0] in {0xFF02, 0xFF03}
         assert came.warnings == [
-            f"node 1: 0x2210:1 says {written} pulses, the mounted encoder has {mounted} (--encoder)"
+            f"node 1: 0x2210:1 is {written} pulses, the mounted encoder has {mounted} (--encoder)"
         ]
 
 
@@ -97,7 +97,7 @@ def test_without_an_index_a_wrong_pulse_number_is_a_wrong_speed() -> None:
 def test_an_index_that_is_set_up_and_not_there_is_missed() -> None:
     came = turned(Mounted(motor=RE_40, index=False), with_encoder(500))
     assert came.codes == [0xFF02]
-    assert came.warnings == ["node 1: 0x2210:2 says 1, with index; the mounted encoder has none (--encoder)"]
+    assert came.warnings == ["node 1: 0x2210:2 is 1, with index; the mounted encoder has none (--encoder)"]
 
 
 def test_a_wrong_sign_runs_away_until_a_limit_trips() -> None:
@@ -110,8 +110,8 @@ def test_a_wrong_sign_runs_away_until_a_limit_trips() -> None:
     [
         (10, 8, [], RPM, ""),
         (11, 8, [], RPM, ""),
-        (10, 1, [0xFF08], 0, "0x6410:3 says 1 pole pairs, the mounted motor has 8 (--pole-pairs)"),
-        (1, 8, [], 0, "0x6402 says motor type 1, an EC motor is mounted (--motor)"),
+        (10, 1, [0xFF08], 0, "0x6410:3 is 1 pole pairs, the mounted motor has 8 (--pole-pairs)"),
+        (1, 8, [], 0, "0x6402 is motor type 1, an EC motor is mounted (--motor)"),
     ],
 )
 def test_an_ec_motor_turns_where_the_drive_is_set_up_for_it(
@@ -126,7 +126,7 @@ def test_an_ec_motor_turns_where_the_drive_is_set_up_for_it(
 def test_a_brushed_motor_shows_no_hall_sensors() -> None:
     came = turned(Mounted(motor=RE_40), {at.MOTOR_TYPE: 10, POLE_PAIRS: 1})
     assert came.codes == [0xFF04], "hall sensor not found"
-    assert came.warnings == ["node 1: 0x6402 says motor type 10, a brushed motor is mounted (--motor)"]
+    assert came.warnings == ["node 1: 0x6402 is motor type 10, a brushed motor is mounted (--motor)"]
 
 
 def test_what_is_no_particular_motor_is_right_with_any_type() -> None:

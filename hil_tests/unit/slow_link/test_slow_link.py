@@ -70,7 +70,7 @@ def test_a_links_words_are_read(text: str, expected: Conditions) -> None:
         ("loss=1.5", "must be from 0 to 1"),
         ("delay=nan", "must be from 0 to 60"),
         ("delay=soon", "'soon' is not a number"),
-        ("delay=1,delay=2", "delay is said twice"),
+        ("delay=1,delay=2", "delay is given twice"),
         ("loss=0.9,burst=2", "bursts of 2 up lose at most 0.67 of all"),
         ("", "there is no key ''"),
     ],

@@ -183,7 +183,7 @@ def test_only_an_answer_of_who_drives_to_an_open_question_counts() -> None:
     assert ages.trips.newest(station.bench.now) is None, "of another place"
     forged = dialect.MAVLink_timesync_message(5, question.ts1 + 1)
     station.sends(forged)
-    assert ages.trips.newest(station.bench.now) is None, "to a question that no one asked"
+    assert ages.trips.newest(station.bench.now) is None, "to no request"
     station.comes(station.answer(question))
     trip = ages.trips.newest(station.bench.now)
     assert trip is not None
@@ -251,7 +251,7 @@ def test_what_was_stated_before_a_stop_does_not_undo_it(
     assert (ack.command, ack.result) == (go[0], 1), "temporarily rejected"
     assert bench.requested == []
     station.orders(*go)
-    assert bench.requested == [request_], "said after it"
+    assert bench.requested == [request_], "sent after it"
 
 
 @pytest.mark.parametrize(
@@ -282,7 +282,7 @@ def test_an_old_order_to_go_is_refused_where_its_age_is_known() -> None:
     station.late = 500 * MILLISECOND
     reported = station.orders(400, 1.0)
     assert station.bench.requested == []
-    assert "it was said 0.50 s ago, limit 0.50 s" in "".join(texts(reported))
+    assert "it was sent 0.50 s ago, limit 0.50 s" in "".join(texts(reported))
     station.late = 490 * MILLISECOND
     station.bench.now += SECOND
     station.orders(400, 1.0)
@@ -329,7 +329,7 @@ def test_who_drives_is_reported_once_that_no_one_knows_how_old_his_words_are() -
         station.sends(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
         sent = bench.operator.report(bench.snapshot(), (), bench.now)
         received += [one for p in sent if p.address == HERE for one in Codec(9, 9).decode(p.payload)]
-    assert "".join(texts(received)).count("nobody can tell how old this station's words are") == 1
+    assert "".join(texts(received)).count("the age of this station's commands is unknown") == 1
 
 
 def test_round_trips_forget_what_is_long_ago_and_what_was_never_answered() -> None:

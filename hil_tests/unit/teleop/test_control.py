@@ -69,7 +69,7 @@ def drives(bench: RarsBench) -> Sender | None:
 
 def test_who_arms_while_no_one_drives_drives(bench: RarsBench, driver: Hand) -> None:
     assert drives(bench) == (driver.source, 255, 190)
-    assert "control: 255/190 at 10.0.0.1:14550 drives" in reported(bench)
+    assert "control: 255/190 at 10.0.0.1:14550 is in control" in reported(bench)
 
 
 def reported(bench: RarsBench) -> str:
@@ -89,7 +89,7 @@ def test_sticks_of_anybody_else_are_no_intent(bench: RarsBench, other: Hand) -> 
     assert bench.operator.intent is before
     assert bench.operator.dropped.undriven == 1
     assert text.startswith("MANUAL_CONTROL of ")
-    assert other.stick() == [], "not told at the rate of a joystick"
+    assert other.stick() == [], "not reported at the rate of a joystick"
     bench.now += 2 * SECOND
     assert texts(
         other.say(dialect.MAVLink_set_position_target_local_ned_message(0, 1, 1, 8, 1511, *(0.0,) * 11))
@@ -112,14 +112,14 @@ def test_arming_clearing_and_pausing_are_the_drivers(
 ) -> None:
     replies = other.order(command, *params)
     assert (types(replies)[-1], replies[-1].result) == ("COMMAND_ACK", DENIED)
-    assert "255/190 at 10.0.0.1:14550 drives" in "".join(texts(replies))
+    assert "255/190 at 10.0.0.1:14550 is in control" in "".join(texts(replies))
     assert bench.requested == []
 
 
 def test_a_parameter_is_the_drivers(bench: RarsBench, other: Hand) -> None:
     replies = other.say(dialect.MAVLink_param_set_message(1, 1, b"RATE_ODOM", 1.0, 9))
     assert replies[-1].param_value == 20.0
-    assert "drives" in "".join(texts(replies))
+    assert "in control" in "".join(texts(replies))
     assert bench.operator.dropped.undriven == 0
 
 
@@ -180,13 +180,13 @@ def test_control_is_requested_and_given_up(bench: RarsBench) -> None:
     assert hand.result(CONTROL, 1) == ACCEPTED
     assert drives(bench) == (HERE, 255, 190)
     assert hand.result(CONTROL, 1) == ACCEPTED
-    assert bench.requested == [ChangeDriver()], "asked for once more, nothing changes"
+    assert bench.requested == [ChangeDriver()], "requested once more, nothing changes"
     assert hand.result(CONTROL, 0) == ACCEPTED
     assert drives(bench) is None
     assert bench.requested == [ChangeDriver(), Disarm(), ChangeDriver()]
     assert hand.result(CONTROL, 0) == DENIED
     bench.report()
-    assert "control: 255/190 at 10.0.0.1:14550 has given it up, no one drives" in reported(bench)
+    assert "control: 255/190 at 10.0.0.1:14550 has released it, no station in control" in reported(bench)
 
 
 @pytest.mark.parametrize(
@@ -209,12 +209,12 @@ def test_what_is_neither_is_denied(bench: RarsBench, params: tuple[float, ...]) 
 def test_a_request_is_refused_and_brought_to_who_drives(bench: RarsBench, other: Hand, driver: Hand) -> None:
     [ack] = other.order(CONTROL, 1)
     [requested] = [one for one in bench.report() if one.get_type() == "COMMAND_LONG"]
-    assert "asks for it" in reported(bench)
+    assert "requests it" in reported(bench)
     assert (requested.command, requested.target_system, requested.target_component) == (CONTROL, 255, 190)
     assert (requested.param1, requested.param4) == (1.0, float(other.codec.system))
     assert (ack.command, ack.result) == (CONTROL, FAILED)
     other.order(CONTROL, 1)
-    assert "COMMAND_LONG" not in types(bench.report()), "not at the rate at which it asks"
+    assert "COMMAND_LONG" not in types(bench.report()), "not at the rate of its requests"
     assert drives(bench) == (driver.source, 255, 190)
 
 
@@ -256,7 +256,7 @@ def test_who_sends_nothing_loses_control(bench: RarsBench, driver: Hand, silence
     assert bench.operator.lapse(bench.now) is lost
     assert (drives(bench) is None) is lost
     bench.report()
-    assert ("is gone, no one drives" in reported(bench)) is lost
+    assert ("is gone, no station in control" in reported(bench)) is lost
     assert (bench.operator.intent.received_at == NEVER_RECEIVED) is lost
     assert driver.result(ARM, 1) == ACCEPTED
 
@@ -323,13 +323,13 @@ def test_control_that_changes_all_the_time_floods_no_one(bench: RarsBench) -> No
         hand.order(CONTROL, 0)
     assert len(texts(bench.report())) < 20
     hand.order(CONTROL, 1)
-    assert "control: 255/190 at 10.0.0.1:14550 drives" in texts(bench.report())[-1]
+    assert "control: 255/190 at 10.0.0.1:14550 is in control" in texts(bench.report())[-1]
 
 
 def test_the_old_set_mode_is_refused_in_words(other: Hand) -> None:
     replies = other.say(dialect.MAVLink_set_mode_message(1, 1, 0))
     assert replies[-1].result == DENIED
-    assert "drives" in "".join(texts(replies))
+    assert "in control" in "".join(texts(replies))
 
 
 def test_frames_for_another_robot_on_the_link_are_none_that_were_lost(bench: RarsBench) -> None:
@@ -350,7 +350,5 @@ def test_a_station_that_calls_itself_as_the_robot_is_named_once(bench: RarsBench
     for _ in range(3):
         bench.send(namesake.encode(dialect.MAVLink_manual_control_message(1, 500, 0, 0, 0, 0)))
     stated = "".join(texts(bench.report()))
-    assert (
-        stated.count("a station calls itself 1/1, as this robot: it is not heard; let it be system 255") == 1
-    )
+    assert stated.count("a station calls itself 1/1, as this robot: it is ignored; let it be system 255") == 1
     assert bench.command.speed_mps == 0.0

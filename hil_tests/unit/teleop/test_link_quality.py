@@ -13,7 +13,7 @@ QUESTION = (111, 1)
 REQUESTED_AT = 7 * SECOND
 WHOLE = 2 * SECOND
 """How old a word may be here: not the usual limit, so that who reads another one is seen."""
-UNDATED = "link: nobody can tell how old this station's words are, only when they cease"
+UNDATED = "link: the age of this station's commands is unknown, only their loss is noticed"
 
 
 def link(
@@ -50,7 +50,7 @@ def eased(text: str) -> list[tuple[Severity, str]]:
     return [(Severity.INFO, text)]
 
 
-DIFFER = "link: this station's clocks disagree by 2.00 s: its words are as old as the oldest says"
+DIFFER = "link: this station's clocks disagree by 2.00 s: its messages count as old as the oldest"
 EDGES = {
     "clocks that disagree by as much as a word may be old": (
         [link(differs=WHOLE - 1), link(differs=WHOLE), link(differs=WHOLE), link(differs=WHOLE // 2)],
@@ -87,7 +87,7 @@ EDGES = {
         [warned("link: 25% of this station's frames are lost"), eased("link: frames come again")],
     ),
     "a share between the bounds, from the good side": ([link(lost=0.07)], [[]]),
-    "words without a time, asked for 3 s": (
+    "messages without a time, requested for 3 s": (
         [link(dated=False, requested_for=3 * SECOND - 1), link(dated=False, requested_for=3 * SECOND)],
         [[], warned(UNDATED)],
     ),
@@ -97,10 +97,10 @@ EDGES = {
     ),
     "... and then with one": (
         [link(dated=False, requested_for=3 * SECOND), link(dated=True, requested_for=3 * SECOND)],
-        [warned(UNDATED), eased("link: how old this station's words are is known")],
+        [warned(UNDATED), eased("link: the age of this station's commands is known")],
     ),
     "words with a time": ([link(dated=True, requested_for=3 * SECOND)], [[]]),
-    "a station that was never asked": ([link(dated=False)], [[]]),
+    "a station that was never queried": ([link(dated=False)], [[]]),
 }
 
 

@@ -95,7 +95,7 @@ def test_other_frames_are_refused(frame: int) -> None:
         "the same with vz, as MAVSDK and MAVROS send it",
         "velocity only",
         "velocity only with vz",
-        "DroneKit's, which says that an acceleration would be a force",
+        "DroneKit's, which states that an acceleration would be a force",
         "the same with yaw rate",
     ],
 )
@@ -207,6 +207,6 @@ def test_a_yaw_rate_alone_turns_a_robot_that_can_turn_where_it_stands(name: str,
     still = bench.command
     stated = "".join(texts(bench.target(0.0, 0.25, mask=YAW_RATE_ALONE)))
     assert (bench.command != still) is turns
-    why = "this robot does not turn where it stands; send a velocity, too"
+    why = "this robot does not turn on the spot; send a velocity, too"
     assert stated == ("" if turns else f"SET_POSITION_TARGET_LOCAL_NED refused: {why}")
     assert "".join(texts(bench.target(0.0, 0.0, mask=YAW_RATE_ALONE))) == "", "to stand still it can"

@@ -79,7 +79,7 @@ def test_a_hold_is_reported_with_its_reason_when_it_begins_and_when_it_ends(benc
         (4, "the lift stands at 100 mm, retracted is below 5 mm; retract the lift")
     ]
     assert texts(bench.report(replace(HOLD, reason="the lift stands at 90 mm"))) == []
-    assert texts(bench.report()) == [(6, "released: lift extended")]
+    assert texts(bench.report()) == [(6, "cleared: lift extended")]
     assert texts(bench.report()) == []
 
 
@@ -87,18 +87,18 @@ LOUD = {
     "acceleration limit": Severity.INFO,
     "not armed": Severity.NOTICE,
     "emergency stop": Severity.CRITICAL,
-    "bridge stood still": Severity.CRITICAL,
+    "bridge stalled": Severity.CRITICAL,
     "link lost: drives": Severity.CRITICAL,
-    "another master: drives": Severity.CRITICAL,
-    "axis silent": Severity.CRITICAL,
+    "second controller: drives": Severity.CRITICAL,
+    "axis timeout": Severity.CRITICAL,
     "axis fault": Severity.CRITICAL,
-    "axis rewritten": Severity.CRITICAL,
-    "axis does not follow": Severity.CRITICAL,
-    "axis moves unasked": Severity.CRITICAL,
-    "axis position repeats": Severity.CRITICAL,
+    "axis reconfigured": Severity.CRITICAL,
+    "tracking error": Severity.CRITICAL,
+    "uncommanded motion": Severity.CRITICAL,
+    "position not changing": Severity.CRITICAL,
     "battery low": Severity.CRITICAL,
-    "paused": Severity.NOTICE,
-    "axis zero lost": Severity.CRITICAL,
+    "operation paused": Severity.NOTICE,
+    "reference lost": Severity.CRITICAL,
     "steer angle unknown": Severity.ERROR,
     "lift height unknown": Severity.ERROR,
 }
@@ -124,7 +124,7 @@ def test_one_hold_that_follows_another_is_reported(bench: RarsBench) -> None:
     other = hold("not armed", "the robot is not armed", "arm the robot", Severity.NOTICE)
     bench.report(HOLD)
     assert texts(bench.report(other)) == [
-        (6, "released: lift extended"),
+        (6, "cleared: lift extended"),
         (5, "the robot is not armed; arm the robot"),
     ]
     assert texts(bench.report(other, HOLD))[0][1].startswith("the lift stands")

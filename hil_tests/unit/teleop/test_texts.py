@@ -122,6 +122,18 @@ def test_a_hold_that_lets_go_while_it_is_kept_back_is_not_reported_at_all() -> N
     assert reported.due((), 10 * SECOND) == []
 
 
+def test_each_stop_stage_has_a_text_and_the_last_one_clears_the_event() -> None:
+    reported, row = HoldTexts(Speaker()), Row("stop not acknowledged", "keep clear")
+    texts = []
+    for now, stage in enumerate(["ramp", "quick stop", "quick stop", "power off", "silence", "reset"]):
+        failed = Hold(f"{row.name}: left", f"{stage} not acknowledged", row, now, stage=stage)
+        texts += [one.text for one in reported.due((failed,), now)]
+    texts += [one.text for one in reported.due((), 9)]
+    stages = ("ramp", "quick stop", "power off", "silence", "reset")
+    expected = [f"{stage} not acknowledged; keep clear" for stage in stages]
+    assert texts == [*expected, "cleared: stop not acknowledged: left"]
+
+
 def test_information_is_reported_once_and_what_lets_go_of_it_not_at_all() -> None:
     """Every ordinary move of a stick passes the acceleration limit."""
     reported = HoldTexts(Speaker())
@@ -133,4 +145,4 @@ def test_information_is_reported_once_and_what_lets_go_of_it_not_at_all() -> Non
         holds = ((ramps,) if cycle % 20 < 10 else ()) + ((HOLD,) if cycle % 100 < 50 else ())
         texts += [one.text for one in reported.due(holds, cycle * SECOND // 20)]
     assert texts.count("too fast; slowly") == 1
-    assert [text for text in texts if text.startswith("released")] == ["released: lift extended"] * 2
+    assert [text for text in texts if text.startswith("cleared")] == ["cleared: lift extended"] * 2

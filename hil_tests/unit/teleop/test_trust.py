@@ -306,7 +306,7 @@ def test_a_clock_that_was_set_back_lets_no_old_stream_in_and_uses_no_stamp_twice
     old = Signer(system=77, at=0).states(ARM)
     last = stamp(keyed.now)
     again = restarted(keyed, started_at=0)
-    assert not believed(again, old), "never heard here, and more than a minute old"
+    assert not believed(again, old), "never received here, and more than a minute old"
     again.now = CYCLE
     receives(again, Signer(at=keyed.now).states(BEAT))
     own = [one for one in again.operator.report(again.snapshot(), (), again.now) if one.address == HERE]

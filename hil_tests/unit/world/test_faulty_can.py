@@ -92,7 +92,7 @@ def test_a_controller_that_is_off_returns_after_128_times_11_bits_with_what_wait
     back = next(at for at, packet in sender.received if packet.address == RESTARTED)
     assert back - off == 128 * 11 * 1000
     assert [packet.address for _, packet in frames(hearer)] == [0x124], "what was under way is lost"
-    assert frames(sender) == [] or frames(sender)[0][0] > back, "off, it hears nothing"
+    assert frames(sender) == [] or frames(sender)[0][0] > back, "off, it receives nothing"
     assert wire.confinement("node0").transmit == 0
 
 
@@ -112,7 +112,7 @@ def test_a_full_queue_states_so_and_drops_the_newest() -> None:
     world, _, (sender, hearer) = bus_of(Player(*((0, frame(0x100 + k)) for k in range(5))), Player(), depth=3)
     world.run(SECOND)
     assert [packet.address for _, packet in frames(hearer)] == [0x100, 0x101, 0x102]
-    assert reports(sender) == [CONTROLLER], "told once until there is room again"
+    assert reports(sender) == [CONTROLLER], "reported once until there is room again"
 
 
 def test_the_counters_by_the_standard() -> None:
@@ -164,7 +164,7 @@ def test_a_frame_that_overruns_its_receiver_is_right_for_all_others() -> None:
     assert [packet.address for _, packet in frames(slow)] == [0x103]
     assert len(frames(other)) == 4
     (report,) = (packet for _, packet in slow.received if packet.address & ERROR)
-    assert decode_report(report.payload) == (RECEIVE_OVERFLOW, Loss.OBJECT), "told once"
+    assert decode_report(report.payload) == (RECEIVE_OVERFLOW, Loss.OBJECT), "reported once"
     assert reports(sender) == reports(other) == []
     assert wire.confinement("node1").receive == 0, "nothing was wrong on the bus"
 

@@ -97,7 +97,7 @@ def test_the_physics_moves_before_anything_is_delivered() -> None:
     world.run(1000)
     assert seen == [(250, 200)]
     assert physics.reached == 1000
-    assert physics.requested == sorted(set(physics.requested)), "each instant is asked for once"
+    assert physics.requested == sorted(set(physics.requested)), "each instant is requested once"
 
 
 def test_nodes_that_the_physics_names_are_woken_at_the_instant_it_reached_and_may_send() -> None:

@@ -1,0 +1,76 @@
+"""A recording whose texts are in the words of the release before: all of it is compared but STATUSTEXT.
+
+A text of another length is another number of messages, so sequence numbers tell nothing either: each recorded
+message must be among those that were sent before, as often as it is recorded.
+"""
+
+from collections import defaultdict, deque
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+from emulators.replay.comparison import Comparison, Difference, Messages
+from emulators.replay.recordings import RESOLUTION
+from emulators.replay.senders import Sent
+from firmware_bridge.packet import Packet
+from firmware_bridge.recording import MAVLINK_2, mavlink_messages
+from firmware_bridge.units import Nanoseconds
+
+OLD_WORDS: Final = b"released: "
+"""How each text began that an interlock event was over; it begins with "cleared: " now."""
+_STATUSTEXT: Final = 253
+_V1_NUMBER: Final = slice(5, 6)
+_V1_HEAD: Final = 6
+_V2_NUMBER: Final = slice(7, 10)
+_V2_HEAD: Final = 10
+
+
+def answers_of(recorded: Iterable[Sent], sender: str) -> Comparison:
+    """Return what compares the messages of one MAVLink system with those recorded of it."""
+    own = [one for one in recorded if one.sender == sender]
+    texts = (one.entry.packet.payload for one in own)
+    if any(_content(text)[0] == _STATUSTEXT and OLD_WORDS in text for text in texts):
+        return AllButTexts(own, sender)
+    return Messages(own, sender)
+
+
+class AllButTexts:
+    """Compares the messages of one MAVLink system by their contents, texts left out."""
+
+    def __init__(self, recorded: Sequence[Sent], sender: str) -> None:
+        self.compared = 0
+        self._expected = deque(one for one in recorded if not _is_text(one.entry.packet.payload))
+        self._sender = sender
+        self._sent: defaultdict[tuple[int, bytes], deque[Nanoseconds]] = defaultdict(deque)
+        """The instants at which each content was sent, but for those that were recorded."""
+        self._found: Difference | None = None
+
+    def take(self, now: Nanoseconds, sender: str, packet: Packet) -> None:
+        """Keep the messages of a datagram until their arrival is due."""
+        if sender == self._sender:
+            for message in mavlink_messages(packet.payload):
+                self._sent[_content(message)].append(now)
+
+    def differences(self, now: Nanoseconds) -> Iterable[Difference]:
+        """Return the first message that was not sent before it had arrived."""
+        while self._found is None and self._expected:
+            wanted = self._expected[0].entry
+            if wanted.at + RESOLUTION > now:
+                break
+            sent = self._sent[_content(wanted.packet.payload)]
+            if sent and sent[0] < wanted.at + RESOLUTION:
+                sent.popleft()
+                self._expected.popleft()
+                self.compared += 1
+            else:
+                self._found = Difference(self._expected[0], None)
+        return () if self._found is None else (self._found,)
+
+
+def _is_text(message: bytes) -> bool:
+    return _content(message)[0] == _STATUSTEXT
+
+
+def _content(message: bytes) -> tuple[int, bytes]:
+    """Return a message's number and its payload; neither sequence number nor checksum."""
+    number, head = (_V2_NUMBER, _V2_HEAD) if message[0] == MAVLINK_2 else (_V1_NUMBER, _V1_HEAD)
+    return int.from_bytes(message[number], "little"), message[head : head + message[1]]
