@@ -1,13 +1,13 @@
-"""Builds what is native in the package; pyproject.toml says all the rest.
+"""Build of the package's native parts; pyproject.toml has all the rest.
 
 The servo kernel is a plain shared library beside its source. Without a C compiler the package installs all
-the same, and the kernel's twin in Python serves.
+the same, and the reference implementation in Python serves.
 
-What a wheel has besides is said by the environment:
+The environment selects a wheel's further contents:
 
 * FIRMWARE_BRIDGE_COMPILE=1: the modules that every packet passes through, translated to C by mypyc (see
   docs/decisions/same-source-compiled.md); 0: nothing native at all, so that the wheel fits every machine.
-* FIRMWARE_BRIDGE_PLANTS=1: the plants' FMUs for this machine, so that who installs it needs no compiler.
+* FIRMWARE_BRIDGE_PLANTS=1: the plants' FMUs for this machine, so that its installation needs no compiler.
 """
 
 import hashlib
@@ -71,7 +71,7 @@ WAY_OF_A_PACKET: Final = (
     "firmware_bridge/wire/arduino/*.py",
     "firmware_bridge/wire/natnet/*.py",
 )
-"""What runs again and again in a mission; tables, and what runs once, stay as they are."""
+"""Modules that run again and again in a mission; tables, and those that run once, stay as they are."""
 INTERPRETED: Final = frozenset(
     {
         "emulators/epos2/objects/device_profile.py",  # its annotations carry sources, read at run time
@@ -88,7 +88,7 @@ INTERPRETED: Final = frozenset(
         "firmware_bridge/wire/abort.py",  # an enumeration with a __new__ of its own
     }
 )
-"""What mypyc cannot translate."""
+"""Modules that mypyc cannot translate."""
 
 
 class SharedLibrary(Extension):
@@ -105,7 +105,7 @@ class Build(build_ext):
         return str(super().get_ext_filename(ext_name))
 
     def get_export_symbols(self, ext: Extension) -> list[str]:
-        """Export nothing of a library by name: its source says what is visible."""
+        """Export nothing of a library by name: its source sets the visibility."""
         if isinstance(ext, SharedLibrary):
             return list(ext.export_symbols)
         return list(super().get_export_symbols(ext))
@@ -119,7 +119,7 @@ class Build(build_ext):
 
 
 class WithPlants(build_py):
-    """Copies the modules, and lays the plants' FMUs beside them."""
+    """Build step that copies the modules, and lays the plants' FMUs beside them."""
 
     def run(self) -> None:
         """Build each plant that pyproject.toml names, for FMI 2.0 and 3.0, or take it from the cache."""
@@ -138,7 +138,7 @@ class WithPlants(build_py):
 
 
 def built_from() -> str:
-    """Return the first 64 bits of the sources' SHA-256: they tell a library that is older than its source."""
+    """Return the first 64 bits of the sources' SHA-256: they identify a library older than its source."""
     digest = hashlib.sha256()
     for file in FILES:
         digest.update(file.read_bytes())

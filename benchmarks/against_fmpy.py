@@ -39,7 +39,7 @@ SECONDS: Final = 8.0
 
 
 class FmpyStep:
-    """Takes a plant's step with the methods that FMPy offers, in the place of our prepared calls."""
+    """A plant's step by FMPy's own methods, in the place of our prepared calls."""
 
     def __init__(self, plant: FmuPlant) -> None:
         self._plant = plant
@@ -81,10 +81,10 @@ WAYS: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What one way took and left."""
+    """Cost and result of one way."""
 
     seconds: float
-    """Of the processor."""
+    """Processor time."""
     trace: str
 
 

@@ -1,11 +1,11 @@
-"""How much faster than real time an emulated Arduino board is, and whether eight keep up on this machine.
+"""Speed of an emulated Arduino board against real time, and a test of eight at once on this machine.
 
 Usage: python -m benchmarks.boards [SECONDS]    simulated time; 20 by default.
 
-A board of each firmware turns three motors, with a host that says something every 50 ms. Times are the
+A board of each firmware turns three motors, with a host that sends something every 50 ms. Times are the
 processor's; the ratio beside each is to as many seconds of RARS's mission, taken in the same minute. Then
-eight boards turn their motors in real time, each a process of its own on a pseudo-terminal, and are asked in
-every cycle.
+eight boards turn their motors in real time, each a process of its own on a pseudo-terminal, and receive a
+request in every cycle.
 """
 
 import resource
@@ -69,7 +69,7 @@ HOSTS: Final[Mapping[str, tuple[tuple[bytes, ...], bytes]]] = MappingProxyType(
         "firmata": (_register_writes(), bytes((0xF0, 0x76, 0x60, 0x08, 0, 0, 1, 0, 0xF7))),
     }
 )
-"""By firmware: what turns the motors, and what is said in each cycle then."""
+"""Packets by firmware: those that turn the motors, and that of each cycle then."""
 
 
 def drive(firmware: str, simulated: Nanoseconds) -> None:

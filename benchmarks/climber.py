@@ -1,4 +1,4 @@
-"""How much faster than real time the climber's square runs, with cameras or none, beside RARS's circles.
+"""Speed of the climber's square against real time, with cameras or none, beside RARS's circles.
 
 Usage: python -m benchmarks.climber [SECONDS]    simulated time; 60 by default.
 

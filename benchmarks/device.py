@@ -2,9 +2,9 @@
 
 Usage: python -m benchmarks.device
 
-`canopen` (LocalNode) and `durand` come with `make bench`; without them a table says "not installed". They
+`canopen` (LocalNode) and `durand` come with `make bench`; without them a table shows "not installed". They
 serve a real bus in real time, and python-can's virtual bus knows neither bits nor arbitration; ours does that
-work, too, wherever a row says "timed bus". Each table says what is compared.
+work, too, wherever a row has "timed bus". Each table names the compared tasks.
 """
 
 import ctypes
@@ -129,7 +129,7 @@ def pure_server() -> bool:
 
 
 class Client:
-    """Asks the drive again as soon as it has an answer."""
+    """Client that sends the next request as soon as it has an answer."""
 
     def __init__(self) -> None:
         self.answers = 0
@@ -144,7 +144,7 @@ class Client:
         return Reaction((self._request,))
 
     def wake(self, now: Nanoseconds) -> Reaction:
-        """Ask for the first time, when the drive is up."""
+        """Send the first request when the drive is up."""
         return Reaction((self._request,)) if now >= SECOND else Reaction((), SECOND)
 
 
@@ -178,7 +178,7 @@ def round_trips() -> bool:
 
 
 class Talker:
-    """Keeps the bus full: a frame of its own in each period."""
+    """Node that keeps the bus full: a frame of its own in each period."""
 
     def __init__(self, node: int, every: Nanoseconds) -> None:
         self._address = canopen.TRANSMIT_PDO[0] + node
@@ -186,7 +186,7 @@ class Talker:
         self._count = 0
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Hear nothing; the next frame stays due."""
+        """Ignore the frame; the next one stays due."""
         del packet
         return Reaction((), now - now % self._every + self._every)
 
@@ -198,15 +198,15 @@ class Talker:
 
 
 class Ear:
-    """Hears and says nothing."""
+    """Node that receives, and sends nothing."""
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Hear a frame."""
+        """Receive a frame."""
         del packet, now
         return Reaction()
 
     def wake(self, now: Nanoseconds) -> Reaction:
-        """Say nothing."""
+        """Send nothing."""
         del now
         return Reaction((), NEVER)
 
@@ -254,7 +254,7 @@ def full_bus() -> bool:
 
 
 def installed(name: str) -> bool:
-    """Whether a third-party server is here."""
+    """Return True if a third-party server is installed."""
     return importlib.util.find_spec(name) is not None
 
 

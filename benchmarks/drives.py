@@ -26,9 +26,9 @@ from hil_tests.unit.servo.side_by_side import Motors
 BIT_RATE: Final = 1_000_000
 SET_UP_AT: Final[Nanoseconds] = SECOND
 BEGIN_AT: Final[Nanoseconds] = 2 * SECOND
-"""By then they are set up, however many they are."""
+"""Time by which all drives are set up."""
 SAMPLE: Final = 3
-"""Which transmit PDO answers SYNC: statusword and velocity."""
+"""Number of the transmit PDO that answers SYNC: statusword and velocity."""
 NO_REMOTE: Final = canopen.COB_ID_NO_REMOTE
 PROFILE_VELOCITY_MODE: Final = 3
 TO_OPERATION_ENABLED: Final = (0x06, 0x07, 0x0F)
@@ -36,11 +36,11 @@ TO_OPERATION_ENABLED: Final = (0x06, 0x07, 0x0F)
 TARGET_RPM: Final = 1000
 
 Cycle = Callable[[int], Iterable[Packet]]
-"""What leaves in cycle number so and so."""
+"""Packets of a cycle, by its number."""
 
 
 class Master:
-    """A node that sends its set-up once, then something in each cycle; what it hears it counts."""
+    """A node that sends its set-up once, then something in each cycle; it counts received packets."""
 
     def __init__(self, setup: Sequence[Packet], cycle: Cycle, every: Nanoseconds) -> None:
         self.received = 0
@@ -79,7 +79,7 @@ class Crowd:
 
     @property
     def turning(self) -> int:
-        """How many drives have power and see their shaft turn."""
+        """Number of drives that have power and see their shaft turn."""
         return sum(bool(axis.powered and axis.velocity_average) for axis in self.axes)
 
     def runs_a_second(self) -> None:
@@ -111,7 +111,7 @@ SYNC: Final = Packet(CAN, canopen.SYNC, b"")
 
 
 def only_sync(_cycle: int) -> Iterable[Packet]:
-    """Ask for what the drives have to tell."""
+    """Request the drives' process data."""
     return (SYNC,)
 
 

@@ -1,8 +1,8 @@
-"""Whether a robot that is well is ever disbelieved: ordinary missions, seed after seed, on two floors.
+"""Search for false alarms on a robot that is well: ordinary missions, seed after seed, on two floors.
 
 Usage: python -m benchmarks.false_alarms [MINUTES]    simulated time; 5 by default, `make hour` drives 60.
 
-Exit status 1 where an axis is held that does what it was told. The missions bring an operator's tremor and
+Exit status 1 where an axis is stopped that follows its commands. The missions bring an operator's tremor and
 late datagrams; the second floor has half the grip.
 """
 
@@ -43,7 +43,7 @@ ALARMS: Final = (
     "second controller",
     "battery low",
 )
-"""What holds where something has failed; what an emergency stop or an unknown zero ends in is none of it."""
+"""Interlocks of failures; those that follow an emergency stop or a lost reference are not among them."""
 
 
 def alarms(robot: AnyRobot, mission: str, seed: int) -> tuple[float, list[str]]:
@@ -59,7 +59,7 @@ def alarms(robot: AnyRobot, mission: str, seed: int) -> tuple[float, list[str]]:
 
 
 def main() -> int:
-    """Drive for as long as asked."""
+    """Drive for the requested time."""
     minutes = float(sys.argv[1]) if len(sys.argv) > 1 else MINUTES
     driven, found = 0.0, 0
     for seed, ((name, mission), floor) in zip(

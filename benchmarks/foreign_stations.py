@@ -1,7 +1,7 @@
 # ruff: noqa: PLC0415 - a library that may be missing is imported where it is used
 """The same device by the libraries `canopen` and `durand`: their servers alone, and on a virtual bus.
 
-Each has the objects that are asked for, as the drive has them, and no others.
+Each has the requested objects, as the drive has them, and no others.
 """
 
 from collections.abc import Callable, Iterator
@@ -23,7 +23,7 @@ NodeOn: TypeAlias = Callable[[can.BusABC], AbstractContextManager[None]]
 
 
 class _Taken:
-    """Takes what a server sends, in place of a bus."""
+    """Receiver of a server's frames, in place of a bus."""
 
     def __init__(self) -> None:
         self.received: dict[int, Callable[..., None]] = {}
@@ -126,11 +126,11 @@ def _durand_on(bus: can.BusABC) -> Iterator[None]:
 
 
 SERVERS: Final = {"canopen": _canopen_server, "durand": _durand_server}
-"""What makes a server alone, by the library's name."""
+"""Factories of a server alone, by the library's name."""
 WHOLE: Final = {"canopen": _canopen_whole, "durand": _durand_server}
-"""What makes a node that is handed frames, by the library's name; durand's bus hands them to the server."""
+"""Factories of a node that is handed frames, by the library's name; durand's bus hands them to the server."""
 NODES: Final = {"canopen": _canopen_on, "durand": _durand_on}
-"""What puts a node on a bus, by the library's name."""
+"""Factories of a node on a bus, by the library's name."""
 
 
 def _bus() -> can.BusABC:

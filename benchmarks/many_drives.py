@@ -1,10 +1,10 @@
-"""How the cost grows with the number of drives: the whole chain on one bus, and a tick of the servo kernel.
+"""Growth of the cost with the number of drives: the whole chain on one bus, and a tick of the servo kernel.
 
 Usage: python -m benchmarks.many_drives
 
-The chain: a master that asks with SYNC and gives each drive a speed every 50 ms, the timed bus, the drives,
-the kernel, and single motors in C. The motors are those of the tests; their cost is measured alone and taken
-off where a table says so.
+The chain: a master that sends SYNC and gives each drive a speed every 50 ms, the timed bus, the drives, the
+kernel, and single motors in C. The motors are those of the tests; their cost is measured alone and taken off
+where a table notes it.
 """
 
 import ctypes
@@ -23,7 +23,7 @@ from hil_tests.unit.servo.side_by_side import PLANT, SANE, Motors, Order, Side, 
 
 DRIVES: Final = (1, 4, 16, 64)
 TICKS: Final = {kernel.NATIVE: 100_000, kernel.TWIN: 4_000}
-"""Of one drive; more drives run fewer."""
+"""Number of ticks with one drive; more drives run fewer."""
 SLICE: Final[Nanoseconds] = MILLISECOND
 """An advance on the bench lasts as long on average."""
 MOVE, FAR_COUNTS, SPEED_RPM, RAMP_RPM_S = 2, 10**9, 2000, 3000

@@ -1,4 +1,4 @@
-"""What the benchmarks share: the processor's shortest time of some runs, memory, and tables for people."""
+"""Common parts of the benchmarks: the processor's shortest time of some runs, memory, and tables."""
 
 import resource
 import time
@@ -41,7 +41,7 @@ def interleaved(runs: Sequence[Callable[[], object]], repeats: int = REPEATS) ->
 
 
 def resident_kib() -> int:
-    """Return the memory of this process in KiB; its largest so far where the system tells no other."""
+    """Return the memory of this process in KiB; its largest so far where the system has no other."""
     status = Path("/proc/self/status")
     if status.exists():
         line = next(line for line in status.read_text().splitlines() if line.startswith("VmRSS"))

@@ -1,9 +1,9 @@
-"""Whether a long run keeps its memory: the mission `circles`, recorded to files, looked at each minute.
+"""Check of a long run's memory: the mission `circles`, recorded to files, looked at each minute.
 
 Usage: python -m benchmarks.memory [MINUTES]    simulated time; 5 by default, `make hour` drives 60.
 
 Some things grow by design, because the pictures and the summary at a run's end are made of them: a sample
-every 10 ms, the operator's diary, the holds. Samples and diary are let go at each minute's end, and told
+every 10 ms, the operator's diary, the holds. Samples and diary are freed at each minute's end, and listed
 apart; what is left must not grow. Frames and messages go to files as they come. Caches with a bound are
 emptied before each look, since a mission may take many minutes to fill them; one without a bound counts.
 """
@@ -27,10 +27,13 @@ from firmware_bridge.units import from_seconds
 MINUTES: Final = 5
 MINUTE_S: Final = 60.0
 WARM_UP: Final = 3
-"""Minutes until every service has been heard once."""
+"""Minutes until every service has been received once."""
 LARGEST_GROWTH: Final = 4_096
-"""Bytes a minute of what is left; a list that takes one number a bridge cycle grows by 48,000.
-The interpreter's own free lists, which are bounded, still fill by some 1,500."""
+"""Limit for the growth of the rest, in bytes per minute.
+
+A list that takes one number a bridge cycle grows by 48,000. The interpreter's own free lists, which are
+bounded, still fill by some 1,500.
+"""
 LARGEST_RESIDENT: Final = 1.05
 MEASURED: Final = ("emulators", "firmware_bridge", "fmu")
 KIB: Final = 1024

@@ -1,4 +1,4 @@
-"""What it costs to keep a moment of a run and to put it back, against driving on for ten milliseconds.
+"""Cost of keeping a moment of a run and of restoring it, against driving on for ten milliseconds.
 
 Usage: python -m benchmarks.moments
 

@@ -1,4 +1,4 @@
-"""How much faster than real time the mission `circles` runs, and where the time goes.
+"""Speed of the mission `circles` against real time, and the shares of that time.
 
 Usage: python -m benchmarks.realtime [SECONDS]    simulated time; 60 by default.
 
@@ -39,7 +39,7 @@ COMPILED: Final = not str(world.__file__).endswith(".py")
 TWIN_SECONDS: Final = 5.0
 LEAST_FACTOR: Final = 10.0
 ALONE: Final[Nanoseconds] = 2 * SECOND
-"""So long the plant runs alone to learn what a tick of it costs."""
+"""Time for which the plant runs alone, to measure the cost of a tick."""
 
 
 class StopWatches:

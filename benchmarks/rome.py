@@ -1,4 +1,4 @@
-"""How much faster than real time ROME's circle runs, with cameras at 240 Hz or none, beside RARS's circles.
+"""Speed of ROME's circle against real time, with cameras at 240 Hz or none, beside RARS's circles.
 
 Usage: python -m benchmarks.rome [SECONDS]    simulated time; 30 by default.
 

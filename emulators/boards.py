@@ -1,6 +1,6 @@
-"""What an emulated motor shield turns, from an FMU.
+"""Loads of an emulated motor shield, from an FMU.
 
-It refuses to know the board.
+It is independent of the board.
 """
 
 from collections.abc import Sequence

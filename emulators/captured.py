@@ -16,11 +16,11 @@ from firmware_bridge.wire.natnet.layout import Version
 from fmu.plant import FmuPlant
 
 CAPTURE_STREAM: Final = 3
-"""Which stream of random numbers the capture systems draw from, beside the run's seed."""
+"""Stream of random numbers for the capture systems, beside the run's seed."""
 TRUTH: Final = tuple(dict.fromkeys(FLOOR + SPACE))
 """The plant's outputs that a body is seen by; `FLOOR` or `SPACE` will do."""
 NAME: Final = "robot"
-"""Of a body that the robot file knows by its number."""
+"""Name of a body that the robot file knows by its number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +43,8 @@ def captured(
 ) -> Captured:
     """Return the capture systems that see a robot; RobotFileError where the plant has no place.
 
-    The body is where the robot is, its axes those of the robot: what the robot file says of a mount is not
-    emulated. So it is refused where it is not zero. With `markers` the stream has the bodies' markers, too.
+    The body is where the robot is, its axes those of the robot: the mount in the robot file is not emulated.
+    So it is refused where it is not zero. With `markers` the stream has the bodies' markers, too.
     """
     for name, link in robot.capture_links.items():
         _possible(robot, name, link.driver, plant)

@@ -13,7 +13,7 @@ from firmware_bridge.units import Nanoseconds
 
 
 class CarriedBank:
-    """What moves between two events: a base's board with its motors, and an arm's with its joints."""
+    """Physics between two events: a base's board with its motors, and an arm's with its joints."""
 
     def __init__(self, base: ShieldBank, board: Board, arm: StepperBank) -> None:
         self.axes: Final[tuple[ShieldMotor | StepperMotor, ...]] = (*base.axes, *arm.axes)

@@ -45,11 +45,11 @@ class Devices:
     bank: ServoBank | ShieldBank | StepperBank | CarriedBank
     plant: FmuPlant
     boards: dict[str, Board | Ar2Board] = field(default_factory=dict)
-    """By the links' names."""
+    """Boards by the links' names."""
 
     @property
     def servo_bank(self) -> ServoBank:
-        """What moves the drives; TypeError where a board turns the motors."""
+        """The servo bank of the drives; TypeError where a board turns the motors."""
         if not isinstance(self.bank, ServoBank):
             raise TypeError("no drive is on this bench")
         return self.bank

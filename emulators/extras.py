@@ -1,4 +1,4 @@
-"""What comes with an extra of the package: whether it is installed, and the line that installs it."""
+"""Extras of the package: a check that one is installed, and the line that installs it."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -19,7 +19,7 @@ MISSING: Final[Mapping[Extra, str]] = MappingProxyType(
 
 
 class ExtraMissingError(LookupError):
-    """Something was asked for that comes with an extra; says which, and how to have it."""
+    """A requested feature needs an extra that is missing; the message names it, and the way to install it."""
 
 
 def installed(extra: Extra) -> bool:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Final
 
 PULSES: Final = range(16, 2_500_001)
-"""What 0x2210:1 takes."""
+"""Range of 0x2210:1."""
 FILE: Final = Path(__file__).with_name("gears.csv")
 
 
@@ -23,7 +23,7 @@ class FittingError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Encoder:
-    """At the motor's shaft: pulses in one turn, and whether there is a third channel."""
+    """Encoder at the motor's shaft: pulses in one turn, with or without a third channel."""
 
     pulses: int
     index: bool = True

@@ -24,7 +24,7 @@ class _Member:
     def __init__(self, node: Node, links: Mapping[str, str]) -> None:
         self.node = node
         self.outer = dict(links)
-        """What the node's links are called outside."""
+        """Outer names of the node's links."""
         self.inner = {outer: inner for inner, outer in links.items()}
         self.wake_at: Nanoseconds = 0
         self.silent_from: Nanoseconds = NEVER
@@ -40,10 +40,10 @@ class Cluster:
         poll: Nanoseconds = MILLISECOND,
         links: Mapping[str, Mapping[str, str]] = MappingProxyType({}),
     ) -> None:
-        """Take the members; `links` says by member what its links are called outside.
+        """Take the members; `links` has for each member the outer names of its links.
 
-        Who is not in it has one link, CAN, under its own name. Members with one link in common hear each
-        other on it.
+        A member that is not in it has one link, CAN, under its own name. Members with one link in common
+        receive each other's packets on it.
         """
         self._members = {name: _Member(node, links.get(name, ON_CAN)) for name, node in members.items()}
         self._physics = physics
@@ -65,7 +65,7 @@ class Cluster:
     def wake(self, now: Nanoseconds) -> Reaction:
         """Move the physics to now and wake the members that are due, the one that has waited longest first.
 
-        Where the machine was busy, who answers is heard before the one who gave up waiting for it.
+        Where the machine was busy, an answer comes before the timeout of the member that waits for it.
         """
         self._advance(now)
         for _, name in sorted((it.wake_at, name) for name, it in self._members.items() if it.wake_at <= now):
@@ -96,7 +96,7 @@ class Cluster:
             self._between.extend((member, packet) for packet in sent)
 
     def _exchange(self, now: Nanoseconds) -> None:
-        """Let the members hear one another, until no one has anything to add."""
+        """Exchange packets among the members, until none has anything to add."""
         between = self._between
         while between:
             sender, packet = between.popleft()
@@ -105,7 +105,7 @@ class Cluster:
                     self._give(member, packet, now)
 
     def _give(self, member: _Member, packet: Packet, now: Nanoseconds) -> None:
-        """Let a member hear a packet of a link that it is on."""
+        """Deliver to a member a packet of a link that it is on."""
         link = member.inner.get(packet.link)
         if link is not None and now < member.silent_from:
             self._take(member, member.node.receive(_renamed(packet, link), now), now)

@@ -38,9 +38,9 @@ class Motor(Table):
     kind: Literal["dc", "ec"] = "dc"
     """Brushed, or with three phases and hall sensors, as the DC motor that it is equivalent to."""
     pole_pairs: Annotated[int | None, Field(ge=1, le=255)] = None
-    """None where no source tells."""
+    """Number of pole pairs; None where no source gives it."""
     friction_nm: NonNegative | None = None
-    """At the shaft; None: what the no-load current overcomes."""
+    """Friction at the shaft; None: that which the no-load current overcomes."""
     source: str = ""
 
     @property
@@ -78,7 +78,7 @@ MOTORS: Final = {
 
 @cache
 def catalogue() -> dict[str, Motor]:
-    """Return every motor of the file by its order number, or by its name where no source tells that."""
+    """Return every motor of the file by its order number, or by its name where no source gives one."""
     numbers = ("resistance_ohm", "inductance_h", "torque_constant_nm_a", "rotor_inertia_kg_m2")
     currents = ("no_load_current_a", "continuous_current_a")
     found = {}

@@ -1,6 +1,6 @@
-"""What is mounted at a single drive: motor, encoder, gear and load; and whether the client has set it up so.
+"""Equipment of a single drive: motor, encoder, gear and load; and a check of the client's settings for it.
 
-A real drive cannot know what hangs on it, and neither does the emulated one: with other settings it counts,
+A real drive cannot know its equipment, and neither does the emulated one: with other settings it counts,
 commutates and supervises by those. ASSUME: a brushed motor at a drive that is set up for hall sensors shows
 none of them; a motor with three phases at one that is set up for a brushed motor gives no torque.
 """
@@ -22,14 +22,14 @@ from firmware_bridge.wire.epos2.address import Address
 
 POLE_PAIRS: Final = Address(0x6410, 3)
 PULSES: Final = 500
-"""Of an encoder in one turn: the default of 0x2210:1."""
+"""Pulses of an encoder in one turn: the default of 0x2210:1."""
 NO_TORQUE: Final = 1e-9
 """The constant of a motor that turns no current into torque, N m/A: 0 would divide."""
 UNKNOWN: Final = f"no particular motor ({MOTOR.torque_constant:g} N m/A, {MOTOR.resistance:g} Ohm)"
 
 
 class Load(NamedTuple):
-    """What hangs on the shaft: kg m2 and N m."""
+    """Load on the shaft: kg m2 and N m."""
 
     inertia_kg_m2: float
     friction_nm: float
@@ -37,26 +37,26 @@ class Load(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Mounted:
-    """What hangs on one drive."""
+    """Equipment of one drive."""
 
     motor: Motor | None = None
-    """None: no particular one, with which every motor type is right."""
+    """The motor; None: no particular one, with which every motor type is right."""
     pulses: int = PULSES
-    """Of the encoder at the motor's shaft, in one turn."""
+    """Pulses of the encoder at the motor's shaft, in one turn."""
     index: bool = True
-    """Whether the encoder has a third channel."""
+    """True if the encoder has a third channel."""
     pole_pairs: int | None = None
-    """None: the motor's own."""
+    """Number of pole pairs; None: the motor's own."""
     gear: float = 1.0
     """Turns of the motor for one of the load."""
     gear_inertia: float = 0.0
-    """Of the gear at the motor's shaft, kg m2."""
+    """Inertia of the gear at the motor's shaft, kg m2."""
     load: Load | None = None
-    """At the output of the gear; without a motor at its shaft, the rotor's own included."""
+    """Load at the output of the gear; without a motor at its shaft, the rotor's own included."""
 
     @property
     def pairs(self) -> int:
-        """The motor's pole pairs; 0 where no one has told them."""
+        """The motor's pole pairs; 0 where they are unknown."""
         own = None if self.motor is None else self.motor.pole_pairs
         return self.pole_pairs or own or 0
 
@@ -85,7 +85,7 @@ class Mounted:
 
     @property
     def text(self) -> str:
-        """What is mounted, in words."""
+        """The equipment as text."""
         kinds = {"dc": "brushed", "ec": "EC, as its DC equivalent"}
         motor = UNKNOWN if self.motor is None else f"{self.motor.title} ({kinds[self.motor.kind]})"
         pairs = f", {self.pairs} pole pairs" if self.pairs > 1 else ""
@@ -121,7 +121,7 @@ class Mounted:
 
 
 class Comparison:
-    """Says once, when the drive is enabled, what was set up otherwise than it is mounted."""
+    """Comparison of the settings with the mounted equipment, reported when the drive is enabled."""
 
     def __init__(self, mounted: Mounted, store: ObjectStore, say: Callable[[str], None]) -> None:
         """Look at each controlword that a client sends."""
@@ -140,7 +140,7 @@ class Comparison:
 
 
 class Torque:
-    """Takes an EC motor's torque away while the drive is set up for a brushed one."""
+    """Removal of an EC motor's torque while the drive is set up for a brushed one."""
 
     def __init__(
         self, mounted: Mounted, store: ObjectStore, axis: ServoAxis, becomes: Callable[[DcMotor], None]

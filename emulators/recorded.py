@@ -1,4 +1,4 @@
-"""What a rig's wires carry, as the field records it: candump lines, lines of bytes and datagrams, a tlog."""
+"""Traffic of a rig's wires, in field formats: candump lines, lines of bytes and datagrams, a tlog."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -17,7 +17,7 @@ FRAMES, CHUNKS, SIGHTS, WORDS = "can.log", "serial.log", "capture.log", "operato
 FILES: Final = (FRAMES, CHUNKS, SIGHTS, WORDS)
 
 Files: TypeAlias = Mapping[str, IO[bytes]]
-"""What is written to, by the files' names."""
+"""Output files, by their names."""
 Way: TypeAlias = tuple[FaultyCanWire | SerialWire | DatagramWire, Observer]
 
 

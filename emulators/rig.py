@@ -33,9 +33,9 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.maxon.frame import Generation
 
 LINK_STREAM: Final = 1
-"""Which stream of random numbers the operator's link draws from, beside the run's seed."""
+"""Stream of random numbers for the operator's link, beside the run's seed."""
 WAYS_STREAM: Final = 2
-"""Those of the slow link's ways begin here."""
+"""First stream of the slow link's directions."""
 QUIET: Final = Noise()
 GOOD: Final = Conditions()
 __all__ = ["BRIDGE", "OPERATOR_STATION", "QUIET", "SECOND_BRIDGE", "Rig"]
@@ -57,10 +57,10 @@ def _is_gateway(robot: AnyRobot, name: str) -> bool:
 
 
 class Rig:
-    """A robot on the bench: `run` moves time on; what happened stands in `samples` and `holds`.
+    """A robot on the bench: `run` moves time on; the results are in `samples` and `holds`.
 
-    The operator's link delays, jitters and loses as `noise` and `link` say, by the run's seed. `stands`: what
-    the bridge is told at its start of where its axes stand.
+    The operator's link delays, jitters and loses by `noise` and `link`, with the run's seed. `stands`: the
+    axis positions that the bridge receives at its start.
     """
 
     def __init__(
@@ -160,7 +160,7 @@ class Rig:
 
     @property
     def adapters(self) -> Sequence[Adapter]:
-        """What the newest bridge has at its ends of the serial lines."""
+        """Adapters of the newest bridge at its ends of the serial lines."""
         return [line.adapter for line in self.lines.values()]
 
     def start(self) -> None:

@@ -1,4 +1,4 @@
-"""Drives a mission on the rig, and writes everything that a run leaves behind into one folder."""
+"""Run of a mission on the rig, with all its results in one folder."""
 
 import time
 from collections.abc import Callable
@@ -30,15 +30,15 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 HAND_STREAM: Final = 0
 """The operator's hand draws from this stream of the seed; the link has one of its own."""
 SLICE: Final[Nanoseconds] = 250 * MILLISECOND
-"""So much simulated time between two looks at the progress bar."""
+"""Simulated time between two looks at the progress bar."""
 
 Progress: TypeAlias = Callable[[Nanoseconds], None]
-"""Called with how far the run is."""
+"""Callback with the progress of the run."""
 
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What is to be driven, and where the results go."""
+    """The mission to drive, and the place of the results."""
 
     robot: AnyRobot
     rehearsal: Rehearsal

@@ -19,20 +19,20 @@ class ShieldMotor:
 
     @property
     def powered(self) -> bool:
-        """Whether its half bridge does anything but stand open."""
+        """True if its half bridge drives or brakes; an open one is unpowered."""
         output = self._board.mega.shield.output(self._port, self._board.motors.now)
         return bool(output.cw or output.ccw or output.brake)
 
 
 class ShieldBank:
-    """What moves between two events: all boards with their motors."""
+    """Physics between two events: all boards with their motors."""
 
     def __init__(self, boards: Mapping[str, Board], motors: tuple[ShieldMotor, ...]) -> None:
         self.axes: Final = motors
         self._boards: Final = tuple(boards.values())
 
     def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
-        """Move on to `until`; a board asks to be woken by itself when it may have something to say."""
+        """Advance to `until`; a board requests its own wake when it may have something to send."""
         for board in self._boards:
             board.advance(until)
         return until, ()

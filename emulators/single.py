@@ -31,13 +31,13 @@ QUADRATURE: Final = 4
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What is wanted: which nodes of which type, on a bus of which bit rate."""
+    """The drives to emulate: nodes and type, on a bus of this bit rate."""
 
     nodes: Sequence[int]
     profile: DeviceProfile
     bit_rate: int
     mounted: Mounted = field(default_factory=Mounted)
-    """At each of them."""
+    """Equipment at each of them."""
     plant: Path | None = None
     plant_parameters: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     """The FMU's parameters that are to be set, by their names."""
@@ -47,7 +47,7 @@ class Order:
     parameters: Path | None = None
     """The folder that keeps saved parameters; None keeps them as long as the drives live."""
     dip_off: bool = False
-    """Whether the DIP switches say 0, so that the saved number counts."""
+    """True if the DIP switches are at 0, so that the saved number counts."""
     commissioned: Mapping[Address, int] = field(default_factory=lambda: MappingProxyType({}))
     """Parameters of a drive that someone has set up, until it saves others."""
     serial: Mapping[int, Generation | None] = field(default_factory=lambda: MappingProxyType({}))

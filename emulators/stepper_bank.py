@@ -17,7 +17,7 @@ from fmu.plant import FmuPlant
 
 STEP: Final[Nanoseconds] = 500 * MICROSECOND
 HALF_STEP: Final = math.tau / 400.0
-"""Of a motor's shaft, rad."""
+"""Half step of a motor's shaft, rad."""
 FIELDS: Final = tuple(f"field_j{joint}" for joint in range(1, 7))
 ANGLES: Final = tuple(f"angle_j{joint}" for joint in range(1, 7))
 CURRENT: Final = "current_on"
@@ -94,12 +94,12 @@ class StepperMotor:
 
     @property
     def powered(self) -> bool:
-        """Whether anything moves it: its board is in the middle of a move."""
+        """True while its board is in the middle of a move."""
         return self._board.moves
 
 
 class StepperBank:
-    """What moves between two events: the board with its arm."""
+    """Physics between two events: the board with its arm."""
 
     def __init__(self, board: Ar2Board, joints: PlantJoints, axes: Sequence[str]) -> None:
         self.axes: Final = tuple(StepperMotor(name, board) for name in axes)
@@ -107,7 +107,7 @@ class StepperBank:
         self._joints: Final = joints
 
     def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
-        """Move on to `until`; the board asks to be woken by itself when it may have something to say."""
+        """Advance to `until`; the board requests its own wake when it may have something to send."""
         self._board.advance(until)
         self._joints.reach(until)
         return until, ()

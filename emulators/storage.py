@@ -36,8 +36,8 @@ class Commissioned:
 class ParameterFile:
     """The copy that one drive keeps on disk.
 
-    A new copy is written beside the old one, brought to the disk, and renamed over it: whoever is killed
-    under way leaves the old copy behind, whole, and a file `*.new` that the next write replaces.
+    A new copy is written beside the old one, brought to the disk, and renamed over it: a process killed under
+    way leaves the old copy behind, whole, and a file `*.new` that the next write replaces.
     """
 
     def __init__(self, path: Path) -> None:
@@ -84,7 +84,7 @@ class ParameterFile:
 
 
 def _to_disk(folder: Path) -> None:
-    """Bring the renaming itself to the disk."""
+    """Write the renaming itself to the disk."""
     # Not every system lets a folder be opened; the file itself is safe by then.
     with suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)

@@ -1,7 +1,7 @@
-"""The trace of a run: what its wires have carried as text, and the running hash of that.
+"""The trace of a run: the traffic of its wires as text, and the running hash of that.
 
 A line is ASCII: instant in ns, wire, sender, address as eight hexadecimal digits, payload as hexadecimal
-digits, separated by single spaces and ended by a line feed. A packet is one line, whoever receives it.
+digits, separated by single spaces and ended by a line feed. A packet is one line, for all its receivers.
 """
 
 import hashlib

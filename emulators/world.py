@@ -1,7 +1,7 @@
 """The virtual world: one thread, one integer clock, nodes on wires, and the physics between two events.
 
-It refuses to know what a node or a wire is made of, and it never looks at a real clock. Events at the same
-instant happen in the order in which they were asked for, so two runs are the same byte for byte.
+It is independent of the kinds of nodes and wires, and it never reads a real clock. Events at the same instant
+happen in the order in which they were requested, so two runs are the same byte for byte.
 """
 
 from bisect import insort
@@ -15,7 +15,7 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import NEVER, Nanoseconds
 
 LIVELOCK: Final = 100_000
-"""So many events at one instant are a mistake of a node that asks to be woken at once, for ever."""
+"""Limit of events at one instant; more are a fault of a node that requests a wake at once, for ever."""
 
 
 class WorldError(Exception):
@@ -23,7 +23,7 @@ class WorldError(Exception):
 
 
 class Physics(Protocol):
-    """What moves between two events: servo loops and the plant."""
+    """Physics between two events: servo loops and the plant."""
 
     def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
         """Move on to `until`, or to the first event before it; return the instant and the nodes to wake then.
@@ -36,12 +36,12 @@ class _Stillness:
     """The physics of a world in which nothing moves."""
 
     def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
-        """Be there."""
+        """Return `until`: nothing moves before it."""
         return until, ()
 
 
 class Wire(Protocol):
-    """Carries packets between the stations on it, in its own time."""
+    """Wire that carries packets between the stations on it, in its own time."""
 
     name: str
 
@@ -83,11 +83,11 @@ class World:
         self._stations: dict[str, Station] = {}
         self._gone: dict[str, Nanoseconds] = {}
         self._agenda: list[tuple[Nanoseconds, int, Callable[[Any], None], Any]] = []
-        """What is to come, in order. It is short, and so takes less comparing than a heap."""
+        """Scheduled events, in order. The list is short, and so takes less comparing than a heap."""
         self._sequence = 0
         self._trace = Trace()
         self._traces: dict[str, Trace] = {}
-        """Those of each wire alone, by its name."""
+        """Traces of each wire alone, by its name."""
         self._observers: External[Callable[[bytes], None]] = External()
         self._rewind = Rewind(self)
 
@@ -104,7 +104,7 @@ class World:
         return station
 
     def detach(self, name: str) -> None:
-        """Take a node out for good, now: it neither hears, nor sends, nor is woken."""
+        """Remove a node for good, now: it neither receives, nor sends, nor is woken."""
         station = self._station(name)
         del self._stations[name]
         self._gone[name] = self.now
@@ -130,7 +130,7 @@ class World:
         self._command(self._station(name), self.now)
 
     def stop(self, name: str) -> None:
-        """Ask a node to end in good order, now, as the real-time runner does on Ctrl-C."""
+        """Request a node to end in good order, now, as the real-time runner does on Ctrl-C."""
         station = self._station(name)
         if not isinstance(station.node, Stoppable):
             raise WorldError(f"node '{name}' cannot be stopped in order")

@@ -1,1 +1,1 @@
-"""The bridge between an operator and a robot's drives, and the words it speaks. Knows no simulation."""
+"""The bridge between an operator and a robot's drives, with the protocols of both. It knows no simulation."""

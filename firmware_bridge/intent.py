@@ -1,4 +1,4 @@
-"""What the operator wants, in the robot's words, before anything has judged it."""
+"""The operator's command, in the robot's terms, before its evaluation."""
 
 import math
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ M_co = TypeVar("M_co", covariant=True)
 
 @dataclass(frozen=True, slots=True)
 class AgeLimit:
-    """How old a motion command may be that is still obeyed."""
+    """Age limit of a motion command."""
 
     most: Nanoseconds = 500 * MILLISECOND
-    """Since it was said. It belongs to the operator's side: an order may change it while the bridge runs."""
+    """Limit since its sending; the operator's side owns it: an order may change it while the bridge runs."""
     needed: bool = False
-    """Whether one whose age no one knows is not obeyed."""
+    """True where a command of unknown age is refused."""
     usual: Nanoseconds = 500 * MILLISECOND
-    """How old it may be at the robot's top speed; an order for a session lets `most` be more."""
+    """Limit at the robot's top speed; an order for a session lets `most` be more."""
 
 
 USUAL_AGE_LIMIT: Final = AgeLimit()
@@ -44,29 +44,28 @@ class Intent(Immutable, Generic[M_co]):
     ) -> None:
         self.command: Final = command
         self.received_at: Final = received_at
-        """When the newest motion command arrived; `NEVER_RECEIVED` before the first."""
+        """Arrival of the newest motion command; `NEVER_RECEIVED` before the first."""
         self.sent_at: Final = sent_at
-        """When it was said, by the robot's clock, or later; None where nothing tells."""
+        """Time of its sending, by the robot's clock, or later; None where it is unknown."""
         self.dated: Final = dated
-        """Whether it was said then, to within half a round trip; else it may be older."""
+        """True where that time is exact to within half a round trip; else it may be older."""
         self.deflected: Final = deflected
-        """What of the operator's controls is not let go, in words; empty where all is, or a velocity of zero
-        is asked for."""
+        """The operator's controls that are not neutral, as text; empty if none, or at velocity zero."""
 
     @property
     def neutral(self) -> bool:
-        """Every stick is let go, or the velocity asked for is zero."""
+        """Return whether every stick is neutral, or the velocity commanded is zero."""
         return not self.deflected
 
 
 @dataclass(frozen=True, slots=True)
 class Arm:
-    """Ask for leave to move."""
+    """Request motion permission."""
 
 
 @dataclass(frozen=True, slots=True)
 class Disarm:
-    """Give up the leave to move: what moves ramps down; forced: take the power off the motors at once."""
+    """Give up motion permission: what moves ramps down; forced: disable the motors' power at once."""
 
     force: bool = False
 
@@ -80,7 +79,7 @@ class EmergencyStop:
 
 @dataclass(frozen=True, slots=True)
 class ClearEmergencyStop:
-    """Let go of a latched emergency stop; the robot stays disarmed."""
+    """Reset a latched emergency stop; the robot stays disarmed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +115,7 @@ class EnterMode:
 
 @dataclass(frozen=True, slots=True)
 class Follow:
-    """Let a guide of this name give the commands, until the operator moves a stick; empty for none."""
+    """Let a path follower of this name give the commands, until a stick is deflected; empty for none."""
 
     guide: str
 

@@ -1,8 +1,8 @@
-"""A kind of robot: what a folder of `firmware_bridge/robots`, or a third party's package, tells the bridge.
+"""A robot type: the definition in a folder of `firmware_bridge/robots`, or in a third party's package.
 
-Three types of its own: G, its geometry and limits, a table of the robot file; M, its motion in its own words,
-which the operator's command, the gate's ruling and the demand behind the ramp are; S, what axes and sensors
-tell of its body.
+Three types of its own: G, its geometry and limits, a table of the robot file; M, its motion in its own terms,
+in which command, interlock decision and set-point behind the ramp are expressed; S, the state of its body by
+axes and sensors.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -42,7 +42,7 @@ class Guide(Protocol[M, S_contra]):
 
 @dataclass(frozen=True, kw_only=True)
 class Mode(Generic[G, M, S]):
-    """How the robot goes on after an actuator has failed: without its axis, by other body and rows."""
+    """Operation after an actuator failure: without its axis, by another body and other interlocks."""
 
     without: frozenset[str]
     """The axes, by their roles, that are not used in it: without power, or held."""
@@ -56,7 +56,7 @@ class Mode(Generic[G, M, S]):
 
 @dataclass(frozen=True, kw_only=True)
 class Kind(Generic[G, M, S]):
-    """One kind of robot, whole."""
+    """One robot type, whole."""
 
     name: str
     file: Path
@@ -67,7 +67,7 @@ class Kind(Generic[G, M, S]):
     rest: M
     """A motion in which everything rests."""
     numbers: Mapping[str, Callable[[M], float | None]]
-    """What in a motion must be a finite number, by its title for people."""
+    """The values of a motion that must be finite numbers, by their titles for people."""
     body: Callable[[Robot[G]], Body[M, S]]
     groups: Mapping[Group, frozenset[str]]
     """The axes, by their roles, that stop together; every axis is in one group."""
@@ -77,22 +77,26 @@ class Kind(Generic[G, M, S]):
     """The robot's own rows; the common ones come beside them."""
     limits: tuple[Limit[G, M, S], ...]
     slowed: Slow[G, M, S] | None = None
-    """Clips a motion to a share of its top speeds, where words may be older than usual; without it that is
-    refused."""
+    """The limit of a motion to a share of its top speeds, where commands may be older than usual.
+
+    Without it such a session is refused.
+    """
     reach: Callable[[Robot[G]], Iterable[tuple[M, S]]]
     """The motions at the corners of what the limits allow, with the state in which they ask the most."""
     station: Station[G, M, S]
     unrolled: Callable[[Robot[G]], Callable[[SeenPose, Pose], Pose]] | None = None
-    """Turns where it was seen in the room into where it is on what it drives on, near the second pose, which
-    is where it is believed to be; None for who drives on the room's floor."""
+    """Map from a robot's pose seen in the room to the pose on its ground, near the second, its assumed pose.
+
+    None for robots on the room's floor.
+    """
     model: Callable[[Robot[G]], Model] | None = None
-    """How the robot moves when it is told a speed and a yaw rate, for who predicts it; None: at once."""
+    """Response to a commanded speed and yaw rate, for a predictor; None: at once."""
     guides: Mapping[str, Callable[[Robot[G]], Guide[M, S]]] = field(default_factory=dict)
     modes: Mapping[str, Mode[G, M, S]] = field(default_factory=dict)
     switched: Callable[[M], Mapping[str, Level]] | None = None
-    """What a motion makes of the robot's outputs, by their names; None for a kind without."""
+    """The levels of the robot's outputs by a motion, by their names; None for a type without."""
     on_stop: Mapping[str, Level] = field(default_factory=dict)
-    """The outputs that a stop of all groups sets, whatever the motion says."""
+    """The outputs that a stop of all groups sets, whatever the motion."""
 
     def __post_init__(self) -> None:
         guides = {name: renamed.makes(made, "wished", "command") for name, made in self.guides.items()}

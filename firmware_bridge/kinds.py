@@ -28,13 +28,13 @@ GROUP: Final = "firmware_bridge.robots"
 SIGN: Final = "+"
 """Between a kind and what its robot has more."""
 PLANTS: Final = "firmware_bridge.plants"
-"""The group of the plants' entries; the bridge asks them for names alone."""
+"""The entry-point group of plants; the bridge uses it for names alone."""
 SLOWEST_SHARE: Final = 0.01
 """Of the profile's velocity."""
 SUM_ROUNDED: Final = 0.01
-"""By so much a sum's factors may be rounded."""
+"""Relative tolerance for the rounding of a sum's factors."""
 SUM_ABOVE: Final = 1.05
-"""A bound is hardly above what can be asked for up to so many times that."""
+"""Ratio of a bound to the largest command up to which it counts as hardly above it."""
 SUM_WIDEST: Final = 1.3
 """With the right factors a bound has room for what loops on a board overshoot; a wider one guards nothing."""
 SUM_OFFERED: Final = 1.01
@@ -49,11 +49,11 @@ class _Named(Protocol):
 
 
 class InstalledPlant(Protocol):
-    """What a robot file may name of a plant."""
+    """The part of a plant that a robot file may name."""
 
     @property
     def parameters(self) -> Sequence[_Named]:
-        """What can be set."""
+        """The parameters that can be set."""
 
     @property
     def sets(self) -> Mapping[str, object]:
@@ -77,7 +77,7 @@ def robots() -> dict[str, Path]:
         try:
             kind = kind_named(name)
         except RobotFileError:
-            continue  # `unloadable` tells of it; the others are there
+            continue  # `unloadable` reports it; the others are there
         found |= {name: kind.file} | {name + SIGN + more: path for more, path in kind.more.items()}
     return found
 
@@ -204,7 +204,7 @@ def schema_of(name: str) -> dict[str, object]:
 
 
 def weaker_rows(robot: AnyRobot) -> Iterator[tuple[str, AxisInterlock, AxisInterlock]]:
-    """Yield each axis whose driver tells too little for a common row, that row, and what stands in for it."""
+    """Yield each axis whose driver lacks an interlock's reports, that interlock, and its replacement."""
     for axis in robot.axes:
         for row in AXIS_ROWS:
             fitting = row.fitting(reports_of(robot, axis))
@@ -213,9 +213,10 @@ def weaker_rows(robot: AnyRobot) -> Iterator[tuple[str, AxisInterlock, AxisInter
 
 
 def beyond_bounds(robot: AnyRobot, kind: AnyKind) -> Iterator[Problem]:
-    """Yield where the kind's kinematics could ask for more than the guard's bounds in the file allow.
+    """Yield where the type's kinematics could command more than the guard's bounds in the file allow.
 
-    The guard would refuse such a set-point, and put a stop in its place: better said before anything moves.
+    The guard would refuse such a set-point, and put a stop in its place: better reported before anything
+    moves.
     """
     try:
         most = _most_requested(robot, kind)
@@ -301,7 +302,7 @@ def _limit_of(robot: AnyRobot, kind: AnyKind, of: Mapping[str, float], most: flo
 
 
 def _summed(body: Body[Any, Any], of: Mapping[str, float], motion: object, state: object) -> float:
-    """Return a sum of axis speeds for a motion; 0 where they are not asked for together."""
+    """Return a sum of axis speeds for a motion; 0 where they are not commanded together."""
     demands = body.demands(motion, state)
     speeds = {name: demand.value for name, demand in demands.items() if isinstance(demand, Speed)}
     return (
@@ -310,7 +311,7 @@ def _summed(body: Body[Any, Any], of: Mapping[str, float], motion: object, state
 
 
 def _most_requested(robot: AnyRobot, kind: AnyKind) -> dict[tuple[str, str], float]:
-    """Return the most that each axis can be asked for: speed, and how far to either side; NaN stays NaN."""
+    """Return the largest command of each axis: speed, and position to either side; NaN stays NaN."""
     body = kind.body(robot)
     most: dict[tuple[str, str], float] = {}
     for motion, state in kind.reach(robot):

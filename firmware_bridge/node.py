@@ -1,6 +1,6 @@
-"""The one seam: a node is told what arrived and when; it says what leaves and when to wake it.
+"""The seam: a node receives packets with their instants; it returns packets to send and its next wake-up.
 
-A node refuses to know who carries its packets: the virtual world, a real port, a recorder or a test.
+The carrier of its packets is not known to a node: the virtual world, a real port, a recorder or a test.
 """
 
 from typing import Final, Protocol, runtime_checkable
@@ -17,7 +17,7 @@ LINE_LOST: Final = 1
 LINE_BACK: Final = 2
 DTR_UP: Final = 3
 DTR_DOWN: Final = 4
-"""What the host says on the wire DTR of a serial line, as an empty packet with this address."""
+"""State of a host's DTR on a serial line, as an empty packet with this address."""
 
 
 class Node(Protocol):
@@ -44,12 +44,12 @@ class Clocked(Protocol):
 
     @property
     def baud(self) -> int:
-        """Bits a second, now."""
+        """Bit rate at present."""
 
 
 @runtime_checkable
 class Stoppable(Protocol):
-    """A node that can be asked to end in good order: bring to rest what moves, then let go of it."""
+    """A node that can be commanded to end in good order: standstill first, then power down."""
 
     def stop(self, now: Nanoseconds) -> Reaction:
         """Begin to end. Done when a reaction, this one or a later one, has a `wake_at` of `NEVER`."""
@@ -57,15 +57,15 @@ class Stoppable(Protocol):
 
 @runtime_checkable
 class Holding(Protocol):
-    """A node that may have to hold something after it was asked to end, until it is asked again."""
+    """A node that may hold the robot after a command to end, until a further one."""
 
     @property
     def holding(self) -> bool:
-        """Whether it does."""
+        """True while it does."""
 
 
 def holds(node: object) -> bool:
-    """Return whether a node, asked to end, does not before it is asked again."""
+    """Return whether a node commanded to end does not before it is commanded again."""
     return isinstance(node, Holding) and node.holding
 
 
@@ -75,7 +75,7 @@ class Unhurried(Protocol):
 
     @property
     def unattended(self) -> str:
-        """What becomes of its devices if it is carried no further."""
+        """State of its devices if it is carried no further."""
 
     def may_leave(self, now: Nanoseconds) -> bool:
         """Take one more request to end while it ends; return whether it is carried no further."""
@@ -87,4 +87,4 @@ class Finite(Protocol):
 
     @property
     def finished(self) -> bool:
-        """Whether nothing is left to do."""
+        """True where nothing is left to do."""

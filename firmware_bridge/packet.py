@@ -1,4 +1,4 @@
-"""What goes through the seam: a packet on a link, and what a node says when it was told something.
+"""Data of the seam: a packet on a link, and a node's reaction to it.
 
 Both are written out, and no dataclasses: a mission makes eighty thousand of them a minute, and a frozen
 dataclass takes three times as long to make, fifteen times where this module is compiled.
@@ -14,8 +14,8 @@ class Packet:
 
     `address` is the CAN identifier with the flags of `firmware_bridge.wire.can`; of a datagram the place that
     it comes from or goes to, as `firmware_bridge.wire.internet` numbers it; 0 on links with one other end. On
-    a serial link an empty packet with the address `LINE_LOST` or `LINE_BACK` tells what became of the line.
-    A remote frame carries as many zero bytes as its length code says.
+    a serial link an empty packet with the address `LINE_LOST` or `LINE_BACK` reports the line's state. A
+    remote frame carries as many zero bytes as its length code gives.
     """
 
     __slots__ = ("address", "link", "payload")
@@ -38,9 +38,9 @@ class Packet:
 
 
 class Reaction:
-    """What leaves now, in this order, and the next instant at which the node wants to be woken.
+    """The packets that leave now, in this order, and the node's next wake-up.
 
-    `wake_at` replaces every earlier wake-up of the node; `NEVER` asks for none. Equal where both are.
+    `wake_at` replaces every earlier wake-up of the node; `NEVER` stands for none. Equal where both are.
     """
 
     __slots__ = ("sent", "wake_at")

@@ -54,7 +54,7 @@ class CutOffError(RecordingError):
 
 
 class Direction(Enum):
-    """Which way a packet passed the seam, seen from the node."""
+    """Direction of a packet through the seam, seen from the node."""
 
     RECEIVED = "heard"
     SENT = "sent"
@@ -64,7 +64,7 @@ Listener: TypeAlias = Callable[[Nanoseconds, Direction, Packet], None]
 
 
 class Recorded:
-    """A node around a node that tells a listener of every packet in and out; it changes nothing."""
+    """A node around a node that shows a listener every packet in and out; it changes nothing."""
 
     def __init__(self, node: Node, listener: Listener) -> None:
         self.node = node
@@ -72,7 +72,7 @@ class Recorded:
 
     @property
     def holding(self) -> bool:
-        """Whether the node holds something after it was asked to end."""
+        """True while the node keeps the robot from moving after a command to end."""
         return holds(self.node)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
@@ -229,7 +229,7 @@ def mavlink_messages(datagram: bytes) -> Iterator[bytes]:
 
 
 def mavlink_origin(message: bytes) -> tuple[int, int, int]:
-    """Return system, component and sequence number of a whole message, as its header tells them."""
+    """Return system, component and sequence number of a whole message, from its header."""
     at = _MAVLINK_2_SEQUENCE if message[0] == MAVLINK_2 else _MAVLINK_1_SEQUENCE
     sequence, system, component = message[at : at + 3]
     return system, component, sequence

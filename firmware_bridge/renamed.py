@@ -36,7 +36,7 @@ INTERLOCKS: Final[Mapping[str, str]] = {
 """Old names of interlocks, without the axis or the link behind them."""
 
 STAGE: Final = " unconfirmed"
-"""How each old name of one ended that named a stop stage, which its text does now."""
+"""End of each old name that named a stop stage, which is named in the text now."""
 NOT_ACKNOWLEDGED: Final = "stop not acknowledged"
 
 FAULT_KINDS: Final[Mapping[str, str]] = {"nmt_stranger": "nmt_foreign_node"}

@@ -1,8 +1,8 @@
 """The mark of values that are made by the dozen in every cycle.
 
-To mypy they are frozen dataclasses, and it holds everybody to it. Where the program runs they are plain ones,
-with a hash that promises the same: those cost a sixth to make, and half where the core is compiled. mypyc
-takes the mark for the dataclass that mypy sees, and evaluates it; so this module itself is not translated.
+To mypy they are frozen dataclasses, and enforces it. Where the program runs they are plain ones, with a hash
+that promises the same: those cost a sixth to make, and half where the core is compiled. mypyc takes the mark
+for the dataclass that mypy sees, and evaluates it; so this module itself is not translated.
 """
 
 from typing import TYPE_CHECKING

@@ -89,7 +89,7 @@ def export(
     about: About = UNKNOWN,
     compiler: str | None = None,
 ) -> None:
-    """Write any equations as an FMU; `token` tells its versions apart. PlantError where that fails."""
+    """Write any equations as an FMU; `token` identifies its version. PlantError where that fails."""
     if fmi not in _VERSIONS:
         raise PlantError(f"FMI {fmi} is not offered: 2 or 3")
     blocks, code, description, documentation, twin = (
@@ -137,7 +137,7 @@ def _units(fmi: int) -> tuple[str, ...]:
 
 
 def _about(plant: Plant) -> About:
-    """Return what the package that brings a plant says of itself, and the plant's own page."""
+    """Return the origin of a plant's package, and the plant's own page."""
     page = folder_of(plant, plant.package) / "README.md"
     return replace(origin(plant), page=page.read_text(encoding="utf-8") if page.is_file() else "")
 

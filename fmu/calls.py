@@ -17,7 +17,7 @@ STATUS: Final = (
     *("ok", "warning", "discard", "error", "fatal", "pending"),
     *("it wants the simulation to end", "it stopped before the step was over"),
 )
-"""FMI's statuses in words, and then what a step in FMI 3.0 tells beside its status (section 4.2.1)."""
+"""FMI's statuses in words, and then the results of a step in FMI 3.0 beside its status (section 4.2.1)."""
 WANTS_TO_END: Final = 6
 STOPPED_SHORT: Final = 7
 
@@ -51,7 +51,7 @@ class PlantRecord(ctypes.Structure):
 
 
 class Mirrored(NamedTuple):
-    """Which inputs and outputs the plant has with the other sign, by their places from 0."""
+    """Indexes of the inputs and outputs that the plant has with the other sign, from 0."""
 
     inputs: Sequence[int] = ()
     outputs: Sequence[int] = ()
@@ -71,7 +71,7 @@ class Calls(NamedTuple):
     outputs: "ctypes.Array[ctypes.c_double]"
     record: PlantRecord
     held: tuple[Any, ...]
-    """What the record has the addresses of, beside the above."""
+    """Objects whose addresses are in the record, beside the above."""
 
 
 NOT_MIRRORED: Final = Mirrored()
@@ -99,7 +99,7 @@ def prepare(
     read: tuple[Any, ...] = (component, references_out, count_out, values_out)
     # The fourth: whether no state from before this step will ever be set again. Time may be rewound.
     forward: tuple[Any, ...] = (component, time, length, ctypes.c_int(0))
-    if major > 2:  # noqa: PLR2004 - FMI 3.0 counts values, too, and tells more about a step
+    if major > 2:  # noqa: PLR2004 - FMI 3.0 counts values, too, and reports more about a step
         names = ("fmi3SetFloat64", "fmi3DoStep", "fmi3GetFloat64")
         write, read = (*write, count_in), (*read, count_out)
         event, over, early = (ctypes.c_bool() for _ in range(3))

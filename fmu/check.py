@@ -21,7 +21,7 @@ from fmu.verify import Verdict
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """What an FMU is, and what is wrong with it; `start` and `bits` are empty where nothing is."""
+    """Contents of an FMU, and its errors; `start` and `bits` are empty where there are none."""
 
     model: str
     version: str
@@ -34,7 +34,7 @@ class Findings:
 
     @property
     def problems(self) -> tuple[str, ...]:
-        """Everything that is wrong, whoever wants to use it."""
+        """Every error, for any use."""
         bits = (OTHER_BITS,) if self.fingerprint is Verdict.OTHER else ()
         return (*self.description, *((self.start,) if self.start else ()), *bits)
 
@@ -56,7 +56,7 @@ def examine(path: Path) -> Findings:
     """Read, validate and start an FMU; PlantError where it is none."""
     must_be_file(path)
     try:
-        # Unchecked, so that even a wrong description says what it wants to be.
+        # Unchecked, so that even a wrong description gives its version.
         description = read_model_description(str(path), validate=False)
     except BadZipFile as error:
         raise PlantError(f"{path}: not an FMU: {error}") from error

@@ -1,4 +1,4 @@
-"""What this package complains of: what is wrong, where, and what to do about it."""
+"""Errors of this package: each names the fault, its place, and a remedy."""
 
 
 class PlantError(Exception):
@@ -6,7 +6,7 @@ class PlantError(Exception):
 
 
 class UnknownNameError(PlantError):
-    """A plant, or a part of one, that does not go by this name; the message says which ones there are."""
+    """A plant, or a part of one, that does not go by this name; the message lists the known ones."""
 
 
 class PlantWarning(UserWarning):

@@ -12,14 +12,14 @@ from dataclasses import asdict, dataclass
 from typing import Final, Protocol, Self
 
 RESOURCE: Final = "resources/fingerprint.json"
-"""Where our FMUs carry theirs."""
+"""Place of the fingerprint in our FMUs."""
 STEPS: Final = 400
 STEPS_A_JUMP: Final = 25
 _SPAN: Final = 1 << 31
 
 
 class Stepped(Protocol):
-    """What the run needs of a plant."""
+    """Plant as the fixed run uses it."""
 
     def write(self, values: Sequence[float], /) -> None:
         """Set all inputs."""

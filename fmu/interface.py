@@ -1,4 +1,4 @@
-"""The seam of every plant: what drives ask of it, by name and unit, whoever made the FMU."""
+"""The interface of every plant to the drives: names and units, for an FMU from any tool."""
 
 from collections.abc import Iterable, Mapping
 from typing import Final
@@ -17,7 +17,7 @@ PLANAR: Final[Mapping[str, str]] = {
     "yaw_rate": "rad/s",
     "battery_voltage": "V",
 }
-"""What a robot on a floor tells beside its axes; a positive heading is counter-clockwise from x."""
+"""Outputs of a robot on a floor beside its axes; a positive heading is counter-clockwise from x."""
 
 HELD: Final[Mapping[str, str]] = {"held": "N.m"}
 """An input that a plant may have: something rubs at an axis's output, and may hold it; never negative."""

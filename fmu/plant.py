@@ -71,11 +71,10 @@ class FmuPlant:
     ) -> None:
         """Unzip, validate, instantiate, set `parameters` (SI), initialise; `step` in ns.
 
-        `units` tells what the named variables must be in; an FMU without units is taken at its word. Optional
-        variables follow the others where the FMU has them: `input_names` and `output_names` tell.
-        `mirrored` are those of both that `inputs` and `outputs` have with the other sign; `read` gives the
-        FMU's own.
-        Raises PlantError, naming the file and what is wrong with it.
+        `units` has the required units of the named variables; an FMU without units is taken at its word.
+        Optional variables follow the others where the FMU has them: `input_names` and `output_names` list
+        all. `mirrored` are those of both that `inputs` and `outputs` have with the other sign; `read` gives
+        the FMU's own. Raises PlantError, naming the file and what is wrong with it.
         """
         # FMPy comes with it, and most of what FMPy imports: only who has a plant waits for that.
         from fmu import loading  # noqa: PLC0415 - see above
@@ -125,7 +124,7 @@ class FmuPlant:
 
     @property
     def variables(self) -> Mapping[str, Variable]:
-        """What this FMU has, by name, with units and descriptions: any of it can be asked for, or read."""
+        """Variables of this FMU by name, with units and descriptions: any of them can be read."""
         return {variable.name: variable for variable in self._references.described()}
 
     @property
@@ -135,7 +134,7 @@ class FmuPlant:
 
     @property
     def steps_done(self) -> int:
-        """How many steps have been taken, by `step` or by a master in C."""
+        """Number of steps taken, by `step` or by a master in C."""
         return int(self._record.steps_done)
 
     def step(self) -> None:

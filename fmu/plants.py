@@ -1,6 +1,6 @@
-"""What plants there are: packages bring them, ours as others, under the group `firmware_bridge.plants`.
+"""Registry of plants: packages bring them, ours as others, under the group `firmware_bridge.plants`.
 
-It refuses to know robots: what a plant takes from a robot's file is looked up by paths that it gives.
+It is independent of robots: a plant's values from a robot's file are looked up by paths that it gives.
 """
 
 import difflib
@@ -30,7 +30,7 @@ class Plant:
 
     In `package`, an import path, stands `equations.py` with a function `model()`, and all that it needs
     beside `fmu.parts` and `made_of`. Making a Plant must be quick: SymPy comes with the equations, when they
-    are asked for.
+    are requested.
     """
 
     name: str
@@ -50,7 +50,7 @@ class Plant:
     stops: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     """Axis -> the parameters of its lower and its upper stop, in the unit of the axis in a robot's file."""
     grips: bool = False
-    """Whether what holds it on a wall can let go: it has an input `grip_lost_AXIS` for each axis."""
+    """True if it can lose its grip on a wall: it has an input `grip_lost_AXIS` for each axis."""
 
     def model(self) -> "Model":
         """Return equations and tables; `outputs` are what can be read, each with unit and meaning."""
@@ -129,7 +129,7 @@ def find(name: str) -> Plant:
 
 
 def origin(plant: Plant) -> About:
-    """Return what the installed package that brings a plant says of itself; empty where none does."""
+    """Return the origin of a plant by the metadata of its installed package; empty where there is none."""
     return _origin(plant.name, plant.package, tuple(sys.path))
 
 
@@ -156,7 +156,7 @@ def _entries() -> metadata.EntryPoints:
 
 @cache
 def _entries_on(_path: tuple[str, ...]) -> metadata.EntryPoints:
-    """Look once through all that is installed on this path: it takes milliseconds, and each robot asks."""
+    """Read the entry points on this path once: it takes milliseconds, and each robot needs them."""
     return metadata.entry_points(group=GROUP)
 
 

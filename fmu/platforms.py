@@ -21,9 +21,12 @@ FLAGS: Final = (
     "-std=c99", "-O3", "-fno-guess-branch-probability", "-fno-math-errno", "-fno-trapping-math",
     "-ffp-contract=off", "-fPIC", "-fvisibility=hidden",
 )  # fmt: skip
-"""No one asks for errno or traps, and without them roots and choices take no branches; the bits are the same.
-gcc guesses on which side of a bound a value lies, and moves the other side away: 7 % of a run's time.
-Contraction into fused multiply-adds would make the result depend on compiler and CPU."""
+"""Compiler flags for the same bits on every machine.
+
+The code uses neither errno nor traps, and without them roots and choices take no branches; the bits are the
+same. gcc guesses on which side of a bound a value lies, and moves the other side away: 7 % of a run's time.
+Contraction into fused multiply-adds would make the result depend on compiler and CPU.
+"""
 
 _COMPILERS: Final = ("cc", "gcc", "clang")
 
@@ -60,7 +63,7 @@ PLATFORMS: Final = (
         "gcc-aarch64-linux-gnu and libc6-dev-arm64-cross",
     ),
 )  # fmt: skip
-"""What an FMU carries a binary for, where the compiler is."""
+"""Platforms for which an FMU carries a binary, where the compiler is."""
 
 
 def here() -> Platform:
@@ -100,7 +103,7 @@ def find_compiler() -> str:
 
 @cache
 def version_text(compiler: str) -> bytes:
-    """Return what a compiler says of its version: another one may give another binary. It is asked once."""
+    """Return a compiler's version text, read once: another version may give another binary."""
     # The compiler is the user's own choice.
     return subprocess.run([compiler, "--version"], capture_output=True, check=False).stdout  # noqa: S603
 
@@ -108,7 +111,7 @@ def version_text(compiler: str) -> bytes:
 def library(
     files: Mapping[str, str], units: Sequence[str], compiler: str, flags: Sequence[str] = ()
 ) -> bytes:
-    """Compile the C files `units` among `files` into one library; PlantError with what the compiler says."""
+    """Compile the C files `units` among `files` into one library; PlantError with the compiler's output."""
     with tempfile.TemporaryDirectory(prefix="firmware-bridge-build-") as name:
         folder = Path(name)
         for file, text in files.items():

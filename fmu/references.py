@@ -14,7 +14,7 @@ _BASES: Final = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """A variable of an FMU: its unit is None, and its description empty, where the FMU does not tell them."""
+    """A variable of an FMU: its unit is None, and its description empty, where the FMU lacks them."""
 
     name: str
     causality: str

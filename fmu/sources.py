@@ -1,4 +1,4 @@
-"""What an FMU is made from: a plant's equations, what they take, and what makes C of them; their token."""
+"""Sources of an FMU: a plant's equations, those that they take, and the generators of C; their token."""
 
 import hashlib
 import importlib.util
@@ -24,7 +24,7 @@ def folder_of(plant: Plant, package: str) -> Path:
 
 
 def token_of(plant: Plant) -> str:
-    """Return what tells an FMU's sources apart, 32 hexadecimal digits; PlantError where some are missing."""
+    """Return the token of an FMU's sources, 32 hexadecimal digits; PlantError where some are missing."""
     digest = hashlib.sha256()
     for name, path in _sources(plant):
         digest.update(name.encode() + b"\0" + path.read_bytes() + b"\0")

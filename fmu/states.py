@@ -17,7 +17,7 @@ _NAMES: Final = {
 
 
 class StateError(Exception):
-    """The FMU refused to copy itself, or to become a copy; says which call, and its status."""
+    """The FMU refused to copy itself, or to become a copy; the message names the call, and its status."""
 
 
 class Copy:
@@ -34,7 +34,7 @@ class Copy:
 
 
 class Vault:
-    """Takes copies of one FMU instance, and frees those that are left when the instance goes."""
+    """Store of copies of one FMU instance, which frees the remaining ones when the instance goes."""
 
     def __init__(self, library: ctypes.CDLL, instance: int, major: int) -> None:
         """Take the loaded library; AttributeError where it lacks a function that the FMI demands."""
@@ -57,7 +57,7 @@ class Vault:
         self._check(1, self._set(self._instance, copy.pointer))
 
     def knows(self, copy: Copy) -> bool:
-        """Whether a copy was taken from this instance."""
+        """Return True if a copy was taken from this instance."""
         return copy in self._copies
 
     def free(self, pointer: ctypes.c_void_p) -> None:

@@ -1,4 +1,4 @@
-"""What a plant is, in a line: from its FMU where that is there, in no time, else from its equations."""
+"""Summary of a plant in a line: from its FMU where that is there, in no time, else from its equations."""
 
 from collections import Counter
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from fmu.plants import find
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """How many of each there are; outputs without those that only the solver knows."""
+    """Number of each kind of variable; outputs without those that only the solver knows."""
 
     description: str
     states: int
@@ -36,5 +36,5 @@ def _is_here(name: str) -> bool:
     try:
         return is_built(name)
     except PlantError:
-        # No compiler, or a third party's mistake, which the equations tell in their own words.
+        # No compiler, or a third party's mistake, which the equations report by themselves.
         return False

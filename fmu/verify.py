@@ -1,4 +1,4 @@
-"""Does a loaded FMU give the bits that its equations give? Its fixed run, once more, in a second instance."""
+"""Comparison of a loaded FMU with its equations, bit by bit: its fixed run again, in a second instance."""
 
 import copy
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ from fmu.references import References
 
 
 class Verdict(StrEnum):
-    """What came of the comparison."""
+    """Result of the comparison."""
 
     SAME = "same"
     OTHER = "other"
@@ -73,7 +73,7 @@ def compare(path: Path, fmu: Any, major: int, references: References) -> Verdict
         inputs = references.find(list(wanted.inputs), ("input",), {})
         outputs = references.find(wanted.outputs, ("output",), {})
     except PlantError:
-        # Someone has renamed what was measured. Whether a master misses it, the master says.
+        # The measured variables were renamed. A master that needs them reports that itself.
         return Verdict.NONE
     second = copy.copy(fmu)
     if major == 2:  # noqa: PLR2004 - the version

@@ -1,9 +1,9 @@
-"""Which tests this machine can run: some need a SocketCAN bus vcan0, a network without a way out, or tshark.
+"""Selection of tests for this machine: some need a SocketCAN bus vcan0, an isolated network, or tshark.
 
-What is not there leaves its tests out, and counted: `tools/with-vcan` brings a kernel with the bus,
+Tests of missing tools are skipped, and counted: `tools/with-vcan` brings a kernel with the bus,
 `tools/with-loopback` the network, Debian's package tshark the dissector. Those of other machines' binaries
-need cross compilers, Wine and qemu-user, that of the sketch simavr; they run only where their mark is asked
-for, and then fail where something is missing: `.ci/run` or `make nightly` has it.
+need cross compilers, Wine and qemu-user, that of the sketch simavr; they run only where their mark is
+requested, and then fail where something is missing: `.ci/run` or `make nightly` has it.
 """
 
 import gc
@@ -27,7 +27,7 @@ AT_HAND: Final = {
 """Markers, and whether this machine has what they stand for."""
 
 ON_DEMAND: Final = ("platforms", "avr", "installed", "released")
-"""Markers whose tests run where they are asked for by name, `-m MARKER`."""
+"""Markers whose tests run where they are requested by name, `-m MARKER`."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -43,7 +43,7 @@ def pytest_itemcollected(item: pytest.Item) -> None:
 
 
 gc.set_threshold(500_000, 20, 100)
-"""At Python's own pace the collector of garbage takes a quarter of the tests' time, and finds little."""
+"""The garbage collector at Python's own pace takes a quarter of the tests' time, and finds little."""
 
 
 def pytest_collection_finish() -> None:

@@ -1,7 +1,7 @@
-"""How many examples a test draws, and which share of the tests runs.
+"""Number of examples that a test draws, and the share of the tests that runs.
 
-All that a test asks for, or a tenth of them in the first lane. Hypothesis times none: the tests' time is
-virtual, and the wall's says how busy the machine is. As a plugin of pytest, `-p hil_tests.lanes --share K/N`,
+All that a test requests, or a tenth of them in the first lane. Hypothesis times none: the tests' time is
+virtual, and wall time depends on the machine's load. As a plugin of pytest, `-p hil_tests.lanes --share K/N`,
 it leaves out what is not in the share.
 """
 
@@ -16,7 +16,7 @@ from hypothesis import settings
 FULL: Final = 100
 FIRST_LANE: Final = "first-lane"
 HUNG_S: Final = 300.0
-"""After so long a process that should have ended hangs; a busy machine takes less."""
+"""Time after which a process that should have ended hangs; a busy machine takes less."""
 
 settings.register_profile("virtual time", settings(deadline=None, max_examples=FULL))
 settings.register_profile(FIRST_LANE, settings(deadline=None, max_examples=FULL // 10))
@@ -37,7 +37,7 @@ class Share:
 
     @classmethod
     def parse(cls, text: str) -> "Share":
-        """Read `K/N`; the exception says what is wrong with it."""
+        """Read `K/N`; the exception names the error."""
         number, _, of = text.partition("/")
         if number.isdigit() and of.isdigit() and 1 <= int(number) <= int(of):
             return cls(int(number), int(of))

@@ -13,13 +13,13 @@ from typing import Any, Final
 import pytest
 
 SHOWN: Final = 10
-"""So many rows that fail are shown whole; the others are named."""
+"""Number of failing rows that are shown whole; the others are named."""
 
 Test = Callable[..., None]
 
 
 class _Run:
-    """What the command line asks for."""
+    """Options of the command line."""
 
     stops_at_once = False
     """With -x the first row that fails ends its table, too."""

@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import Final, TypeAlias
 
 Change: TypeAlias = tuple[str, Callable[[ast.AST], ast.AST]]
-"""What is different, and what changes the node or returns another one in its place."""
+"""A change: its description, and the function that changes the node or returns a replacement."""
 
 COMPARISONS: Final[dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]]] = {
     ast.Lt: (ast.LtE, ast.GtE),
@@ -50,7 +50,7 @@ LEFT_OUT: Final = {"abs", "to_seconds", "from_seconds", "radians", "degrees"}
 SYMMETRIC: Final = {"min", "max", "hypot", "isclose", "zip"}
 """Calls that do the same with their arguments in another order, or nearly so."""
 OF_TYPES: Final = {"TypeVar", "NewType", "cast", "isinstance", "issubclass", "getattr", "hasattr"}
-"""Calls whose arguments no one mixes up, or that no one asks when the program runs."""
+"""Calls whose arguments are never mixed up, or have no effect when the program runs."""
 OPPOSITES: Final = (
     ("left", "right"),
     ("front", "rear"),
@@ -71,13 +71,13 @@ UNITS: Final = (
 TUNED: Final = re.compile(r"(^|_)(MS|US|S|BYTES|LENGTH|SIZE|MOST|WITHIN|AFTER|EVERY|OVER|UP_TO)(_|$)")
 """Names of constants that someone has chosen, a time or the length of a buffer: one more is as right."""
 COUNTER: Final = "__import__('builtins').__dict__.setdefault('__times__', __import__('itertools').count())"
-"""Counts how often a process comes to the one place that is broken in it."""
+"""Expression that counts the executions of the one broken place in a process."""
 TIMES: Final = (
     ("only the first time", f"next({COUNTER}) == 0"),
     ("every second time", f"next({COUNTER}) % 2"),
 )
 STRICT: Final = "strict"
-"""What zip looks after; no caller gives it lists of two lengths."""
+"""Zip's check of lengths; no caller gives it lists of two lengths."""
 ALONE: Final = {"min", "max"}
 """Calls in whose place each of their arguments may stand."""
 
@@ -349,7 +349,7 @@ def _name(node: ast.AST) -> str:
 
 
 def _is_nothing(node: ast.expr) -> bool:
-    """Return whether None in its place says the same to who asks whether there is anything."""
+    """Return True if None in its place is equivalent under a test of truth."""
     match node:
         case ast.Constant(value=value):
             return not value

@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 OURS: Final = ("firmware_bridge", "emulators", "fmu", "hil_tests", "carrier")
 PATIENCE: Final = 4
-"""Times what its tests take with nothing broken, and five seconds: longer than that a mutant never ends."""
+"""Multiple of its tests' time with nothing broken, plus five seconds, after which a mutant never ends."""
 MOST: Final = 60
 """Tests that a mutant meets beside those that are chosen by name, or have the module's in their file's."""
 LACKS: Final = 99
@@ -41,22 +41,22 @@ QUICK: Final = (
     *("-x", "-q", "--tb=no", "--assert=plain", f"--rootdir={ROOT}", "-mnot long and not vcan and not tshark"),
     *(f"-pno:{name}" for name in ("cacheprovider", "xdist", "hypothesispytest", "unraisableexception")),
 )
-"""No one reads what pytest says: what makes its failures readable would take most of a run's time."""
+"""Options without pytest's readable failures, which would take most of a run's time unread."""
 
 
 class Unsound(Exception):  # noqa: N818 - of the campaign, not of a call
-    """What the tests said of the mutants is worth nothing, and why."""
+    """The tests' verdict on the mutants is worth nothing; the message has the reason."""
 
 
 @dataclass(slots=True)
 class Reach:
-    """What some tests reach with nothing broken."""
+    """Reach of some tests with nothing broken."""
 
     lines: dict[str, dict[str, set[int]]] = field(default_factory=dict)
-    """Of each module by each test; by none of them, "", while they are collected."""
+    """Lines of each module by each test; under "" those reached while tests are collected."""
     seconds: dict[str, float] = field(default_factory=dict)
     modules: tuple[str, ...] = ()
-    """All that is loaded then, in that order."""
+    """All modules that are loaded then, in that order."""
     cost_s: float = 0.0
     named: frozenset[str] = frozenset()
     """The files that were chosen by their names: no test of theirs is left out."""
@@ -87,7 +87,7 @@ def _between(lines: Collection[int], ends: tuple[int, int]) -> bool:
 
 
 class _Loader(importlib.machinery.SourceFileLoader):
-    """Loads the mutant in place of the module."""
+    """Loader of the mutant in place of the module."""
 
     def __init__(self, name: str, mutant: Mutant) -> None:
         super().__init__(name, str(path_of(mutant.target)))
@@ -136,9 +136,9 @@ class _Reached(_Same):
     def __init__(self, targets: Sequence[str]) -> None:
         self.found = Reach({target: {} for target in targets})
         self.now: dict[str, set[int]] = {target: set() for target in targets}
-        """What was reached since the last note."""
+        """Statements reached since the last note."""
         self._made: dict[str, dict[str, set[int]]] = {}
-        """What the making of each fixture that tests share has reached."""
+        """Statements reached by the making of each fixture that tests share."""
 
     def _note(self, test: str, fixtures: Sequence[str] = ()) -> None:
         for shared in (self._made[name] for name in fixtures if name in self._made):
@@ -151,7 +151,7 @@ class _Reached(_Same):
 
     @pytest.hookimpl(hookwrapper=True)
     def pytest_fixture_setup(self, fixturedef: pytest.FixtureDef[object]) -> Iterator[None]:
-        """Note for all who share a fixture what its making reaches: whoever comes first makes it."""
+        """Note the reach of a fixture's making for all tests that share it: the first of them makes it."""
         before = {target: set(lines) for target, lines in self.now.items()}
         for lines in self.now.values():
             lines.clear()
@@ -171,7 +171,7 @@ class _Reached(_Same):
 
 
 class _Telling(importlib.machinery.SourceFileLoader):
-    """Loads a module that tells of each statement that it comes to in its functions."""
+    """Loader of a module that reports each statement that it comes to in its functions."""
 
     def __init__(self, name: str, target: str, show: Callable[[int], None]) -> None:
         super().__init__(name, str(path_of(target)))
@@ -286,7 +286,7 @@ def tried(chosen: Sequence[Mutant], reach: Reach, jobs: int) -> tuple[list[Mutan
 
 
 class _Campaign:
-    """It changes what its process finds where modules are looked for: it has one of its own."""
+    """Campaign in a process of its own: it changes the process' import system."""
 
     def __init__(self, target: str, reach: Reach) -> None:
         self._finder = _Finder({module_of(target): None})

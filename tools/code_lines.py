@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Counts lines of code: without blanks, docstrings, comments and imports.
+"""Counter of lines of code: without blanks, docstrings, comments and imports.
 
 `python tools/code_lines.py [FOLDER ...]` prints a row for each folder below the ones named; by default those
 of the product: bridge, emulators, plants. A comment costs nothing, a line that is broken in two counts twice.

@@ -1,10 +1,10 @@
 """The golden traces: the first seconds of each shipped mission, as any machine must carry them.
 
-`python tools/golden_traces.py` drives them, prints their hashes as JSON, and says on the standard error which
-packet is the first that differs from those kept, and last who ran the drives' loops. With `--renew`
-(`make golden`) it writes them to `hil_tests/golden` instead: the hashes to `traces.json`, what they are the
-hashes of to `MISSION.trace.xz`. Renew them when a change is meant to change what is on the wires, and say in
-the commit why.
+`python tools/golden_traces.py` drives them, prints their hashes as JSON, and reports on the standard error
+the first packet that differs from those kept, and last the engine of the drives' loops. With `--renew` (`make
+golden`) it writes them to `hil_tests/golden` instead: the hashes to `traces.json`, the traces themselves to
+`MISSION.trace.xz`. Renew them when a change is meant to change the traffic, and give the reason in the
+commit.
 """
 
 # ruff: noqa: INP001, T201 - a script, not a package

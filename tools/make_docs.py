@@ -1,7 +1,7 @@
 """Write the pages of `docs/` that are made from the code's tables: `python tools/make_docs.py`.
 
-A test that reaches an emergency by its cause says so with the mark `emergency`, one that goes through a
-serial command with the mark `opcode`; the pages name them.
+A test that reaches an emergency by its cause carries the mark `emergency`, one that goes through a serial
+command the mark `opcode`; the pages name them.
 """
 
 # ruff: noqa: INP001 - a script, not a package

@@ -14,7 +14,7 @@ ROOT: Final = Path(__file__).resolve().parent.parent
 CODE: Final = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
 
 REPORT: Final = "__reached__"
-"""What a module that tells of itself calls, with the line that it comes to."""
+"""Function called by an instrumented module, with the line that it comes to."""
 
 Key: TypeAlias = tuple[str, str, str]
 
@@ -25,20 +25,20 @@ class Mutant:
 
     target: str
     node: int
-    """Which of the breakable nodes, in the order of the source."""
+    """Index of the breakable node, in the order of the source."""
     way: int
-    """Which of the ways to break it."""
+    """Index of the way to break it."""
     line: int
     code: str
     """The line of source, without its indentation."""
     change: str
-    """What is different; the second of the same in such a line ends with `#2`."""
+    """Description of the change; the second of the same in such a line ends with `#2`."""
     lines: tuple[int, int] | None
     """The first and the last line of its statement; None where that runs when the module is loaded."""
 
     @property
     def key(self) -> Key:
-        """What names it in the list of survivors; line numbers move too easily."""
+        """Key in the list of survivors; line numbers move too easily."""
         return self.target, self.code, self.change
 
     def tree(self) -> ast.Module:
@@ -65,7 +65,7 @@ def mutants(target: str) -> Iterator[Mutant]:
 
 
 def telling(source: str) -> ast.Module:
-    """Return a module that tells of each statement in its functions before it runs."""
+    """Return a module that reports each statement in its functions before it runs."""
     tree = ast.parse(source)
     inside = {
         id(node)
@@ -125,7 +125,7 @@ def _breakable(
 
 
 def _of_types(node: ast.AST) -> bool:
-    """Return whether no one asks for it when the program runs."""
+    """Return True if it has no effect when the program runs."""
     match node:
         case ast.Import() | ast.ImportFrom() | ast.Call(func=ast.Name(id="TypeVar")):
             return True

@@ -30,13 +30,13 @@ JUDGED: Final = ("safety/", "motion/")
 
 
 def say(text: str) -> None:
-    """Tell the user at once."""
+    """Inform the user at once."""
     sys.stdout.write(f"{text}\n")
     sys.stdout.flush()
 
 
 class Runs:
-    """Modules one after the other; what tests reach is found out once for all that share them."""
+    """Runs of modules, one after the other; the tests' reach is found once for all that share them."""
 
     def __init__(self, every: Sequence[str], jobs: int) -> None:
         self._every = every
@@ -89,7 +89,7 @@ def _rounded(milliseconds: float) -> int:
 
 
 def report(every: Sequence[str], results: Mapping[str, Result], reasons: Mapping[Key, str]) -> int:
-    """Say for each room what is known; return how many mutants survive without a reason."""
+    """Print the results of each room; return the number of mutants that survive without a reason."""
     rooms: dict[str, list[int]] = defaultdict(lambda: [0] * 5)
     stale = []
     for target in every:
@@ -164,7 +164,7 @@ def some(chosen: Sequence[str], run: Runs, reasons: Iterable[Key], text: str) ->
 
 
 def options_of() -> argparse.Namespace:
-    """Return what the command line says."""
+    """Return the options of the command line."""
     parser = argparse.ArgumentParser(description="Break the program in one place at a time.")
     parser.add_argument("module", nargs="*", default=["*"], help="only these, for instance 'safety/*'")
     parser.add_argument("-j", type=int, default=os.cpu_count() or 1, metavar="N", help="runs at a time")
@@ -178,7 +178,7 @@ def options_of() -> argparse.Namespace:
 
 
 def work(options: argparse.Namespace) -> int:
-    """Run what is asked for, and say what came of it; return the exit status."""
+    """Run the requested modules, and report the results; return the exit status."""
     every = list(targets())
     chosen = [one for one in every if any(fnmatch(one, it) for it in options.module)]
     results = {name: result for name, result in read_results().items() if name in every}

@@ -1,8 +1,8 @@
 # ruff: noqa: INP001 - a script, not a package
-"""Run everything that `.ci/run` leaves out, on one commit, and keep what came of each command.
+"""Run everything that `.ci/run` leaves out, on one commit, and keep the result of each command.
 
 `python tools/nightly.py [STEP ...]` runs the commands that have not passed on these sources yet, and writes
-after each: end it at any time, and it goes on where it was. `--list` says what there is.
+after each: end it at any time, and it goes on where it was. `--list` shows all commands.
 """
 
 import argparse
@@ -48,7 +48,7 @@ def run(command: str) -> tuple[bool, str]:
     with subprocess.Popen(  # noqa: S602 - the commands are the table's
         command, shell=True, cwd=ROOT, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
     ) as process:
-        assert process.stdout is not None  # noqa: S101 - it was asked for
+        assert process.stdout is not None  # noqa: S101 - a pipe was requested
         for line in process.stdout:
             sys.stdout.write(line)
             words.append(line.rstrip())
@@ -88,7 +88,7 @@ def work(chosen: Sequence[str], outcomes: dict[str, Outcome]) -> int:
 
 
 def listed(outcomes: Mapping[str, Outcome]) -> None:
-    """Say what there is, and what has passed."""
+    """Print all commands, and those that have passed."""
     source = sources()
     for step in STEPS:
         done = [outcomes[it] for it in step.commands if it in outcomes]

@@ -1,5 +1,5 @@
 # ruff: noqa: INP001 - a script's neighbor, not a package
-"""What a night runs, as a table, and what came of each command, in a file that is committed."""
+"""Commands of a night, as a table, and the result of each command, in a file that is committed."""
 
 import json
 import os
@@ -12,7 +12,7 @@ from typing import Final
 ROOT: Final = Path(__file__).resolve().parent.parent
 OUTCOMES: Final = Path(__file__).with_name("nightly_results.toml")
 OWN: Final = ("tools/nightly_results.toml", "tools/mutate_results.toml", "docs/nightly.md")
-"""What a night writes: no source of it."""
+"""Files that a night writes: no source of it."""
 PYTEST: Final = ".venv/bin/python -m pytest -q -p no:cacheprovider"
 SHARES: Final = 20
 HEAD: Final = (
@@ -81,7 +81,7 @@ STEPS: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What came of one command."""
+    """Result of one command."""
 
     commit: str
     source: str

@@ -1,5 +1,5 @@
 # ruff: noqa: INP001 - a script's neighbor, not a package
-"""What the campaign has found so far, in two files: what survived, and why it may.
+"""Results of the campaign so far, in two files: the survivors, and the reasons to accept them.
 
 `mutate_results.toml` is written by the campaign, module by module; `mutate_survivors.toml` by people.
 """

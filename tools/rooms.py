@@ -1,5 +1,5 @@
 # ruff: noqa: INP001 - a script's neighbor, not a package
-"""Which modules are broken, in which order, and which tests must notice."""
+"""Modules to break, in their order, and the tests that must notice."""
 
 import ast
 import hashlib

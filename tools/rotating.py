@@ -22,7 +22,7 @@ RUN_AGAIN_UP_TO: Final = 20
 """Failing tests: more are no accident of one share."""
 FAILED: Final = Path(".pytest_cache/v/cache/lastfailed")
 NATIVE: Final = Path("emulators/servo/libservo.so")
-"""Built from the sources, and in no commit; it says itself whether it fits them."""
+"""Library built from the sources, and in no commit; it checks itself if it fits them."""
 
 
 def say(text: str) -> None:

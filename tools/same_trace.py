@@ -1,4 +1,4 @@
-"""Do other interpreters and compilers give the same bytes? Each in an environment that is thrown away after.
+"""Comparison of the bytes of other interpreters and compilers, each in an environment of its own.
 
 `python tools/same_trace.py [PYTHON ...] [--cc COMPILER ...]`; without names it takes every Python from 3.11
 on that is on the path or that pyenv has, and whichever of gcc and clang there is. The package is installed
@@ -29,14 +29,14 @@ PACKAGES: Final = ("firmware_bridge", "emulators", "fmu")
 BUILT: Final = shutil.ignore_patterns("*.so", "*.dll", "__pycache__")
 COMPILERS: Final = ("gcc", "clang")
 SERVOS: Final = {"native": "kernel", "twin": "twin"}
-"""What the environment variable is told, and who then says that it served."""
+"""Value of the environment variable, and the engine that then reports that it served."""
 OLDEST: Final = (3, 11)
 NAMES: Final = tuple(f"python3.{minor}" for minor in range(OLDEST[1], OLDEST[1] + 8))
 REPORT_VERSION: Final = "import sys; print('%d.%d.%d' % sys.version_info[:3])"
 
 
 class FailedError(Exception):
-    """A command failed; it holds the last of what that command said."""
+    """A command failed; the message holds the end of its output."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,13 +48,13 @@ class Interpreter:
 
     @property
     def fits(self) -> bool:
-        """Whether the package is for it."""
+        """True if the package supports it."""
         major, minor, *_ = (int(part) for part in self.version.split("."))
         return (major, minor) >= OLDEST
 
 
 def stated(command: Sequence[str], environment: Mapping[str, str] = os.environ) -> tuple[str, str]:
-    """Run a command; return what it said on both outputs. FailedError where it fails."""
+    """Run a command; return its output from both streams. FailedError where it fails."""
     try:
         run = subprocess.run(command, env=dict(environment), capture_output=True, text=True, check=False)
     except OSError as error:
@@ -65,7 +65,7 @@ def stated(command: Sequence[str], environment: Mapping[str, str] = os.environ) 
 
 
 def interpreter(path: str) -> Interpreter:
-    """Ask a Python for its version."""
+    """Return a Python with its version."""
     return Interpreter(path, stated([path, "-c", REPORT_VERSION])[0])
 
 

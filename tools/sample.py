@@ -1,5 +1,5 @@
 # ruff: noqa: INP001 - a script's neighbor, not a package
-"""Which mutants a run of ten minutes tries: the same ones for the same commit, whatever the clock says."""
+"""Choice of mutants for a run of ten minutes: the same ones for the same commit, at any time."""
 
 import hashlib
 import re
@@ -16,7 +16,7 @@ OF_A_MODULE: Final = 40
 
 
 def git(*words: str) -> str:
-    """Return what git says; nothing where it fails."""
+    """Return git's output; empty where it fails."""
     done = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=False)  # noqa: S603, S607 - ours
     return done.stdout.strip() if done.returncode == 0 else ""
 

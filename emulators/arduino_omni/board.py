@@ -27,14 +27,14 @@ MOVES_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
 
 @dataclass(frozen=True, slots=True)
 class Firmware:
-    """What can be flashed, as a row: the sketch takes the board, its encoders and its auto-stop in ms."""
+    """A firmware that can be flashed: the sketch takes the board, its encoders and its auto-stop in ms."""
 
     title: str
     baud: int
     encoders: tuple[int, ...]
-    """How many it can be built to count; the first is what is flashed unless another is asked for."""
+    """Numbers of encoders that it can be built to count; the first is flashed unless another is requested."""
     stock: frozenset[int]
-    """Which of them are as published."""
+    """Those numbers of encoders with which the firmware is as published."""
     make: Callable[[Mega, int, int], Sketch]
     auto_stop: int | None = None
     """ms without a command until it stops; None: it runs on."""
@@ -105,7 +105,7 @@ class Board:
         self._usb: Final = UsbBoard(self.mega)
 
     def reset(self, now: Nanoseconds) -> None:
-        """Press the board's button."""
+        """Reset the board by its button."""
         self._usb.reset(now)
 
     def hang(self, now: Nanoseconds) -> None:
@@ -118,7 +118,7 @@ class Board:
         self.mega.shield.chip.power_on()
 
     def advance(self, now: Nanoseconds) -> None:
-        """Be as it is at `now`, for those who look at shield and motors; what it says it keeps."""
+        """Advance to `now`, for observers of shield and motors; bytes that the board sends stay queued."""
         self._usb.advance(now)
         self.motors.advance(now)
 

@@ -1,7 +1,7 @@
-"""What can be wrong with a board in real time, by the names of a mission's faults: a row each.
+"""Faults of a board in real time, by the names of a mission's faults: one row each.
 
-Sources: ATmega2560 data sheet: brown-out holds the processor in reset; the shield's chip goes on down to
-2.3 V.
+Sources: ATmega2560 data sheet: brown-out holds the processor in reset; the shield's chip goes on down to 2.3
+V.
 """
 
 import math
@@ -20,7 +20,7 @@ from firmware_bridge.robot.problems import near
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 SAGGED_V: Final = 2.0
-"""Below what the half bridges need."""
+"""Supply below the need of the half bridges."""
 MOTORS: Final = tuple(port.name for port in PORTS)
 ENCODERS: Final = MOTORS[: len(ENCODER_PINS)]
 
@@ -33,7 +33,7 @@ class Change:
     on: bool
     now: Nanoseconds
     motor: int
-    """Which one, from 0."""
+    """Index of the motor, from 0."""
 
 
 Put: TypeAlias = Callable[[Change], None]
@@ -171,7 +171,7 @@ FORMER: Final[Mapping[str, str]] = MappingProxyType(
         "encoder": "encoder_cable_off",
     }
 )
-"""What they were called before; a motor's number stood behind the name."""
+"""Former names of the faults; the motor's number stood behind the name."""
 _FORMER: Final = re.compile(rf"({'|'.join(FORMER)})(?:-([1-4]))?")
 
 
@@ -184,11 +184,11 @@ class Planned:
     begins: Nanoseconds = 0
     ends: Nanoseconds = NEVER
     instead: str = ""
-    """How it is said now, where it was said as before."""
+    """Present spelling of the fault, where it was written in the former one."""
 
 
 def planned(text: str) -> Planned:
-    """Read KIND[,node=M1][@FROM[-TO]], times in s; ValueError that says what is wrong."""
+    """Read KIND[,node=M1][@FROM[-TO]], times in s; raise ValueError with the reason if it cannot be read."""
     written, _, times = text.partition("@")
     instead = _renamed(written)
     name, *keys = (instead or written).split(",")
@@ -201,7 +201,7 @@ def planned(text: str) -> Planned:
 
 
 def _renamed(written: str) -> str:
-    """Return how it is said now, where it is said as before; else nothing."""
+    """Return the present spelling of a fault in the former one; else an empty string."""
     found = _FORMER.fullmatch(written)
     if found is None:
         return ""
@@ -210,7 +210,7 @@ def _renamed(written: str) -> str:
 
 
 def _motor(text: str, fault: BoardFault, keys: Iterable[str]) -> int:
-    """Return which motor is said, from 0; 0 where the fault is the board's."""
+    """Return the index of the motor, from 0; 0 where the fault is the board's."""
     written = dict(key.partition("=")[::2] for key in keys)
     known = ["node"] if fault.nodes else []
     for key in written:

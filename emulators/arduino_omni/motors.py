@@ -2,8 +2,8 @@
 
 The plant moves in ticks of 100 us. A motor that conducts gets the mean voltage of its PWM period, less what
 the half bridge drops at the current of the tick before. While nothing is broken and the plant is an FMU, the
-ticks are run by `emulators.servo.terminals`, to the same bits. They are run when someone looks, or before
-the shield is told something else.
+ticks are run by `emulators.servo.terminals`, to the same bits. They are run when a value is read, or before
+the shield receives another command.
 
 Sources: TB6612FNG data sheet for what conducts; community figures of the interrupts' load, about 100 kHz.
 Where they are silent:
@@ -44,36 +44,36 @@ from fmu.errors import PlantError
 
 SUPPLY_V: Final = 12.0
 COUNTS_PER_TURN: Final = 48
-"""Of a motor's shaft."""
+"""Encoder counts per turn of a motor's shaft."""
 MOTOR: Final = DcMotor(
     resistance=2.0, inductance=1e-3, torque_constant=0.013, inertia=4e-6, friction=8e-4, damping=9e-7
 )
-"""At each of the four terminals, where there is no plant."""
+"""Motor at each of the four terminals, where there is no plant."""
 BLOCKED: Final = 20.0
 """N m that hold what is blocked: some four times what a motor of 12 V and 17 W does behind its gear."""
 CHANNELS_A_CHIP: Final = 2
 EDGE: Final[Nanoseconds] = 10 * MICROSECOND
 EDGES_A_TICK: Final = TICK // EDGE
-"""That the processor counts, of all encoders together: 100,000 a second."""
+"""Edges of all encoders together that the processor counts in a tick: 100,000 per second."""
 
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """What hangs on the terminals M1, M2 and so on: a plant, and what the shield must know of it."""
+    """The load on the terminals M1, M2 and so on: a plant, and its data that the shield needs."""
 
     plant: Plant
     names: tuple[str, ...]
     torque_constants: tuple[float, ...]
     """N m/A, or V s/rad: of each motor."""
     supply: int | None = None
-    """Which of the plant's outputs is the supply in V; None: it is constant."""
+    """Index of the plant's output that is the supply in V; None: it is constant."""
     rests: bool = False
-    """Whether a plant in which nothing turns and no one drives stays as it is."""
+    """True if a plant in which nothing turns and no motor is driven stays as it is."""
     counts_per_turn: int = COUNTS_PER_TURN
     holds: Callable[[int, float], None] | None = None
-    """Have something rub at a motor's shaft behind its gear, N m, from 0 on; None: this plant cannot."""
+    """Function that makes a motor's shaft rub behind its gear, N m, from 0 on; None: this plant cannot."""
     hoists: Callable[[int, float], None] | None = None
-    """Have what a motor turns in the air, 1, or on what it stands on, 0; None: this plant cannot."""
+    """Function that lifts a motor's load into the air, 1, or puts it down, 0; None: this plant cannot."""
 
 
 def four_motors(motor: DcMotor = MOTOR) -> Load:
@@ -98,12 +98,12 @@ def counted(turned: Sequence[int], most: int = EDGES_A_TICK) -> list[int]:
 
 @dataclass(slots=True)
 class MotorFaults:
-    """What may be wrong between a shield and its motors; as it stands, nothing is."""
+    """Faults between a shield and its motors; none by default."""
 
     limits_current: bool = False
-    """Whether the half bridges cut a current that has reached their peak."""
+    """True if the half bridges cut a current that has reached their peak."""
     warms: bool = False
-    """Whether the half bridges' temperature is followed, and shuts them down."""
+    """True if the half bridges' temperature is simulated, and shuts them down."""
     cut: set[int] = field(default_factory=set)
     """Motors, from 0, whose cable is off."""
     dead: set[int] = field(default_factory=set)
@@ -146,9 +146,9 @@ class Motors(Shafts):
         self._scale: Final = load.counts_per_turn / tau
         self.faults: Final = MotorFaults()
         self.chips: Final = tuple(Thermal() for _ in PORTS[::CHANNELS_A_CHIP])
-        """The half bridges' temperatures, followed where `faults` says so."""
+        """Temperatures of the half bridges, simulated where `faults` requires it."""
         self._locked = False
-        """Whether the supply is too low for the half bridges."""
+        """True if the supply is too low for the half bridges."""
         self._ticks = 0
         self._seen = min(len(wiring), len(load.names))
         self._places: Final = array("q", self._counts())
@@ -157,12 +157,12 @@ class Motors(Shafts):
         self._due = 0
         """Ticks to be run before someone looks."""
         self._changes = -1
-        """How often the chip's outputs had changed when these were read."""
+        """The chip's count of output changes when these were read."""
         self._outputs: list[Output] = []
         self._untold = True
-        """Whether `_native` does not know the outputs yet."""
+        """True until `_native` has received the outputs."""
         self._starts: Nanoseconds = NEVER
-        """When the chip's oscillator starts, and the outputs are others by themselves."""
+        """Start of the chip's oscillator, at which the outputs change by themselves."""
         self._started: list[Output] = []
         self._native: Final = terminals(
             load.plant,
@@ -183,38 +183,38 @@ class Motors(Shafts):
 
     @property
     def now(self) -> Nanoseconds:
-        """Up to when they have turned."""
+        """Time up to which the motors have turned."""
         return self._ticks * TICK
 
     @property
     def edges(self) -> list[int]:
-        """As the processor has counted them."""
+        """Edges as the processor has counted them."""
         self._run()
         return self._counted.tolist()
 
     @property
     def currents(self) -> Sequence[float]:
-        """Of each motor, in A."""
+        """Current of each motor, in A."""
         self._run()
         return self._plant.outputs[: len(self._load.names)]
 
     @property
     def angles(self) -> Sequence[float]:
-        """Of each motor's shaft, in rad."""
+        """Angle of each motor's shaft, in rad."""
         self._run()
         count = len(self._load.names)
         return self._plant.outputs[count : 2 * count]
 
     @property
     def speeds(self) -> Sequence[float]:
-        """Of each motor's shaft, in rad/s."""
+        """Speed of each motor's shaft, in rad/s."""
         self._run()
         count = len(self._load.names)
         return self._plant.outputs[2 * count : 3 * count]
 
     @property
     def supply(self) -> float:
-        """What the half bridges get, in V."""
+        """Supply of the half bridges, in V."""
         self._run()
         return self._supplied()
 
@@ -238,7 +238,7 @@ class Motors(Shafts):
         self._load.hoists(motor, float(lifted))
 
     def starves(self, volts: float) -> None:
-        """Have no more than that as the motors' supply from here on, V; inf: all there is."""
+        """Limit the motors' supply to these volts from here on; inf: no limit."""
         self._run()
         self.faults.supply = volts
 
@@ -259,7 +259,7 @@ class Motors(Shafts):
         return (self._shown[motor] - channel) % 4 in {1, 2}
 
     def reach(self, now: Nanoseconds) -> None:
-        """Be on at `now`, in whole ticks, by what the shield has been told so far."""
+        """Advance to `now`, in whole ticks, by the commands that the shield has received so far."""
         if self._shield.chip.changes != self._changes:
             self._run()
             self._read()
@@ -271,7 +271,7 @@ class Motors(Shafts):
         self._run()
 
     def _read(self) -> None:
-        """Take what the shield has been told, and what will come of it."""
+        """Read the shield's present state, and the change that will come of it."""
         at, chip = self._ticks * TICK, self._shield.chip
         self._changes = chip.changes
         self._outputs = self._outputs_at(at)
@@ -330,7 +330,7 @@ class Motors(Shafts):
             chip.advance(currents[begin : begin + CHANNELS_A_CHIP], self._ticks * TICK)
 
     def _passed(self, motor: int, output: Output, current: float) -> Output:
-        """Return what a half bridge makes of what it is told, and its cable leaves of that."""
+        """Return the motor's drive after the half bridge, its faults and its cable."""
         if motor in self.faults.cut or self._locked:
             return COAST
         if motor in self.faults.reversed:

@@ -1,11 +1,11 @@
 """The Mega on USB: the second chip, an ATmega16U2, that passes bytes on in its own time and pulls RESET.
 
 As a node it is on the link "serial", which is its USB side: chunks come and go whole. A pty or a port carries
-them as they are. DTR is told as an empty packet with the address `DTR_UP` or `DTR_DOWN`.
+them as they are. DTR is passed as an empty packet with the address `DTR_UP` or `DTR_DOWN`.
 
-Sources: Arduino-usbserial: rings of 128 bytes, what the board says goes to the host every 4.096 ms (overflow
-of timer 0), or when more than 96 bytes wait; RESET hangs on DTR through 100 nF, so its rise is what resets.
-Both chips divide the same clock in the same way, so their rates fit.
+Sources: Arduino-usbserial: rings of 128 bytes, bytes of the board go to the host every 4.096 ms (overflow of
+timer 0), or when more than 96 bytes wait; RESET hangs on DTR through 100 nF, so its rise is what resets. Both
+chips divide the same clock in the same way, so their rates fit.
 
 Where they are silent:
 * the host has set the rate that the sketch has.
@@ -101,21 +101,22 @@ class UsbBoard:
 
     @property
     def _passes_at(self) -> Nanoseconds:
-        """When the host's next byte has reached the board's pins."""
+        """Arrival of the host's next byte at the board's pins."""
         if not self._to_board:
             return NEVER
         return self._burst_at + (self._burst + 1) * BITS_PER_BYTE * SECOND // self.mega.baud
 
     @property
     def _hands_over_at(self) -> Nanoseconds:
-        """When the host is given something: those who wait for the timer wait for no byte that has room."""
+        """Next hand-over to the host: bytes that wait for the timer do not wait for one that has room."""
         room = NEARLY_FULL - len(self._to_host) if self._flush and self._flush_at != NEVER else 0
         return min(self._flush_at, self.mega.serial.leaves_at(room))
 
     def _may_hand_over_at(self, now: Nanoseconds) -> Nanoseconds:
-        """Return before when nothing is given to the host, whatever the board does, if he says no more.
+        """Return the time before which the host receives nothing, provided that it sends no more.
 
-        What it says between two turns of the timer waits for the second, or until the ring is nearly full.
+        Bytes that the board sends between two turns of the timer wait for the second, or until the ring is
+        nearly full.
         """
         does_at = min(self._passes_at, self.mega.due)
         if not self._flush or self._powered_at == NEVER:

@@ -6,7 +6,7 @@ from firmware_bridge.units import Nanoseconds
 
 
 class Adapter:
-    """Around a node, on one of its links: while unplugged nothing comes in or goes out, and the node is told.
+    """Adapter around a node, on one of its links: while unplugged it blocks packets, and reports so.
 
     The node learns it at its next turn, as from a port of the real shell.
     """
@@ -15,16 +15,16 @@ class Adapter:
         self._link = link
         self.node = node
         self.plugged = True
-        """To be changed by whoever pulls the plug."""
+        """False once a fault has pulled the plug; set from outside."""
         self._reported = True
 
     @property
     def holding(self) -> bool:
-        """Whether the node holds something after it was asked to end."""
+        """True if the node still holds something after the request to end."""
         return holds(self.node)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Pass a packet on, unless it is of a line that is not there."""
+        """Forward a packet, unless it is of a line that is unplugged."""
         if packet.link == self._link and not self.plugged:
             return self.wake(now)
         before = self._reports(now)
@@ -36,7 +36,7 @@ class Adapter:
         return self._left(before, self.node.wake(now))
 
     def stop(self, now: Nanoseconds) -> Reaction:
-        """Ask the node to end."""
+        """Request the node to end."""
         return self._left((), self.node.stop(now)) if isinstance(self.node, Stoppable) else Reaction()
 
     def _reports(self, now: Nanoseconds) -> tuple[Packet, ...]:

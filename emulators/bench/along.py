@@ -6,7 +6,7 @@ from firmware_bridge.robot.path_file import Point
 
 BEGINS_S: Final = 5.0
 SETTLES_S: Final = 2.0
-"""Behind the path's end until the operator takes over, and then until the run ends."""
+"""Time from the path's end until the operator takes over, and then until the run ends."""
 TEXT: Final = """title = "Along a path from a file"
 duration_s = {ends}
 settled_after_s = {settled}

@@ -14,7 +14,7 @@ from emulators.bench.summary import Held
 from emulators.bench.web import document
 
 EVERY: Final = 5
-"""Of the table's rows: 20 a second."""
+"""Step through the table's rows: 20 per second."""
 LOOK: Final = """
 svg { width: 100%; height: 60vh; background: #fafafa; border: 1px solid #ddd }
 polyline { fill: none; stroke-linejoin: round } input { width: 100% }

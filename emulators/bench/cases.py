@@ -18,16 +18,16 @@ S = TypeVar("S")
 @renamed.arguments(wish="command")
 @dataclass(frozen=True, kw_only=True)
 class Situation(Generic[M, S]):
-    """What differs from a robot that is well, armed and at rest."""
+    """Differences from a robot that is well, armed and at standstill."""
 
     command: M | None = None
-    """What the operator wants; None: to rest."""
+    """The operator's command; None: standstill."""
     body: S | None = None
-    """What is known of the body; None: what axes at their zero tell."""
+    """The known state of the kinematic model; None: that of axes at their zero."""
     demanded: M | None = None
-    """What the bridge asks for already; None: for rest."""
+    """The bridge's present set-point; None: for standstill."""
     located: Located | None = None
-    """How far its place is known by cameras; None: there are none."""
+    """Quality of its localization by cameras; None: there are none."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,6 @@ class Case(Generic[M, S]):
     trips: Situation[M, S]
     spares: Situation[M, S]
     reason: str
-    """What is said then, with the numbers."""
+    """The reported reason, with its numbers."""
     robot: AnyRobot | None = None
     """One with other numbers, where those of the robot file never trip the row; None for the file's."""

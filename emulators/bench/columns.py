@@ -32,7 +32,7 @@ class Column:
     """The plant's output; empty where the bridge knows it."""
     seen: Callable[[Snapshot[Any, Any]], float] | None = None
     most: bool = False
-    """The summary tells its largest absolute value, as `max_NAME`."""
+    """True if its largest absolute value is in the summary, as `max_NAME`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class Curve:
     column: str
     label: str
     scale: float = 1.0
-    """From the column's unit to the panel's."""
+    """Factor from the column's unit to the panel's."""
     step: bool = False
     """Drawn broad and in steps: what is demanded, behind what came of it."""
 
@@ -57,10 +57,10 @@ class Panel:
     limit: Callable[[AnyRobot], tuple[float, str]] | None = None
     """A line at this value and its unit, and at its negative where a curve goes there."""
     shaded: bool = False
-    """Whether the time in which anything held is shaded in it."""
+    """True if the time of interlock events is shaded in it."""
     height: float = 1.4
     least: float = 0.0
-    """How high it reaches at least, so that noise does not look like a movement."""
+    """Least span of the vertical axis, so that noise does not look like a movement."""
 
 
 POSE: Final = ("x_m", "y_m", "heading_rad")
@@ -76,7 +76,7 @@ PLANAR: Final = (
     Column("odometry_y_m", "left", "m", seen=lambda seen: seen.pose.y_m),
     Column("odometry_heading_rad", "counter-clockwise", "rad", seen=lambda seen: seen.pose.heading_rad),
 )
-"""Of every robot that drives on a plane."""
+"""Columns of every robot that drives on a plane."""
 
 ARMED: Final = Column("armed", "1 while the robot may move", "", seen=lambda seen: float(seen.facts.armed))
 
@@ -92,12 +92,12 @@ def motor_speed(axis: str) -> str:
 
 
 def electric(robot: AnyRobot) -> list[str]:
-    """Return the axes whose motors' currents the plant tells: no stepper's, which its driver keeps."""
+    """Return the axes whose motor currents the plant has: no stepper's, which its driver keeps."""
     return [axis.name for axis in robot.axes if axis.link not in robot.ar2_links]
 
 
 def columns_of(axes: Sequence[str], own: tuple[Column, ...]) -> tuple[Column, ...]:
-    """Return a robot's columns: its own, and those of axes whose currents the plant tells."""
+    """Return a robot's columns: its own, and those of axes whose currents the plant has."""
     currents = tuple(Column(current(axis), "motor current", "A", plant=f"current_{axis}") for axis in axes)
     speeds = tuple(Column(motor_speed(axis), "motor shaft", "rad/s", plant=f"speed_{axis}") for axis in axes)
     return (*own, ARMED, *currents, *speeds)
@@ -123,7 +123,7 @@ class Samples(Sequence[Sample]):
     def __init__(self, columns: tuple[Column, ...], *, truth: bool = True) -> None:
         self.columns: Final = columns
         self.truth: Final = truth
-        """Whether a plant tells them; else they are what was measured."""
+        """True if a plant provides them; else they are measured values."""
         self._places: Final = {column.name: place for place, column in enumerate(columns)}
         self._at: list[Nanoseconds] = []
         self._rows: list[tuple[float, ...]] = []
@@ -172,7 +172,7 @@ class Samples(Sequence[Sample]):
         return self._at[:], self._rows[:]
 
     def restore_state(self, state: tuple[list[Nanoseconds], list[tuple[float, ...]]]) -> None:
-        """Have these rows again."""
+        """Restore these rows."""
         self._at[:], self._rows[:] = state
 
     def column(self, name: str) -> Floats:

@@ -17,13 +17,13 @@ from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
 PRESS: Final[Nanoseconds] = 120 * MILLISECOND
-"""How long a tapped button is down: at least two messages."""
+"""Duration of a tap on a button: at least two messages."""
 _FULL: Final = 1000
 _UNUSED: Final = 0x7FFF
 
 
 class Controls:
-    """What is asked for, channel by channel, by stick or as a twist, and the buttons."""
+    """The operator's commands, channel by channel, by stick or as a twist, and the buttons."""
 
     def __init__(
         self,
@@ -33,9 +33,9 @@ class Controls:
         period: Nanoseconds,
         generator: np.random.Generator,
     ) -> None:
-        """Say something every `period`; `generator` is drawn from only where the mission has a tremor."""
+        """Send a message every `period`; `generator` is drawn from only where the mission has a tremor."""
         self.released_at: Nanoseconds = NEVER
-        """When the button that is down comes up."""
+        """Release time of the button that is down."""
         self._robot = robot
         self._rehearsal = rehearsal
         self._input = mission.input
@@ -49,7 +49,7 @@ class Controls:
         self._buttons = 0
 
     def move(self, step: Step, now: Nanoseconds) -> None:
-        """Do with the hands what a step of the mission says."""
+        """Set the controls as a step of the mission requires."""
         self._input = step.input or self._input
         rows = inputs(type(step))
         slopes = {row.channel: getattr(step, key) for key, row in rows.items() if isinstance(row, Slope)}
@@ -70,9 +70,9 @@ class Controls:
             self.released_at = NEVER
 
     def message(self, system: int, component: int, now: Nanoseconds, clock: Nanoseconds) -> Message:
-        """Return what the station says to this robot once a period: MANUAL_CONTROL, or a velocity.
+        """Return the station's periodic message to this robot: MANUAL_CONTROL, or a velocity.
 
-        `clock`: what the station's own clock shows now.
+        `clock`: the present time of the station's own clock.
         """
         still = {name: ramp.at(now) for name, ramp in self._ramps.items()}
         values = dict(still)

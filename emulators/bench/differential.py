@@ -21,16 +21,16 @@ JUST: Final = 1.0 + 1e-5
 
 
 class DifferentialStep(Step):
-    """What the operator does at one instant. Speed and turn stay until a later step.
+    """Operator input at one instant; speed and turn stay until a later step.
 
-    A mission's input is one field: its annotation says what the hand does about it.
+    A mission's input is one field: its annotation gives the action on the controls.
     """
 
     speed_mps: Annotated[Finite | None, Holds("speed")] = None
     """Forward positive; at once, or with `ramp_mps2`."""
     ramp_mps2: Annotated[Positive | None, Slope("speed")] = None
     turn_deg_s: Annotated[Finite | None, Holds("turn", lambda turn, _: math.radians(turn))] = None
-    """To the left positive."""
+    """Turn rate, to the left positive."""
 
 
 CHANNELS: Final = (

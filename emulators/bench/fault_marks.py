@@ -1,4 +1,4 @@
-"""Marks in a picture over time when a fault was on: a shade from its beginning to its end, and its name."""
+"""Marks of faults in a picture over time: a shade from a fault's beginning to its end, and its name."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -11,7 +11,7 @@ from emulators.bench.style import VERMILION
 from firmware_bridge.units import to_seconds
 
 LEAST_SHARE: Final = 1 / 400
-"""Of the picture's width: so that an instant is seen at all."""
+"""Least share of the picture's width, so that an instant is seen at all."""
 
 
 def mark_faults(

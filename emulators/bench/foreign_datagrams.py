@@ -12,10 +12,10 @@ _FORCE: Final = 21196
 
 
 class Stray(StrEnum):
-    """What is wrong with the datagram."""
+    """Kind of error in the datagram."""
 
     GARBAGE = "garbage"
-    """Bytes that are no MAVLink."""
+    """Garbage bytes, no MAVLink."""
     CORRUPT = "corrupt"
     """A set-point with one wrong bit."""
     NOT_A_NUMBER = "not_a_number"
@@ -46,7 +46,7 @@ def velocity(
     frame: int = 8,
     at_ms: int = 0,
 ) -> Message:
-    """Return a SET_POSITION_TARGET_LOCAL_NED that asks for a velocity and a yaw rate, mask 1511; SI, NED.
+    """Return a SET_POSITION_TARGET_LOCAL_NED with a velocity and a yaw rate, mask 1511; SI, NED.
 
     `at_ms`: the station's clock; without it the message carries no time.
     """

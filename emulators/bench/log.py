@@ -1,4 +1,4 @@
-"""What the operator did and was told, in order; and the odometry as it reached him."""
+"""The operator's actions and the received reports, in order; and the odometry as the operator received it."""
 
 import math
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ from firmware_bridge.units import Nanoseconds
 
 
 class Kind(StrEnum):
-    """What an entry is about."""
+    """Subject of an entry."""
 
     STEP = "step"
     """The mission's step of this title began."""
@@ -20,7 +20,7 @@ class Kind(StrEnum):
     UNANSWERED = "unanswered"
     """A command that was given up."""
     STATUS = "status"
-    """Armed or disarmed, as the robot's heartbeat says."""
+    """Armed or disarmed, by the robot's heartbeat."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,7 @@ def place_of(message: Message, now: Nanoseconds) -> Place:
 
 @dataclass(slots=True)
 class Diary:
-    """Everything that one operator remembers of a run."""
+    """Record of one operator's whole run."""
 
     entries: list[Entry] = field(default_factory=list)
     odometry: list[Place] = field(default_factory=list)
@@ -71,7 +71,7 @@ class Diary:
     """The newest of each named value and parameter."""
     parameters: dict[str, float] = field(default_factory=dict)
     armed: bool | None = None
-    """None before the robot's first heartbeat."""
+    """Armed state; None before the robot's first heartbeat."""
     status: int = 0
     """MAV_STATE."""
 

@@ -1,7 +1,7 @@
 """A mission: what an operator does over time, from a TOML file that an engineer writes in five minutes.
 
-Wrong keys and values are refused with the file's name and each key's path, all of them at once. Whether the
-robot allows what a mission asks is no one's business here: missions exist to ask for too much.
+Wrong keys and values are refused with the file's name and each key's path, all of them at once. The robot's
+limits are not checked here: a mission may well command too much.
 """
 
 import tomllib
@@ -40,14 +40,14 @@ class MissionFileError(FileError):
 
 
 class Noise(Table):
-    """What a real hand and a real link add; all of it comes from the run's seed."""
+    """Imperfections of a real hand and a real link; all of them come from the run's seed."""
 
     stick: Share = 0.0
     """Standard deviation of the hand's tremor, as a share of full stick."""
     delay_ms: NonNegative = 0.0
-    """Of the link, one way."""
+    """Delay of the link, one way."""
     jitter_ms: NonNegative = 0.0
-    """Up to this much more, evenly spread."""
+    """Additional delay, evenly spread up to this."""
     loss: Share = 0.0
     """Share of the datagrams that never arrive."""
 
@@ -65,22 +65,22 @@ class Mission(Table):
     source: str = ""
     duration_s: Positive
     send_hz: Annotated[int, Field(ge=1, le=100)] = 20
-    """How often the operator sends what the hand does."""
+    """Rate at which the operator sends the controls."""
     input: Annotated[Input, Field(strict=False)] = Input.STICK
     noise: Noise = Noise()
     link: Annotated[str, AfterValidator(_is_a_link)] = ""
-    """How slow the link is, in the words of `bench --link`: "delay=0.5,up.loss=0.02"."""
+    """Delay and loss of the link, as for `bench --link`: "delay=0.5,up.loss=0.02"."""
     max_delay_s: Positive | None = None
-    """How old words may be that are obeyed, agreed on for this session: the robot is slower then."""
+    """Greatest age of a command that is obeyed, agreed on for this session: the robot is slower then."""
     pilot: Pilot | None = None
-    """Who follows a path in the operator's place."""
+    """Automatic pilot that follows a path in the operator's place."""
     step: Annotated[tuple[Step, ...], Field(min_length=1, strict=False)]
     settled_after_s: NonNegative = 10.0
-    """So long after a guide has begun its distance from the path counts in the summary."""
+    """Time after a path follower's begin from which its distance from the path counts in the summary."""
     plant: dict[str, Finite] = Field(default_factory=dict)
     """Parameters of the plant beside those of the robot file: its slope, its floor."""
     fault: Annotated[tuple[FaultTable, ...], Field(strict=False)] = ()
-    """What goes wrong meanwhile: `docs/faults.md`."""
+    """Faults in the meantime: `docs/faults.md`."""
 
     def on(self, robot: AnyRobot) -> AnyRobot:
         """Return the robot on this mission's floor, and with the delay that it agrees on; RobotFileError."""
@@ -89,7 +89,7 @@ class Mission(Table):
 
     @property
     def conditions(self) -> Conditions:
-        """How slow the link is."""
+        """Delay and loss of the link."""
         return conditions(self.link) if self.link else Conditions()
 
     def predicted(self) -> Self:
@@ -99,9 +99,9 @@ class Mission(Table):
         return self.model_copy(update={"pilot": self.pilot.model_copy(update={"predictor": True})})
 
     def over(self, link: str | None, max_delay_s: float | None) -> Self:
-        """Return the mission over another link, and with another agreed delay; None: what it says.
+        """Return the mission over another link, and with another agreed delay; None: its own.
 
-        ConditionsError where these words say no link.
+        ConditionsError where `link` cannot be read as one.
         """
         if link is not None:
             _is_a_link(link)
@@ -191,13 +191,13 @@ def cannot_say(mission: Mission, robot: AnyRobot, rehearsal: Rehearsal) -> Itera
 
 
 def _beside_a_pilot(index: int, step: Step, pilot: Pilot | None) -> Iterator[Problem]:
-    """Yield what a step asks of a hand where a pilot drives."""
+    """Yield the inputs of a step that need a hand, where a pilot drives."""
     for key in () if pilot is None else by_hand(step):
         yield Problem(f"step[{index}].{key}", "a pilot drives, who does nothing of the kind")
 
 
 def _unconfirmed(index: int, step: Step, robot: AnyRobot) -> Iterator[Problem]:
-    """Yield the roles whose place no one has to tell this robot."""
+    """Yield the roles whose position the operator does not confirm on this robot."""
     known = [axis.role for axis in robot.axes if axis.zero_confirmed]
     for role in step.zero or ():
         if role not in known:

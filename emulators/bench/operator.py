@@ -30,7 +30,7 @@ Reader: TypeAlias = Callable[[Message, Nanoseconds], None]
 
 
 class ScriptedOperator:
-    """One operator and his ground station, system 255; `diary` tells what became of the mission."""
+    """One operator with a ground station, system 255; `diary` records the course of the mission."""
 
     def __init__(
         self, robot: AnyRobot, rehearsal: Rehearsal, mission: Mission, generator: np.random.Generator

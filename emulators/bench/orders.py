@@ -12,12 +12,12 @@ from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 RETRY_AFTER: Final[Nanoseconds] = 500 * MILLISECOND
-"""As MAVSDK repeats a command."""
+"""Interval of repetition, as in MAVSDK."""
 NEXT_AFTER: Final[Nanoseconds] = 10 * MILLISECOND
 """A command of the same number follows an answer."""
 MOST_TRIES: Final = 4
 MOST_REJECTIONS: Final = 20
-"""How often an operator tries again what the robot rejects for the moment: 10 s long."""
+"""Number of retries of a command that the robot rejects temporarily: 10 s long."""
 
 CONFIRM: Final = 31010
 """USER_1: an axis by its place in the robot file, from 1, and where it stands."""
@@ -50,7 +50,7 @@ class Pending:
         return sent
 
     def try_again(self, now: Nanoseconds) -> bool:
-        """Ask again later, as a new command; False where that was often enough."""
+        """Repeat the command later, as a new one; False where that was often enough."""
         self.tries = 0
         self.rejections += 1
         self.due = now + RETRY_AFTER
@@ -73,5 +73,5 @@ def of_step(step: Step, robot: AnyRobot, now: Nanoseconds) -> Iterator[Pending]:
 
 
 def first_of_each(pending: list[Pending]) -> list[Pending]:
-    """Return those whose turn it is: an answer tells a number alone, so one command of each is under way."""
+    """Return the commands that are due: an answer carries a number alone, so one of each is under way."""
     return list({one.number: one for one in reversed(pending)}.values())[::-1]

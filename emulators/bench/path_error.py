@@ -1,7 +1,7 @@
-"""How far the plant was from the path that a guide followed: at the same instant, and across the path.
+"""Distance of the plant from the path of a path follower: at the same instant, and across the path.
 
-The reference is the bench's own arithmetic. It begins where the bridge believed to stand when its guide
-began, and goes on with the guide's clock, which waits while the robot is held back.
+The reference is the bench's own arithmetic. It begins at the bridge's own pose when its path follower began,
+and goes on with the follower's clock, which waits while the robot is held back.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -15,15 +15,17 @@ from emulators.bench.columns import ODOMETRY, POSE, Floats, Samples
 OFFSET: Final = "path_offset_s"
 """The column of the guide's clock less the run's, s; NaN where no guide drives."""
 AHEAD_S: Final = 1.0
-"""So far along the path to either side its nearest point is looked for."""
+"""Range along the path, to either side, in which its nearest point is looked for."""
 STEPS: Final = 41
 
 HEIGHT: Final = "height_m"
 """The column of how high is what a path with heights leads."""
 
 Path: TypeAlias = Callable[[Floats], tuple[Floats, ...]]
-"""Where the path is at these of its own seconds: m, ahead and left of where it looks at its begin; and up,
-where it leads something up and down."""
+"""Positions of the path by its own seconds, in m.
+
+Ahead and left of its initial direction; and up, where it leads something up and down.
+"""
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ MOVING_MPS: Final = 0.01
 
 
 def path_picture(figure: Figure, samples: Samples, holds: Sequence[HoldRecord]) -> None:
-    """Draw where the robot went, where a plant tells it, and where it believed to be."""
+    """Draw the robot's path, where a plant provides it, and its path by the bridge's own odometry."""
     figure.set_size_inches(7.6, 7.4)
     axes = figure.add_subplot()
     place = (POSE if samples.truth else ODOMETRY)[:2]

@@ -40,12 +40,12 @@ class Pilot(Table):
     speed_mps: Positive = 0.5
     look_ahead_m: Positive = 0.5
     offset_m: Finite = 0.0
-    """So far left of the path the robot begins."""
+    """Initial offset of the robot to the left of the path."""
     turned_deg: Finite = 0.0
-    """So much left of the path's direction it looks then."""
+    """Initial heading of the robot to the left of the path's direction."""
     predictor: bool = False
     reaction_s: NonNegative = 0.0
-    """So much later the hand does what was worked out; the predictor does not know."""
+    """Delay of the hand after the computation; the predictor does not know it."""
 
     def shape(self) -> Path:
         """Return the path, where it begins at the origin; PathError where its file is none."""
@@ -63,7 +63,7 @@ class Pilot(Table):
 
         PathError where its file is none.
         """
-        self.shape()  # a file that is none is told before anything moves
+        self.shape()  # a missing or wrong path file is reported before anything moves
         kind = kind_of(robot)
         made = kind.model
         model: Model = Unicycle() if made is None else made(robot)
@@ -96,7 +96,7 @@ class PilotedMission:
         self._taken = 0
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Bring what the link brings."""
+        """Deliver the link's packets."""
         return self._in_time(self.station.receive(packet, now))
 
     def wake(self, now: Nanoseconds) -> Reaction:

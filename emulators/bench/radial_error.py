@@ -1,4 +1,4 @@
-"""How far a piloted robot swings about its path, by the plant's truth."""
+"""Radial deviation of a piloted robot from its path, by the plant's truth."""
 
 import math
 from collections.abc import Callable
@@ -11,13 +11,13 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.pilot.paths import Path
 
 DRIVEN_M: Final = 1.0
-"""Who has driven less since it settled has not followed a path."""
+"""Least distance driven after settling; a robot that drove less has not followed a path."""
 EVERY: Final = 5
 """Rows, so 50 ms: a swing takes seconds."""
 
 DRIVING_MPS: Final = 0.01
 WINDOW_M: Final = 2.0
-"""So far along to either side of the place before the nearest one is looked for: an eight crosses itself."""
+"""Range of the search for the nearest place, to either side of the last one: an eight crosses itself."""
 
 Placed: TypeAlias = Callable[[Pose], Path]
 

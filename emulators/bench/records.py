@@ -1,4 +1,4 @@
-"""What a bench run leaves in memory beside its table of samples: every hold from its beginning to its end."""
+"""Events of a bench run beside its table of samples: each interlock event and fault, with begin and end."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -15,7 +15,7 @@ class FaultRecord:
     kind: str
     title: str
     nodes: tuple[str, ...]
-    """Whom it could meet."""
+    """Stations that it could concern."""
     began: Nanoseconds
     ended: Nanoseconds | None = None
     """The same instant for a fault that has no length; None where it was still on when the run was over."""
@@ -29,9 +29,9 @@ class HoldRecord:
     reason: str
     began: Nanoseconds
     ended: Nanoseconds | None = None
-    """None where it still held when the run was over."""
+    """End of the event; None where it was still active when the run was over."""
     remedy: str = ""
-    """What whoever drives can do."""
+    """Remedy for the operator."""
 
     @property
     def began_s(self) -> float:

@@ -1,7 +1,7 @@
-"""What a robot brings to the bench: what a mission's step may ask, how a station says it, and what is drawn.
+"""A robot's part of the bench: the inputs of a mission's step, the station's messages, and the figures.
 
-A mission's input is one field of the robot's step: its annotation says what the hand does about it. A figure
-is one column, which may be drawn in a panel and told in the summary.
+A mission's input is one field of the robot's step: its annotation gives the action on the controls. A figure
+is one column, which may be drawn in a panel and listed in the summary.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -72,20 +72,22 @@ class Rehearsal:
     """Its own, beside those of `emulators.bench.columns.columns_of`; the planar ones are needed."""
     panels: tuple[Panel, ...]
     remarks: Callable[[AnyRobot], Mapping[str, str]]
-    """What stands beside the summary's numbers, by their keys: the robot's limits."""
+    """Remarks beside the summary's numbers, by their keys: the robot's limits."""
     cases: Callable[[AnyRobot], Iterable[Case[Any, Any]]]
-    """At least one boundary case for each of its kind's interlocks and limits."""
+    """Boundary cases, one at least for each of its kind's interlocks and limits."""
     stands: Mapping[str, float] = field(default_factory=dict)
-    """Where the plant begins, by the axes' roles and as it is read off the robot; 0 where nothing is said."""
+    """Initial positions of the plant, by the axes' roles and as read off the robot; 0 where none is given."""
     well: Mapping[str, float] = field(default_factory=dict)
-    """What its sensors tell, by their names, of a robot that is well, where it does not move without."""
+    """Sensor values, by their names, of a robot that is well, where it does not move without."""
     figures: Mapping[str, Callable[[Samples], float | None]] = field(default_factory=dict)
     """Its own numbers in the summary, by their keys there; None where a run has no such number."""
     pictures: Mapping[str, Callable[["Figure", AnyRobot, Samples], None]] = field(default_factory=dict)
     """Its own pictures of a run, by their files' names."""
     paths: Mapping[str, Callable[[AnyRobot], Path]] = field(default_factory=dict)
-    """By the names of its guides: where those that go by the clock shall be; needs the column `OFFSET` of
-    `emulators.bench.path_error`."""
+    """Reference positions of path followers that go by the clock, by name.
+
+    They need the column `OFFSET` of `emulators.bench.path_error`.
+    """
 
     def shipped(self) -> dict[str, FilePath]:
         """Return the shipped missions by their names, in alphabetical order."""
@@ -100,7 +102,7 @@ def _entries() -> EntryPoints:
 def rehearsals() -> dict[str, Rehearsal]:
     """Return every installed robot's rehearsal by its kind, in the order of the kinds' names.
 
-    One that cannot be loaded is left out: `rehearsal_of` says why.
+    One that cannot be loaded is excluded: `rehearsal_of` gives the reason.
     """
     found: dict[str, Rehearsal] = {}
     for entry in sorted(_entries(), key=lambda entry: entry.name):

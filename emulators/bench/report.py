@@ -9,7 +9,7 @@ from rich.table import Table
 from emulators.bench.summary import Faulted, Held, Summary
 
 TRACE_DIGITS = 16
-"""Enough of the hash to compare two runs by eye; the whole one is in `summary.json`."""
+"""Number of digits of the hash to compare two runs by eye; the whole one is in `summary.json`."""
 
 
 def show(console: Console, summary: Summary, remarks: Mapping[str, str]) -> None:

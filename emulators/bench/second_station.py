@@ -16,7 +16,7 @@ COMPONENT: Final = 190
 SPEAKS_EVERY: Final[Nanoseconds] = SECOND // 20
 ORDERS_EVERY: Final[Nanoseconds] = SECOND // 2
 FULL: Final = 1000
-"""Of MANUAL_CONTROL's axes."""
+"""Full scale of MANUAL_CONTROL's axes."""
 GARBAGE: Final = "garbage"
 ORDERS: Final[Mapping[str, tuple[int, tuple[float, ...]]]] = MappingProxyType(
     {
@@ -29,11 +29,11 @@ ORDERS: Final[Mapping[str, tuple[int, tuple[float, ...]]]] = MappingProxyType(
         "hold": (193, (0.0,)),
     }
 )
-"""What each order is: its MAV_CMD and its first parameters."""
+"""MAV_CMD and first parameters of each order."""
 
 
 class SecondStation:
-    """One that no one has asked for; `accepted` are its orders that were, and when."""
+    """A station that the operator has not requested; `accepted` lists its accepted orders and when."""
 
     def __init__(self, robot: tuple[int, int], system: int, stick: float, order: str, place: int) -> None:
         """Take the robot's system and component, its own system, and a number for where it speaks from."""
@@ -48,7 +48,7 @@ class SecondStation:
         self.accepted: list[tuple[Nanoseconds, str]] = []
 
     def leaves(self) -> None:
-        """Say nothing any more."""
+        """Send nothing any more."""
         self._silent = True
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:

@@ -1,4 +1,4 @@
-"""One step of a mission: what any operator can do at one instant, and how a robot's own inputs are said."""
+"""One step of a mission: an operator's actions at one instant, and the declaration of a robot's inputs."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ class Holds:
 
     channel: str
     into: Callable[[float, AnyRobot], float] = lambda value, _robot: value
-    """From the key's unit to the channel's."""
+    """Conversion from the key's unit to the channel's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,16 +51,16 @@ class Presses:
     """The step taps a button of the stick."""
 
     buttons: dict[str, int]
-    """Their bits, by the words that a mission may say."""
+    """Bits of the buttons, by the words of a mission."""
 
 
 class Input(StrEnum):
-    """With which message the operator drives."""
+    """Message by which the operator drives."""
 
     STICK = "stick"
     """MANUAL_CONTROL: shares of the robot's limits; cannot ask for more than those."""
     TWIST = "twist"
-    """SET_POSITION_TARGET_LOCAL_NED: speed and yaw rate; asks for anything."""
+    """SET_POSITION_TARGET_LOCAL_NED: speed and yaw rate; any value is sent."""
 
 
 _ARM_DISARM = 400
@@ -71,7 +71,7 @@ _FORCE = 21196
 
 
 class Step(Table):
-    """What the operator does at one instant; a robot's own step adds its inputs as fields."""
+    """An operator's actions at one instant; a robot's own step adds its inputs as fields."""
 
     at_s: NonNegative
     title: Annotated[str, Field(min_length=1, max_length=100)]
@@ -85,11 +85,11 @@ class Step(Table):
     terminate: Annotated[Literal[True] | None, Sends(_TERMINATE, lambda _, __: (1.0,), 4)] = None
     """Emergency stop for good."""
     zero: Annotated[dict[str, Finite] | None, Field(min_length=1)] = None
-    """Say where axes stand, by their roles, as read off the robot; it wants to know before it is armed."""
+    """Positions of axes, by their roles, as read off the robot; the robot needs them before it is armed."""
     home: Annotated[tuple[str, ...] | None, Field(min_length=1, strict=False)] = None
     """Let axes find their zero, by their roles, one after the other; they move."""
     pause: Annotated[bool | None, Sends(_PAUSE_CONTINUE, lambda wait, _: (0.0 if wait else 1.0,), 1)] = None
-    """Come to rest and wait there; false: go on, the stick let go."""
+    """True: stop and wait there; false: go on, the stick let go."""
     mode: Annotated[
         str | None, Sends(176, lambda mode, robot: (1.0, number_of_own(modes(robot).index(mode))))
     ] = None
@@ -99,7 +99,7 @@ class Step(Table):
     )
     """DO_SET_MODE's submode: let a guide of the robot's drive, by its name; "" is the operator."""
     silent_s: Positive | None = None
-    """Say nothing at all for this long."""
+    """Time for which the station sends nothing at all."""
     stray: Annotated[Stray | None, Field(strict=False)] = None
     """Send one thing that no operator should."""
 
@@ -134,7 +134,7 @@ def modes(robot: AnyRobot) -> tuple[str, ...]:
 
 
 def of_key(step: type[Step], key: str) -> object:
-    """Return what the hand does about a key of a step; None where the key says it by itself."""
+    """Return the action on the controls for a key of a step; None where the key has no annotation."""
     rows = (
         row for row in step.model_fields[key].metadata if isinstance(row, Holds | Slope | Sends | Presses)
     )

@@ -8,7 +8,7 @@ import numpy as np
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 
 TREMOR_TIME_S: Final = 0.2
-"""How long the hand remembers where it trembled to. ASSUME."""
+"""Correlation time of the hand's tremor. ASSUME."""
 
 
 class Ramp:

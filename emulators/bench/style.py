@@ -1,4 +1,4 @@
-"""How the bench's pictures look: colors and style. It refuses to know what draws them."""
+"""Colors and style of the bench's pictures, independent of the code that draws them."""
 
 from pathlib import Path
 from typing import Final

@@ -22,20 +22,20 @@ ACCELERATION_WINDOW: Final[Nanoseconds] = 50 * MILLISECOND
 
 @dataclass(frozen=True, slots=True)
 class LineRun:
-    """What a serial line to the drives has carried."""
+    """Traffic of a serial line to the drives."""
 
     link: str
     """The link's name in the robot file."""
     protocol: str
     baud: int
     bytes: int
-    """Both ways."""
+    """Number of bytes in both directions."""
     commands: int
     busy_percent: float
     """Share of the time in which a command was under way."""
     cycle_ms: float
     longest_cycle_ms: float
-    """From the begin of a cycle to the end of its last command; above `cycle_ms` a cycle was late."""
+    """Longest time from the begin of a cycle to the end of its last command; above `cycle_ms` it was late."""
     late_cycles: int
     """Cycles that began before the samples of the one before were in."""
     i2c_percent: float | None = None
@@ -44,7 +44,7 @@ class LineRun:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """How a run was asked for, and what its wires and clocks say of it."""
+    """Settings of a run, and the figures of its wires and clocks."""
 
     robot: str
     mission: str
@@ -68,7 +68,7 @@ class Held:
     began_s: float
     ended_s: float | None
     remedy: str = ""
-    """What whoever drives could do."""
+    """Remedy for the operator."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ class Faulted:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """What `summary.json` holds; the names of the fields are its keys."""
+    """Contents of `summary.json`; the names of the fields are its keys."""
 
     robot: str
     mission: str
@@ -112,13 +112,13 @@ class Summary:
     a circle, of the radius. None where no pilot drove."""
     max_current_a: float
     largest: dict[str, float]
-    """Of the robot's columns that say so: the largest absolute value, in the column's unit."""
+    """Largest absolute values of the robot's columns with `most`, in the column's unit."""
     frames: int
     bus_load_percent: float
     trace_sha256: str
-    """Of every packet on every link."""
+    """Hash of every packet on every link."""
     links_sha256: dict[str, str]
-    """Of each link alone, by its name: which one a change has reached."""
+    """Hash of each link alone, by its name: it shows which one a change has reached."""
     guard_refusals: int
     """Packets of the bridge that the guard let nothing of through, and silences that it filled."""
     interlock_events: tuple[Held, ...]

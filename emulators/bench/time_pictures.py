@@ -64,7 +64,7 @@ def panels_picture(
 
 
 def currents_picture(figure: Figure, robot: AnyRobot, samples: Samples) -> None:
-    """Draw each motor's current in a row of its own, where something tells it."""
+    """Draw each motor's current in a row of its own, where it is known."""
     known = [axis for axis in robot.axes if samples.has(current(axis.name))]
     figure.set_size_inches(10.0, 1.2 + 1.7 * len(known))
     rows = figure.subplots(len(known), 1, sharex=True, squeeze=False)[:, 0]

@@ -41,5 +41,5 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]], numbers: Itera
     return f'<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
-def _cell(text: str, number: bool) -> str:  # noqa: FBT001 - a cell of a table, which no one else asks for
+def _cell(text: str, number: bool) -> str:  # noqa: FBT001 - a cell of a table, used here alone
     return f'<td class="number">{escape(text)}</td>' if number else f"<td>{escape(text)}</td>"

@@ -1,4 +1,4 @@
-"""What a command says before it runs drives: what makes it wait, and what makes it slow."""
+"""Messages of a command before it runs drives: the reasons to wait, and those to be slow."""
 
 from pathlib import Path
 from typing import Final
@@ -10,13 +10,13 @@ from fmu.build import ensure, is_built
 from fmu.plants import names
 
 BUILDING_S: Final = 10
-"""How long a plant takes on a machine of today, most of it for SymPy and the compiler."""
+"""Time to build a plant on a machine of today, most of it for SymPy and the compiler."""
 
 
 def report_beginning(machine: AnyRobot, plant: Path | None) -> None:
-    """Build the robot's plant, where that is not done yet, and say so; say when the kernel is not there.
+    """Build the robot's plant, where that is not done yet, and report it; report a missing kernel.
 
-    PlantError where the plant cannot be built; ServoError where a kernel was asked for that is not there.
+    PlantError where the plant cannot be built; ServoError where a requested kernel is missing.
     """
     reason = choose().reason
     if reason:

@@ -88,7 +88,7 @@ RESULTS: Final = Path("out")
 
 
 def run(given: BenchOptions) -> None:
-    """Do what `bench` says; what is wrong ends the program with a message."""
+    """Run the command `bench`; an error ends the program with a message."""
     from emulators.bench import mission as missions
     from emulators.bench.along import along_mission
     from emulators.bench.mission import MissionFileError

@@ -1,4 +1,4 @@
-"""The capture systems of a robot file, beside its other emulated devices, where the file says they are."""
+"""Capture systems of a robot file, beside its other emulated devices, at the addresses in the file."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -26,9 +26,9 @@ class Cameras:
     links: dict[str, dict[str, str]]
     openers: dict[str, Callable[[], Port]]
     where: tuple[str, ...]
-    """In words."""
+    """Description of each system's addresses."""
     physics: Physics
-    """What moves the robot; they have it on film."""
+    """The robot's physics, which the cameras film."""
 
 
 def beside_boards(boards: Mapping[str, Board | Ar2Board], links: Mapping[str, str], cameras: Cameras) -> Node:

@@ -6,7 +6,7 @@ from firmware_bridge.cli.commands import Command, Group, Row, Rows
 
 
 class ByName(Rows):
-    """Runs `robot` for words that are no command of the group, options in front included: `emulate ROBOT`."""
+    """Group that runs `robot` for words that are none of its commands, options in front included."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Put the default command in front of words that name none."""

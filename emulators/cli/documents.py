@@ -1,4 +1,4 @@
-"""What the emulated EPOS2 says of itself at the command line: `epos2 objects`, `eds`, `dcf`, `fidelity`."""
+"""Documents of the emulated EPOS2 at the command line: `epos2 objects`, `eds`, `dcf`, `fidelity`."""
 
 from pathlib import Path
 from typing import Annotated, Final

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 AR2: Final = "ar2-2.0"
-"""How a log calls what the board speaks, as `monitor` reads it; 1.5 speaks a part of it."""
+"""Name of the board's protocol in a log, as `monitor` reads it; 1.5 speaks a part of it."""
 EXAMPLES: Final = """Examples:
 
 `firmware-bridge emulate ar2 --serial pty --serial-link arm.tty`
@@ -31,10 +31,10 @@ EXAMPLES: Final = """Examples:
 class Ar2Options:
     """Put the board of an AR2 arm on a serial line, in real time, with the arm on its drivers.
 
-    For whoever writes a client and has no arm at hand. It stands at rest, as after a calibration, is on from
-    the beginning, and receives nothing for the boot loader's 1.1 s. Joints carry their weight, and lose steps
-    where a motor is too weak for it at its speed; nothing on the line says so. Ends on Ctrl-C, and then says
-    where the joints truly are.
+    For developers of a client without an arm at hand. The arm is at its rest position, as after a
+    calibration, is on from the beginning, and receives nothing for the boot loader's 1.1 s. Joints carry
+    their weight, and lose steps where a motor is too weak for it at its speed; nothing on the line reports
+    it. Ends on Ctrl-C, and then prints the joints' true positions.
     """
 
     firmware: Annotated[str, typer.Option(help="The generation of its sketch: 2.0 or 1.5.")] = "2.0"
@@ -64,7 +64,7 @@ class Ar2Options:
 
 
 def run(given: Ar2Options) -> None:
-    """Do what `emulate ar2` says; what is wrong ends the program with a message."""
+    """Run the command `emulate ar2`; an error ends the program with a message."""
     from emulators.arduino_omni.ar2.board import Ar2Board
     from emulators.arduino_omni.ar2.firmwares import FIRMWARES
     from emulators.arduino_omni.mega.mega import SketchError

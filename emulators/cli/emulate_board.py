@@ -36,10 +36,10 @@ EXAMPLES: Final = """Examples:
 class BoardOptions:
     """Put an Arduino Mega 2560 with an Adafruit Motor Shield V2 on a serial line, in real time.
 
-    For who writes a client and has no board at hand. It is on at once, and receives nothing for the boot
-    loader's 1.1 s. A pseudo-terminal has no DTR: a client that opens it resets nothing, where a real
-    board would, unless --reset-on-open says so. Motors turn at all four terminals, encoders are on
-    the first three (pins 2 and 3, 18 and 19, 10 and 11). Ends on Ctrl-C.
+    For developers of a client without a board at hand. It is on at once, and receives nothing for the boot
+    loader's 1.1 s. A pseudo-terminal has no DTR: a client that opens it resets nothing, where a real board
+    would, unless --reset-on-open is given. Motors turn at all four terminals, encoders are on the first three
+    (pins 2 and 3, 18 and 19, 10 and 11). Ends on Ctrl-C.
     """
 
     firmware: Annotated[
@@ -134,7 +134,7 @@ NOT_STOCK: Final = ", not stock"
 
 
 def run(given: BoardOptions) -> None:
-    """Do what `emulate board` says; what is wrong ends the program with a message."""
+    """Run the command `emulate board`; an error ends the program with a message."""
     from emulators.arduino_omni.board import Board
     from emulators.arduino_omni.faults import FaultyBoard
     from emulators.arduino_omni.mega.mega import SketchError

@@ -29,9 +29,9 @@ EXAMPLES: Final = """Examples:
 class CaptureOptions:
     """Stream what an OptiTrack system would see as NatNet over UDP unicast, in real time.
 
-    For whoever writes a client and has no cameras at hand. A client connects at the command port, and is sent
-    a frame at every exposure until it has not been heard for 10 s. Bodies go round circles about the room's
-    middle with 0.5 m/s, the first at 1 m, the second at 2 m, and so on; their numbers are 1, 2 ... Ends on
+    For developers of a client without cameras at hand. A client connects at the command port, and receives a
+    frame at every exposure until it has sent nothing for 10 s. Bodies go round circles about the room's
+    center with 0.5 m/s, the first at 1 m, the second at 2 m, and so on; their numbers are 1, 2 ... Ends on
     Ctrl-C.
     """
 
@@ -87,7 +87,7 @@ _SPAN: Final = re.compile(r"(?P<name>.+)@(?P<begin>\d+(\.\d+)?)-(?P<end>\d+(\.\d
 
 
 def run(given: CaptureOptions) -> None:
-    """Do what `emulate capture` says; what is wrong ends the program with a message."""
+    """Run the command `emulate capture`; an error ends the program with a message."""
     import numpy as np
 
     from emulators.motion_capture.system import COMMAND, DATA, MotionCapture, Timing

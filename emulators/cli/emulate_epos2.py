@@ -53,7 +53,7 @@ vcan0`
 class DrivesOptions(Outside):
     """Put EPOS2 drives on a real CAN bus, a serial line, or both, in real time, each with a motor and a load.
 
-    For whoever develops a master and has no drive at hand. With --serial and neither -i nor -c the CAN bus is
+    For developers of a master without a drive at hand. With --serial and neither -i nor -c the CAN bus is
     inside; the line reaches the other drives through it. Ends on Ctrl-C.
     """
 
@@ -187,7 +187,7 @@ DEFAULT_BIT_RATE: Final = 1_000_000
 
 
 def run(given: DrivesOptions) -> None:
-    """Do what `emulate epos2` says; what is wrong ends the program with a message."""
+    """Run the command `emulate epos2`; an error ends the program with a message."""
     from emulators.cli.watched import RollCalled, twins_reported
     from emulators.epos2.objects.saved_parameters import StorageError
     from emulators.epos2.serial.serial_drive import baud_of

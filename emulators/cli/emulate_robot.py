@@ -94,7 +94,7 @@ class RobotOptions(Outside):
 
 
 def run(given: RobotOptions) -> None:
-    """Do what `emulate ROBOT` says; what is wrong ends the program with a message."""
+    """Run the command `emulate ROBOT`; an error ends the program with a message."""
     from firmware_bridge.cli.robot_argument import find_robot
 
     machine = find_robot(given.robot)

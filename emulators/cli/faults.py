@@ -47,7 +47,7 @@ class FaultsOptions:
 
 
 def run(given: FaultsOptions) -> None:
-    """Do what `faults` says."""
+    """Run the command `faults`."""
     from rich.table import Table
 
     from emulators.bench.faults import KINDS

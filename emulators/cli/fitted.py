@@ -1,4 +1,4 @@
-"""The robot of a run: the one that is named, with what the command says of its links and its path."""
+"""The robot of a run: the named one, with the command's settings of its links and its path."""
 
 from pathlib import Path
 from typing import Protocol
@@ -11,7 +11,7 @@ from firmware_bridge.wire.maxon.frame import Generation
 
 
 class Fitting(Protocol):
-    """What a command was told of a robot's links and path; None: what its file says."""
+    """A command's settings of a robot's links and path; None: as in its file."""
 
     @property
     def serial(self) -> Generation | None:
@@ -23,7 +23,7 @@ class Fitting(Protocol):
 
     @property
     def encoders(self) -> int | None:
-        """How many of them a board reads."""
+        """Number of encoders that a board reads."""
 
     @property
     def path(self) -> Path | None:
@@ -31,7 +31,7 @@ class Fitting(Protocol):
 
     @property
     def path_speed(self) -> float | None:
-        """Along points without times, in m/s."""
+        """Speed along points without times, in m/s."""
 
 
 def fitted(robot: AnyRobot, given: Fitting) -> tuple[AnyRobot, tuple[Point, ...]]:

@@ -33,9 +33,9 @@ EXAMPLES: Final = """Examples:
 class FmeaOptions:
     """Try every fault in every state of a robot, and say who notices, when, and how far it goes.
 
-    In virtual time, on all processors: minutes. Ends with status 1 where the robot does something that no one
-    asked for, no one notices within half a second, and no reason is known. With `--out` it leaves `fmea.csv`
-    and `fmea.html`, the matrix on one page. How bad a fault is made stands in the page's titles.
+    In virtual time, on all processors: minutes. Ends with status 1 where the robot moves uncommanded, this is
+    not noticed within half a second, and no reason is known. With `--out` it leaves `fmea.csv` and
+    `fmea.html`, the matrix on one page. The severity of each fault is in the page's titles.
     """
 
     robot: RobotArgument
@@ -63,11 +63,11 @@ class FmeaOptions:
 
 
 LINES: Final = 20
-"""So many cells are told at the terminal; the page has them all."""
+"""Number of cells printed at the terminal; the page has them all."""
 
 
 def run(given: FmeaOptions) -> None:
-    """Do what `fmea` says; what is wrong ends the program with a message."""
+    """Run the command `fmea`; an error ends the program with a message."""
     from emulators.bench.faults import KINDS
     from emulators.cli.beginning import report_beginning
     from emulators.fmea.matrix import all_failures, matrix, state_names

@@ -118,7 +118,7 @@ class ReplayOptions:
 
 
 def run(given: ReplayOptions) -> None:
-    """Do what `replay` says; what is wrong ends the program with a message."""
+    """Run the command `replay`; an error ends the program with a message."""
     from emulators.cli.fitted import fitted
     from emulators.progress_bar import progress_bar
     from emulators.replay.files import named

@@ -24,15 +24,15 @@ recorded.
 plays the path."""
 
 SOON_S: Final = 1.0
-"""What differs before this has differed from the beginning."""
+"""Limit in s below which a difference has been there from the beginning."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReportOptions:
     """Make the page, the pictures and the table of a recorded drive, as `bench` makes them of its runs.
 
-    Leaves `report.html`, `samples.csv` and pictures in the folder: what devices have measured and the bridge
-    knew, every 10 ms, in the place of what a plant tells. The recording is played into the bridge once more.
+    Leaves `report.html`, `samples.csv` and pictures in the folder: the devices' measurements and the bridge's
+    state, every 10 ms, in the place of a plant's values. The recording is played into the bridge once more.
 
     Exit status 0 where all was written; 2 for a folder that cannot be used.
     """
@@ -63,7 +63,7 @@ class ReportOptions:
 
 
 def run(given: ReportOptions) -> None:
-    """Do what `report` says; what is wrong ends the program with a message."""
+    """Run the command `report`; an error ends the program with a message."""
     from emulators.bench.rehearsal import rehearsal_of
     from emulators.extras import installed, remedy_of
     from emulators.progress_bar import progress_bar

@@ -1,4 +1,4 @@
-"""`study`: it comes with a checkout, in the package `validation`; where that is not, one line says so."""
+"""The command `study`: it comes with a checkout, in the package `validation`; else one line reports so."""
 
 from importlib.metadata import entry_points
 from typing import Final

@@ -1,4 +1,4 @@
-"""What the console of an emulated device says of those who talk to it, each thing once."""
+"""Reports of an emulated device's console on its peers, each reported once."""
 
 from collections.abc import Iterable
 from typing import Final
@@ -14,7 +14,7 @@ from firmware_bridge.wire.epos2.address import DEVICE_TYPE
 from firmware_bridge.wire.sdo import encode_upload
 
 OWN: Final = {SDO_RESPONSE: "answers", ERROR_CONTROL: "heartbeats", EMERGENCY: "emergencies"}
-"""What no one but the node itself sends."""
+"""Services that only the node itself sends."""
 
 
 def keeping_reported(mega: Mega, name: str = "the board") -> None:
@@ -32,7 +32,7 @@ def keeping_reported(mega: Mega, name: str = "the board") -> None:
 
 
 def twins_reported(node: Node, places: Iterable[tuple[str, int]]) -> Node:
-    """Return a node that says once of each link and number that another node there has it, too."""
+    """Return a node that reports, once for each link and number, a second node with the same number."""
     own = {(link, kind + number): (number, text) for link, number in places for kind, text in OWN.items()}
     named = set[tuple[str, int]]()
 
@@ -52,10 +52,11 @@ def twins_reported(node: Node, places: Iterable[tuple[str, int]]) -> Node:
 
 
 class RollCalled:
-    """A node around drives that asks at its start, once for each number, whether another node has it, too.
+    """A node around drives that checks at its start, once for each number, if another node has it, too.
 
-    The question is the program's, no drive's: it reads 0x1000, changes nothing, and is not recorded. Our own
-    frames do not come back to us, so that only another node can answer; `twins_reported` inside it tells.
+    The request is the program's, no drive's: it reads 0x1000, changes nothing, and is not recorded. Our own
+    frames do not come back to us, so that only another node can answer; `twins_reported` inside it reports
+    that.
     """
 
     def __init__(self, node: Node, places: Iterable[tuple[str, int]]) -> None:

@@ -1,1 +1,1 @@
-"""Whether this machine has what the program needs: its facts, and a row for each."""
+"""Check of this machine for the program's needs: its facts, and a row for each."""

@@ -1,6 +1,6 @@
-"""What is known of a machine: plain values, so that a row can be judged without that machine.
+"""The facts of a machine: plain values, so that a row can be judged without that machine.
 
-It refuses to know how they are found out, and what they mean.
+It does not depend on their sources or their interpretation.
 """
 
 import json
@@ -21,20 +21,20 @@ class CanInterface:
     up: bool
     virtual: bool = False
     bit_rate: int | None = None
-    """None where no one tells it: a virtual one has none."""
+    """Bit rate; None where it is not reported: a virtual one has none."""
     state: str | None = None
     """The controller's, as the kernel spells it: ERROR-ACTIVE, BUS-OFF ..."""
 
 
 @dataclass(frozen=True, slots=True)
 class SerialPort:
-    """A serial port, and whether whoever runs this may open it."""
+    """A serial port, and the user's right to open it."""
 
     device: str
     title: str
     allowed: bool
     group: str = ""
-    """Who owns it, beside root."""
+    """Group that owns it, beside root."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,29 +55,29 @@ class Facts:
     """The operating system's name: Linux, Darwin, Windows."""
     release: str
     socketcan: bool
-    """Whether the kernel makes raw CAN sockets."""
+    """True if the kernel provides raw CAN sockets."""
     vcan: bool
-    """Whether the kernel has virtual CAN interfaces, or a module for them."""
+    """True if the kernel has virtual CAN interfaces, or a module for them."""
     interfaces: tuple[CanInterface, ...]
     ports: tuple[SerialPort, ...]
     user: str
     resolution: Nanoseconds
-    """Of the clock that never steps."""
+    """Resolution of the clock that never steps."""
     late: tuple[Nanoseconds, ...]
-    """How late each of some sleeps of 10 ms has woken."""
+    """Delays with which some sleeps of 10 ms have woken."""
     load: float | None
-    """Processes that ran or wanted to, over the last minute; None where the system does not tell."""
+    """Processes that ran or wanted to, over the last minute; None where the system does not report it."""
     processors: int
     compiler: str | None
     headers: bool
-    """Whether Python's own headers are there."""
+    """True if Python's own headers are there."""
     kernel_built: bool
     kernel_problem: str
-    """Why the servo kernel is not used; empty where it is."""
+    """Reason why the servo kernel is not used; empty where it is."""
     compiled: Mapping[str, bool]
     """Modules of the core, and whether they are translated to C."""
     plants: Mapping[str, bool | None]
-    """Plants, and whether they are built; None where that cannot be told."""
+    """Plants, with True for those that are built; None where that cannot be determined."""
     libraries: tuple[Library, ...]
     unwatched: Mapping[str, bool]
     """Links of installed robots, as ROBOT:LINK, whose devices run on when the bridge falls silent, each with

@@ -1,4 +1,4 @@
-"""Finds the facts of this machine. It opens no bus and no port, and sends nothing."""
+"""Collection of the facts of this machine. It opens no bus and no port, and sends nothing."""
 
 import getpass
 import os
@@ -46,12 +46,12 @@ CORE: Final = (
     "firmware_bridge.packet",
     "firmware_bridge.safety.gate",
 )
-"""Some of the modules that are translated together."""
+"""Examples of the modules that are translated together."""
 _NETWORK: Final = Path("/sys/class/net")
 _CAN_HARDWARE: Final = "280"
 """ARPHRD_CAN of <linux/if_arp.h>."""
 _UP: Final = 1
-"""IFF_UP of <linux/if.h>."""
+"""The flag IFF_UP of <linux/if.h>."""
 _LISTING_S: Final = 5.0
 _NEEDED: Final = re.compile(
     r"(?P<name>[\w.-]+)(?:\[[^]]*\])?\s*(?:>=\s*(?P<least>[\w.]+))?[^;]*(?:;\s*(?P<marker>.*))?"
@@ -123,7 +123,7 @@ def _vcan() -> bool:
 
 
 def _interfaces() -> tuple[CanInterface, ...]:
-    """Ask `ip`, which knows all; else the kernel's files tell which there are, and whether they are up."""
+    """Read the interfaces from `ip`, which knows all; else from the kernel's files: names, and up or down."""
     ip = shutil.which("ip")
     if ip is not None:
         with suppress(OSError, subprocess.TimeoutExpired):

@@ -1,6 +1,6 @@
-"""What is looked at, and what is said of it: a row for each, a pure function of the facts.
+"""Checks of the machine, and their findings: a row for each, a pure function of the facts.
 
-A remedy is one line. It refuses to look at the machine itself.
+A remedy is one line. It does not access the machine itself.
 """
 
 from collections.abc import Callable
@@ -15,7 +15,7 @@ from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 
 
 class Verdict(Enum):
-    """What becomes of it."""
+    """Result of a check."""
 
     OK = "ok"
     CAREFUL = "careful"
@@ -24,7 +24,7 @@ class Verdict(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What was found, and how to fix it; no remedy where there is nothing to fix."""
+    """Result and remedy of a check; no remedy where there is nothing to fix."""
 
     verdict: Verdict
     found: str
@@ -33,7 +33,7 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """Something to look at. `needed` tells that without it the program, or its bench, does not work."""
+    """A check. `needed` marks one without which the program, or its bench, does not work."""
 
     title: str
     judge: Callable[[Facts], Finding]
@@ -44,9 +44,9 @@ OLDEST: Final = (3, 11)
 NEWEST: Final = (3, 14)
 """Pythons. ASSUME: a later one works, too; no one has tried."""
 CYCLE: Final[Nanoseconds] = 50 * MILLISECOND
-"""Of the bridge on most robots that come with it; a robot file says its own, `cycle_ms`."""
+"""Cycle of the bridge on most robots that come with it; a robot file has its own, `cycle_ms`."""
 COARSE: Final[Nanoseconds] = MILLISECOND
-"""A clock with longer steps cannot tell one frame from the next."""
+"""Limit of a clock's resolution: with longer steps it cannot distinguish one frame from the next."""
 CROWDED: Final = 2.0
 """Processes for each processor. ASSUME: with twice as many as there are processors a cycle waits its turn
 often; with more than one each, now and then."""
@@ -55,7 +55,7 @@ PURPOSES: Final = {
     "plots": "pictures of runs",
     "testing": "the plugin of pytest",
 }
-"""What extras are for."""
+"""Purposes of the extras."""
 SKETCH: Final = "flash this project's sketch (protocol ros-arduino-bridge), which stops them after 2 s"
 _LINUX: Final = "Linux"
 _HEALTHY: Final = frozenset({None, "ERROR-ACTIVE"})
@@ -269,7 +269,7 @@ def libraries(facts: Facts) -> Finding:
 
 
 def extras(facts: Facts) -> Finding:
-    """Judge what is only for who asks for it."""
+    """Judge the optional extras, which only some users need."""
     wanting = {name: lacking for name, lacking in facts.extras.items() if lacking}
     if not wanting:
         return _ok(f"complete: {', '.join(facts.extras)}" if facts.extras else "there are none")

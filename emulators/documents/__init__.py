@@ -1,1 +1,1 @@
-"""What the emulated EPOS2 can say of itself: its objects, EDS and DCF, and how far all of it is known."""
+"""Documents of the emulated EPOS2: its objects, EDS and DCF, and the provenance of all of it."""

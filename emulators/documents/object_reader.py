@@ -1,4 +1,4 @@
-"""Reads every object of a running drive over its bus, one SDO transfer after the other.
+"""Reader of every object of a running drive over its bus, one SDO transfer after the other.
 
 It works with a real drive as well.
 """

@@ -36,7 +36,7 @@ class ObjectEntry:
 
     @property
     def pdo(self) -> str:
-        """Which PDOs may carry it."""
+        """PDOs that may carry it."""
         if self.row.transmittable:
             return "transmit"
         return "receive" if self.row.receivable else "no"
@@ -83,7 +83,7 @@ def entries(profile: DeviceProfile, node: int = 1) -> tuple[ObjectEntry, ...]:
 
 
 def _marked(row: ObjectRow, profile: DeviceProfile) -> ObjectRow:
-    """Return the row with what the type says of its own figures."""
+    """Return the row with the type's own figures and their provenance."""
     name = profile.field_of(row.address)
     if name is None:
         return row

@@ -28,14 +28,14 @@ from firmware_bridge.wire.epos2 import emergency
 
 
 def _counting(motion: MotionFactory, profile: DeviceProfile) -> MotionFactory:
-    """Return what makes motion control, told what counts as a set-point."""
+    """Return the factory of motion control, with the profile's rule for set-points by write."""
     if motion is not MotionControl:
         return motion
     return partial(MotionControl, each_write_counts=profile.written_word_is_setpoint)
 
 
 class Epos2:
-    """One drive. `node_id` is what its DIP switch says; with 0 the saved number counts."""
+    """One drive. `node_id` is the setting of its DIP switch; with 0 the saved number counts."""
 
     def __init__(
         self,
@@ -82,7 +82,7 @@ class Epos2:
 
     @property
     def on_bus(self) -> bool:
-        """Whether its bit rate lets it hear the bus and be heard."""
+        """True if its bit rate allows it to receive from the bus and to be received."""
         return self._identity.on_bus
 
     @property
@@ -138,7 +138,7 @@ class Epos2:
         self._transmit.send(address, payload)
 
     def _route(self) -> None:
-        """Say which identifiers count in this state, and who hears them."""
+        """Set the identifiers that count in this state, and their receivers."""
         if not self._identity.on_bus:
             self._routes = {}
             return
@@ -150,9 +150,10 @@ class Epos2:
             self._routes[canopen.LSS_REQUEST] = self._receive_lss
 
     def switch_off(self) -> None:
-        """Lose the supply, logic included: nothing is told, the motor is without power.
+        """Switch off the supply, logic included: nothing is reported, the motor is without power.
 
-        The next packet or waking switches the drive on again; whoever cuts the supply keeps them away.
+        The next packet or waking switches the drive on again; the caller keeps them away while the supply is
+        cut.
         """
         self._powered = False
         self.motion.reset()

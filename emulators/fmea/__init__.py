@@ -1,1 +1,1 @@
-"""What comes of every fault in every state of a robot: failure mode and effects analysis, on the bench."""
+"""Failure mode and effects analysis on the bench: the effect of every fault in every state of a robot."""

@@ -1,6 +1,6 @@
-"""What came of one failure in one state: who noticed, when, and what the robot did by the plant's truth.
+"""The effect of one failure in one state: its detection, and the robot's motion by the plant's truth.
 
-The same state without the failure is run beside it: what differs is the failure's.
+The same state without the failure is run beside it: the difference is the failure's.
 """
 
 from collections.abc import Mapping
@@ -17,11 +17,11 @@ from emulators.testing.rig import VirtualRig
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds, from_seconds
 
 LASTS_S: Final = 2.0
-"""How long a failure lasts that has an end."""
+"""Duration of a failure that has an end."""
 LETS_GO_S: Final = 1.0
-"""So long the operator goes on as if nothing was; then he lets go, while the failure still lasts."""
+"""Time for which the operator goes on as before; then the stick is let go, while the failure lasts."""
 WATCHED_S: Final = 3.5
-"""So long its effect is looked at: its end, and what the robot does then."""
+"""Time of observation: the end of the failure, and the robot's motion then."""
 STANDS_WITHIN_S: Final = 12.0
 """... and so long where it still moves then: who has not come to rest never does."""
 ASIDE: Final[Mapping[str, float]] = {"m": 0.02, "rad": 0.05}
@@ -30,64 +30,64 @@ what docs/safety.md allows a robot that was let go at rest."""
 SHARE: Final = 0.05
 """... and by so much of the way that it would have gone: as far as a robot that is well may stray. ASSUME."""
 STILL: Final[Mapping[str, float]] = {"m": 0.001, "rad": 0.003}
-"""Who moves less than this has come to rest."""
+"""Limits of motion below which a robot is at standstill."""
 RESTS_S: Final = 0.3
 """... for at least so long before the end."""
 
 
 EACH_MS: Final = SAMPLE_EVERY / MILLISECOND
 LATE_MS: Final = 500.0
-"""A robot that does something else for longer than this, and no one says so, was noticed late. ASSUME."""
+"""Limit from which an unreported deviation counts as noticed late. ASSUME."""
 
 
 class Verdict(StrEnum):
-    """What is said of a cell."""
+    """Assessment of a cell."""
 
     NOTICED = "noticed"
     """An interlock holds."""
     REPORTED = "told"
     """The operator was informed, and nothing holds."""
     TOLERATED = "tolerated"
-    """No one said a word, and the robot does what it would do without the failure."""
+    """The failure was not reported, and the robot does what it would do without it."""
     STANDS = "stands"
-    """No one said a word, and the robot came to rest where it would have gone on."""
+    """The failure was not reported, and the robot came to standstill where it would have gone on."""
     LATE = "NOTICED LATE"
-    """It was noticed when the robot had done something else for a while."""
+    """The failure was noticed when the robot had deviated for a while."""
     MISSED = "NOT NOTICED"
-    """No one said a word, and the robot does something else; or it never stands, whoever said what."""
+    """The failure was not reported, and the robot deviates; or it never stops, reported or not."""
 
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """What was seen from one instant on."""
+    """Record of a run from one instant on."""
 
     places: Mapping[str, Floats]
     """The plant's places, in m and rad, by the columns' names, every 10 ms."""
     units: Mapping[str, str]
     holds: tuple[HoldRecord, ...]
-    """That began since."""
+    """Interlock events that began since."""
     texts: tuple[Entry, ...]
-    """That the operator has got since."""
+    """Texts that the operator has received since."""
     began: Nanoseconds
     ends: Nanoseconds = NEVER
-    """When the failure ends: what is noticed from then on comes of its end."""
+    """End of the failure: a report from then on comes of its end."""
 
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """What came of one failure in one state."""
+    """Effect of one failure in one state."""
 
     verdict: Verdict
     noticed_by: str
     """The interlock that held first, or the first words."""
     after_ms: float | None
     stands_after_ms: float | None
-    """When it stood for good, counted from the failure; None where it still moves at the end."""
+    """Time of the final standstill, counted from the failure; None where it still moves at the end."""
     goes_m: float
-    """The furthest that anything which is told in m went from where it was."""
+    """The largest distance of any quantity in m from its place at the failure."""
     turns_rad: float
     aside: float
-    """How far it was from where it would be, as a share of what counts as something else."""
+    """Deviation from the run without the failure, as a share of the limit of a deviation."""
 
 
 def watched(rig: VirtualRig, lasts_s: float | None = None) -> Course:

@@ -22,21 +22,21 @@ class Cell:
     failure: Failure
     effect: Effect
     why: str = ""
-    """Why no one need notice."""
+    """Reason why the failure need not be noticed."""
 
     @property
     def late(self) -> bool:
-        """Whether it moves as no one asked, and no one notices in time."""
+        """True if its motion is uncommanded, and is not noticed in time."""
         return self.effect.verdict in {Verdict.MISSED, Verdict.LATE}
 
     @property
     def wrong(self) -> bool:
-        """Whether it does, and no one has said why that must be."""
+        """True if it is late, and no reason is known."""
         return self.late and not self.why
 
 
 Progress = Callable[[Sequence[Cell]], None]
-"""Called with the cells of each state that is done."""
+"""Callback with the cells of each state that is done."""
 
 
 def state_names(robot: AnyRobot) -> tuple[str, ...]:

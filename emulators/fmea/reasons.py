@@ -1,4 +1,4 @@
-"""Why a failure may go unnoticed although the robot moves: a row each, so that no other one does."""
+"""Reasons for which a failure may go unnoticed although the robot moves: a row each, and no others."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -20,7 +20,7 @@ class Reason:
     kind: str
     why: str
     state: str = ""
-    """In this state alone; empty: in all of them."""
+    """The only state in which it holds; empty: all of them."""
     watched: bool = False
     """Good only where each device stops by itself, and did."""
     unmeasured: bool = False

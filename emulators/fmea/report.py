@@ -74,7 +74,7 @@ def as_page(robot: str, cells: Sequence[Cell]) -> str:
 
 
 def wrongs(cells: Sequence[Cell]) -> Iterator[str]:
-    """Yield a line for each cell in which the robot moves, and no one notices or has said why."""
+    """Yield a line for each cell in which the robot moves, unnoticed and without a known reason."""
     for cell in cells:
         if cell.wrong:
             found = cell.effect

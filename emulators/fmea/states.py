@@ -1,4 +1,4 @@
-"""The states in which a failure meets a robot: what its operator has asked for, and what has come of it."""
+"""The states in which a failure meets a robot: the operator's command, and the resulting motion."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -9,9 +9,9 @@ from emulators.bench.step import Holds, inputs
 from emulators.testing.rig import VirtualRig
 
 SHARE: Final = 0.5
-"""Of full stick, on each channel that a state drives. ASSUME: the command of an ordinary day."""
+"""Share of full stick, on each channel that a state drives. ASSUME: the command of an ordinary day."""
 GOES_S: Final = 1.5
-"""By then a robot has the speed that was asked for; ASSUME of those that will come."""
+"""Time by which a robot has reached the commanded speed; ASSUME of those that will come."""
 STOPPING_S: Final = 0.1
 STOPPED_S: Final = 2.0
 
@@ -42,7 +42,7 @@ def states_of(rig: VirtualRig) -> tuple[State, ...]:
 
 
 def _command(rig: VirtualRig, channels: list[Channel]) -> Mapping[str, float]:
-    """Return what a step says for its share of full stick on these channels."""
+    """Return a step's values for its share of full stick on these channels."""
     return {key: value for channel in channels for key, value in _steps(rig, channel)}
 
 

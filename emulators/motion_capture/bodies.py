@@ -14,7 +14,7 @@ from firmware_bridge.wire.natnet.frame import Point, Quaternion
 
 
 class Place(NamedTuple):
-    """Where a body is, and how it is turned."""
+    """Position and attitude of a body."""
 
     position: Point = (0.0, 0.0, 0.0)
     attitude: Quaternion = (0.0, 0.0, 0.0, 1.0)
@@ -29,7 +29,7 @@ def on_floor(x: float, y: float, heading: float, height: float = 0.0) -> Place:
 
 
 Truth: TypeAlias = Callable[[Nanoseconds], Place]
-"""Where a body was at an exposure; they are asked about in their order, some ms later."""
+"""Pose of a body at an exposure; exposures are requested in their order, some ms later."""
 
 
 @dataclass(frozen=True, slots=True)

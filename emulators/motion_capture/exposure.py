@@ -1,7 +1,7 @@
-"""What the cameras make of the truth at one instant: noise, bodies that are hidden, markers mistaken.
+"""The cameras' view of the truth at one instant: noise, bodies that are hidden, markers mistaken.
 
-It refuses to know when a frame leaves, and for whom. It takes chance for every body in every frame, seen or
-not, so that a disturbance changes nothing but what it says.
+It does not know a frame's departure and its clients. It draws random numbers for every body in every frame,
+seen or not, so that a disturbance changes nothing but its own effect.
 
 Sources: OptiTrack's page on rigid body tracking and reports of its users for what a lost body looks like;
 0.2 mm is a calibrated volume's usual error. Where they are silent:
@@ -37,7 +37,7 @@ _NAN: Final = math.nan
 
 
 class Lost(Enum):
-    """What is sent for a body that is not seen; its flag says so in any case."""
+    """Values sent for a body that is not seen; its flag reports that in any case."""
 
     FREEZE = "freeze"
     """The last pose that was seen."""
@@ -46,7 +46,7 @@ class Lost(Enum):
 
 
 class Up(Enum):
-    """Which axis of the stream points upwards; the stream does not tell."""
+    """Axis of the stream that points upwards; the stream itself does not report it."""
 
     Y = "y"
     """Motive's default: the room's (x, y, z) goes out as (x, z, -y)."""
@@ -55,14 +55,14 @@ class Up(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Cameras:
-    """What the cameras and the software's settings make of the truth."""
+    """Errors of the cameras, and settings of the software."""
 
     noise_m: float = 0.0002
     """The standard deviation of a body's position along each axis."""
     lost: Lost = Lost.FREEZE
     up: Up = Up.Y
     markers: bool = True
-    """Whether the stream has the labeled markers, too."""
+    """True if the stream has the labeled markers, too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +106,7 @@ class Exposure:
     cameras: Cameras
     disturbances: list[Hidden | Swapped | Shaken] = field(default_factory=list)
     _last: dict[int, Place] = field(default_factory=dict)
-    """Where each body was seen last."""
+    """Last seen pose of each body."""
 
     def bodies_at(
         self, now: Nanoseconds, normals: Sequence[float]

@@ -13,13 +13,13 @@ from firmware_bridge.units import Nanoseconds
 FLOOR: Final = ("x", "y", "heading")
 """The outputs of a plant that drives on a floor, by which its body is seen."""
 SPACE: Final = ("x", "y", "z", "qx", "qy", "qz", "qw")
-"""Those of one that goes up walls: where its body is in the room, and a quaternion."""
+"""Outputs of a robot that goes up walls: its body's place in the room, and a quaternion."""
 LENGTH: Final = 1_024
 """Pictures that are kept: those of 4 s at 240 Hz."""
 
 
 class Physics(Protocol):
-    """What moves the plant; see `emulators.world.Physics`."""
+    """Physics that move the plant; see `emulators.world.Physics`."""
 
     def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
         """Move on to `until`, or to the first event before it."""
@@ -32,7 +32,7 @@ class Doubles(Protocol):
 
 
 class Outputs(Protocol):
-    """What a plant tells of itself; `emulators.servo.seam.Plant` does."""
+    """Outputs of a plant, as `emulators.servo.seam.Plant` has them."""
 
     @property
     def outputs(self) -> Doubles:
@@ -40,7 +40,7 @@ class Outputs(Protocol):
 
 
 class Film:
-    """Physics whose plant says where its body is, by `SPACE` or `FLOOR`, and as a truth where that was."""
+    """Physics whose plant outputs its body's pose, by `SPACE` or `FLOOR`; as a truth it returns past ones."""
 
     def __init__(
         self,

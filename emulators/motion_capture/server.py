@@ -31,14 +31,14 @@ APPLICATIONS: Final[Mapping[Version, Bytes4]] = {
     Version(4, 3): (3, 3, 0, 0),
     Version(4, 4): (3, 4, 0, 0),
 }
-"""Which Motive speaks which version; Motive 3.4 with 4.4 is a guess, the others are OptiTrack's table."""
+"""Motive's version for each protocol version; Motive 3.4 with 4.4 is a guess, the others are OptiTrack's."""
 
 RECORDS: Final[Mapping[str, bool]] = {"StartRecording": True, "StopRecording": False}
 
 
 @dataclass(frozen=True, slots=True)
 class _Requested:
-    """What a client has asked, and when, by both clocks."""
+    """A client's request, and its time by both clocks."""
 
     place: int
     payload: bytes
@@ -74,7 +74,7 @@ class Server:
             "AnalogSamplesPerMocapFrame": messages.result_payload(0),
             "CurrentMode": messages.result_payload(0),
         }
-        """What is answered to questions."""
+        """Answers to named requests."""
         self._answers: Final[Mapping[MessageId, Callable[[_Requested], tuple[bytes, ...]]]] = {
             MessageId.CONNECT: self._connect,
             MessageId.DISCOVERY: self._on_setting,
@@ -158,7 +158,7 @@ class Server:
         return self.version if client is None else client.version
 
     def _chosen(self, version: Version) -> Version:
-        """Return the version for a client who asks for this one."""
+        """Return the version for a client that requests this one."""
         return min(known(version), self.version) if self.version >= V4_0 else self.version
 
     def _choose(self, place: int, text: str) -> int:

@@ -32,7 +32,7 @@ from firmware_bridge.wire.natnet.models import MarkerSetModel, Model, ModelMarke
 COMMAND: Final = "command"
 DATA: Final = "data"
 DEFAULT: Final = Version(3, 1)
-"""Of Motive 2.1, which cameras of 2018 to 2020 came with."""
+"""Protocol of Motive 2.1, which cameras of 2018 to 2020 came with."""
 _TICKS_PER_S: Final = 10_000_000
 _FAST: Final = 30e-6
 _BEGAN: Final = 123_456_789_000
@@ -42,13 +42,13 @@ _FRAMES_OF_TIMECODE: Final = 100
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """When frames are taken and when they leave."""
+    """Times of exposure and departure of the frames."""
 
     rate_hz: int = 240
     received_after: Nanoseconds = 4_600 * MICROSECOND
-    """From the middle of the exposure until the image is in."""
+    """Time from the middle of the exposure until the image is in."""
     sent_after: Nanoseconds = 800 * MICROSECOND
-    """From then until the frame leaves."""
+    """Time from then until the frame leaves."""
     jitter: Nanoseconds = 250 * MICROSECOND
     """The standard deviation of the latter."""
 
@@ -84,7 +84,7 @@ class MotionCapture:
         self._data_link: Final = data_link
         self._chance: Final = Chance(generator)
         self._number = -1
-        """Of the frame that leaves next; chance says when, and with which errors."""
+        """Number of the frame that leaves next; chance decides its time and its errors."""
         self._received: Nanoseconds = 0
         self._leaves_at: Nanoseconds = 0
         self._normals: list[float] = []

@@ -1,8 +1,8 @@
-"""What should come, by the recording, beside what comes: sender by sender, and the first that differs.
+"""Comparison of a recording with its replay: sender by sender, up to the first difference.
 
 Frames are compared in their order and at their instants. A datagram link delays, loses and overtakes, and a
-recording tells when a message had arrived: so each recorded message must be among those sent before, found by
-its sequence number. What a link is called where the packets came from does not count.
+recording has a message's time of arrival: so each recorded message must be among those sent before, found by
+its sequence number. The link's name in the recording does not count.
 """
 
 from collections import deque
@@ -39,10 +39,10 @@ class Difference:
 
 
 class Comparison(Protocol):
-    """Is told what comes; knows what should."""
+    """Comparison of the replayed packets with the expected ones."""
 
     compared: int
-    """So many recorded packets have come as they should."""
+    """Number of recorded packets that have come as they should."""
 
     def take(self, now: Nanoseconds, sender: str, packet: Packet) -> None:
         """Compare what comes."""
@@ -52,7 +52,7 @@ class Comparison(Protocol):
 
 
 class Frames:
-    """Compares frames, or bytes of a line; `recorded` holds those of `senders` that are to be compared."""
+    """Comparison of frames, or bytes of a line, with those in `recorded` of the compared `senders`."""
 
     def __init__(
         self,
@@ -99,14 +99,14 @@ class Frames:
 
 
 class Messages:
-    """Compares the messages of one MAVLink system."""
+    """Comparison of the messages of one MAVLink system."""
 
     def __init__(self, recorded: Iterable[Sent], sender: str) -> None:
         self.compared = 0
         self._expected = deque(recorded)
         self._sender = sender
         self._sent: list[deque[Carried]] = [deque() for _ in range(_SEQUENCE_NUMBERS)]
-        """By sequence number; those that were recorded, and all before them, are dropped."""
+        """Sent messages by sequence number; those that were recorded, and all before them, are dropped."""
         self._found: Difference | None = None
 
     def take(self, now: Nanoseconds, sender: str, packet: Packet) -> None:
@@ -150,9 +150,9 @@ def in_words(
     lead: Nanoseconds = 0,
     kinds: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
-    """Return the place in the recording, what stands before it there, and both packets as texts.
+    """Return the place in the recording, the packets before it there, and both packets as texts.
 
-    Instants are told from `lead` on, which is when the recording begins; `kinds` as for `Dissector`.
+    Instants count from `lead`, the begin of the recording; `kinds` as for `Dissector`.
     """
     wanted, came = difference.wanted, difference.came
     if wanted is not None:

@@ -1,7 +1,7 @@
 """A recording whose texts are in the words of the release before: all of it is compared but STATUSTEXT.
 
-A text of another length is another number of messages, so sequence numbers tell nothing either: each recorded
-message must be among those that were sent before, as often as it is recorded.
+A text of another length is another number of messages, so sequence numbers are not compared either: each
+recorded message must be among those that were sent before, as often as it is recorded.
 """
 
 from collections import defaultdict, deque
@@ -16,7 +16,7 @@ from firmware_bridge.recording import MAVLINK_2, mavlink_messages
 from firmware_bridge.units import Nanoseconds
 
 OLD_WORDS: Final = b"released: "
-"""How each text began that an interlock event was over; it begins with "cleared: " now."""
+"""Begin of a text that an interlock event was over; it is "cleared: " now."""
 _STATUSTEXT: Final = 253
 _V1_NUMBER: Final = slice(5, 6)
 _V1_HEAD: Final = 6

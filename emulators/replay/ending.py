@@ -1,4 +1,4 @@
-"""When a recorded bridge was asked to end: no packet says that, and what it sent from there on came of it."""
+"""End request of a recorded bridge: it is in no packet, and the bridge's later packets result from it."""
 
 import re
 from pathlib import Path
@@ -9,10 +9,10 @@ from firmware_bridge.recording import EPOCH
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 
 _EVENT: Final = re.compile(r"\((\d+)\.(\d{6})\) +(\d+)\.(\d{3}) s  (.*)")
-"""Of events.log: when it was written down, when it was by the bridge's time, and what."""
+"""Line of events.log: time of writing, time of the event by the bridge's clock, and text."""
 ENDING: Final = {Phase.STOPPING.value, Phase.LEAVING.value}
 _ROUNDED: Final = 2 * MILLISECOND
-"""The bridge's times are whole milliseconds there, and told a little later."""
+"""Allowance for the bridge's times there: whole milliseconds, and logged a little later."""
 
 
 def end_requested_at(events: Path) -> Nanoseconds | None:

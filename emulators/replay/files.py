@@ -1,4 +1,4 @@
-"""Which files a recording is made of: one that was named, or those in the folder of a run."""
+"""Files of a recording: one that was named, or those in the folder of a run."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,20 +13,20 @@ PACKED: Final = ("", ".gz", ".xz")
 
 @dataclass(frozen=True, slots=True)
 class Files:
-    """By what they hold; None for what there is none of."""
+    """Files by their contents; None for a missing one."""
 
     frames: Path | None = None
-    """Of CAN buses."""
+    """File of CAN buses."""
     chunks: Path | None = None
-    """Of serial lines."""
+    """File of serial lines."""
     sights: Path | None = None
-    """Of cameras."""
+    """File of cameras."""
     words: Path | None = None
-    """Of the operator."""
+    """File of the operator."""
 
 
 def files_of(order: Order) -> Files:
-    """Return what the bridge is to hear; RecordingFileError for a telemetry log alone."""
+    """Return the files with the bridge's input; RecordingFileError for a telemetry log alone."""
     named = order.recording
     if named.is_dir():
         words = order.operator or within(named, WORDS)

@@ -1,4 +1,4 @@
-"""What was said on the links of a bridge, by their names, out of all files of a recording.
+"""Traffic on the links of a bridge, by their names, out of all files of a recording.
 
 Instants count from the begin of the recording: that of a run on the bench, else that of its first packet.
 """
@@ -31,15 +31,15 @@ from firmware_bridge.units import MICROSECOND, Nanoseconds
 
 @dataclass(frozen=True, slots=True)
 class Inputs:
-    """What a bridge has heard and said."""
+    """Packets that a bridge has received and sent."""
 
     robot: AnyRobot
     recordings: Mapping[str, Recording]
-    """By the links' names, the operator's among them."""
+    """Recordings by the links' names, the operator's among them."""
     virtual: bool
-    """Whether the recording is the bench's own."""
+    """True if the recording is the bench's own."""
     ended: Nanoseconds | None
-    """When the bridge was asked to end; None where no file says it."""
+    """Time of the request to end the bridge; None where no file has it."""
 
     @property
     def links(self) -> Sequence[str]:
@@ -48,11 +48,11 @@ class Inputs:
 
     @property
     def name(self) -> str:
-        """Of the first file."""
+        """Name of the first file."""
         return next(iter(self.recordings.values())).name
 
     def on(self, link: str, lead: Nanoseconds = 0) -> list[Sent]:
-        """Return what was said on a link, with its sender; instants count from `lead` before the begin."""
+        """Return the traffic on a link, with its senders; instants count from `lead` before the begin."""
         recording = self.recordings[link].since(-lead)
         if link == OPERATOR:
             return messages_of(recording, self.robot)
@@ -110,7 +110,7 @@ def _found(order: Order) -> dict[str, Recording]:
 
 
 def _placed(words: Recording, order: Order) -> Recording:
-    """Return what stations have said, each from where it spoke, where the run's folder tells that."""
+    """Return the stations' messages, each with its sender's place, where the run's folder records that."""
     file = within(order.recording, STATIONS_LOG) if order.recording.is_dir() else None
     if file is None:
         return words
@@ -127,9 +127,9 @@ def _placed(words: Recording, order: Order) -> Recording:
 
 
 def _begin_of(found: Mapping[str, Recording], robot: AnyRobot) -> Nanoseconds:
-    """Return when a recording by a real clock began.
+    """Return the begin of a recording by a real clock.
 
-    A bridge speaks to its operator from its begin on; what he has said before is of no interest.
+    A bridge sends to its operator from its begin on; earlier messages of the operator do not matter.
     """
     buses = {name: CanWire(link.bit_rate).bit_time for name, link in robot.epos2_links.items()}
     begin = min(one.start(buses.get(name, 0)) for name, one in found.items() if name != OPERATOR)

@@ -1,7 +1,8 @@
 """The bridge behind its lines, and wires for all its links, as a recording of it wants them.
 
-On the bench a bus and a board's chip take the time that they took. On its line to drives what was heard came
-when only the recording knows, so it comes as it came. A real machine's own recording has what left, and when.
+On the bench a bus and a board's chip take the time that they took. On its line to drives only the recording
+has the times of arrival, so they are replayed. A real machine's own recording has the packets that left, with
+their times.
 """
 
 from collections.abc import Callable, Mapping
@@ -26,10 +27,10 @@ from firmware_bridge.units import Nanoseconds
 
 @dataclass(frozen=True, slots=True)
 class Lane:
-    """One link: what is said on it, its wire, and how long a packet takes there."""
+    """One link: its kind, its wire, and a packet's duration on it."""
 
     kind: str
-    """As of `dissector.KINDS`."""
+    """Kind of the link, as in `dissector.KINDS`."""
     wire: CanWire | SerialWire | DatagramWire
     duration: Callable[[Packet], Nanoseconds]
 
@@ -50,7 +51,7 @@ class Machine:
 
 
 def machine_of(order: Order, *, timed: bool) -> Machine:
-    """Return a bridge that was not woken yet; not `timed`, what it says arrives as it leaves.
+    """Return a bridge that was not woken yet; not `timed`, its packets arrive as they leave.
 
     A bus is timed even so, unless it was recorded where the bridge is: its folder has it as it left.
     """

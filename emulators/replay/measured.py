@@ -1,6 +1,6 @@
-"""What the bridge of a recorded run knew, row by row: its recording played into it once more.
+"""The state of a recorded run's bridge, row by row: its recording played into it once more.
 
-It refuses to know a plant: what a bench reads there is here what devices have measured, or is not there.
+It has no plant: a plant's values on the bench are the devices' measurements here, or are missing.
 """
 
 import math
@@ -21,7 +21,7 @@ from firmware_bridge.units import Nanoseconds, to_seconds
 Known: TypeAlias = Snapshot[Any, Any]
 Reads: TypeAlias = Callable[[Known], float]
 Progress: TypeAlias = Callable[[Nanoseconds, Nanoseconds], None]
-"""Called with how far it is, and where it ends."""
+"""Callback with the progress, and the end."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class Measured:
     samples: Samples
     holds: Sequence[HoldRecord]
     packets: int
-    """Of the recording, on all links."""
+    """Number of packets in the recording, on all links."""
     lasts: Nanoseconds
     difference: str = ""
     """The first packet that this bridge sends otherwise than is recorded, in words; empty where none is."""
@@ -68,7 +68,7 @@ class _Moving:
 
 @dataclass(slots=True)
 class _Table:
-    """What is read of a bridge for each row."""
+    """Values of a bridge for each row."""
 
     robot: AnyRobot
     moving: _Moving | None

@@ -1,8 +1,8 @@
-"""The bridge alone: on each of its links it hears what everybody else was recorded to have said there.
+"""The bridge alone: on each of its links it receives the recorded packets of all other nodes.
 
-The bench's own recordings begin with the run, and what the bridge has sent is in them when it has passed a
-wire. A real robot's has it as it leaves the bridge, which was switched on as long before its first word as
-a bridge that hears nothing takes for it.
+The bench's own recordings begin with the run, and have the bridge's packets at their arrival. A real robot's
+has them as they leave the bridge, which was started before its first packet by the time that a bridge without
+input takes to send it.
 """
 
 from collections.abc import Mapping
@@ -40,17 +40,17 @@ from firmware_bridge.robot.settings.shield import ShieldProtocol
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 
 UNHEARD: Final[Nanoseconds] = 60 * SECOND
-"""A bridge that says nothing for so long says nothing."""
+"""Time after which a silent bridge is given up."""
 LATE: Final[Nanoseconds] = 10 * MILLISECOND
-"""So late a machine may be that is no busier than it should be."""
+"""Greatest delay of a machine that is no busier than it should be."""
 BOARDS: Final = frozenset((*ShieldProtocol, *Ar2Firmware))
 """The kinds of links to boards."""
 LOOK_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
-"""So much virtual time between two looks at whether it has spoken."""
+"""Virtual time between two checks for its first packet."""
 
 
 def on_all_links(order: Order) -> Stage:
-    """Put the bridge on its links with what was said there; RecordingFileError."""
+    """Put the bridge on its links with the recorded traffic; RecordingFileError."""
     inputs = inputs_of(order)
     if inputs.ended is not None:
         order = replace(order, until=min(inputs.ended, NEVER if order.until is None else order.until))
@@ -99,7 +99,7 @@ def _compared(order: Order, machine: Machine, name: str, sent: list[Sent], end: 
     frames = Frames(own, (BRIDGE,), order.tolerance, end, link=link, resolution=resolution)
 
     def note(now: Nanoseconds, sender: str, packet: Packet) -> None:
-        # What is said on a line's other wires has no bytes, and is in no recording.
+        # A packet of a line's other wires has no bytes, and is in no recording.
         compared = service_name(packet) not in order.without if kind == CAN else bool(packet.payload)
         if compared:
             frames.take(now, sender, packet)
@@ -109,10 +109,10 @@ def _compared(order: Order, machine: Machine, name: str, sent: list[Sent], end: 
 
 
 def _switched_on(order: Order, inputs: Inputs) -> tuple[Nanoseconds, Nanoseconds]:
-    """Return what is to be left before the recording, and when the bridge was started, counted from there.
+    """Return the lead before the recording, and the start of the bridge, counted from there.
 
-    A bridge that hears nothing is asked when it says its first word on a link that is in the recording. To
-    a board that may be an answer to what it has said when it was on.
+    A bridge without input is run until it sends its first packet on a link that is in the recording. To a
+    board that may be an answer to the board's own message after power-on.
     """
     world, machine = World(), machine_of(order, timed=False)
     spoken: dict[str, Nanoseconds] = {}

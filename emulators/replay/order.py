@@ -1,4 +1,4 @@
-"""What is to be played into what, and how it is compared."""
+"""Order of a replay: the recording, its target, and the way of comparison."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -10,14 +10,14 @@ from firmware_bridge.units import Nanoseconds
 
 
 class Into(StrEnum):
-    """What a recording is played into."""
+    """Target of a recording."""
 
     DRIVES = "drives"
-    """The emulated drives above the plant hear what everybody else has sent on the CAN bus."""
+    """The emulated drives above the plant receive the CAN frames of all other nodes."""
     BRIDGE = "bridge"
-    """The bridge hears what everybody else has sent on the CAN bus, and the operator's messages."""
+    """The bridge receives the CAN frames of all other nodes, and the operator's messages."""
     BENCH = "bench"
-    """The bridge, with the emulated drives, hears the operator's messages."""
+    """The bridge, with the emulated drives, receives the operator's messages."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,19 +30,19 @@ class Order:
     operator: Path | None = None
     """The telemetry log beside a CAN log."""
     into: Into | None = None
-    """None: what suits the files."""
+    """Target; None: the one that suits the files."""
     channel: str | None = None
-    """Of a CAN log that holds several."""
+    """Channel of a CAN log that holds several."""
     until: Nanoseconds | None = None
     """Leave out what was recorded later, counted from the start of the recording."""
     tolerance: Nanoseconds = 0
-    """So far may a frame's instant be from the recorded one."""
+    """Tolerance of a frame's instant against the recorded one."""
     without: frozenset[str] = frozenset()
     """Services that are not compared, by the names of `dissector.canopen.service_name`."""
     plant: Path | None = None
     """Another plant below the drives."""
     stands: tuple[ConfirmZero, ...] = ()
-    """What the bridge was told at its start of where its axes stand."""
+    """Axis positions that the bridge received at its start."""
     mode: str = ""
     """The mode after a failed actuator in which it began."""
 

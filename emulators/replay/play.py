@@ -1,4 +1,4 @@
-"""Plays a recording in virtual time, until something differs from it or it ends."""
+"""Replay of a recording in virtual time, until a packet differs from it or it ends."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,15 +11,15 @@ from emulators.replay.stages import STAGES
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 SLICE: Final[Nanoseconds] = 250 * MILLISECOND
-"""So much simulated time between two looks at what differs."""
+"""Simulated time between two looks at the differences."""
 
 Progress: TypeAlias = Callable[[Nanoseconds, Nanoseconds], None]
-"""Called with how far the replay is, and where it ends."""
+"""Callback with the progress of the replay, and its end."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How a replay ended."""
+    """Result of a replay."""
 
     into: Into
     played: int

@@ -1,4 +1,4 @@
-"""A node that says again what was recorded, at the recorded instants, and listens to no one."""
+"""A node that sends the recorded packets again, at the recorded instants, and ignores its input."""
 
 from collections.abc import Sequence
 
@@ -7,14 +7,14 @@ from firmware_bridge.units import NEVER, Nanoseconds
 
 
 class Player:
-    """Sends each packet at its instant; the instants never fall."""
+    """Player that sends each packet at its instant; the instants never fall."""
 
     def __init__(self, script: Sequence[tuple[Nanoseconds, Packet]]) -> None:
         self._script = script
         self._next = 0
 
     def receive(self, _packet: Packet, _now: Nanoseconds) -> Reaction:
-        """Go on as planned."""
+        """Ignore the packet, and go on as planned."""
         return Reaction((), self._wake_at())
 
     def wake(self, now: Nanoseconds) -> Reaction:

@@ -31,7 +31,7 @@ from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR, frame_bits
 
 BEGIN: Final = b"("
-"""Of each line of a log."""
+"""First byte of each line of a log."""
 _GZIP: Final = 16 + zlib.MAX_WBITS
 
 
@@ -43,22 +43,24 @@ class _Unpacker(Protocol):
 
 
 RESOLUTION: Final[Nanoseconds] = MICROSECOND
-"""Of the instants of frames and messages, which are cut and not rounded."""
+"""Resolution of the instants of frames and messages, which are cut and not rounded."""
 TELEMETRY: Final = ".tlog"
 BENCH_WITHIN: Final[Nanoseconds] = 60 * SECOND
-"""So soon after its epoch the bench's own recordings begin, a board's when it has booted; no one's clock says
-that day any more."""
+"""Limit after the epoch by which the bench's own recordings begin, a board's once it has booted.
+
+No real clock shows that day any more.
+"""
 _UNPACKERS: Final[Mapping[str, Callable[[], _Unpacker]]] = MappingProxyType(
     {".gz": lambda: zlib.decompressobj(_GZIP), ".xz": lzma.LZMADecompressor}
 )
 LINES: Final = frozenset(("serial", "capture"))
-"""What files of lines are called, before their suffixes."""
+"""Names of files of lines, before their suffixes."""
 _SHOWN: Final = 80
-"""So many characters of a line that cannot be read are shown."""
+"""Number of characters shown of a line that cannot be read."""
 
 
 Frame: TypeAlias = tuple[str, Nanoseconds, str, Packet]
-"""Where it stands, instant, bus and frame."""
+"""Place in the recording, instant, bus and frame."""
 
 
 class RecordingFileError(Exception):
@@ -74,7 +76,7 @@ class Entry:
     where: str
     """File and line, or file and message."""
     direction: Direction | None = None
-    """Which way it passed the bridge, where the recording tells."""
+    """Direction in which it passed the bridge, where the recording has it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +90,7 @@ class Recording:
 
     @property
     def virtual(self) -> bool:
-        """Whether it is the bench's own: its instants count from the start of the run already."""
+        """True if it is the bench's own: its instants count from the start of the run already."""
         return 0 <= self.entries[0].at + self.origin < BENCH_WITHIN
 
     def start(self, bit_time: Nanoseconds) -> Nanoseconds:
@@ -197,10 +199,7 @@ def duration_of(packet: Packet, bit_time: Nanoseconds) -> Nanoseconds:
 
 
 def cut_off(path: Path) -> str | None:
-    """Say that a recording has no end, as after a loss of power, and what of it is left out; None for others.
-
-    RecordingFileError where it cannot be read.
-    """
+    """Return the report of a recording that is cut off, as after a loss of power; None for others."""
     if can_files.is_foreign(path):
         return None
     content, whole = _unpacked(path)

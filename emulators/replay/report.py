@@ -1,6 +1,6 @@
 """The page, the pictures and the table of a recorded drive, as the bench makes them of its runs.
 
-What was measured stands in the place of what a plant would tell; nothing says how the robot truly moved.
+Measurements take the place of a plant's values; the robot's true motion is unknown.
 """
 
 import math
@@ -25,7 +25,7 @@ from firmware_bridge.units import to_seconds
 PAGE, TABLE, ANIMATED = "report.html", "samples.csv", "animated.html"
 EVENTS: Final = "events.log"
 LINES: Final = 200
-"""So many lines of what was said are on the page; the file has them all."""
+"""Number of logged lines on the page; the file has them all."""
 
 
 def written(

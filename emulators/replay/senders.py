@@ -1,4 +1,4 @@
-"""Who has sent a recorded packet: by its CAN identifier, or by what a MAVLink message says of its origin."""
+"""Senders of recorded packets: by the CAN identifier, or by a MAVLink message's own origin."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -24,8 +24,8 @@ class Sent:
 def frames_of(recording: Recording, robot: AnyRobot, link: str) -> list[Sent]:
     """Name the sender of each frame on a link's bus.
 
-    The identifiers are CANopen's, those of PDOs as someone was seen to set them.
-    Any network master's frames are the bridge's, whoever that was.
+    The identifiers are CANopen's, those of PDOs as the recorded SDOs set them. Any network master's frames
+    count as the bridge's.
     """
     reader = Canopen()
     names = {axis.epos2.node: axis.name for axis in robot.axes_on(link)} | {

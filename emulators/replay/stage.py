@@ -1,4 +1,4 @@
-"""What a recording is played into, as seen by who plays it; and what all such worlds are made with."""
+"""Interface of a replay's target to the player; and the common parts of all such worlds."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,7 +17,7 @@ from firmware_bridge.units import NEVER, Nanoseconds
 RECORDING: Final = "recording"
 """The station that plays what was recorded."""
 Duration: TypeAlias = Callable[[Packet], Nanoseconds]
-"""How long a packet takes on its link."""
+"""Duration of a packet on its link."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,20 +27,20 @@ class Stage:
     run: Callable[[Nanoseconds], None]
     comparisons: tuple[Comparison, ...]
     recorded: Sequence[Sent]
-    """Everything, in order: what stands before a difference."""
+    """All recorded packets, in order, to show those before a difference."""
     played: int
     end: Nanoseconds
     lead: Nanoseconds = 0
     """The instant at which the recording begins."""
     finish: Callable[[], None] = lambda: None
     bridge: Bridge | None = None
-    """Who is on all links; None where the drives or the bench are."""
+    """The bridge on all links; None where the drives or the bench are."""
     kinds: Mapping[str, str] = field(default_factory=dict)
     """The kinds of links that are called otherwise, as `dissector.Dissector` takes them."""
 
 
 def not_after(order: Order, sent: Sequence[Sent], lead: Nanoseconds = 0) -> list[Sent]:
-    """Leave out what was recorded later than is asked for."""
+    """Return the packets recorded up to the requested end."""
     until = NEVER if order.until is None else order.until + lead
     return [one for one in sent if one.entry.at <= until]
 
@@ -77,7 +77,7 @@ def script_of(sent: Sequence[Sent], duration: Duration) -> list[tuple[Nanosecond
 
 
 def call_at(world: World, at: Nanoseconds, call: Callable[[], object]) -> None:
-    """Have something done at an instant."""
+    """Call a function at an instant."""
     if at <= 0:
         call()
     else:

@@ -1,10 +1,10 @@
 """The worlds that recordings are played into: the drives alone, the bridge alone, the bench.
 
-This alone knows which links a robot has, and who is on them.
+This module alone knows a robot's links, and the nodes on them.
 
 The bench's own recordings begin with the run. In one of a real bus a drive that begins with its boot-up
 message, and the bridge with its first frame, is switched on for that instant. Another drive was there `LEAD`
-before, and no one hears it boot. A drive that says nothing in a recording stays off the bus.
+before, and its boot-up message is not received. A drive that sends nothing in a recording stays off the bus.
 """
 
 from collections.abc import Callable, Mapping
@@ -54,11 +54,11 @@ from firmware_bridge.wire.canopen import ERROR_CONTROL, LSS_RESPONSE, NmtState, 
 LEAD: Final[Nanoseconds] = SECOND
 """A drive that was there before a recording has had this time to initialise."""
 SHARED: Final = LSS_RESPONSE
-"""Every drive answers with this identifier, so no one can tell whose answer it is."""
+"""Identifier with which every drive answers, so the sender of an answer is ambiguous."""
 
 
 def _drives(order: Order) -> Stage:
-    """Put the drives of the recording on a bus with whoever else was there."""
+    """Put the drives of the recording on a bus, with its other nodes."""
     if order.stands:
         raise RecordingFileError(f"{order.recording.name}: the drives take no position, a bridge does")
     robot, link = order.robot, order.link
@@ -116,7 +116,7 @@ def _bench(order: Order) -> Stage:
 STAGES: Final[Mapping[Into, Callable[[Order], Stage]]] = MappingProxyType(
     {Into.DRIVES: _drives, Into.BRIDGE: on_all_links, Into.BENCH: _bench}
 )
-"""What puts each world together; RecordingFileError, PlantError."""
+"""Constructors of each world; RecordingFileError, PlantError."""
 
 
 def _can_log(order: Order, lead: Nanoseconds) -> Recording:

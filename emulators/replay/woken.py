@@ -1,7 +1,8 @@
 """A bridge by a real machine's clock: woken when the recorded one was, which was a little late each time.
 
-When that was is told by what it has sent then; where it has sent nothing it is woken when it asks to be. As
-on a real machine, what has come by an instant is heard before anything that is due then.
+The times of those wakes follow from its packets; where it has sent nothing it is woken at the time that it
+requested. As on a real machine, a packet that has arrived by an instant is received before anything that is
+due then.
 """
 
 from bisect import bisect_left
@@ -15,7 +16,7 @@ from firmware_bridge.units import Nanoseconds
 
 
 class Woken:
-    """Around a node: its wakes come at the next instant at which it has spoken, up to `late` later."""
+    """Wrapper of a node whose wakes come at the next instant at which it has spoken, up to `late` later."""
 
     def __init__(
         self, node: Node, spoke: Iterable[Nanoseconds], received: Iterable[Nanoseconds], late: Nanoseconds
@@ -23,17 +24,17 @@ class Woken:
         self._node: Final = node
         self._spoke: Final = sorted(set(spoke))
         self._received: Final = Counter(received)
-        """How many packets still come at an instant."""
+        """Number of packets still to come at an instant."""
         self._late: Final = late
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Pass a packet on; what is due by then comes in the same turn."""
+        """Deliver a packet; actions due by then come in the same turn."""
         self._received[now] -= 1
         reaction = self._node.receive(packet, now)
         return reaction if reaction.wake_at <= now else self._later(reaction, reaction.wake_at)
 
     def wake(self, now: Nanoseconds) -> Reaction:
-        """Wake the node, unless something comes now that it is to hear first."""
+        """Wake the node, unless a packet comes now that it has to receive first."""
         if self._received[now] > 0:
             return Reaction((), now)
         reaction = self._node.wake(now)

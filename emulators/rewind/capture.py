@@ -1,6 +1,6 @@
-"""How each kind of thing is kept and put back: one row for each built-in type that can change.
+"""Capture and restoration of each kind of object: one row for each built-in type that can change.
 
-Things keep their identity: a list is filled again, it is not replaced, so whoever holds it sees what was.
+Objects keep their identity: a list is filled again, it is not replaced, so its holders see its old contents.
 """
 
 import ctypes
@@ -19,11 +19,11 @@ Item = TypeVar("Item")
 
 
 class RewindError(Exception):
-    """Something has a state that cannot be kept or put back; the message says what, and where it hangs."""
+    """An object has a state that cannot be kept or put back; the message names it, and its place."""
 
 
 class NotCaptured:
-    """Marks a class whose instances are no part of the run: they are neither kept nor looked into."""
+    """Marker for a class whose instances are no part of the run: they are neither kept nor looked into."""
 
     __slots__ = ()
 
@@ -61,20 +61,23 @@ def _same_attributes(thing: dict[str, Any], copy: dict[str, Any]) -> bool:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Capture:
-    """What one kind of thing needs."""
+    """Functions that capture one kind of object."""
 
     copy: Callable[[Any], Any]
     parts: Callable[[Any], Iterable[object]] | None
-    """Everything that a copy refers to; None where it refers to nothing."""
+    """Function that yields everything that a copy refers to; None where it refers to nothing."""
     put_back: Callable[[Any, Any], None]
-    """Takes the thing and a copy."""
+    """Restore an object from its copy."""
     same: Callable[[Any, Any], bool] = _same_items
-    """Takes the thing and a copy: does it still refer to the same objects in the same places? Equal ones do
-    not count. Asked of everything at every moment, and true of most: so it comes before the copying."""
+    """Return True if an object still refers to the same objects in the same places as its copy.
+
+    Equal ones do not count. It is called for every object at every moment, and true of most: so it comes
+    before the copying.
+    """
 
 
 class _Unset:
-    """What a slot holds that was not assigned."""
+    """Contents of a slot that was not assigned."""
 
 
 UNSET: Final = _Unset()

@@ -1,7 +1,7 @@
-"""What is known of a class before any of its instances is looked at: can one change, and where is its state.
+"""Analysis of a class before any of its instances is looked at: its mutability, and the place of its state.
 
-What it does not know it refuses: a generator, an open file or an object of an extension module may hold a
-state that no one sees, and a run that is put back without it would go on differently, silently.
+Unknown classes are refused: a generator, an open file or an object of an extension module may hold a hidden
+state, and a run that is put back without it would go on differently, silently.
 """
 
 import ctypes
@@ -42,7 +42,7 @@ PLAIN: Final[tuple[type, ...]] = (
     type(ctypes.byref(ctypes.c_int())),
     Packet, Reaction, NotCaptured,
 )  # fmt: skip
-"""Nothing that one of these holds changes in a run, or is part of it. Classes and modules are among them."""
+"""Types whose contents neither change in a run nor are part of it, classes and modules among them."""
 
 
 def _function(thing: types.FunctionType) -> Iterable[object]:
@@ -63,25 +63,25 @@ CARRIERS: Final[Mapping[type, Callable[[Any], Iterable[object]]]] = {
     # Once raised, an error is read and not changed; its traceback is for people.
     BaseException: lambda thing: (*thing.args, *vars(thing).values()),
 }
-"""Things that never change, and what they lead to."""
+"""Unchangeable objects, and the objects that they lead to."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Treatment:
-    """How the instances of one class are treated."""
+    """Treatment of the instances of one class."""
 
     plain: bool = False
-    """They cannot change, and lead to nothing that can."""
+    """True if they cannot change, and lead to nothing that can."""
     parts: Callable[[Any], Iterable[object]] | None = None
-    """They cannot change; this is what they lead to."""
+    """Function that yields the objects that an unchangeable instance leads to."""
     captures: tuple[Capture, ...] = ()
-    """They change as a whole in these ways."""
+    """Captures of instances that change as a whole."""
     attributes: bool = False
-    """They have a `__dict__` that changes."""
+    """True if they have a `__dict__` that changes."""
 
     @property
     def known(self) -> bool:
-        """Whether anything is known of them."""
+        """True if anything is known of them."""
         return self.plain or self.parts is not None or bool(self.captures) or self.attributes
 
 
@@ -180,7 +180,7 @@ def _promises(hint: Any) -> bool:
         return hint is Ellipsis or (isinstance(hint, type) and _stays_plain(hint))
     if origin is Literal:
         return True
-    # Who may change what is behind a `Mapping` holds it as a dict, and is asked himself.
+    # The mutable object behind a `Mapping` is held as a dict by its owner, and checked there.
     if origin in (Final, Union, types.UnionType, tuple, frozenset, Mapping):
         return all(_promises(part) for part in get_args(hint))
     return False

@@ -1,9 +1,9 @@
-"""Instances of compiled classes: they have neither slots nor a `__dict__`, but a list of what they hold.
+"""Instances of compiled classes: they have neither slots nor a `__dict__`, but a list of their attributes.
 
 mypyc leaves the names in `__mypyc_attrs__`, those of the bases included. An attribute that holds a number
 gives a new object each time it is read; one that is `Final` cannot be written, and need not be. A compiled
-function within a function holds the variables of the outer one in an object that says nothing of itself: what
-it refers to is asked of the garbage collector. A number in it would be unseen: no such function changes one.
+function within a function holds the variables of the outer one in an object without introspection: the
+garbage collector returns its references. A number in it would be unseen: no such function changes one.
 """
 
 import gc

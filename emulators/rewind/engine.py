@@ -1,8 +1,8 @@
-"""Keeps the state of everything that can be reached from one thing, and puts it back.
+"""Checkpoints of the state of everything that can be reached from one object, and their restoration.
 
-No one tells what his state is: the objects are walked, so nothing can be forgotten. The walk takes some
+No class declares its state: the objects are walked, so nothing can be forgotten. The walk takes some
 milliseconds and is done once; afterwards each known thing is copied, and only what is new is looked into.
-Things keep their identity, so whoever refers to one finds it as it was.
+Things keep their identity, so every reference finds its object as it was.
 """
 
 from collections.abc import Callable, Iterable
@@ -14,9 +14,9 @@ from emulators.rewind.capture import ATTRIBUTES, SAVES_STATE, Capture, NotCaptur
 from emulators.rewind.classes import treatment_of
 
 _LEAST_GROWTH: Final = 256
-"""So many new things, and half as many as there were, make a fresh walk worth while: many are gone again."""
+"""Least growth, with half of the known number, that makes a fresh walk worth while: many are gone again."""
 _NO_ONE: Final = repeat(object())
-"""What stands in the places that a shorter copy does not have."""
+"""Placeholder in the places that a shorter copy does not have."""
 
 _Trail: TypeAlias = tuple[object, Any] | None
 """A thing, and the trail of the one through which it was found."""
@@ -53,12 +53,12 @@ class Checkpoint(NotCaptured):
 
 
 class Rewind(NotCaptured):
-    """Takes checkpoints of everything that `root` leads to."""
+    """Checkpoints of everything that `root` leads to."""
 
     def __init__(self, root: object) -> None:
         self._root = root
         self._found = 0
-        """Things found since the walk."""
+        """Number of objects found since the walk."""
         self._forget()
 
     def snapshot(self) -> Checkpoint:
@@ -83,12 +83,12 @@ class Rewind(NotCaptured):
         checkpoint.put_back(self)
 
     def _forget(self) -> None:
-        """Know nothing: the next checkpoint walks again. Checkpoints keep what they know."""
+        """Forget all known objects: the next checkpoint walks again. Checkpoints keep theirs."""
         # What saves its own state comes first: that alone can refuse, and then nothing has been put back yet.
         self._groups: dict[Capture, _Group] = {SAVES_STATE: _Group(SAVES_STATE)}
         self._ids: set[int] = set()
         self._alive: list[object] = []
-        """Whose id stands in `_ids`: while they live no other object can have it."""
+        """Objects whose id is in `_ids`: while they live no other object can have it."""
         self._plain: set[type] = set()
 
     def _look(self, group: _Group) -> None:
@@ -170,7 +170,7 @@ def _refusal(thing: object, trail: _Trail) -> str:
 
 
 def _place(outer: object, inner: object) -> str:
-    """Return under which name one thing holds another, as far as it can be told."""
+    """Return the name under which one object holds another, as far as it can be found."""
     names = [
         *getattr(outer, "__dict__", {}),
         *(name for base in type(outer).__mro__ for name in vars(base).get("__slots__", ())),

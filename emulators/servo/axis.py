@@ -36,7 +36,7 @@ ELECTRONIC_GEAR: Final = 4
 TRAPEZOID: Final = 0
 SINE: Final = 1
 
-# What an axis tells; a change of one of these is an event.
+# Flags that an axis reports; a change of one of these is an event.
 PROFILE_DONE: Final = 1 << 0
 TARGET_REACHED: Final = 1 << 1
 AT_REST: Final = 1 << 2
@@ -59,11 +59,11 @@ ENCODER_AGAINST_MOTOR: Final = 1 << 25
 AUXILIARY_AGAINST_MAIN: Final = 1 << 26
 
 JUST_OPENED: Final = 2
-"""What `turning` is until an open winding has got its voltage for a tick."""
+"""Value of `turning` until an open winding has got its voltage for a tick."""
 LEAST_LEARNING: Final = 838_861
 """0.05 Ohm in 24 places: a lower bound of the windings' resistance, so that learning begins from below."""
 LEFT_MA: Final = 2
-"""What is left of a current that brakes when that constant has been learnt: less is not seen."""
+"""Rest of a current that brakes when that constant has been learnt: less is not seen."""
 AVERAGE_PLACES: Final = 16
 """Binary places of the averaged current, which is in mA."""
 LOGIC_MV: Final = 5_000

@@ -1,7 +1,7 @@
-"""What a bench test may change around one axis: rails, air, its sensors' wires, the motor that is mounted.
+"""Faults around one axis, for a bench test to set: rails, air, its sensors' wires, the motor that is mounted.
 
-All of it is state of the axis, so it is kept and put back with everything else. It refuses to know what the
-drive makes of it.
+All of it is state of the axis, so it is kept and put back with everything else. It does not know the drive's
+reaction.
 """
 
 from collections.abc import Collection
@@ -25,7 +25,7 @@ HALL_SENSORS: Final = (1, 2, 3)
 
 
 class IndexPulse(Enum):
-    """What becomes of the encoder's index."""
+    """State of the encoder's index."""
 
     SOUND = 0
     MISSING = INDEX_MISSING
@@ -42,7 +42,7 @@ class SensorWires:
     """The encoder's channels A and B are exchanged."""
     index: IndexPulse = IndexPulse.SOUND
     lost_per_mille: int = 0
-    """Of a thousand quadcounts so many do not arrive."""
+    """Number of quadcounts in a thousand that do not arrive."""
     auxiliary_swapped: bool = False
     """The auxiliary encoder's channels are exchanged."""
     hall_high: Collection[int] = ()
@@ -87,5 +87,5 @@ class AxisFaults:
         self._axis.encoder_loss = sensors.lost_per_mille
 
     def motor(self, *, pole_pairs: int) -> None:
-        """Mount a motor with so many pole pairs; 0: whatever 0x6410:3 says."""
+        """Mount a motor with so many pole pairs; 0: those in 0x6410:3."""
         self._axis.mounted_pole_pairs = pole_pairs

@@ -26,11 +26,11 @@ __all__ = ["Plant", "ServoBank", "ServoError", "plant_inputs", "plant_outputs"]
 
 
 class Engine(Protocol):
-    """What runs the ticks."""
+    """Engine that runs the ticks."""
 
     @property
     def tick(self) -> int:
-        """How many ticks have been run."""
+        """Number of ticks that have been run."""
 
     def run(self, last: int) -> bool:
         """Run ticks up to number `last`, or to the end of the first one with an event; say which."""
@@ -50,13 +50,13 @@ class ServoBank:
         output_lines: Sequence[Line] = (),
         servo: Found | None = None,
     ) -> None:
-        """Take a plant whose inputs and outputs begin as `plant_inputs` and `plant_outputs` say.
+        """Take a plant whose inputs and outputs begin as in `plant_inputs` and `plant_outputs`.
 
         `supply` is the output that holds the supply voltage in V (constant where it is None); `analogue` is
         the axis whose first analogue input sees it, and the divider before that input. The lines wire pins to
         further outputs and inputs of the plant: see `emulators.servo.pins`. `servo` is the kernel to use, or
-        none; without it `emulators.servo.kernel.choose` decides. Raises ServoError where a kernel was asked
-        for and there is none, or where the plant gives no angle.
+        none; without it `emulators.servo.kernel.choose` decides. Raises ServoError where a requested kernel
+        is missing, or where the plant gives no angle.
         """
         self.axes: Final = tuple(axes)
         count = len(self.axes)
@@ -80,11 +80,11 @@ class ServoBank:
         self.why_not_native: Final = (
             found.reason if found.library is None else "the plant has no FMI functions"
         )
-        """Why the twin serves, where it does."""
+        """Reason why the reference implementation serves, where it does."""
 
     @property
     def native(self) -> bool:
-        """Whether the kernel in C runs the ticks."""
+        """True if the kernel in C runs the ticks."""
         return isinstance(self._engine, Kernel)
 
     @property

@@ -27,10 +27,7 @@ def compare(axis: ServoAxis) -> bool:
 
 
 def _met(axis: ServoAxis) -> bool:
-    """Say whether one of the positions was passed, in a direction that counts.
-
-    A position counts as passed by the step that arrives at it, from either side.
-    """
+    """Return True if one of the positions was passed, in a direction that counts."""
     step, after = axis.step, axis.position - axis.compare_reference
     if step == 0 or not axis.compare_direction & (UPWARDS if step > 0 else DOWNWARDS):
         return False

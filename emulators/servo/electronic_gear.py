@@ -11,7 +11,7 @@ from typing import Final
 from emulators.servo.axis import ServoAxis
 
 FASTEST_INPUT: Final = 1 << 31
-"""Counts and velocity units in one ms beyond which the input does not count: four times 25 000 rpm."""
+"""Limit of the input per ms, in counts and velocity units, beyond which it does not count: 4 x 25 000 rpm."""
 
 
 def electronic_gear(axis: ServoAxis) -> bool:

@@ -13,11 +13,11 @@ from fmu.interface import units
 from fmu.plant import FmuPlant, PlantError
 
 HELD: Final = "held_"
-"""Before an axis: the input by which something rubs at its output, N m, where the plant has it."""
+"""Prefix of an axis: the input by which something rubs at its output, N m, where the plant has it."""
 GRIP_LOST: Final = "grip_lost_"
-"""Likewise: the input that takes what holds it on the surface, 1 for all of it."""
+"""Prefix likewise: the input that takes its grip on the surface away, 1 for all of it."""
 LIFTED: Final = "lifted_"
-"""Before an axis: the input that is 1 where what it turns is in the air, where the plant has it."""
+"""Prefix of an axis: the input that is 1 where its load is in the air, where the plant has it."""
 
 
 def fmu_plant(
@@ -79,7 +79,7 @@ def fmu_bank(
 
 
 def set_motor(plant: FmuPlant, axis: ServoAxis) -> None:
-    """Set an axis to what the plant says of its motor; what it does not say stays unknown."""
+    """Set an axis to the plant's data of its motor; missing ones stay unknown."""
     constant, resistance, inductance = (
         _start_of(plant, f"{name}_{axis.name}") for name in ("torque_constant", "resistance", "inductance")
     )

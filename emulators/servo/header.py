@@ -1,4 +1,4 @@
-"""Writes the kernel's header from the tables in Python: the records and the constants, declared once.
+"""Generator of the kernel's header from the tables in Python: the records and the constants, declared once.
 
 Run as `python -m emulators.servo.header`; a test fails while the file is out of step.
 """
@@ -76,7 +76,7 @@ CONSTANTS: Final[tuple[tuple[ModuleType, tuple[str, ...]], ...]] = (
     (setpoint, ("WIDEST_VOLTAGE", "WIDEST_SETPOINT", "MILLISECONDS_PER_MINUTE")),
     (seam, ("CLOSED", "WIDEST_READING", "WIDEST_ANGLE", "WIDEST_STEP")),
 )
-"""What the kernel knows by name, and the module that declares it."""
+"""Constants that the kernel knows by name, and the module that declares them."""
 
 _TYPES: Final[Mapping[type, str]] = MappingProxyType(
     {ctypes.c_int64: "int64_t ", ctypes.c_double: "double ", ctypes.c_void_p: "void *"}

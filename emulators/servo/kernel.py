@@ -1,7 +1,7 @@
 """The servo kernel in C: found beside this file, checked, and run on the axes' own memory.
 
-The package's build makes the library; without it, or with one that is older than its source, the twin serves.
-It reaches the plant through the addresses of FMI functions, whoever made that FMU.
+The package's build makes the library; without it, or with one that is older than its source, the reference
+implementation serves. It reaches the plant through the addresses of FMI functions, in an FMU from any tool.
 """
 
 import ctypes
@@ -30,7 +30,7 @@ NATIVE_FOLDER: Final = _HERE / "native"
 
 
 class Ended(IntEnum):
-    """How a run of the kernel ended; from CURRENT on it broke off in the midst."""
+    """Result of a run of the kernel; from CURRENT on it broke off in the midst."""
 
     REACHED = 0
     EVENT = 1
@@ -58,7 +58,7 @@ ACTIONS: Final = {
     Ended.STEP: "doStep",
     Ended.READ: "reading the outputs",
 }
-"""What a plant was asked to do when it failed."""
+"""Call to the plant that failed."""
 
 
 @runtime_checkable
@@ -204,7 +204,7 @@ class Kernel:
 
     @property
     def tick(self) -> int:
-        """How many ticks have been run."""
+        """Number of ticks that have been run."""
         return int(self._record.tick)
 
     def run(self, last: int) -> bool:

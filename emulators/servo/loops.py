@@ -1,4 +1,4 @@
-"""What an axis does every millisecond: count, average, profile, regulate, supervise.
+"""An axis' work of every millisecond: count, average, profile, regulate, supervise.
 
 Whole numbers only, shifts instead of divisions by powers of two, each product within 63 bits: the same lines
 in C give the same results. The current loop runs ten times as often and is in `emulators.servo.bank`.
@@ -54,7 +54,7 @@ HEATING: int = 17
 HOTTEST_MC: int = 100_000
 """The power stage's temperature above which it switches off, 1/1000 degree Celsius (ASSUME)."""
 COOLED_MC: int = 5_000
-"""How far the power stage must cool down before the over-temperature is gone (ASSUME)."""
+"""Temperature drop of the power stage after which the over-temperature is gone (ASSUME)."""
 LEAST_LOGIC_MV: int = 4_500
 """The 5 V supply for sensors and logic (ASSUME: 10 % below)."""
 LEAST_GATE_MV: int = 9_000
@@ -172,7 +172,7 @@ def budget(axis: ServoAxis, flags: int) -> int:
 
 
 def profile_step(axis: ServoAxis) -> int:
-    """Step the profile, if one runs; the flag tells that its demand has arrived."""
+    """Step the profile, if one runs; return a flag once its demand has arrived."""
     profile = axis.profile
     if profile == DIRECT:
         axis.acceleration_demand = 0

@@ -33,7 +33,7 @@ MOTOR: Final = DcMotor(
 )
 """A motor that the drive's default gains can turn, and no particular one: Ohm, H, N m/A, kg m2, N m."""
 SUPPLY_MV: Final = 24_000
-"""That motor's supply."""
+"""Supply of that motor."""
 
 
 class DcMotors:

@@ -1,4 +1,4 @@
-"""Which variables of a plant are wired to which pins of a drive: names on the one side, bits on the other.
+"""Wiring of a plant's variables to a drive's pins: names on the one side, bits on the other.
 
 All of them are optional: a plant that has none leaves the inputs open and does not see the outputs.
 """
@@ -13,13 +13,13 @@ INPUT_PINS: Final = 9
 OUTPUT_PINS: Final = 5
 """Digital outputs of the 70/10 (maxon EDS: entries of 0x2079)."""
 SWITCHES: Final = MappingProxyType({"negative_limit": 6, "positive_limit": 5, "home": 4})
-"""Where a plant's switches are wired: the pins that have these functions by default in 0x2070."""
+"""Wiring of a plant's switches: the pins that have these functions by default in 0x2070."""
 MIRRORED: Final = MappingProxyType(
     SWITCHES | {"negative_limit": SWITCHES["positive_limit"], "positive_limit": SWITCHES["negative_limit"]}
 )
 """The same at a drive whose motor is mounted the other way round."""
 BRAKE_CLOSED: Final = 1 << 15
-"""Beside the levels of the output pins (bit 0 is pin 1): the holding brake is closed."""
+"""Bit beside the levels of the output pins (bit 0 is pin 1): the holding brake is closed."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,7 @@
-"""What one servo axis is made of, declared once: the table behind the Python class and the record in C.
+"""The fields of one servo axis, declared once: the table behind the Python class and the record in C.
 
-It refuses to know what a field is for a regulator: `emulators.servo.loops` does. `emulators.servo.header`
-writes the same table as a C header.
+A field's use in a regulator is in `emulators.servo.loops`. `emulators.servo.header` writes the same table as
+a C header.
 """
 
 from typing import Final
@@ -12,8 +12,8 @@ class Record:
 
     # Fixed: the encoder that is mounted, in quadcounts per turn of the shaft.
     encoder_resolution: int
-    # The surroundings, sampled from the plant every ms: the supply at the drive, and at its source (0: not
-    # told).
+    # The surroundings, sampled from the plant every ms: the supply at the drive, and at its source (0:
+    # unknown).
     supply_mv: int
     source_mv: int
     analogue_1_mv: int
@@ -29,7 +29,7 @@ class Record:
     mounted_pole_pairs: int
     # Levels of the digital inputs, bit 0 is pin 1: sampled every ms where wired, else left alone.
     pins: int
-    # The count at the digital position input, a second encoder or steps: set by whoever has one.
+    # The count at the digital position input, a second encoder or steps: set by the wiring that has one.
     master: int
     # Scaling and gains, derived from the objects.
     resolution: int
@@ -150,10 +150,11 @@ class Record:
     current_integral: int
     voltage_mv: int
     turning: int
-    # What an open winding is known by (`emulators.servo.winding`): constant, 2^-24 V s/rad; what ends a
-    # current within a tick and what turns it round, 2^-16 Ohm, 0: unknown; how fast the constant is learnt,
-    # 2^-24 Ohm, 0: told; what was added to it last, and for which current, mA; how much of that is left as
-    # it is, and for how many ms it is left to itself. The shaft's speed a tick before, mrad/s.
+    # Data of an open winding (`emulators.servo.winding`): constant, 2^-24 V s/rad; the decay current
+    # threshold within a tick and the balance voltage, 2^-16 Ohm, 0: unknown; the rate at which the constant
+    # is learnt, 2^-24 Ohm, 0: given; its last increment, and the current of that, mA; the part of the current
+    # that is left as it is, and the ms for which it is left to itself. The shaft's speed a tick before,
+    # mrad/s.
     back_emf: int
     ending: int
     balance_voltage: int

@@ -12,7 +12,7 @@ from emulators.servo.record import FIELDS, Record
 MOVEMENT_START: Final = 1 << 0
 """The velocity demand has left 0."""
 ERROR: Final = 1 << 1
-"""Told by who knows errors: see `Recorder.trigger`."""
+"""Trigger by the module that handles errors: see `Recorder.trigger`."""
 INPUT_EDGE: Final = 1 << 2
 """A level at an input pin has changed."""
 MOVEMENT_END: Final = 1 << 3

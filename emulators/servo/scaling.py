@@ -1,9 +1,4 @@
-"""From the drive's raw objects to the fixed-point numbers of the regulators, and back.
-
-Source of the gain units: EPOS2 object dictionary (70/10 EDS) and the exact factors of maxon's command
-library. A speed of 1 qc/ms is 2000 pi / N rad/s with N quadcounts per turn, so pi cancels in every feedback
-gain. It refuses to use floating point: the multipliers are the nearest integers of exact fractions.
-"""
+"""Scaling from the drive's raw objects to the fixed-point numbers of the regulators, and back."""
 
 from dataclasses import dataclass
 from functools import lru_cache

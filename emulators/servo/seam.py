@@ -1,6 +1,7 @@
-"""Where whole numbers meet the plant's floating point: what is sampled, and what is no measurement.
+"""Interface of whole numbers and the plant's floating point: sampled values, and invalid measurements.
 
-It refuses to know regulators. Twin and kernel keep to the bounds here, so that no product leaves 64 bits.
+It is independent of regulators. Reference implementation and kernel keep to the bounds here, so that no
+product leaves 64 bits.
 """
 
 import math
@@ -30,7 +31,7 @@ class Doubles(Protocol):
 
 
 class Plant(Protocol):
-    """What turns voltages into motion, one tick at a time."""
+    """Plant that turns voltages into motion, one tick at a time."""
 
     @property
     def inputs(self) -> Doubles:
@@ -38,7 +39,7 @@ class Plant(Protocol):
 
     @property
     def outputs(self) -> Doubles:
-        """What the last step led to, SI."""
+        """Outputs after the last step, SI."""
 
     def step(self) -> None:
         """Advance one tick."""
@@ -46,22 +47,22 @@ class Plant(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Wiring:
-    """How axes and plant hang together, beside the order of the variables."""
+    """Wiring of axes and plant, beside the order of the variables."""
 
     counts_per_radian: tuple[float, ...]
     """The mounted encoder of each axis."""
     supply: int | None
-    """Which of the plant's outputs is the supply voltage in V; None: it is constant."""
+    """Index of the plant's output that is the supply voltage in V; None: it is constant."""
     dividers: tuple[float, ...]
-    """Before the first analogue input of each axis that sees the supply; 0 where none does."""
+    """Dividers before the first analogue input of each axis that sees the supply; 0 where none does."""
     input_lines: tuple[Line, ...] = ()
-    """From the plant's outputs to the drives' input pins."""
+    """Lines from the plant's outputs to the drives' input pins."""
     output_lines: tuple[Line, ...] = ()
-    """From the drives' output pins to the plant's inputs."""
+    """Lines from the drives' output pins to the plant's inputs."""
 
 
 class ServoError(Exception):
-    """The plant gave something that is no measurement, or the kernel that was asked for is not there."""
+    """The plant gave an invalid measurement, or the requested kernel is missing."""
 
 
 def plant_inputs(axes: Sequence[str]) -> tuple[str, ...]:

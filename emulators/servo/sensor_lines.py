@@ -1,4 +1,4 @@
-"""Which outputs of a plant are wired to a drive's second encoder and analogue inputs: optional, as its pins.
+"""Wiring of a plant's outputs to a drive's second encoder and analogue inputs: optional, as its pins.
 
 The names: `master_AXIS` is the count of the digital position input (a second encoder's quadcounts, or steps),
 `analogue_1_AXIS` and `analogue_2_AXIS` are volts. All are sampled every ms.
@@ -11,9 +11,9 @@ from typing import Final
 from emulators.servo.pins import Line
 
 MASTER: Final = 1 << 16
-"""In the place of a pin's mask: the line carries a count."""
+"""Mark in the place of a pin's mask: the line carries a count."""
 ANALOGUE_1: Final = 1 << 17
-"""In the place of a pin's mask: the line carries volts for input 1."""
+"""Mark in the place of a pin's mask: the line carries volts for input 1."""
 ANALOGUE_2: Final = 1 << 18
 SENSORS: Final = MappingProxyType({"master": MASTER, "analogue_1": ANALOGUE_1, "analogue_2": ANALOGUE_2})
 

@@ -32,9 +32,9 @@ INDEX_SPURIOUS: Final = 1 << 3
 AUXILIARY_SWAPPED: Final = 1 << 4
 """The channels of the auxiliary encoder, which is taken to turn with the shaft."""
 HALL_HIGH: Final = 5
-"""From this bit on: the three hall sensors that always show 1, as without their cable."""
+"""First bit of the three hall sensors that always show 1, as without their cable."""
 HALL_LOW: Final = 8
-"""From this bit on: the three hall sensors that always show 0."""
+"""First bit of the three hall sensors that always show 0."""
 
 PER_MILLE: Final = 1000
 SPURIOUS_PART: Final = 8
@@ -49,7 +49,7 @@ INDEX_SOONEST: Final = 2
 INDEX_TURNS: Final = 2
 """Turns without an index (EPOS Firmware Specification, by analogy)."""
 CONTRARY_MS: Final = 20
-"""All the voltage drives one way, and the count says that the shaft goes the other, for so long (ASSUME)."""
+"""Time for which full voltage drives one way while the count goes the other way (ASSUME)."""
 
 
 def counted(axis: ServoAxis, turned: int) -> int:
@@ -70,7 +70,7 @@ def counted(axis: ServoAxis, turned: int) -> int:
 
 
 def passed(axis: ServoAxis, behind: int) -> tuple[bool, int]:
-    """Say whether a pulse `behind` the index was passed in this ms, and at which count of the shaft."""
+    """Return True if a pulse `behind` the index was passed in this ms; and the shaft's count there."""
     turn, shaft = axis.encoder_resolution, axis.encoder - behind
     after, before = shaft // turn, (shaft - axis.turned) // turn
     return after != before, (after if after > before else after + 1) * turn + behind
@@ -159,7 +159,7 @@ def _direction(axis: ServoAxis) -> int:
     """Find an encoder that counts against the motor.
 
     No load does that: where the voltage is at its limit one way, the shaft goes the other way and does not
-    slow down, the count is wrong. ASSUME: no document says how the drive finds out.
+    slow down, the count is wrong. ASSUME: no document gives the drive's own criterion.
     """
     limit = axis.supply_mv * axis.voltage_percent // 100
     voltage, step, average = axis.voltage_mv, axis.step, axis.velocity_average

@@ -21,7 +21,7 @@ def scaled(millivolts: int, numerator: int, denominator: int, offset: int) -> in
 
 
 def take(axis: ServoAxis) -> None:
-    """Give the regulator what the input says, within its limits."""
+    """Give the regulator the input's value, within its limits."""
     millivolts = axis.analogue_1_mv if axis.analogue_input == 1 else axis.analogue_2_mv
     value = scaled(millivolts, axis.analogue_numerator, axis.analogue_denominator, axis.analogue_offset)
     if axis.regulator == CURRENT:

@@ -1,6 +1,6 @@
-"""What an axis notices beside its motion every millisecond: edges at its pins, the index, a current.
+"""Events of an axis beside its motion, every millisecond: edges at its pins, the index, a current.
 
-Whole numbers only, as in `emulators.servo.loops`. It refuses to know what a pin is for.
+Whole numbers only, as in `emulators.servo.loops`. It does not know a pin's function.
 """
 
 from typing import Final

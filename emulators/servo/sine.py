@@ -1,13 +1,13 @@
 """The sin2 profile of one axis: its legs are planned beforehand, and run one millisecond at a time.
 
 A profile is a chain of at most four legs, each from one velocity to another along a sin2, in an odd number of
-ms (a leg at constant velocity in any number). The second half of a leg mirrors the first, so that its way is
-known exactly beforehand, whatever is rounded: where the legs end is where they were to end.
+ms (a leg at constant velocity in any number). The second half of a leg mirrors the first, so that its
+distance is known exactly beforehand, in spite of rounding: the legs end exactly at their target.
 
 A leg's peak acceleration is the one that was given, so that it takes pi/2 times as long as a trapezoid's ramp
-(ASSUME: no document says whether maxon's sin2 profile keeps the peak or the mean acceleration; the peak is
-the limit that the mechanics know). A profile that is changed under way goes on from the present velocity with
-a new leg (ASSUME): the velocity is continuous, and the acceleration within its limits.
+(ASSUME: no document states if maxon's sin2 profile keeps the peak or the mean acceleration; the peak is the
+limit that the mechanics know). A profile that is changed under way goes on from the present velocity with a
+new leg (ASSUME): the velocity is continuous, and the acceleration within its limits.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ SINE_7: Final = 112_354
 _HALF_PI: Final = 1_686_629_713
 _HALF_PI_PLACES: Final = 30
 ROUNDING: Final = 4
-"""What rounding may add to a leg's acceleration, in acceleration units (some 0.2 rpm/s): kept in reserve."""
+"""Reserve for the effect of rounding on a leg's acceleration, in acceleration units (some 0.2 rpm/s)."""
 _SPLITS: Final = 16
 _ATTEMPTS: Final = 8
 _MOST_LEGS: Final = 4
@@ -44,7 +44,7 @@ class Leg:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Legs one after the other; in the first `spare` ms one unit is added (taken off where it is negative).
+    """Consecutive legs; in the first `spare` ms one unit is added (taken off where it is negative).
 
     Straight ahead it is taken off: a limit of the velocity is not passed by a single unit.
     """
@@ -59,7 +59,7 @@ class Plan:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a move keeps to, in velocity units and acceleration units."""
+    """Limits of a move, in velocity units and acceleration units."""
 
     cruise: int
     acceleration: int
@@ -161,7 +161,7 @@ def _fitted(way: int, speed: int, top: int, limits: Limits) -> Plan | None:
 
 
 def load(axis: ServoAxis) -> None:
-    """Plan what the axis' ramp or move asks for, and give it the legs."""
+    """Plan the axis' requested ramp or move, and give it the legs."""
     limits = Limits(axis.cruise, axis.acceleration, axis.deceleration)
     if axis.profile == MOVE:
         plan = move(axis.target_position - axis.position_demand, axis.velocity_demand, limits)

@@ -3,7 +3,7 @@
 Source: application note Interpolation Position Mode, December 2008: cubic splines through position, velocity
 and time. Whole numbers only. A segment's position is `linear` t/T + `square` (t/T)2 + `cube` (t/T)3 beyond
 its knot. Reckoned from the inside out with one division by T each, it is exact at t = T, so that nothing adds
-up over a thousand knots. The axis has the next segment beforehand: it goes on by itself, and tells.
+up over a thousand knots. The axis has the next segment beforehand: it goes on by itself, and reports it.
 """
 
 from dataclasses import dataclass
@@ -66,7 +66,7 @@ def begin(axis: ServoAxis, first: Segment) -> None:
 
 
 def prepare(axis: ServoAxis, following: Segment) -> None:
-    """Have a segment ready for when the present one ends, which is where it starts."""
+    """Prepare the segment that starts at the end of the present one."""
     axis.next_linear, axis.next_square, axis.next_cube = following.linear, following.square, following.cube
     axis.next_ms = following.ms
 

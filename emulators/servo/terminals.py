@@ -1,7 +1,7 @@
 """Motors at half bridges that stay as they are for some ticks, turned by the library with the kernel in C.
 
-What a tick does is said readably by `emulators.arduino_omni.motors`, which also serves where there is no
-library, or something at the motors is broken. It refuses to know chips, boards and encoders' pins.
+The readable form of a tick is in `emulators.arduino_omni.motors`, which also serves where there is no
+library, or something at the motors is broken. It is independent of chips, boards and encoders' pins.
 """
 
 import ctypes
@@ -51,11 +51,11 @@ class Counts(Protocol):
     """An `array.array` of 64 bits: its type takes no parameter before Python 3.12."""
 
     def buffer_info(self) -> tuple[int, int]:
-        """Where it is in memory, and how long."""
+        """Address and length of its memory."""
 
 
 class HalfBridge(Protocol):
-    """How a PWM period is shared out, in counts."""
+    """Shares of a PWM period, in counts."""
 
     @property
     def cw(self) -> int:
@@ -76,7 +76,7 @@ class HalfBridge(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Wired:
-    """How motors, shield and plant hang together; see `TerminalsRecord`."""
+    """Wiring of motors, shield and plant; see `TerminalsRecord`."""
 
     names: tuple[str, ...]
     torque_constants: tuple[float, ...]
@@ -140,7 +140,7 @@ class Terminals:
 
     @property
     def tick(self) -> int:
-        """Up to which the last run has come."""
+        """Tick up to which the last run has come."""
         return int(self._record.tick)
 
     def run(self, tick: int, last: int) -> None:

@@ -29,7 +29,7 @@ class Twin:
 
     def __init__(self, plant: Plant, axes: Sequence[ServoAxis], wiring: Wiring) -> None:
         self.tick = 0
-        """How many ticks have been run."""
+        """Number of ticks that have been run."""
         self._plant: Final = plant
         self._axes: Final = tuple(axes)
         self._wiring: Final = wiring

@@ -13,28 +13,28 @@ from emulators.servo.loops import AVERAGE
 from firmware_bridge.units import to_seconds
 
 DIODES_MV: Final = 1_600
-"""What two flyback diodes in a row drop (ASSUME: 0.8 V each, body diodes of the power stage).
+"""Voltage drop of two flyback diodes in a row (ASSUME: 0.8 V each, body diodes of the power stage).
 
-ASSUME: the source of the supply takes what comes through them at the voltage that it has. Where less is
-left at the drive, by a long cable or a bad contact, the back-EMF lifts it, and only the source's voltage
-brakes.
+ASSUME: the source of the supply takes what comes through them at the voltage that it has. Where less is left
+at the drive, by a long cable or a bad contact, the back-EMF lifts it, and only the source's voltage brakes.
 """
 RESTING: Final = 10
 """mrad/s up to which a winding without voltage and current is left alone."""
 LEARNING: Final = 5_000
-"""mrad/s above which a back-EMF constant that no one told is learnt."""
+"""Speed in mrad/s above which an unknown back-EMF constant is learnt."""
 SLOWING: Final = 16
-"""It is learnt while the shaft loses no more than this part of its speed in a tick: in one that brakes itself
-faster the current comes from the speed that was, and asks for too much.
+"""Limit of the shaft's relative loss of speed in a tick, above which nothing is learnt.
+
+In a faster braking the current comes from the earlier speed, and requires too much.
 """
 MOST_LEARNING: Final = 1 << 28
 """16 Ohm: an upper bound of them (ASSUME)."""
 SETTLING_MS: Final = 1
-"""How long the current is left to itself after the voltage has been raised for the constant's sake ..."""
+"""Time for which the current is left to itself after the voltage has been raised for the constant ..."""
 RECOVERING_MS: Final = 3
 """... and after it has been taken back, with a short for a tick: some times what windings take (L/R)."""
 MOST_LEFT_MA: Final = 1 << 10
-"""How much of a current that brakes may be left at most when a constant has been learnt."""
+"""Largest rest of a current that brakes when a constant has been learnt."""
 BACK_EMF_PLACES: Final = 24
 WIDEST_BACK_EMF: Final = (1 << 32) - 1
 """256 V s/rad: far past every motor, and a product with a speed stays within 63 bits."""
@@ -42,9 +42,7 @@ RESISTANCE_PLACES: Final = 16
 WIDEST_RESISTANCE: Final = (1 << 31) - 1
 """32 kOhm in those places, likewise."""
 DOUBTED_MA: Final = 64
-"""What a current may shoot past 0, beside a quarter of itself, before what was told of the winding is
-doubted.
-"""
+"""Overshoot of a current past 0, beside a quarter of itself, from which the winding's data are doubted."""
 FADED: Final = 1 << 5
 """An averaged current (2^-16 mA) that rounding keeps from reaching 0."""
 CURRENT_PLACES: Final = 8
@@ -103,13 +101,12 @@ def set_winding(axis: ServoAxis, constant: float, resistance: float = 0.0, induc
 
 
 def turns(axis: ServoAxis, speed: int) -> int:
-    """Learn a constant that no one told; say what `turning` is in this ms: 0, 1, or still JUST_OPENED.
+    """Learn an unknown constant; return the value of `turning` in this ms: 0, 1, or still JUST_OPENED.
 
-    The estimate begins at 0, a winding that is shorted, and rises by what the current that still brakes
-    asks for at a resistance below the winding's own: from below, so that it never drives. The resistance is
-    doubled where the current has become less since, but not by half. Each time that it drove after all,
-    twice as much of the current that brakes is left as it is, or voltages of whole mV would be tried for
-    ever.
+    The estimate begins at 0, a winding that is shorted, and rises by the voltage of the current that still
+    brakes at a resistance below the winding's own: from below, so that it never drives. The resistance is
+    doubled where the current has become less since, but not by half. Each time that it drove after all, twice
+    as much of the current that brakes is left as it is, or voltages of whole mV would be tried for ever.
     """
     if axis.turning == JUST_OPENED:
         return JUST_OPENED
@@ -149,10 +146,10 @@ def opened(axis: ServoAxis, current: int, speed: int) -> int:
 
 
 def doubt(axis: ServoAxis, current: int, speed: int) -> None:
-    """Take back what the current of the last tick has shown to be false: more than it was commanded to do.
+    """Correct data that the current of the last tick has shown to be false: it exceeds the command.
 
     A winding that begins to drive at the learnt voltage was given too much of it. One whose current was to
-    end and shoots far past 0 has another resistance or inductance than was told: they count no more.
+    end and shoots far past 0 has another resistance or inductance than the given ones: they count no more.
     """
     before = axis.current_ma
     if axis.learning:
@@ -183,7 +180,7 @@ def unfed(axis: ServoAxis, current: int, speed: int) -> int:
     """
     to_come = 2 * speed - axis.speed_before
     if speed < 0:
-        # What follows is said of a shaft that turns forwards.
+        # Valid for a shaft that turns forwards.
         return -unfed_forwards(axis, -current, -speed, -to_come)
     return unfed_forwards(axis, current, speed, to_come)
 

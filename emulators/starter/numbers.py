@@ -1,4 +1,4 @@
-"""A differential robot's numbers: what the templates ask for, worked out from what was told."""
+"""The numbers of a differential robot: the templates' values, worked out from the specification."""
 
 import math
 from dataclasses import dataclass
@@ -11,33 +11,33 @@ from firmware_bridge.robot.settings.epos2 import Epos2Device
 
 BRIDGE_NODE: Final = 100
 TOP_MARGIN: Final = 1.02
-"""Of the guard's bound over the fastest wheel that the limits ask for."""
+"""Ratio of the guard's bound to the fastest wheel that the limits require."""
 RPM: Final = 60.0 / math.tau
 PROFILE_SHARE: Final = 0.82
-"""Of the limits' acceleration, for the drives' own profile: a little above the bridge's ramp."""
+"""Share of the limits' acceleration for the drives' own profile: a little above the bridge's ramp."""
 QUICK_STOP_SHARE: Final = 0.78
 OVERSPEED: Final = 1.15
-"""How much faster than the fastest set-point a motor may be told to run before its drive clips."""
+"""Ratio of a motor's commanded speed to the fastest set-point above which its drive clips."""
 USABLE_SPEED: Final = 0.85
-"""Of a motor's no-load speed: the rest is for load and a battery that is not full."""
+"""Share of a motor's no-load speed: the rest is for load and a battery that is not full."""
 LEAST_OF_THE_MOTOR: Final = 0.01
-"""Of that usable speed at the robot's limit: below it, someone has turned the gear's ratio over."""
+"""Least share of that usable speed at the robot's limit: below it the gear's ratio is inverted."""
 ROLLS: Final = 0.010
 """Resistance over load, the castors': the plant's wheels roll at half of it."""
 FRICTION_MARGIN: Final = 1.15
-"""Of the current that friction may hold, over what motor and floor are worked out to take."""
+"""Ratio of the current that friction may hold to the computed current of motor and floor."""
 GRAVITY: Final = 9.81
 INPUT_V: Final = 5.0
-"""Of the drive's analogue input, full scale."""
+"""Full scale of the drive's analogue input."""
 
 
 class SpecificationError(Exception):
-    """What was told makes no robot: one message."""
+    """A specification that makes no robot: one message."""
 
 
 @dataclass(frozen=True, slots=True)
 class Specification:
-    """What someone tells of a differential robot; SI."""
+    """User's specification of a differential robot; SI."""
 
     kind: str
     name: str

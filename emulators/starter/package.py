@@ -1,4 +1,4 @@
-"""Writes a package from its templates; nothing is written where something stands already."""
+"""Writer of a package from its templates; it never replaces an existing file."""
 
 from importlib.resources import files
 from importlib.resources.abc import Traversable

@@ -2,7 +2,7 @@
 
 Current: the regulator's zero cancels the winding's pole, and the closed loop halves its error in each of its
 steps of 0.1 ms. Speed: the proportional gain gives the inertia at the shaft a bandwidth of 25 rad/s, low
-enough that one quadcount in a millisecond asks for little current; the integral gain makes the loop's damping
+enough that one quadcount in a millisecond causes little current; the integral gain makes the loop's damping
 the square root of 2. The feed-forwards are the inertia's torque and the viscous half of the no-load torque.
 Units of the gains: those of the objects 0x60F6 and 0x60F9 of the EPOS2.
 """
@@ -16,10 +16,10 @@ from firmware_bridge.robot.settings.epos2 import Gains
 CURRENT_STEP_S: Final = 1e-4
 HALVED: Final = 0.5
 CURRENT_GAIN_PER_OHM: Final = 256.0
-"""Of P, and of I for each step of the current loop."""
+"""Gain P, and gain I for each step of the current loop."""
 VELOCITY_BANDWIDTH_RAD_S: Final = 25.0
 INTEGRAL_SHARE: Final = 1.0 / 8.0
-"""Of proportional gain times bandwidth: s2 + w s + w2/8 has the damping of the square root of 2."""
+"""Share of proportional gain times bandwidth: s2 + w s + w2/8 has the damping of the square root of 2."""
 VELOCITY_P_UNIT: Final = 16_000.0 * math.pi
 """Raw steps for each A s/rad."""
 VELOCITY_I_UNIT: Final = 64.0 * math.pi

@@ -1,7 +1,7 @@
-"""Whether devices are there: each call asks one question that changes nothing, and looks for the answer.
+"""Presence checks of devices: each call sends one request that changes nothing, and awaits the answer.
 
-Whoever has a call looks at `complete` every 50 ms. Time is counted in looks, but for the wait for those who
-are not there.
+The caller reads `complete` every 50 ms. Time is counted in these looks, except the wait for devices that are
+not there.
 """
 
 import os
@@ -25,19 +25,19 @@ from firmware_bridge.wire.maxon.lines import host_end
 from firmware_bridge.wire.sdo import UploadResponse, decode_response, encode_upload
 
 REQUESTED_AGAIN: Final = 20
-"""Looks, 1 s: an answer that is late comes before the question is put again."""
+"""Number of looks, 1 s: a late answer comes before the request is repeated."""
 ALREADY_S: Final = 0.3
-"""So long after a question, or an answer of another, a drive that is there has answered."""
+"""Time after a request, or an answer of another, within which a present drive has answered."""
 BOOTS: Final = 30
-"""Looks, 1.5 s: a byte within the boot loader's 1.1 s keeps it for 9 s."""
+"""Number of looks, 1.5 s: a byte within the boot loader's 1.1 s keeps it for 9 s."""
 BOOTS_AGAIN: Final = 220
-"""Looks, 11 s: those 9 s, and what comes after."""
+"""Number of looks, 11 s: those 9 s, and the start after them."""
 READ_OBJECT: Final = 0x10
 NO_ERROR: Final = bytes(4)
 ROOM: Final = 4096
 _OSPEED: Final = 5
 ARM: Final = "arm"
-"""What an arm's board speaks: one set of lines, whatever its generation."""
+"""Protocol of an arm's board: one set of lines for all generations."""
 QUESTIONS: Final[Mapping[str, tuple[bytes, bytes]]] = {
     "mw": (mw.encode_request(mw_messages.GetServerInfo(), 0), bytes((mw.BOARD_START, mw.ANSWER))),
     "ros-arduino-bridge": (b"b" + ros_arduino_bridge.END, str(ros_arduino_bridge.BAUD).encode()),
@@ -45,11 +45,11 @@ QUESTIONS: Final[Mapping[str, tuple[bytes, bytes]]] = {
     "firmata": (bytes((firmata.VERSION,)), bytes((firmata.VERSION,))),
     ARM: (b"WTS0" + ar2.END, ar2.DONE),
 }
-"""What is asked of a board's firmware, and how its answer begins."""
+"""Request to each board's firmware, and the begin of its answer."""
 
 
 class RollCall:
-    """Asks drives on a bus what they are, until each has answered."""
+    """Request to the drives on a bus for their device type, until each has answered."""
 
     def __init__(self, bus: Bus, nodes: str) -> None:
         """Begin; PortError where there is no such bus."""
@@ -64,7 +64,7 @@ class RollCall:
         self._port.close()
 
     def answering(self, within: float = ALREADY_S) -> list[int]:
-        """Ask once, and return who has answered within that many seconds."""
+        """Send the request once, and return the nodes that answered within that many seconds."""
         requested = set(self._missing)
         self.complete()
         # A missing drive sends nothing: only here is that waited for, whatever else is on the bus.
@@ -117,7 +117,7 @@ def _rate(port: str) -> int:
 
 
 class LineCall(_Line):
-    """Asks the drive on a serial line, and those behind it, one after the other."""
+    """Request to the drive on a serial line, and to those behind it, one after the other."""
 
     def __init__(self, port: str, nodes: str, spoken: Generation) -> None:
         """Begin; OSError where there is no such line."""
@@ -147,7 +147,7 @@ class LineCall(_Line):
 
 
 class BoardCall(_Line):
-    """Asks the firmware of a board that is booting."""
+    """Request to the firmware of a board that is booting."""
 
     def __init__(self, port: str, spoken: str) -> None:
         """Begin; OSError where there is no such line."""
@@ -157,7 +157,7 @@ class BoardCall(_Line):
         self._looks = -BOOTS
 
     def complete(self) -> bool:
-        """Look once; return whether it has answered, and said all of it."""
+        """Look once; return True if it has answered completely."""
         more = self._line.read(ROOM)
         if self._looks % BOOTS_AGAIN == 0:
             self._line.write(self._question)

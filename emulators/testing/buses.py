@@ -8,7 +8,7 @@ from typing import IO, Final, NamedTuple
 from emulators.testing.errors import RigError
 
 VCAN: Final = "vcan"
-"""What a user writes for SocketCAN's virtual bus."""
+"""Name of SocketCAN's virtual bus for the user."""
 SOCKETCAN: Final = "socketcan"
 MULTICAST: Final = "loopback_multicast"
 PLAIN: Final = "udp_multicast"
@@ -26,12 +26,12 @@ class Bus(NamedTuple):
 
     @property
     def words(self) -> tuple[str, ...]:
-        """How `firmware-bridge` is told it."""
+        """Options of `firmware-bridge` for it."""
         return ("-i", self.interface, "-c", self.channel)
 
 
 def buses(kind: str | None) -> tuple[Bus, ...]:
-    """Return those that a test may have: of this kind, or, where None is said, what this machine can do.
+    """Return those that a test may have: of this kind, or, for None, those of this machine.
 
     RigError for what is no kind of bus, or is inside one process only.
     """
@@ -52,7 +52,7 @@ def buses(kind: str | None) -> tuple[Bus, ...]:
 
 
 class Turns:
-    """Has a bus to itself among all tests of this machine, which may run at once."""
+    """Exclusive use of a bus among all tests of this machine, which may run at once."""
 
     def __init__(self) -> None:
         self._kept: Final = ExitStack()

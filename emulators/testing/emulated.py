@@ -13,15 +13,15 @@ from firmware_bridge.kinds import find
 from firmware_bridge.wire.maxon.frame import Generation
 
 READY_WITHIN_S: Final = 60.0
-"""So long a device may take to be there, on a machine that has much to do."""
+"""Time for a device to be there, on a machine that has much to do."""
 GREETING: Final = "Ctrl-C ends it"
-"""The end of the line by which an emulator says that its links are open."""
+"""The end of the line by which an emulator reports that its links are open."""
 Start = Callable[[Sequence[str]], Process]
-"""Runs `firmware-bridge` with these words."""
+"""Function that runs `firmware-bridge` with these words."""
 
 
 class Drives:
-    """Puts emulated EPOS2 on a serial line, or on a CAN bus."""
+    """Emulated EPOS2 on a serial line, or on a CAN bus."""
 
     def __init__(self, start: Start, folder: Path) -> None:
         self._start: Final = start

@@ -1,5 +1,5 @@
-"""What is wrong with a test, not with what it tests: said in one line."""
+"""Errors of a test, not of the tested program: one line each."""
 
 
 class RigError(Exception):
-    """A story asks for what this robot, this bench or this machine has not."""
+    """A test requires something that this robot, this bench or this machine does not have."""

@@ -1,4 +1,4 @@
-"""What a failing test leaves: its recording in a folder, and a report of what happened to the robot."""
+"""Output of a failing test: its recording in a folder, and a report of the robot's events."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,7 +18,7 @@ TURNING: Final = frozenset(
 )
 """Kinds that no one notices while the motor stands."""
 STANDS_RAD_S: Final = 1.0
-"""At the motor's shaft."""
+"""Limit of a standstill at the motor's shaft."""
 
 
 def failure_text(rig: VirtualRig, test: str, folder: Path, again: str, *, pictures: bool) -> str:
@@ -81,7 +81,7 @@ def _wrong(fault: FaultRecord) -> str:
 
 
 def _hidden(rig: VirtualRig, fault: FaultRecord) -> str:
-    """Say of a fault that acts on a motor as it turns whether none of its motors has turned since."""
+    """Return a remark on a fault that acts on a turning motor, if none of its motors has turned since."""
     columns = [motor_speed(node) for node in fault.nodes if rig.bench.samples.has(motor_speed(node))]
     if fault.kind not in TURNING or not columns:
         return ""

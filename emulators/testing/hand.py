@@ -1,4 +1,4 @@
-"""The operator in a test: does what a mission's step can say, and stays with it until told otherwise."""
+"""The operator in a test: executes inputs of a mission's step, and keeps them until the next ones."""
 
 from collections.abc import Callable
 from typing import Final
@@ -40,11 +40,11 @@ class Hand:
         self._station: Final = station
         self._clock: Final = clock
         self.story = story
-        """What he has done so far, as a mission."""
+        """The operator's actions so far, as a mission."""
 
     @property
     def diary(self) -> tuple[Entry, ...]:
-        """What he did, the texts that he received, what became of his orders, the oldest first."""
+        """The operator's actions, the received texts, and the results of the orders, the oldest first."""
         return tuple(self._station.diary.entries)
 
     @property
@@ -60,12 +60,12 @@ class Hand:
 
     @property
     def armed(self) -> bool:
-        """Whether the robot says that it is armed."""
+        """True if the robot reports that it is armed."""
         return bool(self._station.diary.armed)
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """What can be said in `does` and `drives`, in a mission's words."""
+        """Keys for `does` and `drives`, as in a mission."""
         return tuple(key for key in self._step.model_fields if key not in {"at_s", "title"})
 
     def does(self, title: str = "", **values: object) -> None:
@@ -97,7 +97,7 @@ class Hand:
         self.does("lets go", **dict.fromkeys(keys.values(), 0.0))
 
     def falls_silent(self, seconds: float = FOR_GOOD_S) -> None:
-        """Say nothing any more, or for so long: his station is dead, or the link is."""
+        """Send nothing any more, or for so long: the station is dead, or the link is."""
         self.does("falls silent", silent_s=seconds)
 
     def comes_back(self) -> None:
@@ -105,11 +105,11 @@ class Hand:
         self.does("comes back", silent_s=AT_ONCE_S)
 
     def arms(self) -> None:
-        """Ask for the robot to be armed, and again until it is answered."""
+        """Request the robot to be armed, and repeat it until it is answered."""
         self.does("arms", arm=True)
 
     def disarms(self) -> None:
-        """Ask for it to be disarmed."""
+        """Request the robot to be disarmed."""
         self.does("disarms", disarm=True)
 
     def stops(self) -> None:
@@ -121,7 +121,7 @@ class Hand:
         self.does("clears the stop", clear=True)
 
     def takes_over(self, story: Mission) -> None:
-        """Go on from an instant that was kept, as the one who had told this story by then."""
+        """Continue from an instant that was kept, as the operator with this story by then."""
         self.story = story
         self._station.take_over(story)
 

@@ -8,7 +8,7 @@ from emulators.testing.rig import VirtualRig
 from firmware_bridge.kinds import find
 
 MOST: Final = 16
-"""So many are kept at once; the one that was not asked for longest goes."""
+"""Limit of those kept at once; the least recently used one goes."""
 
 
 class Kept:

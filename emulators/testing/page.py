@@ -10,7 +10,7 @@ from typing import Final
 from emulators.bench.web import document, picture
 
 PICTURED: Final = 20
-"""So many failures show their pictures; those of the others are in their folders. Each takes about 300 kB."""
+"""Number of failures with pictures; those of the others are in their folders. Each takes about 300 kB."""
 LOOK: Final = ".failed, .error { color: #a00; font-weight: bold } .skipped { color: #666 }"
 
 
@@ -27,7 +27,7 @@ class Outcome:
     error: str = ""
     """The traceback; the reason, where it was skipped."""
     sections: tuple[tuple[str, str], ...] = ()
-    """What was told of the robot, of programs, and printed: heading and text."""
+    """Reports on the robot and on programs, and the printed text: heading and text."""
     kept: str = ""
     """The folder of its recording, where there is one."""
     again: str = ""

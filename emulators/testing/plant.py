@@ -11,7 +11,7 @@ from fmu.build import ensure
 from fmu.plant import FmuPlant, variables_of
 
 STEP: Final[Nanoseconds] = 100_000
-"""That of the drives' loops, at which the bench steps it, too."""
+"""Step of the drives' loops, at which the bench steps it, too."""
 
 
 class VirtualPlant:
@@ -28,9 +28,9 @@ class VirtualPlant:
         }
         self._plant: Final = FmuPlant(path, names["input"], names["output"], plant_parameters(robot), STEP)
         self.inputs: Final = self._plant.input_names
-        """What can be set, in the order of the FMU."""
+        """Inputs that can be set, in the order of the FMU."""
         self.outputs: Final = self._plant.output_names
-        """What its reference gives over time."""
+        """Outputs that its reference gives over time."""
 
     @property
     def now(self) -> float:

@@ -1,7 +1,7 @@
-"""The pytest plugin: fixtures, options and marks, and what a failing test reports.
+"""The pytest plugin: fixtures, options and marks, and the report of a failing test.
 
 It is loaded in every run of pytest where the package is installed, so nothing of the bench is imported before
-a test asks for it.
+a test requests it.
 """
 
 import os
@@ -38,7 +38,7 @@ VIRTUAL: Final = "virtual"
 HARDWARE: Final = "hardware"
 """Values of --rig."""
 PROCESSES: Final = pytest.StashKey[list["Process"]]()
-"""What a test has started, in the order of starting."""
+"""Processes that a test has started, in the order of starting."""
 PROGRAM: Final = (sys.executable, "-P", "-c", "from firmware_bridge.cli import main; main()")
 """`firmware-bridge`, wherever it is installed."""
 NEEDS: Final[dict[str, tuple[Callable[[], bool], str]]] = {
@@ -48,7 +48,7 @@ NEEDS: Final[dict[str, tuple[Callable[[], bool], str]]] = {
     ),
     "cc": (lambda: shutil.which("cc") is not None, "a C compiler called cc"),
 }
-"""What a test may need: whether it is there, and what is missing otherwise."""
+"""Needs of a test: a check for each, and the name of the missing thing."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -92,7 +92,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 class Pages:
-    """Collects what becomes of the tests, and writes a page at the end."""
+    """Collector of the tests' results, which writes a page at the end."""
 
     def __init__(self, path: Path) -> None:
         self._path: Final = path
@@ -118,7 +118,7 @@ class Pages:
 
 
 def pytest_report_header(config: pytest.Config) -> str | None:
-    """Say where drives are real, and whether they will be moved."""
+    """Report the real drives, and the permission to move them."""
     if not _is_real(config):
         return None
     places = [place for word in ("--bus", "--serial-line") if (place := config.getoption(word))]
@@ -138,7 +138,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Leave out a test that needs what is not here, or moves what no one said may be moved."""
+    """Skip a test that needs something missing here, or moves real hardware without --yes-move-it."""
     real = _is_real(item.config)
     if real and item.get_closest_marker("destructive") and not item.config.getoption("--yes-move-it"):
         pytest.skip("it moves what is real: say --yes-move-it")
@@ -352,12 +352,12 @@ def _virtual_only(config: pytest.Config, what: str) -> None:
 
 
 def _on_socketcan(config: pytest.Config) -> bool:
-    """Whether real drives are on a bus of the kernel's."""
+    """Return True if real drives are on a bus of the kernel's."""
     return _is_real(config) and str(config.getoption("--bus")).startswith("socketcan:")
 
 
 def _is_virtual(rig: object) -> "TypeGuard[VirtualRig]":
-    """Whether this is a rig of ours: a project may have a fixture of that name."""
+    """Return True if this is a rig of ours: a project may have a fixture of that name."""
     return type(rig).__module__ == "emulators.testing.rig"
 
 

@@ -15,15 +15,15 @@ from firmware_bridge.renamed import warn
 
 LOOK_EVERY_S: Final = 0.05
 KILLED_AFTER_S: Final = 5.0
-"""So long a program that was asked to end may take over it."""
+"""Time that a program may take to end after the request."""
 SET_DEATH_SIGNAL: Final = 1
 """`prctl`'s PR_SET_PDEATHSIG."""
 SHOWN: Final = 4000
-"""So many of the last characters that it printed stand in an error."""
+"""Number of the last printed characters that are in an error."""
 
 
 def _ends_with(parent: int) -> None:
-    """Have the system end this process when its parent is gone: one that is killed leaves no one behind."""
+    """Let the system end this process when its parent is gone: a killed one leaves no process behind."""
     ctypes.CDLL(None).prctl(SET_DEATH_SIGNAL, signal.SIGTERM)
     if os.getppid() != parent:
         os.kill(os.getpid(), signal.SIGTERM)
@@ -50,7 +50,7 @@ class Process:
 
     @property
     def printed(self) -> str:
-        """What it has printed so far, errors included."""
+        """Its output so far, errors included."""
         return self.log.read_text(encoding="utf-8", errors="replace")
 
     @property
@@ -89,12 +89,12 @@ class Process:
             raise self.failed(f"still runs after {within:g} s") from None
 
     def kill(self) -> None:
-        """End it at once, as a loss of power does: it says nothing any more. Harmless where it has ended."""
+        """Kill it at once, as a loss of power does: its output ends. Harmless where it has ended."""
         self._process.kill()
         self._process.wait()
 
     def stop(self) -> None:
-        """End it where it still runs: it is asked first."""
+        """End it where it still runs: first by a request to terminate."""
         if self.status is None:
             self._process.terminate()
             try:
@@ -103,5 +103,5 @@ class Process:
                 self.kill()
 
     def failed(self, what: str) -> AssertionError:
-        """Return the error that says what it did not do, and what it printed."""
+        """Return the error that names the missing event, with the printed output."""
         return AssertionError(f"{shlex.join(self.command)}: {what}; it printed:\n{self.printed[-SHOWN:]}")

@@ -1,4 +1,4 @@
-"""Real drives in a test, in the place of emulated ones: asked whether they are there, and stopped after."""
+"""Real drives in a test, in the place of emulated ones: found before it, and stopped after it."""
 
 import json
 from collections.abc import Callable, Iterator
@@ -13,7 +13,7 @@ from firmware_bridge.cli.node_numbers import numbers
 from firmware_bridge.wire.maxon.frame import Generation
 
 LINE: Final = "v1:/dev/ttyUSB0"
-"""How a line is said."""
+"""Example of a line's name."""
 VELOCITY: Final = "0x2028"
 """Averaged; the plain one, 0x606C, trembles by a count a millisecond."""
 AT_REST_RPM: Final = 5
@@ -26,7 +26,7 @@ class RealDrives:
     """The drives that are on a bus or behind a line; SkipTest for what can be done to emulated ones only."""
 
     def __init__(self, start: Start, line: str | None, *, moved: bool) -> None:
-        """Know the line, as --serial-line has it, and whether they may be commanded; RigError for no line."""
+        """Take the line, as --serial-line has it, and the permission to move; RigError for no line."""
         self._start: Final = start
         self._moved: Final = moved
         self._taken: Final[list[tuple[str, ...]]] = []
@@ -55,11 +55,7 @@ class RealDrives:
         raise SkipTest(f"no one here can take the power from the real drives {nodes}")
 
     def finish(self) -> None:
-        """Bring those that may have been commanded to rest, and then take their power off.
-
-        All are stopped before one is waited for. AssertionError for the first that could not be; the others
-        are, and one that goes on turning keeps its power, and is held by its quick stop.
-        """
+        """Stop those that may have been commanded, and then switch their power off."""
         failures = [*self._each(self._stop), *self._each(self._let_go)] if self._moved else []
         self._taken.clear()
         if failures:

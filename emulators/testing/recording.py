@@ -1,4 +1,4 @@
-"""What a test's wires have carried, kept in memory until someone wants it in files."""
+"""Recording of a test's wires, kept in memory until it is written to files."""
 
 from io import BytesIO
 from pathlib import Path

@@ -26,13 +26,13 @@ from firmware_bridge.robot.problems import near, nearest, problems_of
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds, to_seconds
 
 ARM_S: Final = 3.0
-"""By then the drives of every robot here are set up, and the operator may arm."""
+"""Time by which the drives of every robot here are set up, and the operator may arm."""
 ARMED_BY_S: Final = 20.0
 """ASSUME: a robot that is not armed by then will not be; those of this tree are armed at 3.01 s."""
 STEP_S: Final = 0.01
-"""So often a condition is looked at: as often as a sample is taken."""
+"""Interval at which a condition is checked: that of the samples."""
 UNIT_WORDS: Final = {"m/s": "mps", "rad/s": "rad_s"}
-"""How a column's name says its unit, where that is not the unit in small letters."""
+"""Spelling of a unit in a column's name, where that is not the unit in small letters."""
 
 
 class Body:
@@ -48,7 +48,7 @@ class Body:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """What can be asked, each with its unit."""
+        """Names of the columns, each with its unit."""
         return tuple(column.name for column in self._samples.columns)
 
     def __getattr__(self, name: str) -> float:
@@ -77,14 +77,14 @@ class VirtualRig:
         hand = np.random.default_rng([seed, HAND_STREAM])
         station = ScriptedOperator(robot, self.rehearsal, story, hand)
         self.bench: Final = Rig(robot, self.rehearsal, station, seed=seed)
-        """The bench below, for what is not said here."""
+        """The bench below, for its other attributes."""
         self.recording: Final = Recording(self.bench)
         self.operator: Final = Hand(robot, self.rehearsal, station, story, lambda: self.bench.world.now)
         self.body: Final = Body(robot.name, self.bench.samples)
         self.began: Nanoseconds = 0
-        """When the robot was armed, and a test's own story begins."""
+        """Time at which the robot was armed, and a test's own story begins."""
         self.whole = True
-        """False where a run was broken off amid an instant: nothing can be said of such a rig."""
+        """False where a run was broken off amid an instant: such a rig has no valid state."""
 
     @property
     def now(self) -> float:
@@ -151,10 +151,7 @@ class VirtualRig:
         self.began = self.bench.world.now
 
     def fault(self, kind: str, **keys: object) -> None:
-        """Have something go wrong from now on: `fault("supply_sag", to_v=9, for_s=0.5)`.
-
-        The kinds and their keys are those of `[[fault]]` in a mission; RigError for what cannot be.
-        """
+        """Let a fault happen from now on: `fault("supply_sag", to_v=9, for_s=0.5)`."""
         table = {"kind": kind, "at_s": self.now, **keys}
         try:
             fault = read(table)
@@ -179,9 +176,9 @@ class VirtualRig:
 
     @contextmanager
     def branch(self) -> Iterator["VirtualRig"]:
-        """Go back to this instant at the end: what is done meanwhile has not been.
+        """Return to this instant at the end: events in the meantime are undone.
 
-        Where an exception ends it, nothing goes back, so that a failing test's report tells what was.
+        Where an exception ends it, nothing goes back, so that a failing test's report shows them.
         """
         back = self.keep()
         yield self

@@ -41,7 +41,7 @@ class CanWire(Observed):
         """Bits of all frames from start to end of frame, without the spaces between them."""
         self.destroyed = 0
         self.clashes = 0
-        """How often two nodes began one identifier at once; a real bus answers that with a bit error."""
+        """Number of times that two nodes began one identifier at once; a real bus then has a bit error."""
         self._controllers: dict[Station, Controller] = {}
         self._contenders: list[Controller] = []
         """The controllers in the order in which they joined."""

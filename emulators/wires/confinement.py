@@ -14,19 +14,19 @@ HEARING_FAILED: Final = 1
 FIRST_TO_NOTICE: Final = 8
 """Added by the receiver whose own error flag the others only echo."""
 BACK_FROM_PASSIVE: Final = 119
-"""Where a receive counter above 127 goes with the first good frame: 119 to 127 are allowed."""
+"""Value of a receive counter above 127 after the first good frame: 119 to 127 are allowed."""
 RECOVERY_BITS: Final = 128 * 11
 """A controller that is off comes back after so many recessive bits; on a busy bus it takes longer."""
 
 
 class Condition(Enum):
-    """What a controller may do."""
+    """Error state of a controller."""
 
     ACTIVE = "error active"
     PASSIVE = "error passive"
     """It cannot destroy others' frames any more."""
     OFF = "bus off"
-    """It neither sends nor hears."""
+    """It neither sends nor receives."""
 
 
 class Confinement:
@@ -45,7 +45,7 @@ class Confinement:
         return self._judge()
 
     def received(self) -> bool:
-        """Count a frame that was heard well; whether the condition has changed."""
+        """Count a frame that was received well; return True if the condition has changed."""
         if self.receive >= PASSIVE_FROM:
             self.receive = BACK_FROM_PASSIVE
         else:

@@ -19,11 +19,11 @@ _Flight: TypeAlias = tuple[Station, Packet]
 
 @dataclass(frozen=True, slots=True)
 class Impairment:
-    """What becomes of packets from `begin` until `end`, beside the link's own delay, jitter and loss.
+    """Impairment of packets from `begin` until `end`, beside the link's own delay, jitter and loss.
 
-    `sender` names whose packets (None: everybody's). It meets a `share` of them, which `generator` draws; a
-    share of 1 draws nothing. One that is met is `lost`, or comes `late` by so much, or comes again after
-    `again` (None: it does not).
+    `sender` names the sender of the packets concerned (None: every sender). It meets a `share` of them, which
+    `generator` draws; a share of 1 draws nothing. One that is met is `lost`, or comes `late` by so much, or
+    comes again after `again` (None: it does not).
     """
 
     sender: str | None = None
@@ -43,10 +43,7 @@ class Impairment:
 
 
 class DatagramWire(Observed):
-    """Carries each packet after `delay` plus up to `jitter`, or loses it with probability `loss`.
-
-    Packets of a station that leaves still arrive.
-    """
+    """Wire that carries each packet after `delay` plus up to `jitter`, or loses it by probability `loss`."""
 
     def __init__(
         self,

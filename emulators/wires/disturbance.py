@@ -1,6 +1,6 @@
-"""What becomes of frames on a CAN bus with faults: whose, when, how many, by chance or each.
+"""Disturbances of frames on a CAN bus with faults: sender, time, number, by chance or each.
 
-It refuses to know what the bus makes of it: `emulators.wires.faulty_can` does.
+Their effect on the bus is in `emulators.wires.faulty_can`.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from firmware_bridge.units import NEVER, Nanoseconds
 
 
 class Effect(Enum):
-    """What a disturbance does to a frame."""
+    """Effect of a disturbance on a frame."""
 
     ERROR = "it is damaged on the bus, and ends in an error flag"
     LOSS = "it is lost between its sender and the bus, unnoticed"
@@ -21,11 +21,11 @@ class Effect(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Disturbance:
-    """What becomes of frames from `begin` until `end`, at most of `count` of them.
+    """Disturbance of frames from `begin` until `end`, at most of `count` of them.
 
-    `sender` names whose frames (None: everybody's); `receiver` names the only station that sees them wrongly,
-    as with a bad plug there (None: everybody does). Of the frames that it could meet it meets a `share`,
-    which `generator` draws; a share of 1 draws nothing.
+    `sender` names the sender of those frames (None: every sender); `receiver` names the only station that
+    sees them wrongly, as with a bad plug there (None: all do). Of the frames that it could meet it meets a
+    `share`, which `generator` draws; a share of 1 draws nothing.
     """
 
     sender: str | None = None

@@ -1,4 +1,4 @@
-"""What all wires share: the stations at their ends, the observers, and the trace of what was carried."""
+"""Common parts of all wires: the stations at their ends, the observers, and the trace of the traffic."""
 
 from collections.abc import Callable
 from typing import TypeAlias
@@ -9,7 +9,7 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds
 
 Observer: TypeAlias = Callable[[Nanoseconds, str, Packet], None]
-"""Called with the instant, the sender's name and the packet, when the packet has wholly arrived."""
+"""Callback with the instant, the sender's name and the packet, when the packet has wholly arrived."""
 
 
 class End:
@@ -24,7 +24,7 @@ class End:
 
 
 class Ends:
-    """The ends of one wire in the order in which they joined; everybody hears everybody else."""
+    """Stations at the ends of one wire, in the order in which they joined; each receives from all others."""
 
     def __init__(self, wire: str) -> None:
         self.wire = wire
@@ -69,7 +69,7 @@ class Ends:
 
 
 class Observed:
-    """What the wires do alike: they have a name and ends, and tell observers what they have carried."""
+    """Common base of the wires: they have a name and ends, and report their traffic to observers."""
 
     def __init__(self, name: str) -> None:
         self.name = name

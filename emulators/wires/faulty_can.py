@@ -50,15 +50,15 @@ class FaultyCanWire(CanWire):
         """Frames that were lost before the bus, and those dropped because a queue was full."""
         self._depth = depth
         self._sound = depth is None
-        """Nothing is wrong, and no counter remembers that anything was."""
+        """True if nothing is wrong, and no counter remembers that anything was."""
         self._standing: list[Standing] = []
         self._counters: dict[Station, Confinement] = {}
         self._known: frozenset[str] = frozenset()
         """The names of all stations that have ever been on it."""
         self._parked: dict[Station, deque[Packet]] = {}
-        """What waits where a controller is off the bus, or finds no one to acknowledge its frames."""
+        """Packets that wait where a controller is off the bus, or where no node acknowledges its frames."""
         self._full: set[Station] = set()
-        """Whose transmit queue, ..."""
+        """Stations whose transmit queue, ..."""
         self._overrun: set[Station] = set()
         """... or receive queue overflows, and has reported it."""
         self._beyond: frozenset[str] = frozenset()
@@ -80,15 +80,15 @@ class FaultyCanWire(CanWire):
         self._sound = False
 
     def cut(self, beyond: Collection[str]) -> None:
-        """Cut the cable: the stations of these names hear each other only, and the others do, too."""
+        """Cut the cable: the stations of these names receive from each other only, and so do the others."""
         self._beyond = frozenset(self._named(name).name for name in beyond)
         self._sound = False
 
     def swap(self, names: Collection[str]) -> None:
         """Exchange CAN high and CAN low at these stations.
 
-        Such a station hears nothing and is not understood; while it has a frame that no one acknowledges, its
-        repetitions destroy everybody else's frames.
+        Such a station receives nothing and is not understood; while it has an unacknowledged frame, its
+        repetitions destroy all other nodes' frames.
         """
         self._swapped = frozenset(self._named(name).name for name in names)
         self._sound = False
@@ -104,7 +104,7 @@ class FaultyCanWire(CanWire):
         self._sound = False
 
     def overrun(self, name: str, loss: Loss = Loss.UNKNOWN) -> None:
-        """Have a station's controller report that it has lost a frame; what was lost is not told."""
+        """Have a station's controller report that it has lost a frame, without the frame itself."""
         self._report(self._named(name), CONTROLLER, RECEIVE_OVERFLOW, loss)
 
     def waiting(self, station: Station) -> int:
@@ -144,7 +144,7 @@ class FaultyCanWire(CanWire):
         depth = self._depth if parked is None or self._depth is not None else WAITING
         if depth is not None and len(waiting) >= depth:
             self.lost += 1
-            if sender not in self._full:  # told once, until there is room again
+            if sender not in self._full:  # reported once, until there is room again
                 self._full.add(sender)
                 self._report(sender, CONTROLLER, TRANSMIT_OVERFLOW, Loss.QUEUE)
         elif parked is None:
@@ -192,7 +192,7 @@ class FaultyCanWire(CanWire):
         self._sound = self._is_sound()
 
     def _hearers(self, sender: Station) -> list[Station]:
-        """Return the stations whose controllers hear a frame of this one, and acknowledge it."""
+        """Return the stations whose controllers receive a frame of this one, and acknowledge it."""
         if sender.name in self._swapped:
             return []
         side = sender.name in self._beyond
@@ -206,7 +206,7 @@ class FaultyCanWire(CanWire):
         ]
 
     def _jammed(self) -> bool:
-        """Whether a station with swapped wires repeats a frame: its dominant bits cancel everybody's."""
+        """Return True if a station with swapped wires repeats a frame: its dominant bits cancel any other."""
         if not self._swapped:
             return False
         return any(self.waiting(one) > 0 for one in self._counters if one.name in self._swapped)
@@ -230,7 +230,7 @@ class FaultyCanWire(CanWire):
         for station in hearers:
             if station is not full:
                 self._overrun.discard(station)
-            elif full not in self._overrun:  # told once, until a frame gets through
+            elif full not in self._overrun:  # reported once, until a frame gets through
                 self._overrun.add(full)
                 self._report(full, CONTROLLER, RECEIVE_OVERFLOW, Loss.OBJECT)
 
@@ -264,7 +264,7 @@ class FaultyCanWire(CanWire):
         self._measure(world.now, bits * self.bit_time + taken)
 
     def _is_sound(self) -> bool:
-        """Whether all is well again, so that the next frame needs no second look."""
+        """Return True if all is well again, so that the next frame needs no second look."""
         now = self._ends.world.now
         self._standing = [one for one in self._standing if now < one.what.end and one.left != 0]
         faulty = (

@@ -1,4 +1,4 @@
-"""A serial line on which one end is a recording: what it says arrives as it was recorded."""
+"""A serial line on which one end is a recording: its bytes arrive as they were recorded."""
 
 from typing import Final, TypeAlias
 
@@ -11,7 +11,7 @@ _Flight: TypeAlias = tuple[Station, Packet]
 
 
 class PlayedLine(SerialWire):
-    """A line on which what the station of the name `player` says arrives whole, after its bytes' time."""
+    """Line on which the packets of the station `player` arrive whole, after their bytes' time."""
 
     def __init__(self, baud: int, player: str, name: str) -> None:
         super().__init__(baud, name=name)

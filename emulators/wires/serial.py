@@ -24,7 +24,7 @@ def received_as(byte: int, sent_at: int, received_at: int) -> int | None:
     """Return the byte that a receiver at another rate reads; None where the stop bit is missing.
 
     Rates in bits a second. The receiver looks at the middle of each of its own bits, from the falling edge of
-    the start bit on; what it hears of a slow sender's byte as a second one is left out.
+    the start bit on; the rest of a slow sender's byte that it would receive as a second one is left out.
     """
     if sent_at == received_at:
         return byte
@@ -63,7 +63,7 @@ class _Uart(End):
         node = station.node
         self.clock = node if isinstance(node, Clocked) else None
         self.rate = 0
-        """Of the burst that is being sent."""
+        """Bit rate of the burst that is being sent."""
         self.buffer = bytearray()
         self.overruns = 0
         self.reading = False

@@ -15,7 +15,7 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds
 BAUD: Final = 1_000_000
 LATENCY: Final[Nanoseconds] = MILLISECOND
 BUFFER: Final = 4_096
-"""Bytes; larger than anything that the drive says in one latency time."""
+"""Size of the buffer in bytes; larger than any packet of the drive in one latency time."""
 
 
 class ChunkWire(DatagramWire):

@@ -17,12 +17,12 @@ BAUD = 57600
 WHEELS = 3
 EVERY_S = 0.1
 BOOTS_S = 2.0
-"""To open its port resets a board, and a byte in its first second keeps its boot loader for 9 s."""
+"""Time after opening: it resets a board, and a byte in the first second keeps its boot loader for 9 s."""
 PATIENCE_S = 10.0
 
 
 class Board:
-    """Asks, and returns the line that is answered."""
+    """Board that answers each request with a line."""
 
     def __init__(self, port: str) -> None:
         self._line = serial.Serial(port, BAUD, timeout=0.5)

@@ -16,7 +16,7 @@ I2C_REQUEST, I2C_CONFIG, ENCODER = 0x76, 0x78, 0x61
 WRITE = 0x00
 ATTACH, READ = 0, 1
 PINS = (2, 3)
-"""Of the first encoder."""
+"""Pins of the first encoder."""
 MODE1, AUTO_INCREMENT = 0x00, 0x21
 """Awake, registers one after the other, and the address for all chips."""
 PWM, IN2, IN1 = 8, 9, 10
@@ -46,7 +46,7 @@ class Wheel:
             self._writes(6 + 4 * output, *level)
 
     def count(self) -> int:
-        """Ask for the encoder's counts."""
+        """Request the encoder's counts."""
         self._counts.clear()
         self.board.send_sysex(ENCODER, [READ, 0])
         while not self._counts:

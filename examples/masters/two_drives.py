@@ -1,4 +1,4 @@
-"""Turn two drives at one speed, and stop both when one of them is no longer heard.
+"""Turn two drives at one speed, and stop both when one of them falls silent.
 
 Usage: python two_drives.py INTERFACE CHANNEL [SECONDS]
 
@@ -23,7 +23,7 @@ SHUTDOWN, SWITCH_ON, ENABLE = 0x06, 0x07, 0x0F
 
 
 class Drives:
-    """Two drives on one bus, and when each was heard last."""
+    """Two drives on one bus, and the time of each one's last heartbeat."""
 
     def __init__(self, interface: str, channel: str) -> None:
         # Datagrams would otherwise leave this machine.
@@ -69,14 +69,14 @@ class Drives:
         return []
 
     def stops(self, nodes: Iterable[int]) -> None:
-        """Bring these to rest, without power afterwards."""
+        """Stop these, without power afterwards."""
         for node in nodes:
             self.writes(node, 0x60FF, 0, 4)
             self.writes(node, 0x6040, SHUTDOWN, 2)
 
 
 def ends(status: int, what: str) -> NoReturn:
-    """Say why, and end the program."""
+    """Print the reason, and end the program."""
     print(what, flush=True)
     sys.exit(status)
 

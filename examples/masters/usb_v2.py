@@ -28,7 +28,7 @@ ENABLED, STATE, FAULT, REACHED = 0x27, 0x6F, 0x08, 0x400
 
 
 class DriveError(Exception):
-    """What the drive, or the line, did not do."""
+    """A request that the drive, or the line, did not fulfil."""
 
 
 def check_sum(data: bytes) -> int:

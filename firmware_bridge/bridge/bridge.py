@@ -1,10 +1,10 @@
-"""The bridge as one node: when things happen. What happens in a cycle is `firmware_bridge.bridge.pipeline`'s.
+"""The bridge as one node: its phases and timing; a cycle's content is in `firmware_bridge.bridge.pipeline`.
 
 A cycle: the devices of all links that are due are sampled, on CAN by SYNC; when they have answered, or after
 the links' time for it (on CAN 10 ms), the pipeline runs and its set-points leave; half a cycle after its
-begin the handshakes of new positions end. An exception passes through to whoever carries the node; `stop`
-then brings the drives to rest by a path that asks neither interlocks nor operator. An axis that does not
-confirm that it rests, or at the end that it has no power, is stopped with more force, step by step.
+begin the handshakes of new positions end. An exception passes through to the node's carrier; `stop` then
+brings the drives to rest by a path without interlocks and operator. An axis that does not confirm standstill,
+or at the end power off, is stopped by further stop stages.
 """
 
 from collections import deque
@@ -34,7 +34,7 @@ from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 REST_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest way to rest at an orderly end; then the power goes off, unless a stop still escalates."""
 SECOND_REQUEST_WITHIN: Final[Nanoseconds] = 5 * SECOND
-"""Asked twice within this time to end, a robot that is held on a slope is let go."""
+"""Interval of two commands to end that disables the power of a robot held on a slope."""
 LEFT_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest that taking the power off in order may last; then it is taken off step by step."""
 PLACE_DIGITS: Final = 4
@@ -47,7 +47,7 @@ FAILED: Final = Row("start-up failed", "correct it and start the bridge again")
 
 
 class Phase(Enum):
-    """Where the bridge is in its life."""
+    """Phase of the bridge's life."""
 
     STARTING = "starting"
     RUNNING = "running"
@@ -71,7 +71,7 @@ class Bridge:
         stands: tuple[ConfirmZero, ...] = (),
         mode: str = "",
     ) -> None:
-        """Take a robot file, its kind, whose words are believed, where axes stand, and the mode to begin in.
+        """Take a robot file, its kind, the trusted stations, where axes stand, and the mode to begin in.
 
         PlanError where a cycle does not fit on a link, ValueError where an axis cannot stand there.
         """
@@ -109,7 +109,7 @@ class Bridge:
         self._cycle_at: Nanoseconds | None = None
         """None before the first wake."""
         self._cycles = 0
-        """How many have begun."""
+        """Count of the cycles begun."""
         self._synchronised_at: Nanoseconds = 0
         self._collect_until: Nanoseconds = NEVER
         self._release_at: Nanoseconds = NEVER
@@ -118,27 +118,27 @@ class Bridge:
         self._listens_until: Nanoseconds = 0
         """Until then nothing is sent to the devices: another bridge may be driving them."""
         self._requested_at: Nanoseconds = NEVER
-        """When a robot that is held with power was last asked to end, or was first held."""
+        """Time of the last command to end a robot that is held with power, or of the hold's start."""
         self._leave_until: Nanoseconds = NEVER
         self._left: set[str] | None = None
         """The axes that did not confirm that they are without power; None while they are not known."""
         self.phase = Phase.STARTING
         self.failure: str | None = None
-        """Why start-up failed, one line for each drive; None where it did not."""
+        """The reason why start-up failed, one line for each drive; None where it did not."""
 
     @property
     def finished(self) -> bool:
-        """Whether the orderly end is over and the node may be let go."""
+        """True where the orderly end is over and the carrier may drop the node."""
         return self.phase is Phase.FINISHED
 
     @property
     def holding(self) -> bool:
-        """Whether it has been asked to end, and keeps a robot from moving until it is asked again."""
+        """True after a command to end, while it keeps a robot from moving until a second one."""
         return self.phase is Phase.STOPPING and self._permission.letting_go.held
 
     @property
     def unconfirmed(self) -> tuple[str, ...]:
-        """The axes, in words, whose devices did not confirm at the end that they are without power."""
+        """The axes, as text, whose devices did not confirm at the end that they are without power."""
         drivers = [driver for driver in self._fleets.drivers if driver.axis.name in (self._left or ())]
         return tuple(driver.axis.called for driver in drivers if not driver.unpowered)
 
@@ -149,16 +149,16 @@ class Bridge:
 
     @property
     def stops(self) -> Mapping[str, AxisStop]:
-        """How far the stop of each axis has come, by its name."""
+        """Progress of each axis' stop, by the axis' name."""
         return self._permission.stops.of_axes
 
     @property
     def places(self) -> dict[str, float]:
-        """Where each axis that is told its place stood last, as it is read off the robot."""
+        """Last known positions of the axes that need confirmation, as read off the robot."""
         return {axis: round(place, PLACE_DIGITS) for axis, place in self._pipeline.places.items()}
 
     def offer(self, last: Mapping[str, float]) -> None:
-        """Take where the axes stood in an earlier run; it is told, and never believed."""
+        """Take the axes' positions in an earlier run; they are reported, and never trusted."""
         self._pipeline.offer(last)
 
     @property
@@ -168,12 +168,12 @@ class Bridge:
 
     @property
     def seen(self) -> Snapshot[Any, Any]:
-        """What the bridge knew when it last reported."""
+        """The snapshot of the newest report."""
         return self._pipeline.seen
 
     @property
     def holds(self) -> tuple[Hold, ...]:
-        """What held the robot back then."""
+        """The interlock events of the newest report."""
         return self._pipeline.holds
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
@@ -200,7 +200,7 @@ class Bridge:
     def stop(self, now: Nanoseconds) -> Reaction:
         """Begin the orderly end: ramp to rest, power off, leave; done when `finished`.
 
-        While it is `holding` it does not end; asked again, twice within 5 s, it lets go.
+        While it is `holding` it does not end; two commands within 5 s disable the power.
         """
         if self.holding:
             if now < self._requested_at + SECOND_REQUEST_WITHIN:
@@ -311,7 +311,7 @@ class Bridge:
             self._operator.note(self._fleets.remarks)
 
     def _refused(self, now: Nanoseconds) -> bool:
-        """Whether another master was heard before anything was sent; this bridge stays silent then."""
+        """Return whether a second controller was received before anything was sent; it stays silent then."""
         masters = self._fleets.masters(now) if self._task is None and self.phase is Phase.STARTING else {}
         if masters:
             self.failure = "; ".join(f"link '{name}': {what}" for name, what in masters.items())
@@ -381,7 +381,7 @@ class Bridge:
         if self.phase is Phase.RUNNING or stops:
             verdict = self._pipeline.decide(request, now)
             if self._task is None:
-                # It is remembered: no power comes on. To the devices nothing is said while it only listens.
+                # It is remembered: no power comes on. Nothing is sent to the devices while it only listens.
                 self._outbox[:] = [packet for packet in self._outbox if packet.link == OPERATOR]
             return verdict
         hold = self._waiting(now)

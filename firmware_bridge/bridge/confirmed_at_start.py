@@ -1,6 +1,7 @@
-"""Where axes stand, said when the bridge was started: told to it as an operator would, once it runs.
+"""Positions of axes given when the bridge was started: confirmed as by an operator, once it runs.
 
-It is of that moment. What cannot be taken for some seconds is dropped, and the zero stays unknown.
+They are of that moment. A position that cannot be confirmed for some seconds is dropped, and the axis stays
+unreferenced.
 """
 
 from collections.abc import Callable, Iterable

@@ -20,9 +20,9 @@ class Fleets:
         self._stopped: set[str] = set()
         """The axes that the newest demands stop."""
         self.set_points: dict[str, Demand] = {}
-        """What was sent to each axis last; only what is due on its link, or a stop, is sent."""
+        """The last set-point of each axis; only those due on its link, or a stop, are sent."""
         self._beats: list[Nanoseconds] = [0] * len(fleets)
-        """When each link's devices hear next that the bridge lives."""
+        """Time of each link's next heartbeat to its devices."""
         self._silent_until: dict[str, Nanoseconds] = {}
         """Until when they shall not, by the link's name."""
         self.drivers: Final[tuple[Driver, ...]] = tuple(
@@ -31,17 +31,17 @@ class Fleets:
 
     @property
     def busy(self) -> bool:
-        """Whether any device has tasks under way."""
+        """True while any device has tasks under way."""
         return any(fleet.busy for fleet in self.all)
 
     @property
     def failures(self) -> tuple[str, ...]:
-        """Why tasks failed, one line for each device that did."""
+        """The reasons why tasks failed, one line for each device that did."""
         return tuple(failure for fleet in self.all for failure in fleet.failures)
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What the links' start has shown that whoever drives must know."""
+        """Findings of the links' start for the station in control."""
         return tuple(fleet.link.remark for fleet in self.all if fleet.link.remark)
 
     def hints(self, now: Nanoseconds) -> tuple[str, ...]:
@@ -55,7 +55,7 @@ class Fleets:
 
     @property
     def wake_at(self) -> Nanoseconds:
-        """When a link, a device, or a beat is due."""
+        """Time when the next link, device, or heartbeat is due."""
         first = NEVER
         for fleet in self.all:
             first = min(first, fleet.wake_at)
@@ -65,26 +65,26 @@ class Fleets:
 
     @property
     def feedback(self) -> dict[str, Feedback]:
-        """What each axis's device has told, by the axis's name."""
+        """Feedback of each axis' device, by the axis' name."""
         return {driver.axis.name: driver.feedback for driver in self.drivers}
 
     @property
     def links_lost(self) -> dict[str, str]:
-        """Why no device on a link can be reached, by the link's name."""
+        """Reasons why no device on a link can be reached, by the link's name."""
         return {fleet.name: fleet.link.lost for fleet in self.all if fleet.link.lost is not None}
 
     @property
     def listens_for(self) -> Nanoseconds:
-        """How long a starting bridge listens before it sends anything."""
+        """Time for which a starting bridge listens before it sends anything."""
         return max(fleet.link.listens_for for fleet in self.all)
 
     def masters(self, now: Nanoseconds) -> dict[str, str]:
-        """Return what was heard of other masters, by the link's name."""
+        """Return the received traffic of second controllers, by the link's name."""
         received = {fleet.name: fleet.link.master(now) for fleet in self.all}
         return {name: what for name, what in received.items() if what is not None}
 
     def readings(self, now: Nanoseconds) -> dict[str, Reading]:
-        """Return what the sensors have told, by their names; what is too old is left out."""
+        """Return the sensors' readings, by their names, without those too old."""
         return {name: reading for fleet in self.all for name, reading in fleet.readings(now).items()}
 
     def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...] | None:
@@ -125,7 +125,7 @@ class Fleets:
         return joined([fleet.begin(tasks, now, without) for fleet in self.all])
 
     def sample(self, cycle: int, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Begin a cycle, the `cycle`-th: have the devices of each link that is due tell where they are."""
+        """Begin a cycle, the `cycle`-th: sample the devices of each link that is due."""
         self._due = tuple([fleet for fleet in self.all if cycle % fleet.every == 0])
         return joined([fleet.link.sample(now) for fleet in self._due])
 
@@ -134,7 +134,7 @@ class Fleets:
         return max([fleet.link.answers_within for fleet in self._due], default=0)
 
     def sampled(self, since: Nanoseconds) -> bool:
-        """Whether every device that was asked has told its sample of the cycle that began at `since`."""
+        """Return whether every requested device has sent its sample of the cycle that began at `since`."""
         return all(fleet.sampled(since) for fleet in self._due)
 
     def measure(self, now: Nanoseconds) -> tuple[Packet, ...]:

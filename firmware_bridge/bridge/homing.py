@@ -1,7 +1,7 @@
-"""Which axis finds its zero now, by moving, and whether it may go on: one at a time, watched, and told.
+"""Homing of one axis at a time, by motion: its supervision, its permission, its report.
 
-It ends as a stop of any axis does: the axis is commanded to rest, and stays so.
-It refuses to know how a device seeks its zero, and which hold stops which axis.
+It ends as a stop of any axis does: the axis is commanded to standstill, and stays so. The device's search and
+the choice of interlocks for an axis are not known here.
 """
 
 from collections.abc import Mapping
@@ -29,7 +29,7 @@ STOPS: Final = (Disarm, EmergencyStop, EnterMode, Pause, ChangeDriver)
 MEANWHILE: Final = ("not armed", "stick not neutral", "reference lost", "axis restarted")
 """Rows that keep no axis from its homing: it is what they wait for, or no stick moves it."""
 PREPARED_WITHIN: Final[Nanoseconds] = 2 * SECOND
-"""What reading back before the start, and after the end, may add to the time in the robot file."""
+"""Time for reading back before the start, and after the end, beside the one in the robot file."""
 UNDER_WAY: Final = Row(
     "homing", "wait; or disarm, that stops it", stops=frozenset(), severity=Severity.NOTICE
 )
@@ -48,15 +48,15 @@ class Homing:
 
     def __init__(self) -> None:
         self._driver: Driver | None = None
-        """Whose axis is homed; None while none is."""
+        """Driver of the axis that is homed; None without one."""
         self._reason = ""
-        """Why it has to end; empty while it may go on."""
+        """The reason why it has to end; empty while it may go on."""
         self._since: Nanoseconds = 0
         self._place = self._low = self._high = 0.0
-        """How far it has gone, now and at most, in its unit: its own count jumps at the end."""
+        """Position, with its lowest and highest value, in its unit: its own count jumps at the end."""
         self._sampled_at: Nanoseconds = NEVER_RECEIVED
         self.holds: tuple[Hold, ...] = ()
-        """What is to be told: that one is under way, or why the last one failed."""
+        """Reports: one under way, or the reason why the last one failed."""
 
     @property
     def under_way(self) -> tuple[Hold, ...]:
@@ -65,7 +65,7 @@ class Homing:
 
     @property
     def demands(self) -> Mapping[str, Demand]:
-        """What an axis is told that may go on; none."""
+        """The set-point of the axis whose homing may go on; empty without one."""
         return {} if self._driver is None else {self._driver.axis.name: Homed()}
 
     def kept_by(self, axis: Axis, holds: tuple[Hold, ...]) -> Hold | None:
@@ -83,7 +83,7 @@ class Homing:
         return driver.home(now)
 
     def ordered(self, request: Request) -> None:
-        """Learn what was asked for: whatever asks for a stop ends it."""
+        """Take note of a request: one for a stop ends the homing."""
         if isinstance(request, STOPS):
             self._reason = "it was stopped by an order"
 

@@ -1,10 +1,10 @@
-"""Whether the robot stands by itself: looked at before its power goes, and watched for a while after.
+"""Power down: standstill without power is checked before it, and watched for a while after.
 
-All axes let go together. Beforehand the current is looked at that each free axis needs to stand: more than
-friction explains means a slope, and the power stays until it is ordered off. What still flows of the ramp is
-none of it: only currents that arrived at standstill count, and one that falls is looked at again. An axis
-that moves nevertheless is given power again. It refuses to know why the power shall go; an order that takes
-it asks no one here.
+All axes lose their power together. Beforehand the current is judged that each free axis needs at standstill:
+more than friction explains means a slope, and the power stays until it is ordered off. The decay of the
+ramp's current does not count: only currents that arrived at standstill do, and a falling one is judged again.
+An axis that moves nevertheless is given power again. The reason for the power down is not known here; an
+order that disables the power does not pass here.
 """
 
 from collections.abc import Collection, Sequence
@@ -23,7 +23,7 @@ from firmware_bridge.safety.snapshot import Hold
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 LOOKS_FOR: Final[Nanoseconds] = 500 * MILLISECOND
-"""The base rests for so long before its currents are believed: they are averages, and decay from braking."""
+"""Time of standstill before the base's currents count: they are averages, and decay from braking."""
 AVERAGED: Final[Nanoseconds] = 250 * MILLISECOND
 """Over the last part of it, and over each further look."""
 LOOKED_WITHIN: Final[Nanoseconds] = 2_500 * MILLISECOND
@@ -31,7 +31,7 @@ LOOKED_WITHIN: Final[Nanoseconds] = 2_500 * MILLISECOND
 SETTLED: Final = 0.9
 """A current that is not below this share of what it was a look before falls no more."""
 WATCHED_FOR: Final[Nanoseconds] = 2 * SECOND
-"""What has not moved by then stands."""
+"""Time without motion that proves standstill."""
 SLIPS_S: Final = 0.25
 """One that goes further than in this time at the speed below which it rests does not stand."""
 HELD: Final = Row(
@@ -43,7 +43,7 @@ HELD: Final = Row(
 
 
 RESTS_WITHIN: Final[Nanoseconds] = 3 * SECOND
-"""A base that does not rest by then keeps its power, and that is told."""
+"""Time for a base to come to standstill; after it the power stays, and that is reported."""
 STAYS: Final = Row(
     "power stays on",
     "keep clear; disarm by force, which disables it",
@@ -53,10 +53,10 @@ STAYS: Final = Row(
 
 
 class Stage(Enum):
-    """How far the letting go has come."""
+    """Stage of the power down."""
 
     KEPT = "kept"
-    """No one has asked for it, or the base does not rest yet."""
+    """No power down is requested, or the base is not at standstill yet."""
     LOOKED_AT = "looked at"
     WATCHED = "watched"
     """Without power; a free axis that moves now gets it again."""
@@ -75,28 +75,28 @@ class _Axis:
     """Sum of the currents that were looked at, A."""
     looks: int = 0
     looked_at: Nanoseconds = NEVER_RECEIVED
-    """When the newest current that was looked at had arrived."""
+    """Arrival of the newest current that was judged."""
     was_at: float = 0.0
-    """Its position when it was let go."""
+    """Its position when it lost its power."""
     let_go: bool = False
 
     @property
     def powered(self) -> bool:
-        """Whether it may have torque, as far as its device has told."""
+        """True where it may have torque, as far as its device has reported."""
         return not self.driver.unpowered and self.driver.feedback.power not in (Power.OFF, Power.FAULT)
 
     def silent(self, now: Nanoseconds) -> bool:
-        """Whether its device has not been heard for too long."""
+        """Return whether its device has timed out."""
         return now - self.driver.feedback.received_at >= self.silent_after
 
     @property
     def moves(self) -> bool:
-        """Whether its device tells that it moves."""
+        """True where its device reports motion."""
         return abs(self.driver.feedback.velocity) > self.driver.axis.rests_below
 
     @property
     def slips(self) -> bool:
-        """Whether it moves, or has moved, since it was let go."""
+        """True where it moves, or has moved, since it lost its power."""
         way = abs(self.driver.feedback.position - self.was_at)
         return self.moves or way > SLIPS_S * self.driver.axis.rests_below
 
@@ -131,33 +131,33 @@ class LettingGo:
         )
         self.stage = Stage.KEPT
         self._since: Nanoseconds = 0
-        """When the stage began."""
+        """Time when the stage began."""
         self._hold: Hold | None = None
         self._waits_from: Nanoseconds | None = None
         """Since when the power shall go and the base does not rest."""
         self._looks_from: Nanoseconds = 0
-        """When a current must have arrived that the present look counts."""
+        """Earliest arrival of a current that the present look counts."""
         self._pulled = 0.0
-        """What the look before found, in shares of what friction explains; 0 before the first."""
+        """Result of the look before, in shares of what friction explains; 0 before the first."""
 
     @property
     def holds(self) -> tuple[Hold, ...]:
-        """What is to be told."""
+        """The reports."""
         return () if self._hold is None else (self._hold,)
 
     @property
     def held(self) -> bool:
-        """Whether the robot keeps its power because it would not stand without."""
+        """True while the robot keeps its power because it would not stay at standstill without."""
         return self.stage is Stage.HELD
 
     @property
     def let_go(self) -> bool:
-        """Whether it has lost its power, and has stood without it for long enough."""
+        """True where it has lost its power, and has been at standstill without it for long enough."""
         return self.stage is Stage.LET_GO
 
     @property
     def under_way(self) -> bool:
-        """Whether the base has rested and it is not known yet whether it stands by itself, or it does not."""
+        """True from the base's standstill on, until it is proved to stay so without power."""
         return self.stage not in (Stage.KEPT, Stage.LET_GO)
 
     def stop_for(self, *, rests: bool, now: Nanoseconds, without: Collection[str] = ()) -> Stop | None:
@@ -178,7 +178,7 @@ class LettingGo:
         return self._demand()
 
     def not_requested(self, now: Nanoseconds) -> None:
-        """Learn that the power shall stay as it is; what was let go is still watched, until it has power."""
+        """Keep the power as it is; an axis that has lost its own is still watched, until it has it again."""
         if self.stage is Stage.WATCHED and not any(axis.driver.busy for axis in self._free):
             self._watch(now)
         else:
@@ -211,7 +211,7 @@ class LettingGo:
         self._hold = self._waits_from = None
 
     def _wait(self, now: Nanoseconds) -> None:
-        """Wait for the base to rest, and tell who moves where it does not."""
+        """Wait for the base's standstill, and report the axes that move where there is none."""
         self._enter(Stage.KEPT, now)
         if self._waits_from is None:
             self._waits_from = now
@@ -240,7 +240,7 @@ class LettingGo:
         if now >= self._looks_from:
             for axis in powered:
                 axis.look(now, self._looks_from)
-        # One that is silent is stopped by its own watch: what is left holds the robot, and can tell.
+        # A silent axis is stopped by its own watchdog: the others hold the robot, and report.
         received = [axis for axis in powered if not axis.silent(now)] or powered
         last = now >= self._since + LOOKED_WITHIN
         if now < self._looks_from + AVERAGED or (not last and any(axis.looks == 0 for axis in received)):
@@ -278,7 +278,7 @@ class LettingGo:
 
 
 class _Held(NamedTuple):
-    """What keeps axes from being let go."""
+    """The reason why axes keep their power."""
 
     pulled: float
     """The current with which they stand, in shares of what friction explains; NaN where it is not known."""
@@ -286,7 +286,7 @@ class _Held(NamedTuple):
 
 
 def _held(axes: Sequence[_Axis]) -> _Held | None:
-    """Return what keeps axes from being let go, at worst; None where nothing does."""
+    """Return the strongest reason why axes keep their power; None without one."""
     together: dict[str, list[_Axis]] = {}
     for axis in axes:
         together.setdefault(axis.driver.axis.stands_with or axis.driver.axis.name, []).append(axis)
@@ -295,7 +295,7 @@ def _held(axes: Sequence[_Axis]) -> _Held | None:
 
 
 def _pulls(axes: Sequence[_Axis]) -> _Held | None:
-    """Return what keeps those from being let go which stand together, as far as the looks tell."""
+    """Return why axes that stand together keep their power, as far as the looks show; None: they need not."""
     for axis in axes:
         if not isfinite(axis.pulled):
             called = axis.driver.axis.called

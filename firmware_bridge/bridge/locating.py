@@ -1,4 +1,4 @@
-"""Where the robot is: by odometry alone, or by the sensor that sees it, carried on by odometry."""
+"""Localization: by odometry alone, or by the sensor that sees the robot, carried on by odometry."""
 
 from collections.abc import Callable, Mapping
 from typing import Final, TypeAlias
@@ -10,7 +10,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds
 
 Unrolled: TypeAlias = Callable[[SeenPose, Pose], Pose]
-"""Where on what it drives on a robot is that was seen in the room, near where it is believed to be."""
+"""Map from a robot's pose seen in the room, near its assumed one, to the pose on its ground."""
 
 
 def on_floor(seen: SeenPose, _near: Pose) -> Pose:
@@ -25,7 +25,7 @@ class Locating:
     def __init__(self, robot: AnyRobot, unrolled: Unrolled = on_floor) -> None:
         self._unrolled: Final = unrolled
         self.odometry = Pose()
-        """What was rolled since the bridge began, or since the origin was set again."""
+        """Pose rolled since the bridge began, or since the origin was set again."""
         self._sensor = ""
         self._captured: Captured | None = None
         if robot.located_by is not None:
@@ -36,16 +36,16 @@ class Locating:
 
     @property
     def pose(self) -> Pose:
-        """Where it is, as far as that is known."""
+        """The pose, as far as it is known."""
         return self.odometry if self._captured is None else self._captured.located.pose
 
     @property
     def located(self) -> Located | None:
-        """How far that is known; None where only odometry tells it."""
+        """Uncertainty of the pose; None where only odometry gives it."""
         return None if self._captured is None else self._captured.located
 
     def begin_again(self) -> str:
-        """Forget where it was, as someone asks who has looked; return what comes of it, in words."""
+        """Forget the pose, on an operator's command; return the effect as text."""
         if self._captured is None:
             self.odometry = Pose()
             return "the present place is the origin"
@@ -53,12 +53,12 @@ class Locating:
         return "the robot is where the cameras see it next"
 
     def interrupted(self) -> None:
-        """Note that what was rolled is not known: only the sensor can tell where it is then."""
+        """Note that odometry is lost: only the sensor can find the pose then."""
         if self._captured is not None:
             self._captured.begin_again()
 
     def rolled(self, odometry: Pose, at: Nanoseconds, readings: Mapping[str, Reading]) -> None:
-        """Take what odometry says at an instant, and what the sensor has seen last."""
+        """Take odometry's pose at an instant, and the sensor's last one."""
         self.odometry = odometry
         if self._captured is not None:
             sight = self._sight(readings.get(self._sensor), self._captured.located.pose)

@@ -1,6 +1,7 @@
-"""Whether the robot may move: armed or not, the emergency stop's latch, its mode, and what a request does.
+"""Motion permission: armed or not, the emergency stop's latch, the mode, and the effect of a request.
 
-It answers every request with a reason. What the interlocks say comes in with the holds; it judges no motion.
+It answers every request with a reason. The interlocks' decision comes in with their events; it judges no
+motion.
 """
 
 from collections.abc import Collection
@@ -39,7 +40,7 @@ BRAKED_WITHIN: Final[Nanoseconds] = 3 * SECOND
 
 
 class Permission(Generic[G, M, S]):
-    """The leave to move, and who may change it."""
+    """The motion permission, and the requests that change it."""
 
     def __init__(
         self,
@@ -56,20 +57,20 @@ class Permission(Generic[G, M, S]):
         self._rules: Final = rules
         self._fleets = fleets
         self.homing: Final = Homing()
-        """Which axis finds its zero now."""
+        """Homing of one axis now."""
         self._outbox = outbox
         self._silent_after = robot.silent_after
         self._final = False
         self.stops: Final = Stops(robot, fleets)
-        """Whether the axes obey when they are to stop."""
+        """Supervision of the axes' stops."""
         self.letting_go: Final = LettingGo(robot, fleets, outbox)
-        """Whether the robot stands by itself where its power shall go."""
+        """Check of the robot's standstill before its power is disabled."""
         self.armed = False
         self.emergency_stopped = False
         self.mode = mode
         """The mode after a failed actuator; empty while the robot is whole."""
         self.powered_off = False
-        """A forced disarm takes the power off at rest; it stays off until arming puts it on again."""
+        """A forced disarm disables the power at standstill; it stays off until arming puts it on again."""
         self._brakes_until: Nanoseconds = NEVER_RECEIVED
         """So long the robot may take to come to rest for that; over as soon as it has."""
         self.paused = False
@@ -85,17 +86,17 @@ class Permission(Generic[G, M, S]):
 
     @property
     def forbids_power(self) -> bool:
-        """Whether no drive may be given power now."""
+        """True while no drive may be given power."""
         return self.emergency_stopped or self.powered_off
 
     @property
     def holds(self) -> tuple[Hold, ...]:
-        """What is to be told of stops, and of the letting go."""
+        """The reports about stops, power down and homing."""
         return self.stops.holds + self.letting_go.holds + self.homing.holds
 
     @property
     def let_go(self) -> bool:
-        """Whether the power goes for good: it was ordered off at rest, or the robot has stood without it."""
+        """True where the power goes for good: ordered off at standstill, or proved unnecessary for it."""
         return self.letting_go.let_go or (self.powered_off and self._brakes_until == NEVER_RECEIVED)
 
     def ordered_off(self, now: Nanoseconds, *, rests: bool) -> Stop:
@@ -105,7 +106,7 @@ class Permission(Generic[G, M, S]):
         return Stop.POWER_OFF if self._brakes_until == NEVER_RECEIVED else Stop.QUICK_STOP
 
     def order_off(self, now: Nanoseconds) -> None:
-        """Take the leave to move, and the power as soon as the robot rests."""
+        """Disarm, and disable the power as soon as the robot is at standstill."""
         self.armed = False
         if not self.powered_off:
             self.powered_off, self._brakes_until = True, now + BRAKED_WITHIN
@@ -118,9 +119,10 @@ class Permission(Generic[G, M, S]):
         return tuple([packet for driver in waiting for packet in driver.begin((), now)])
 
     def part(self, holds: tuple[Hold, ...], clearing: Collection[str]) -> None:
-        """Part the operator where a hold's row says so.
+        """Require neutral controls where an interlock event's row needs it.
 
-        One that is `clearing` does not: who has let go since its cause ended has done what it asks for.
+        One that is `clearing` does not: an operator whose stick has been neutral since its cause ended has
+        done so.
         """
         if any(hold.row.parts and hold.name not in clearing for hold in holds):
             self.neutral_required = True
@@ -170,7 +172,7 @@ class Permission(Generic[G, M, S]):
         return Verdict(accepted=True, reason=f"home: {axis.called} is homing")
 
     def _keeps_zeros(self, seen: Snapshot[M, S]) -> str | None:
-        """Return why no axis may be told where it stands, or None."""
+        """Return why no axis' position may be confirmed, or None."""
         if self.armed:
             return "disarm first"
         for hold in self.homing.under_way:
@@ -322,7 +324,8 @@ class Permission(Generic[G, M, S]):
         if mode == self.mode:
             return self._resume(seen)
         rules = self._rules[mode]
-        # By the mode's own body: what it does without, and tells nothing, is not known to stand.
+        # By the mode's own body: an axis that it does without, and that reports nothing, is not known to be
+        # still.
         if self.armed or not rules.at_rest(rules.sensed(seen)):
             return Verdict(accepted=False, reason="mode: stop and disarm first", temporary=True)
         kept = self.letting_go.kept_by(rules.carriers, seen.facts.now)

@@ -1,7 +1,7 @@
-"""One cycle, top to bottom: known, ruling, ramp, demands, pose, report. It has no robot's word.
+"""One cycle, top to bottom: snapshot, decision, ramp, set-points, pose, report. It names no robot.
 
-It refuses to know the links' timing and start-up: `firmware_bridge.bridge.bridge` calls it when the devices
-have told where they are.
+The links' timing and start-up are not known here: `firmware_bridge.bridge.bridge` calls it when the devices
+have sent their samples.
 """
 
 from collections.abc import Collection, Mapping
@@ -43,7 +43,7 @@ NO_LEVELS: Final[Mapping[str, Level]] = {}
 
 
 class Pipeline(Generic[G, M, S]):
-    """What the bridge does in every cycle, and what it remembers from one to the next."""
+    """The work of every cycle, and the state from one to the next."""
 
     def __init__(
         self,
@@ -72,9 +72,9 @@ class Pipeline(Generic[G, M, S]):
         self._zeros: Final = Zeros(robot, kind.station.gauges, fleets)
         self._followers: Final = Followers(robot)
         self._guide: Guide[M, S] | None = None
-        """Whoever gives the commands in the operator's place; None while he makes them himself."""
+        """The path follower in the operator's place; None while the operator commands."""
         self._command: M | None = None
-        """The guide's newest command."""
+        """The path follower's newest command."""
         self._demanded: M = kind.rest
         self._locating: Final = Locating(robot, on_floor if kind.unrolled is None else kind.unrolled(robot))
         self._counted: Mapping[str, Feedback] | None = None
@@ -82,11 +82,11 @@ class Pipeline(Generic[G, M, S]):
         self._ran_at: Nanoseconds | None = None
         self._stood_still: Nanoseconds = 0
         self.gate_deadline: Nanoseconds = NEVER
-        """When a silence will trip an interlock if nothing is heard."""
+        """Time when a timeout trips an interlock if nothing is received."""
         self.seen: Snapshot[M, S] = self.known(0)
-        """What the newest cycle knew and did."""
+        """The newest cycle's snapshot."""
         self.holds: tuple[Hold, ...] = ()
-        """What held in the newest cycle."""
+        """The newest cycle's interlock events."""
 
     def run(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], tuple[Packet, ...]]:
         """Do one cycle; return what goes to the devices and what to the operator."""
@@ -112,10 +112,10 @@ class Pipeline(Generic[G, M, S]):
         return sent, self._operator.report(self.seen, self.holds, now)
 
     def come_to_rest(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], bool]:
-        """Ramp down and let go without asking anybody; return what goes to the devices, and whether it rests.
+        """Ramp down, then power down, without the operator; return the packets, and whether it is done.
 
-        A robot that would not stand without power is not let go before it is ordered. An axis whose report of
-        standstill is not plausible loses its power as it would while the robot is driven.
+        A robot that would not stay at standstill without power keeps it until ordered. An axis whose report
+        of standstill is not plausible loses its power as it would while the robot is driven.
         """
         self._permission.homing.interrupt("the bridge is ending", now)
         known = self.known(now)
@@ -140,11 +140,11 @@ class Pipeline(Generic[G, M, S]):
 
     @property
     def places(self) -> dict[str, float]:
-        """Where each axis stood when its zero was known last, as it is read off the robot."""
+        """Position of each axis when it was last referenced, as read off the robot."""
         return self._zeros.last
 
     def offer(self, last: Mapping[str, float]) -> None:
-        """Take where the axes stood in an earlier run; it is told, and never believed."""
+        """Take the axes' positions in an earlier run; they are reported, and never trusted."""
         self._zeros.offer(last)
 
     def check(self, request: ConfirmZero) -> None:
@@ -162,7 +162,7 @@ class Pipeline(Generic[G, M, S]):
         if isinstance(request, ChangeDriver):
             self._guide = self._command = None
             self._permission.neutral_required = True
-            self._operator.take_let_go()  # it was someone else who did
+            self._operator.take_let_go()  # the neutral stick was another station's
             self._permission.homing.ordered(request)
             return Verdict(accepted=True, reason="")
         if isinstance(request, Arm):
@@ -228,9 +228,9 @@ class Pipeline(Generic[G, M, S]):
             self._permission.armed = False
 
     def _guided(self, known: Snapshot[M, S], elapsed: Nanoseconds) -> Snapshot[M, S]:
-        """Return the snapshot with the guide's command in it, where one guides.
+        """Return the snapshot with the path follower's command in it, where there is one.
 
-        A moved stick takes over; who loses the leave to move loses the guide: armed again, nothing starts.
+        A deflected stick takes over; a disarm ends the path follower: armed again, nothing starts.
         """
         if self._guide is None:
             return known
@@ -274,7 +274,7 @@ class Pipeline(Generic[G, M, S]):
         homing.watch(holds, facts)
 
     def _stop_requested(self, stopped: frozenset[Group]) -> set[str]:
-        """Return the axes that are to stop; what the mode does without is not asked."""
+        """Return the axes that are to stop, without those that the mode excludes."""
         permission = self._permission
         requested = (permission.powered_off or group in stopped for group in self._group_of.values())
         moves = permission.homing.demands.keys()
@@ -287,7 +287,7 @@ class Pipeline(Generic[G, M, S]):
         levels: Mapping[str, Level],
         now: Nanoseconds,
     ) -> tuple[Packet, ...]:
-        """Send the demands, with what has to be done about axes that do not stop as they are asked to."""
+        """Send the set-points, and the further stop stages of axes that do not stop as requested."""
         stops = self._permission.stops
         escalated, changed = stops.watch(
             requested,
@@ -311,7 +311,7 @@ class Pipeline(Generic[G, M, S]):
         return self._demands_of_body(known)
 
     def _without_power(self, known: Snapshot[M, S], *, rests: bool) -> Mapping[str, Demand]:
-        """Return what takes the power of all axes, or keeps it at rest; nothing while they do not rest."""
+        """Return the stop that disables all axes' power, or keeps it at standstill; none while they move."""
         permission, now = self._permission, known.facts.now
         if permission.powered_off:
             permission.letting_go.ordered(now)
@@ -326,13 +326,13 @@ class Pipeline(Generic[G, M, S]):
         return self._used(self._permission.rules.body.demands(self._demanded, known.body))
 
     def _used(self, demands: Mapping[str, Demand]) -> Mapping[str, Demand]:
-        """Return the demands; an axis that the mode does without, or that is not believed, has no power."""
+        """Return the set-points; an axis that the mode excludes, or that is untrusted, has no power."""
         permission = self._permission
         unused, homed = permission.rules.without | permission.untrusted, permission.homing.demands
         return {**demands, **homed, **dict.fromkeys(unused, Stop.POWER_OFF)} if unused or homed else demands
 
     def _rests(self, known: Snapshot[M, S]) -> bool:
-        """Return whether the robot stands; an axis is not asked whose power was taken for what it tells."""
+        """Return whether the robot is at standstill; untrusted axes, whose power is off, are not judged."""
         permission = self._permission
         if permission.rules.at_rest(known):
             return True
@@ -346,7 +346,7 @@ class Pipeline(Generic[G, M, S]):
         return not rules.body.requested(self._demanded, known.body) & rules.travelling
 
     def _levels(self, ruling: Ruling[M]) -> Mapping[str, Level]:
-        """Return what the outputs shall be: as the motion says, or as a stop of everything sets them."""
+        """Return the levels of the outputs: by the motion, or by a stop of everything."""
         if self._kind.switched is None:
             return NO_LEVELS
         levels = self._kind.switched(ruling.allowed)
@@ -371,7 +371,7 @@ class Pipeline(Generic[G, M, S]):
             locating.rolled(pose, axes[body.rolling[0]].sampled_at, facts.sensors)
 
     def _keep(self, known: Snapshot[M, S], holds: tuple[Hold, ...]) -> None:
-        """Keep what this cycle knew, with what it has demanded; a guide that was held back begins again."""
+        """Keep this cycle's snapshot and set-points; a path follower that was held back begins again."""
         self.seen = Snapshot(
             facts=known.facts,
             command=known.command,

@@ -1,11 +1,11 @@
-"""Stops: whether each axis that is requested to stop does, stage by stage with more force.
+"""Supervision of stops: each axis that is requested to stop, stage by stage with more force.
 
-No set-point that was sent counts as a stop. A stop is under way until a fresh report of the device says that
-the axis is at standstill or has no torque. A stage lasts as long as its row in the driver's table says, and
-no longer, whatever the device reports meanwhile; one that is not confirmed by then gives way to the next,
-and the operator is informed. The power is off at the latest `TAKEN_WITHIN` after the stop began. A stop waits
-for no start-up, no restore and no query, but for a start-up that was requested: an order that stops the
-robot ends that one, and it does not go first where the axis moves.
+No set-point that was sent counts as a stop. A stop is under way until a fresh report of the device shows the
+axis at standstill or without torque. A stage lasts no longer than its row in the driver's table permits,
+whatever the device reports meanwhile; one that is not confirmed by then gives way to the next, and the
+operator is informed. The power is off at the latest `TAKEN_WITHIN` after the stop began. A stop waits for no
+start-up, no restore and no query, but for a start-up that was requested: an order that stops the robot ends
+that one, and it does not go first where the axis moves.
 """
 
 from collections.abc import Collection, Mapping
@@ -26,7 +26,7 @@ from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 RESTS: Final = 0.01
 """An axis is at standstill below this share of its top speed."""
 SLOWED: Final = 0.75
-"""Down to this share of its speed, and an axis does slow down: its stage may last as long as its row says."""
+"""Share of its speed below which an axis slows down: its stage may last its row's full time."""
 RAMPED_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The bridge's own ramp down may last so long; the first stage counts from its end."""
 STEADY: Final[Nanoseconds] = 500 * MILLISECOND
@@ -38,7 +38,7 @@ RUNS_ON: Final = "nothing is left to try; it may go on moving"
 
 
 class Progress(Enum):
-    """How far a stop has come."""
+    """Progress of a stop."""
 
     NOT_REQUESTED = "not requested"
     UNDER_WAY = "under way"
@@ -73,26 +73,26 @@ class AxisStop:
         self.left_out = False
         """The robot's mode does without the axis: what becomes of it holds nothing back."""
         self._rested = False
-        """Whether it was at standstill when it last reported before the stop."""
+        """True where it was at standstill in its last report before the stop."""
         self._slowing_from = 0.0
         self.off = False
-        """Whether the power was ordered off."""
+        """True where the power was ordered off."""
         self.steps: tuple[StopStep, ...] = ()
         """Of the way that was begun."""
         self.place = 0
         self.begun_at: Nanoseconds = 0
-        """When the present step was begun."""
+        """Time when the present stage was begun."""
         self._failed_at: Nanoseconds = 0
-        """When the stage before the present one was given up."""
+        """Time when the stage before the present one was given up."""
         self.confirmed_at: Nanoseconds = 0
         self.until: Nanoseconds = 0
-        """When the present step ends at the latest."""
+        """Latest end of the present stage."""
         self._due: Nanoseconds = 0
-        """When it ends unless the axis is seen to slow down."""
+        """Its end unless the axis is seen to slow down."""
         self.since: Nanoseconds = 0
-        """When the stop was begun, of which the present one may be a continuation."""
+        """Time when the stop was begun, of which the present one may be a continuation."""
         self._gentle_until: Nanoseconds = 0
-        """When the first step that takes the power is begun at the latest."""
+        """Latest begin of the first stage that disables the power."""
 
     @property
     def step(self) -> StopStep:
@@ -106,16 +106,16 @@ class AxisStop:
 
     @property
     def escalates(self) -> bool:
-        """Whether a step was not confirmed, and another one is tried."""
+        """True where a stage was not confirmed, and another one is tried."""
         return self.progress is Progress.UNDER_WAY and self.place > 0
 
     @property
     def ends_power(self) -> bool:
-        """Whether a step is under way that takes the power, ordered or not."""
+        """True while a stage is under way that disables the power, ordered or not."""
         return self.escalates and self.step.ends_power
 
     def keeps_off(self, now: Nanoseconds) -> bool:
-        """Return whether the word that took the power stays in force: its confirmation is not steady yet."""
+        """Return whether the power-off command stays in force: its confirmation is not steady yet."""
         off = self.progress is Progress.CONFIRMED and self.place > 0 and self.step.ends_power
         return off and now - self.confirmed_at < STEADY
 
@@ -124,7 +124,7 @@ class AxisStop:
         feedback, before = self.driver.feedback, self.progress
         same = before is Progress.CONFIRMED and now - self.confirmed_at < STEADY
         if same and self.off == off and self.step.ends_power:
-            # Its device, which may have restarted meanwhile, is told once more, and has its time to answer.
+            # Its device, which may have restarted meanwhile, is commanded again, and has its time to answer.
             until, self._failed_at = self.until, now
             self.progress = Progress.UNDER_WAY
             self._enter(self.place, now)
@@ -140,12 +140,12 @@ class AxisStop:
         self._enter(0, now)
 
     def confirm(self, now: Nanoseconds) -> None:
-        """Note that the device's own report says that the stop is done."""
+        """Note that the device's own report confirms the stop."""
         if self.progress is not Progress.CONFIRMED:
             self.progress, self.confirmed_at = Progress.CONFIRMED, now
 
     def go_on(self, now: Nanoseconds) -> None:
-        """Begin the next step, where one is left; after the time of the gentle ones it takes the power."""
+        """Begin the next stage, if one is left; after the time of the gentle ones it disables the power."""
         following, self._failed_at = self.place + 1, now
         if now >= self._gentle_until:
             ends_power = (it for it, step in enumerate(self.steps) if it >= following and step.ends_power)
@@ -156,9 +156,9 @@ class AxisStop:
             self.place, self.progress = len(self.steps), Progress.GIVEN_UP
 
     def extend(self, now: Nanoseconds, *, ramped: bool) -> None:
-        """Let a step that brings to standstill last as long as its row says, where the axis slows down.
+        """Let a stage that brings to standstill last its row's full time, where the axis slows down.
 
-        While the bridge itself still ramps down the step has not begun; that does not last for ever either.
+        While the bridge itself still ramps down the stage has not begun; that does not last for ever either.
         """
         if self.step.ends_power:
             return
@@ -170,7 +170,7 @@ class AxisStop:
             self._slows(now)
 
     def confirmed(self, now: Nanoseconds) -> bool:
-        """Return whether the device's own report says that the stop is done."""
+        """Return whether the device's own report confirms the stop."""
         if self.driver.unpowered:
             return True
         feedback = self.driver.feedback
@@ -206,8 +206,8 @@ class AxisStop:
             return False
         if now >= self._gentle_until or driver.feedback.received_at >= self._due:
             return True
-        # A device that says itself that it does not listen is given no more than the step's own time; none,
-        # where the step needs a device that does.
+        # A device that reports itself as not receiving has no more than the stage's own time; none, where the
+        # stage needs a device that receives.
         patience = self._silent_after
         if driver.feedback.power is Power.UNKNOWN:
             patience = 0 if step.received else step.judged_after(0.0)
@@ -257,7 +257,7 @@ class Stops:
         self._lost: Collection[str] = ()
         """The links over which nothing reaches a device, as of the newest look."""
         self.holds: tuple[Hold, ...] = ()
-        """What is to be told, as of the newest look."""
+        """Reports, as of the newest look."""
 
     @property
     def of_axes(self) -> Mapping[str, AxisStop]:
@@ -266,22 +266,22 @@ class Stops:
 
     @property
     def under_way(self) -> bool:
-        """Whether some axis that can be reached has not confirmed its stop, and steps are left."""
+        """True while some axis that can be reached has not confirmed its stop, and stages are left."""
         return any(stop.progress is Progress.UNDER_WAY for stop in self._reached)
 
     @property
     def escalating(self) -> bool:
-        """Whether some stop has gone beyond its first step."""
+        """True where some stop has gone beyond its first stage."""
         return any(stop.escalates and not stop.left_out for stop in self._reached)
 
     @property
     def given_up(self) -> tuple[Driver, ...]:
-        """Whose stop no step has brought about."""
+        """Drivers of the axes whose stop no stage has brought about."""
         return tuple(stop.driver for stop in self._axes.values() if stop.progress is Progress.GIVEN_UP)
 
     @property
     def no_axis_left(self) -> bool:
-        """Whether each step was tried with every device, in vain: no one is left to hold anything."""
+        """True where each stage was tried with every device, in vain: no device is left to hold anything."""
         return len(self.given_up) == len(self._axes)
 
     def ordered(self, request: Request) -> tuple[Packet, ...]:
@@ -309,10 +309,10 @@ class Stops:
         *,
         holding: bool = False,
     ) -> tuple[tuple[Packet, ...], dict[str, Demand]]:
-        """Look at every axis once in a cycle; `requested` are those that are to stop, `without` the left out.
+        """Look at every axis once in a cycle; `requested` are those to stop, `without` the excluded ones.
 
-        `holding`: axes are being enabled in order to hold the robot where it is. Return what a step sends at
-        once, and the demands with those in place that a step makes.
+        `holding`: axes are being enabled in order to hold the robot where it is. Return the packets that a
+        stage sends at once, and the set-points with those in place that a stage makes.
         """
         sent: tuple[Packet, ...] = ()
         changed = dict(demands)

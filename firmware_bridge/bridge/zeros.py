@@ -1,6 +1,6 @@
-"""Where the axes stand, as whoever drives has read it off the robot: for which device, and which position.
+"""Positions of the axes as read off the robot by the station in control: their devices and values.
 
-It refuses to know whether a zero may be set now: that is the permission's.
+The permission to set a reference is decided elsewhere: by `permission`.
 """
 
 import math
@@ -23,7 +23,7 @@ SLACK: Final = 1e-6
 
 
 class Zeros(Generic[G]):
-    """The axes of one robot whose zero someone confirms."""
+    """The axes of one robot whose positions need confirmation."""
 
     def __init__(self, robot: Robot[G], gauges: tuple[Gauge[G], ...], fleets: Fleets) -> None:
         """Take what is read off the robot for which role; of others it is the axis's own unit."""
@@ -37,18 +37,18 @@ class Zeros(Generic[G]):
             for name, driver in self._drivers.items()
         }
         self._offered: Final[dict[str, float]] = {}
-        """Where axes were in an earlier run, as it is read off the robot."""
+        """Positions of axes in an earlier run, as read off the robot."""
         self._positions: Final[dict[str, float]] = {}
-        """Where they were in this one when their zero was known last, in their units."""
+        """Their positions in this one when they were last referenced, in their units."""
 
     @property
     def last(self) -> dict[str, float]:
-        """Where each axis was when its zero was known, as it is read off the robot: an offer."""
+        """Position of each axis when it was referenced, as read off the robot: an offer."""
         seen = {name: self._read(name, position) for name, position in self._positions.items()}
         return self._offered | seen
 
     def saw(self, axes: Mapping[str, Feedback]) -> dict[str, str]:
-        """Note where the axes are whose zero is known; of each other one return in words where it was."""
+        """Note the positions of the referenced axes; of each other one return its last position as text."""
         lost = []
         for name in self._gauges:
             feedback = axes[name]

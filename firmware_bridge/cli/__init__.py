@@ -1,6 +1,6 @@
 """The command line: its own commands, and those that other installed packages add to it.
 
-It refuses to know the simulation: the bridge runs without it.
+The simulation is not known here: the bridge runs without it.
 """
 
 from firmware_bridge.cli.program import main, program

@@ -1,4 +1,4 @@
-"""Which commands there are: rows with one line of help each; a command is imported when it is called.
+"""The program's commands: rows with one line of help each; a command is imported when it is called.
 
 So `--help` lists everything that is installed and imports none of it.
 """
@@ -21,7 +21,7 @@ COMMAND_GROUP: Final = "firmware_bridge.commands"
 MARKUP: Final = "markdown"
 STATUSES: Final = """Exit status 0 after an orderly end; 1 where it failed or could not start; 2 for
 what is wrong in the words, an option or a file."""
-"""How a command ends whose own help does not say it."""
+"""Exit statuses of a command whose own help names none."""
 _NAMES_STATUSES: Final = re.compile(r"\bstatus\s+[012]\b")
 
 
@@ -30,11 +30,11 @@ class Command:
     """One command."""
 
     words: str
-    """How it is called: "drive", or, in a group, "epos2 read"."""
+    """Name on the command line: "drive", or, in a group, "epos2 read"."""
     made_in: str
     """"module:name" of what `command` has made there."""
     line: str
-    """What it does, as the list of commands says it: how its own help begins."""
+    """Summary in the list of commands, and the begin of the command's own help."""
 
     def load(self) -> TyperCommand:
         """Import the command; see `imported`."""
@@ -46,7 +46,7 @@ class Command:
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """A word with commands behind it."""
+    """A group: a name with commands behind it."""
 
     words: str
     line: str
@@ -59,14 +59,14 @@ Row: TypeAlias = Command | Group
 
 
 class Promised(TyperCommand):
-    """Stands in its group for a command that is imported only when someone calls it."""
+    """Placeholder in a group for a command that is imported only when it is called."""
 
     def __init__(self, row: Command) -> None:
         super().__init__(row.words.split()[-1], help=row.line, rich_markup_mode=MARKUP)
         self._row = row
 
     def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
-        """Let the command itself read its words."""
+        """Let the command itself parse its arguments."""
         return self._row.load().make_context(info_name, args, parent, **extra)
 
 
@@ -75,9 +75,9 @@ def command(
 ) -> Callable[[Callable[..., Any]], TyperCommand]:
     """Make a command of a function: its parameters are the options, its docstring is the help.
 
-    In the place of a function may stand a dataclass, which says the options once: `work` takes one, when all
-    words are understood. What help and mistakes do not need, a command imports where it is used. A help that
-    names no exit status ends with `STATUSES`.
+    In the place of a function may stand a dataclass, which defines the options once: `work` takes one, when
+    all options are parsed. Modules not needed for help and errors are imported by the command where they are
+    used. A help that names no exit status ends with `STATUSES`.
     """
 
     def made(function: Callable[..., Any]) -> TyperCommand:
@@ -104,7 +104,7 @@ def imported(place: str) -> Any:
 
 
 def completing(place: str) -> Callable[[], list[str]]:
-    """Return a completion that imports "module:function" when the shell asks for it."""
+    """Return a completion that imports "module:function" on the shell's request."""
 
     def words() -> list[str]:
         return list(imported(place)())
@@ -146,7 +146,7 @@ class Rows(TyperGroup):
 
 
 class Tree:
-    """Groups by their words, filled with rows."""
+    """Groups by their names, filled with rows."""
 
     def __init__(self, root: Rows, own: Iterable[Row]) -> None:
         self._groups = {"": root}

@@ -1,4 +1,4 @@
-"""How the program speaks: on any terminal, and of what is wrong in one message, with an exit status."""
+"""The program's output: on any terminal, with each error as one message and an exit status."""
 
 import codecs
 import logging
@@ -19,7 +19,7 @@ UNCONFIRMED: Final = 3
 """The run is over, and no one knows whether the robot is without power."""
 INTERRUPTED: Final = 130
 _PLAIN: Final = {"²": "2", "³": "3", "°": "deg", "µ": "u", "·": "-", "→": "->", "…": "..."}
-"""What is printed on a terminal that lacks a sign; any other is a question mark there."""
+"""Replacements on a terminal that lacks a sign; any other is a question mark there."""
 
 
 PRINTED_WITHIN_S: Final = 2.0
@@ -37,9 +37,9 @@ def speak_plainly() -> None:
 
 
 def say(text: str, *, err: bool = False) -> None:
-    """Print a line; BrokenPipeError where no one reads it any more, and silence from then on.
+    """Print a line; BrokenPipeError where its reader is gone, and silence from then on.
 
-    So whoever has a robot to stop can still do it. In `held_up_by_nothing` it never waits and never fails.
+    So the caller can still stop a robot. In `held_up_by_nothing` it never waits and never fails.
     """
     stream = sys.stderr if err else sys.stdout
     if _printers:
@@ -56,7 +56,7 @@ def say(text: str, *, err: bool = False) -> None:
 
 
 class _Logged(logging.Handler):
-    """Says what a library logs."""
+    """A handler that prints a library's log."""
 
     def emit(self, record: logging.LogRecord) -> None:
         say(f"firmware-bridge: {record.name}: {record.getMessage()}", err=True)

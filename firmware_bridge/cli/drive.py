@@ -175,7 +175,7 @@ _OTHER: Final = {Generation.V1: Generation.V2, Generation.V2: Generation.V1}
 
 
 def run(given: DriveOptions) -> None:
-    """Do what `drive` says; what is wrong ends the program with a message."""
+    """Run `drive` with these options; an error ends the program with a message."""
     from firmware_bridge.bridge import Bridge
     from firmware_bridge.cli.narrated import Narrated, StartUpFailedError, not_confirmed
     from firmware_bridge.cli.places import Place, places_of, split_links
@@ -241,7 +241,7 @@ def run(given: DriveOptions) -> None:
 def _links(
     machine: "AnyRobot", places: "Mapping[str, Place]", given: DriveOptions, node: Node
 ) -> "tuple[Node, dict[str, Callable[[], Port]], list[str], dict[str, str]]":
-    """Return the bridge behind its lines, what opens each link, which are lines, what silence there says."""
+    """Return the bridge behind its lines, the links' openers, which are lines, the hints for silence."""
     from firmware_bridge.drivers.epos2.serial.line import MaxonLine
     from firmware_bridge.robot.settings.ar2 import Ar2Link
     from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
@@ -271,12 +271,12 @@ def _links(
 
 
 def _far(node: Node, slow: "Conditions | None") -> Node:
-    """Return the bridge behind a slow link; what it hears there is recorded, so that it plays again."""
+    """Return the bridge behind a slow link; packets received over it are recorded, for a replay."""
     from firmware_bridge.slow_link.node import before_robot
 
     if slow is None:
         return node
-    # A tenth of a second for NumPy, which only who trains needs.
+    # A tenth of a second for NumPy, which only training needs.
     from numpy.random import default_rng
 
     return before_robot(node, OPERATOR, slow, default_rng([0, 0]), default_rng([0, 1]))

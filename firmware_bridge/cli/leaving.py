@@ -1,4 +1,4 @@
-"""What becomes of a robot whose bridge ends before the robot's stop has, and who may ask for that."""
+"""State of a robot whose bridge ends before the robot's stop has, and the user's right to end it so."""
 
 from collections.abc import Callable
 from typing import Final
@@ -8,7 +8,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, to_seconds
 
 AGAIN_WITHIN: Final[Nanoseconds] = 5 * SECOND
-"""Who was told what becomes of the robot, and asks once more within this time, leaves it so."""
+"""Time for a second command to end, after which the robot is left in its reported state."""
 
 
 class Leaving:
@@ -22,7 +22,7 @@ class Leaving:
 
     @property
     def unattended(self) -> str:
-        """What becomes of the devices of each link, in one line."""
+        """The state of each link's devices after the bridge's end, in one line."""
         return "; ".join(
             f"link '{name}': {states}"
             if states
@@ -31,9 +31,9 @@ class Leaving:
         )
 
     def may_leave(self, now: Nanoseconds) -> bool:
-        """Take one more request to end while the robot is stopped; return whether it is left as it is.
+        """Take one more command to end while the robot is stopped; return whether it is left as it is.
 
-        Only where some device would go on without the bridge, and was said so; else the stop goes on.
+        Only where some device would go on without the bridge, and the user was warned; else the stop goes on.
         """
         if all(self._stops.values()):
             self._say("the stop goes on, and ends the program: each of its steps lasts a bounded time", now)

@@ -1,4 +1,4 @@
-"""Opens the links that emulated devices were asked to be on."""
+"""Opening of the links of emulated devices."""
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -20,7 +20,7 @@ def open_serial(
 ) -> Port:
     """Open a serial device, or make a pseudo-terminal with a link to it; PortError.
 
-    One that tells DTR says when a client opens it, and closes it. With `any_rate` any bit rate will do.
+    One that reports DTR reports a client's opening and closing. With `any_rate` any bit rate will do.
     """
     if device == WORD:
         rate = None if any_rate else baud

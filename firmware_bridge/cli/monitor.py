@@ -1,4 +1,4 @@
-"""`monitor`: a CAN bus in words, live or from a recording, without a frame of one's own."""
+"""`monitor`: a CAN bus decoded, live or from a recording, without a frame of one's own."""
 
 import gzip
 import lzma
@@ -55,7 +55,7 @@ class MonitorOptions:
     It sends nothing. On a terminal the picture is drawn again; elsewhere each change is a line, and the
     picture comes at the end. A PDO is read by the robot file's mapping, or by one that was seen to be
     written; the bytes of others are shown as they are. Ends on Ctrl-C. A recording of serial lines or of
-    cameras is said line by line, by the protocols of --robot.
+    cameras is shown line by line, by the protocols of --robot.
     """
 
     interface: InterfaceOption = None
@@ -117,7 +117,7 @@ EPOS2: Final = "epos2"
 TELEMETRY: Final = ".tlog"
 _ON_SCREEN: Final = re.compile(r"\s*\S+\s+[0-9A-Fa-f]{3,8}\s+\[\d+\]")
 BIT_RATE: Final = 1_000_000
-"""Bits a second, where neither the robot file nor an option tells them."""
+"""Bit rate in bit/s, where neither the robot file nor an option gives it."""
 
 _OPENERS: Final[Mapping[str, Callable[..., IO[str]]]] = {".gz": gzip.open, ".xz": lzma.open}
 
@@ -128,7 +128,7 @@ _Show: TypeAlias = Callable[[tuple[str, ...]], None]
 
 
 class Listening:
-    """A node that hears everything and says nothing."""
+    """A node that receives everything and sends nothing."""
 
     def __init__(self, picture: "BusPicture", show: _Show, draw: Callable[[], None]) -> None:
         self._picture = picture
@@ -150,7 +150,7 @@ class Listening:
 
 
 def run(given: MonitorOptions) -> None:
-    """Do what `monitor` says; what is wrong ends the program with a message."""
+    """Run `monitor` with these options; an error ends the program with a message."""
     from firmware_bridge.recording import is_chunk
 
     if given.log is None:
@@ -186,7 +186,7 @@ def _show_frames(given: MonitorOptions, frames: Iterator[_Frame]) -> None:
 
 
 def _show_lines(given: MonitorOptions, log: Path, lines: Iterator[tuple[int, str]]) -> None:
-    """Say in words what lines have carried."""
+    """Show the decoded traffic of lines."""
     numbered = iter(lines)
     first = list(islice(numbered, 1))
     if given.robot is None and not _names_its_side(first):
@@ -198,7 +198,7 @@ def _show_lines(given: MonitorOptions, log: Path, lines: Iterator[tuple[int, str
 
 
 def _names_its_side(first: list[tuple[int, str]]) -> bool:
-    """Return whether a device has recorded it, and says what it speaks."""
+    """Return whether a device has recorded it, with its protocol."""
     from firmware_bridge.recording import RecordingError, parse_chunk, side_of
 
     try:
@@ -232,7 +232,7 @@ def _live(given: MonitorOptions, picture: "BusPicture") -> None:
 
 
 def _at_the_end(picture: "BusPicture") -> None:
-    """Print what was heard, also where the bus was lost; an empty table would hide the message."""
+    """Print the received traffic, also where the bus was lost; an empty table would hide the message."""
     from firmware_bridge.cli.monitor_table import drawn
     from firmware_bridge.cli.tables import terminal
 
@@ -243,7 +243,7 @@ def _at_the_end(picture: "BusPicture") -> None:
 
 
 def on_a_terminal() -> bool:
-    """Whether what is printed is seen by a person, now."""
+    """Return whether the output is a terminal."""
     return sys.stdout.isatty()
 
 
@@ -255,7 +255,7 @@ def _lines(picture: "BusPicture", texts: tuple[str, ...]) -> None:
 
 
 def _picture(given: MonitorOptions) -> "BusPicture":
-    """Return a picture of nothing heard yet; with the drives of a robot where one was named."""
+    """Return a picture without traffic; with the drives of a robot where one was named."""
     from firmware_bridge.dissector.bus_picture import BusPicture
 
     if given.robot is None:

@@ -1,4 +1,4 @@
-"""A recording of serial lines or of cameras in words: a line of text for each of its own."""
+"""A recording of serial lines or of cameras, decoded: a line of text for each of its own."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -17,11 +17,11 @@ BRIDGE = "bridge"
 
 @dataclass(frozen=True, slots=True)
 class LinesOrder:
-    """Which recording, and how it is read."""
+    """A recording, with the options for reading it."""
 
     path: Path
     robot: str | None
-    """Whose lines they are; None: as the recording says."""
+    """The robot of the lines; None: by the recording."""
     protocol: str | None
     """Of a board; None: the robot file's."""
     link: str | None
@@ -52,7 +52,7 @@ def _kinds(order: LinesOrder) -> dict[str, str]:
         return {}
     with one_message(RobotFileError):
         robot = over_protocol(find_robot(order.robot), order.protocol)
-    # What has bytes in a log of lines was driven over a line, whatever the robot file says.
+    # A link with bytes in a log of lines was driven over a line, whatever the robot file gives.
     return {name: SERIAL if kind == CAN else kind for name, kind in kinds_of(robot).items()}
 
 

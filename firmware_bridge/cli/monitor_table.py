@@ -1,4 +1,4 @@
-"""How a picture of a bus looks: a line on the whole, a table of nodes, a table of messages."""
+"""Output of a picture of a bus: a line on the whole, a table of nodes, a table of messages."""
 
 from rich.console import Group
 from rich.table import Table

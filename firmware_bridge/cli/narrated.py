@@ -1,4 +1,4 @@
-"""Shows the user what a bridge does, as it changes, and keeps where its axes stand."""
+"""Display of a bridge's changes for the user, and the storage of its axes' positions."""
 
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
@@ -22,7 +22,7 @@ class StartUpFailedError(Exception):
 
 
 class Narrated:
-    """A bridge whose steps, holds and leave to move are told as they change.
+    """A bridge whose phases, interlock events and motion permission are reported as they change.
 
     It ends the run when the start-up has failed. `node` is what is carried: the bridge, or a node around it.
     """
@@ -41,7 +41,7 @@ class Narrated:
         self._bridge = bridge
         self._links: Final = frozenset(hints)
         self._hints = dict(hints)
-        """What may be wrong with a link on which nothing was heard yet, by its name."""
+        """Possible faults of a link without any traffic yet, by its name."""
         self._stamps: Final = stamps
         self._kept: Final = kept
         self._keeping_failed = False
@@ -58,7 +58,7 @@ class Narrated:
 
     @property
     def unattended(self) -> str:
-        """What becomes of the robot if it is carried no further."""
+        """The robot's state if it is carried no further."""
         return self._leaving.unattended
 
     def may_leave(self, now: Nanoseconds) -> bool:
@@ -67,23 +67,23 @@ class Narrated:
 
     @property
     def holding(self) -> bool:
-        """Whether the node holds something after it was asked to end."""
+        """True while the node keeps the robot from moving after a command to end."""
         return holds(self._node)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Pass the packet on, and tell what has changed."""
+        """Forward the packet, and report the changes."""
         if packet.payload:
             self._hints.pop(packet.link, None)
         self._raise_failure()
         return self._after(self._node.receive(packet, now), now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
-        """Wake the bridge, and tell what has changed."""
+        """Wake the bridge, and report the changes."""
         self._raise_failure()
         return self._after(self._node.wake(now), now)
 
     def stop(self, now: Nanoseconds) -> Reaction:
-        """Stop the bridge, and tell what has changed."""
+        """Stop the bridge, and report the changes."""
         reaction = self._node.stop(now) if isinstance(self._node, Stoppable) else Reaction()
         return self._after(reaction, now)
 
@@ -95,13 +95,13 @@ class Narrated:
         bridge = self._bridge
         if bridge.failure is not None and bridge.phase is Phase.FAILED:
             hints = list(self._hints.values())
-            # Where nothing at all was heard, that is all there is to say.
+            # Without any traffic the hints are all there is to report.
             texts = hints if self._alone else [bridge.failure, *hints]
             raise StartUpFailedError(f"start-up failed: {'; '.join(texts)}")
 
     @property
     def _alone(self) -> bool:
-        """Whether nothing was heard on any link."""
+        """True where no packet was received on any link."""
         return bool(self._links) and self._hints.keys() == self._links
 
     def _after(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
@@ -110,7 +110,7 @@ class Narrated:
             return reaction
         try:
             self._show_changes(now)
-        except Exception as failure:  # noqa: BLE001 - it is raised, and nothing is told any more
+        except Exception as failure:  # noqa: BLE001 - it is raised, and nothing is reported any more
             self._silent, self._failure = True, failure
             return Reaction(reaction.sent, min(reaction.wake_at, now))
         return reaction
@@ -133,14 +133,14 @@ class Narrated:
         if late != self._late and now - self._late_reported_at >= SECOND:
             self._say(f"late: {late - self._late} cycles were longer than the robot file allows", now)
             self._late, self._late_reported_at = late, now
-        # What failed is told at the end, and what is said to no one need not be told step by step.
+        # A failure is reported at the end, and phases are not worth a report without a reader.
         ends = bridge.phase not in (Phase.STARTING, Phase.RUNNING)
         if bridge.holds != self._holds and bridge.phase is not Phase.FAILED and not (ends and self._alone):
             self._show_holds({hold.name: hold for hold in bridge.holds}, now)
             self._holds = bridge.holds
 
     def _show_operators(self, now: Nanoseconds) -> None:
-        """Return whether it is armed, and who speaks and is not believed."""
+        """Return whether it is armed, and the untrusted senders."""
         bridge = self._bridge
         if bridge.seen.facts.armed != self._armed:
             self._armed = bridge.seen.facts.armed

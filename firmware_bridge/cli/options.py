@@ -78,7 +78,7 @@ HomeOption = Annotated[
 
 
 class Spoken(StrEnum):
-    """What a serial line may speak: to drives, or to a board with a motor shield."""
+    """Protocol of a serial line: to drives, or to a board with a motor shield."""
 
     V1 = "v1"
     V2 = "v2"

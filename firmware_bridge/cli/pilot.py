@@ -38,10 +38,10 @@ EXAMPLES: Final = """Examples:
 class PilotOptions:
     """Drive a robot over its operator's link: by hand, or along a path.
 
-    Its bridge calls this machine, as `drive` does by default; what the link brings is shown.
+    Its bridge calls this machine, as `drive` does by default; received data are shown.
 
-    Ends on Ctrl-C: what moves is let go, and the robot is disarmed. Where the joystick is lost nothing more
-    is said, and the bridge stops the robot by its silence.
+    Ends on Ctrl-C: the controls go to neutral, and the robot is disarmed. Where the joystick is lost nothing
+    more is sent, and the bridge stops the robot on the timeout.
     """
 
     robot: RobotArgument
@@ -113,7 +113,7 @@ class PilotOptions:
 
 
 def run(given: PilotOptions) -> None:
-    """Do what `pilot` says; what is wrong ends the program with a message."""
+    """Run `pilot` with these options; an error ends the program with a message."""
     from firmware_bridge.cli.real_time import carry
     from firmware_bridge.cli.remembered import Remembered, Remembering
     from firmware_bridge.cli.robot_argument import find_robot
@@ -193,9 +193,9 @@ def _driver(given: PilotOptions, robot: "AnyRobot", kind: "AnyKind") -> "Driver"
 
 
 def _controls(given: PilotOptions) -> str:
-    """Return what the joystick is; one that says that it is a gamepad is not taken for pedals by itself.
+    """Return the type of the joystick; a gamepad by its own name is not taken for pedals.
 
-    A trigger that no one touches would be a pedal that is trodden down.
+    A trigger at rest would be a pedal that is trodden down.
     """
     from firmware_bridge.pilot.joystick import DEVICES, USUAL, is_gamepad
     from firmware_bridge.robot.problems import near

@@ -1,4 +1,4 @@
-"""Where the links of a robot are on this machine: one place for each, from the options of a command."""
+"""Places of a robot's links on this machine: one for each, from the options of a command."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,14 +21,14 @@ class Place:
 
     @property
     def title(self) -> str:
-        """The place in words."""
+        """The place as text."""
         return self.device or self.channel or "the configured bus"
 
 
 def split_links(robot: AnyRobot, texts: Sequence[str] | None) -> tuple[list[str], Conditions | None]:
-    """Part the words for places from those that say how slow the operator's link is; None: as it is.
+    """Split the texts into places and the conditions of the operator's link; None: as it is.
 
-    What is wrong with the latter ends the program.
+    An error in the latter ends the program.
     """
     places = [text for text in texts or () if ":" in text or text.partition("=")[0] in robot.links]
     slow = [text for text in texts or () if text not in places]
@@ -39,9 +39,9 @@ def split_links(robot: AnyRobot, texts: Sequence[str] | None) -> tuple[list[str]
 
 
 def places_of(robot: AnyRobot, texts: Sequence[str] | None, only: Place) -> dict[str, Place]:
-    """Return the place of each link, `only` for a robot with one; what is wrong ends the program.
+    """Return the place of each link, `only` for a robot with one; an error ends the program.
 
-    Capture systems are left out: they are where the robot file says.
+    Capture systems are excluded: their places are in the robot file.
     """
     links = [name for name in robot.links if name not in robot.capture_links]
     if not texts:

@@ -1,4 +1,4 @@
-"""The program: what it says of itself, and which commands it has."""
+"""The program: its description, and its commands."""
 
 import sys
 import warnings

@@ -1,4 +1,4 @@
-"""Runs a node on real ports until the user, the clock or a failure ends it."""
+"""The run of a node on real ports until the user, the clock or a failure ends it."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
@@ -14,7 +14,7 @@ from firmware_bridge.shell.runner import IN_ORDER, Ending, run
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 UNREAD: Final = "SIGPIPE"
-"""No one reads what is said: there was someone, who is told by the exit status."""
+"""The output has lost its reader, who sees the exit status."""
 
 
 def carry(
@@ -26,12 +26,11 @@ def carry(
     clock: Clock | None = None,
     unfinished: Callable[[], str] = str,
 ) -> None:
-    """Open the ports, run a node on them in real time, and say how it ended.
+    """Open the ports, run a node on them in real time, and print how it ended.
 
     A port that cannot be opened ends the program with exit status 2; one that is lost under way, one of the
-    node's own `failures`, and a node that could not be stopped in good order, with 1; what it has
-    `unfinished`, with 3. Nothing that is said while it runs holds it up. An emulated device takes a
-    `LivedClock`.
+    node's own `failures`, and a node that could not be stopped in good order, with 1; its `unfinished` work,
+    with 3. No output holds it up while it runs. An emulated device takes a `LivedClock`.
     """
     ports = _opened(openers)
     say(f"{greeting}; Ctrl-C ends it")
@@ -72,7 +71,7 @@ def _opened(openers: Mapping[str, Callable[[], Port]]) -> dict[str, Port]:
 def _complain(problems: list[str], unfinished: str) -> None:
     """Say what is wrong, and end the program where something is."""
     left = [refusal(unfinished, UNCONFIRMED)] if unfinished else []
-    # The cause is told last.
+    # The cause is printed last.
     texts = left + [refusal(problem, FAILED) for problem in problems]
     if texts:
         raise texts[0]

@@ -35,10 +35,10 @@ def recording(
     called: Mapping[str, str] = MappingProxyType({}),
     known: Mapping[str, str] = MappingProxyType({}),
 ) -> Iterator[tuple[Around, Say]]:
-    """Give what goes around the node that is carried, and what tells the user; without a folder, nothing is.
+    """Give the wrapper of the carried node, and the user's output; without a folder, nothing is recorded.
 
-    `called` has names that links have in a log of lines; `known`, by the names of files, what the program
-    knew before. A folder that cannot be made ends the program with a message.
+    `called` has names that links have in a log of lines; `known`, by the names of files, the program's
+    knowledge before. A folder that cannot be made ends the program with a message.
     """
     if folder is None:
         yield (lambda node: node), say

@@ -1,4 +1,4 @@
-"""Up to where signed streams were heard, over the end of a program: read at its start, kept while it runs."""
+"""Newest stamps of signed streams, beyond a program's end: read at its start, kept while it runs."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -14,19 +14,19 @@ from firmware_bridge.units import NEVER, Nanoseconds
 
 
 class Remembered:
-    """What is kept of one program's signatures; nothing where there is no key, or no file can be written."""
+    """The stored stamps of one program's signatures; none without a key, or without a writable file."""
 
     def __init__(self, trust: Trust, path: Path) -> None:
-        """Read what was kept; what is damaged ends the program."""
+        """Read the stored stamps; a damaged file ends the program."""
         self._kept: KeptStamps | None = None if trust.key is None else KeptStamps(path)
         self.trust: Final = trust if self._kept is None else replace(trust, kept=_read(self._kept))
-        """With what the run before has heard."""
+        """The trust, with the stamps received by the run before."""
         self._reported = False
 
     def keep(self, stamps: Callable[[Nanoseconds], Stamps], now: Nanoseconds, *, ended: bool) -> str | None:
-        """Keep up to where was heard; return what hinders it, once.
+        """Store the newest received stamps; return the obstacle, once.
 
-        At the end not ahead: nothing is heard any more.
+        At the end not ahead: nothing is received any more.
         """
         kept = self._kept
         if kept is None:
@@ -35,7 +35,7 @@ class Remembered:
         return self._once(kept.file.problem(now))
 
     def settled(self) -> str | None:
-        """Wait a while for the disk; return what hinders it, unless it was told."""
+        """Wait a while for the disk; return the obstacle, unless it was reported."""
         return None if self._kept is None else self._once(self._kept.file.settled())
 
     def _once(self, problem: str | None) -> str | None:
@@ -61,7 +61,7 @@ class Remembering:
         self._stamps: Final = stamps
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Pass the packet on, and keep."""
+        """Forward the packet, and store the stamps."""
         return self._after(self._node.receive(packet, now), now)
 
     def wake(self, now: Nanoseconds) -> Reaction:

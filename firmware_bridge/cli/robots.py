@@ -65,7 +65,7 @@ def robots(
         table.add_column(heading, overflow="fold")
     wrong = []
     for name, path in _named(wanted) if wanted else kinds.robots().items():
-        # A file of one's own has the name that stands in it.
+        # A file of one's own has the name given in it.
         read = partial(kinds.find, name) if name else partial(kinds.load, path)
         try:
             table.add_row(*_row(name, read(plant_too=True), path))

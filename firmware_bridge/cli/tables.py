@@ -1,4 +1,4 @@
-"""Where the program prints tables and progress."""
+"""The terminal for tables and progress."""
 
 import os
 from typing import Final

@@ -1,4 +1,4 @@
-"""Whose words `drive` believes: a key in a file, a list of addresses, and how far the link reaches."""
+"""Trust of `drive`: a key in a file, a list of addresses, and the reach of the link."""
 
 import hashlib
 import ipaddress
@@ -21,7 +21,7 @@ _OTHERS: Final = stat.S_IRWXG | stat.S_IRWXO
 
 
 def trust_of(link: str, key: Path | None, allow: Sequence[str] | None, *, openly: bool) -> Trust:
-    """Return whom to believe; what is wrong, or open without being asked for, ends the program."""
+    """Return the trust; an error, or an open link without its option, ends the program."""
     with one_message(PortError):
         beyond = reaches_beyond(link)
     if beyond and key is None and not openly:

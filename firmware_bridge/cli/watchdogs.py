@@ -1,4 +1,4 @@
-"""Boards without a watchdog: what is said of them, and whether their robot may be driven."""
+"""Boards without a watchdog: the warning about them, and the permission to drive their robot."""
 
 from typing import Final
 

@@ -8,9 +8,9 @@ from firmware_bridge.intent import ConfirmZero
 
 
 def zeros_of(texts: Sequence[str] | None, homed: Sequence[str] | None = None) -> tuple[ConfirmZero, ...]:
-    """Return what is said of each axis; what is no number, or said twice, ends the program.
+    """Return the confirmation of each axis; one that is no number, or given twice, ends the program.
 
-    First those that were looked at, then those that are `homed`, in their order.
+    First those confirmed by sight, then those that are `homed`, in their order.
     """
     positions: dict[str, float] = {}
     for text in texts or ():

@@ -39,7 +39,7 @@ M = TypeVar("M", bound=Moves)
 S = TypeVar("S", bound=Moves)
 Sensors: TypeAlias = Mapping[str, Reading]
 Track: TypeAlias = Callable[[Robot[G], Pose, Sensors], float]
-"""Returns the track in m by which odometry turns, at a pose."""
+"""The track in m by which odometry turns, at a pose."""
 
 
 def ramp_of(robot: Robot[G]) -> DifferentialRamp:
@@ -79,13 +79,13 @@ class DifferentialBody(Generic[G, M, S]):
         """The axes from whose positions the pose is carried on."""
 
     def sensed(self, axes: Mapping[str, Feedback], sensors: Sensors) -> S:
-        """Return the state: speed, turn rate, and what sensors tell."""
+        """Return the state: speed, turn rate, and the sensors' values."""
         base = self._robot.geometry.base
         speed, turn = twist(base, axes[self._left].velocity, axes[self._right].velocity)
         return self._state(self._robot, speed, turn, sensors)
 
     def requested(self, motion: M, _state: S) -> frozenset[Group]:
-        """Return the wheels where the motion asks the robot to drive or to turn."""
+        """Return the wheels where the motion commands the robot to drive or to turn."""
         return frozenset({self._group}) if motion.speed_mps or motion.turn_rad_s else NOTHING
 
     def moving(self, state: S) -> frozenset[Group]:

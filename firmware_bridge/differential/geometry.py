@@ -9,7 +9,7 @@ from firmware_bridge.robot.table import Positive, Table
 
 
 class Limits(Table):
-    """What the interlocks hold, whatever the operator commands."""
+    """The limits that the interlocks enforce, whatever the operator commands."""
 
     speed_mps: Positive
     acceleration_mps2: Positive

@@ -1,4 +1,4 @@
-"""One kind of robot with two driven wheels on one axle: its body, its rows and its place on MAVLink."""
+"""A robot type with two driven wheels on one axle: its body, its interlocks and its MAVLink rows."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -21,7 +21,7 @@ SPEED_TOLERANCE: Final = 1e-4
 
 
 class DifferentialRobot(Generic[G, M, S]):
-    """What is the same for all robots of one kind; a `Kind` is made of its attributes and methods."""
+    """The common part of all robots of one type; a `Kind` is made of its attributes and methods."""
 
     def __init__(
         self,
@@ -34,11 +34,11 @@ class DifferentialRobot(Generic[G, M, S]):
         spin: float = 1.25,
         track: "Track[G] | None" = None,
     ) -> None:
-        """Take what a kind has of its own.
+        """Take the type's own parts.
 
         `motion` and `state` make M and S of speed and turn rate, the latter of sensors, too. Below
-        `moves_mps` and `turns_rad_s` the robot counts as standing. One that turns `spin` times faster than
-        its limit turns as no one asked it to. `track` is from wheel to wheel where nothing else is said.
+        `moves_mps` and `turns_rad_s` the robot counts as at standstill. One that turns `spin` times faster
+        than its limit turns without a command. `track` is the one from wheel to wheel unless given.
         """
         self._motion, self._state, self._moves, self._track = motion, state, (moves_mps, turns_rad_s), track
         self._group = group

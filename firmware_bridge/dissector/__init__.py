@@ -1,4 +1,4 @@
-"""What a packet says, in a line of text for people; and where two runs of packets part."""
+"""Packets decoded to a line of text for people; and the first difference between two runs of packets."""
 
 from firmware_bridge.dissector.difference import difference_text, first_difference
 from firmware_bridge.dissector.dissector import Carried, Dissector, kinds_of

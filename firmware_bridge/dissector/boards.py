@@ -1,7 +1,7 @@
-"""What is said on the line to an Arduino board, in words: one class for each protocol, both ways.
+"""Traffic on the line to an Arduino board, decoded: one class for each protocol, both ways.
 
-Who is called the bridge asks; everybody else is the board. Whatever cuts a line into chunks, each command is
-told once, with the chunk that ends it.
+The end named bridge sends requests; any other is the board. However the line is cut into chunks, each command
+is shown once, with the chunk that ends it.
 """
 
 from abc import ABC, abstractmethod
@@ -15,17 +15,17 @@ from firmware_bridge.wire.arduino import mw_messages as messages
 from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
 
 BRIDGE: Final = "bridge"
-"""The name of who asks."""
+"""Name of the end that sends requests."""
 UNREAD: Final = "no command that is known"
 LINE_FEED: Final = b"\n"
 NO_RETURN: Final = "part of a line: the sketch waits for a carriage return (CR), a line feed ends none"
 
 
 class BoardLine(ABC):
-    """Reads the bytes of one line."""
+    """A reader of the bytes of one line."""
 
     def read(self, sender: str, packet: Packet) -> str:
-        """Return what the bytes complete; those of a command that goes on say so."""
+        """Return the text of the commands that the bytes complete, or a note of an unfinished one."""
         texts = self.to_board(packet.payload) if sender == BRIDGE else self.from_board(packet.payload)
         return "; ".join(texts) or "part of a line"
 
@@ -94,7 +94,7 @@ class ArduinoIoLine(BoardLine):
 
 
 class MwLine(BoardLine):
-    """MWProtocol: frames, an answer by its command, libraries by the numbers that the board has told."""
+    """MWProtocol: frames, an answer by its command, libraries by the numbers that the board has reported."""
 
     def __init__(self) -> None:
         self._commands = mw.RequestReader()
@@ -122,7 +122,7 @@ class MwLine(BoardLine):
             yield "part of a frame"
 
     def from_board(self, chunk: bytes) -> Iterator[str]:
-        """Yield answers and what is said for people."""
+        """Yield answers and texts for people."""
         self._received = (self._received + chunk)[-len(mw.BANNER) - len(chunk) + 1 :]
         if mw.BANNER in self._received:
             self._received = b""
@@ -164,13 +164,13 @@ class FirmataLine(BoardLine):
 
 
 class Ar2Line(BoardLine):
-    """The arm AR2: lines of letters and numbers; what the board says has no ends, but for an echo's."""
+    """The arm AR2: lines of letters and numbers; the board's output has no ends, but for an echo's."""
 
     def __init__(self) -> None:
         self._commands = ros.LineReader(ar2.END, LONGEST)
 
     def to_board(self, chunk: bytes) -> Iterator[str]:
-        """Yield what a line asks for: steps of joints, ahead above 0, and what else is in it."""
+        """Yield a line's content: steps of joints, ahead above 0, and its other fields."""
         for line in self._commands.receive(chunk):
             command = ar2.decode(line)
             if command is None:
@@ -192,7 +192,7 @@ def _axis(letter: str) -> str:
 
 
 def _steps(steps: int) -> str:
-    """Return steps as they were asked for, and what a board with numbers of 16 bits makes of them."""
+    """Return steps as requested, and as a board with numbers of 16 bits takes them."""
     kept = (steps + 0x8000 & 0xFFFF) - 0x8000
     return f"{steps:+d}" if kept == steps else f"{steps:+d} (in the board's 16 bits {kept:+d})"
 
@@ -219,7 +219,7 @@ def _value(value: object) -> object:
 
 
 def _message(message: firmata.Message) -> str:
-    """Return what a message of Firmata says."""
+    """Return the decoded text of a Firmata message."""
     if not message.exclusive:
         row = firmata.COMMANDS[message.code]
         channel = f" {message.channel}" if message.code < firmata.CHANNELLED else ""

@@ -1,7 +1,7 @@
-"""What is known of a CANopen bus from listening: who is there, what is said how often, what went wrong last.
+"""Picture of a CANopen bus from listening: its nodes, their messages and rates, the last error.
 
-Words come from the dissector; this adds up and remembers. It refuses to know where frames come from, and
-sends none. Time is an argument and must not step back.
+Texts come from the dissector; this adds up and remembers. The source of frames is not known here, and none is
+sent. Time is an argument and must not step back.
 """
 
 from collections import deque
@@ -25,7 +25,7 @@ RECENT: Final[Nanoseconds] = SECOND
 BURST: Final[Nanoseconds] = 100 * MILLISECOND
 """The peak load is the highest that any span of this length has seen."""
 BEATS: Final = 5
-"""So many of the last intervals between heartbeats tell the period."""
+"""Number of last intervals between heartbeats that give the period."""
 SHORTEST: Final[Nanoseconds] = MILLISECOND
 """No heartbeat's period is shorter (CiA 301): frames that come closer have waited somewhere together."""
 MISSED: Final = 2
@@ -39,29 +39,29 @@ _COMMANDED: Final[Mapping[NmtCommand | None, NmtState | None]] = {
     NmtCommand.RESET_NODE: None,
     NmtCommand.RESET_COMMUNICATION: None,
 }
-"""What a node is in then; no one knows before a node that is reset has said its boot-up."""
+"""State of a node after the command; after a reset it is unknown until the boot-up message."""
 
 
 @dataclass(slots=True)
 class NodeSeen:
-    """One node, as far as it was heard."""
+    """One node, as far as it was received."""
 
     node: int
     title: str = ""
-    """What the robot file calls it."""
+    """Title in the robot file."""
     network: NmtState | None = None
-    """As it has said last, or was commanded since, or goes on to by itself."""
+    """The state as reported last, or commanded since, or reached by itself."""
     reported: NmtState | None = None
-    """As it has said last."""
+    """The state as reported last."""
     beat_at: Nanoseconds | None = None
     periods: deque[Nanoseconds] = field(default_factory=lambda: deque(maxlen=BEATS))
     """Between its last heartbeats, or answers to node guarding."""
     missing: bool = False
-    """Whether a heartbeat is overdue."""
+    """True where a heartbeat is overdue."""
     late: int = 0
     """Heartbeats in a row that came when they were overdue."""
     status: str = _NO_STATUS
-    """Its statusword in words."""
+    """Its Statusword, decoded."""
     emergency: str = ""
     emergencies: int = 0
     raw_status: bytes = b""
@@ -79,21 +79,21 @@ class MessageSeen:
     packet: Packet
     """The last one."""
     read: tuple[str, str] | None = None
-    """What it is, and what it says; None where no one has read it yet."""
+    """Its kind, and its decoded text; None where it was not read yet."""
     count: int = 0
     lately: Lately = field(default_factory=lambda: Lately(RECENT))
 
 
 @dataclass(frozen=True, slots=True)
 class Error:
-    """What went wrong, and when."""
+    """An error, and its time."""
 
     at: Nanoseconds
     text: str
 
 
 class BusPicture:
-    """One bus. `note` and `pass_time` return what has changed, in words."""
+    """One bus. `note` and `pass_time` return the changes as text."""
 
     def __init__(
         self,
@@ -103,7 +103,7 @@ class BusPicture:
         *,
         epos2: bool = False,
     ) -> None:
-        """Know the drives of a robot; of all others what a data sheet says, or that they are EPOS2 drives."""
+        """Take the drives of a robot; all others by a data sheet, or as EPOS2 drives."""
         self.bit_rate: Final = bit_rate
         self.frames = 0
         self.bits = 0
@@ -122,7 +122,7 @@ class BusPicture:
 
     @property
     def nodes(self) -> tuple[NodeSeen, ...]:
-        """Who was heard, by number."""
+        """The nodes received, by number."""
         return tuple(one for _, one in sorted(self._nodes.items()))
 
     @property
@@ -146,7 +146,7 @@ class BusPicture:
         return self._percent(self._burst.peak, min(BURST, self.elapsed))
 
     def messages(self) -> Iterator[tuple[int, str, str, int, float]]:
-        """Yield identifier, what it is, what it said last, count, and frames a second, by identifier."""
+        """Yield identifier, kind, last decoded text, count, and frames a second, by identifier."""
         for address, one in sorted(self._messages.items()):
             if one.read is None:
                 one.read = self._read(one.packet)

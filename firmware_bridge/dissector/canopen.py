@@ -1,8 +1,8 @@
-"""CANopen frames in words: network management, SYNC, emergencies, PDOs, SDOs, error control, LSS.
+"""CANopen frames, decoded: network management, SYNC, emergencies, PDOs, SDOs, error control, LSS.
 
-Identifiers are those of the predefined connection set (CiA 301 v4.02), and the PDOs' own as
-far as someone was seen to write them: a reader that has followed a set-up knows what is mapped. Before it a
-PDO is read by the defaults of the EPOS2; bytes that do not fit its mapping are left as they are.
+Identifiers are those of the predefined connection set (CiA 301 v4.02), and the PDOs' own as far as they were
+seen to be written: a reader that has followed a set-up knows what is mapped. Before it a PDO is read by the
+defaults of the EPOS2; bytes that do not fit its mapping are left as they are.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -25,19 +25,20 @@ from firmware_bridge.wire.lss import LssCommand
 _REPORTS: Final = {CONTROLLER: "controller state", BUS_OFF: "bus off", RESTARTED: "restarted"}
 _LSS: Final = {int(command): command for command in LssCommand}
 MASTER: Final = 0
-"""Stands for the network's master where a sender's number is asked for."""
+"""The network's master, in the place of a sender's number."""
 ADDED: Final = -1
 PDO: Final = "pdo"
 OTHER: Final = "other"
 
 
 class Canopen:
-    """Reads the frames of one bus in their order."""
+    """A reader of the frames of one bus, in their order."""
 
     def __init__(self, *, defaults: bool = True, sheet: Mapping[Address, int] | None = None) -> None:
-        """`defaults` tells to read a PDO whose mapping no one was seen to write as an EPOS2's default.
+        """Take `defaults`: read a PDO whose mapping was not seen to be written as an EPOS2's default.
 
-        `sheet` has other defaults, of a data sheet. A node that is heard to be maxon's is read so anyway.
+        `sheet` has other defaults, of a data sheet. A node that is known as maxon's from its frames is read
+        so anyway.
         """
         self._nodes = Nodes(sheet or {})
         self._defaults = defaults or sheet is not None
@@ -46,7 +47,7 @@ class Canopen:
         """The object of each node's SDO transfer."""
 
     def read(self, _sender: str, packet: Packet) -> str:
-        """Return what a frame says."""
+        """Return the decoded text of a frame."""
         address = packet.address
         if address & ERROR:
             return f"report of the controller: {_REPORTS.get(address, 'of another kind')}"
@@ -61,7 +62,7 @@ class Canopen:
         return self._pdo(number, packet.payload) if _is_pdo(number) else "no CANopen service"
 
     def sender(self, packet: Packet) -> int | None:
-        """Return the number of the node that sends such a frame, or `MASTER`; None where no one can tell."""
+        """Return the number of the node that sends such a frame, or `MASTER`; None where it is unknown."""
         number = identifier(packet.address)
         if packet.address & (ERROR | EXTENDED):
             return None
@@ -79,7 +80,7 @@ class Canopen:
         self._nodes.expect(node, written)
 
     def objects(self, packet: Packet) -> tuple[int, list[tuple[Address, bytes]]]:
-        """Return the node that tells objects of its own by this frame, and these with their bytes.
+        """Return the node that sends objects of its own by this frame, and these with their bytes.
 
         They come in its transmit PDOs, as far as their mapping is known, and in its SDO answers.
         """
@@ -132,7 +133,7 @@ class Canopen:
         return "TIME"
 
     def sdo_request(self, node: int, payload: bytes) -> str:
-        """Read what a client asks of a node."""
+        """Decode a client's request to a node."""
         request = sdo.decode_request(payload)
         head = f"SDO request, node {node}:"
         match request:
@@ -228,7 +229,7 @@ class Service:
     added: range
     """A node's number, where there is one, is added to `base`."""
     sender: int | None
-    """`MASTER`, `ADDED` for the node whose number is added, None where the identifier does not tell it."""
+    """`MASTER`, `ADDED` for the node whose number is added, None where the identifier does not show it."""
     read: Callable[[Canopen, int, bytes], str]
 
 
@@ -249,7 +250,7 @@ SERVICES: Final = (
 
 
 SERVICE_NAMES: Final = (*dict.fromkeys(service.name for service in SERVICES), PDO, OTHER)
-"""What a frame may be; see `service_name`."""
+"""The possible kinds of a frame; see `service_name`."""
 
 
 def service_of(packet: Packet) -> Service | None:

@@ -1,4 +1,4 @@
-"""Where two runs of packets part: the first one that differs, read in words, with what came before it."""
+"""The first difference between two runs of packets, decoded, with the packets before it."""
 
 from collections.abc import Mapping, Sequence
 from itertools import zip_longest

@@ -28,15 +28,15 @@ SHOWN: Final = 16
 
 
 class Reader(Protocol):
-    """Reads the packets of one link, one after the other."""
+    """A reader of one link's packets, one after the other."""
 
     def read(self, sender: str, packet: Packet) -> str:
-        """Return what a packet says; every packet has a text."""
+        """Return the decoded text of a packet; every packet has one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Protocols:
-    """What a kind of link carries: how its packets are written, and who reads them."""
+    """Protocol of a kind of link: the format of its packets, and their reader."""
 
     written: Callable[[Packet], str]
     reader: Callable[[], Reader]
@@ -62,7 +62,7 @@ KINDS: Final[Mapping[str, Protocols]] = MappingProxyType(
         CaptureDriver.MAVLINK: Protocols(_bytes, Mavlink),
     }
 )
-"""The kinds of links; what a board speaks, and what cameras do, are kinds by their words in robot files."""
+"""The kinds of links; the protocols of boards and cameras are kinds by their names in robot files."""
 
 
 def kinds_of(robot: AnyRobot) -> dict[str, str]:
@@ -76,10 +76,10 @@ def kinds_of(robot: AnyRobot) -> dict[str, str]:
 
 
 class _Unread:
-    """Reads nothing: what this link carries, no one has said."""
+    """A reader for a link of unknown protocol."""
 
     def read(self, _sender: str, _packet: Packet) -> str:
-        """Say so."""
+        """Return the note that it is unknown."""
         return "on a link of unknown kind"
 
 
@@ -104,7 +104,7 @@ def _one_line(text: str) -> str:
 
 
 class Dissector:
-    """Reads packets of several links; `kinds` tells a link's kind by its name where they are not the same."""
+    """A dissector of several links' packets; `kinds` gives a link's kind where it is not its name."""
 
     def __init__(self, kinds: Mapping[str, str] = MappingProxyType({})) -> None:
         self._kinds = kinds

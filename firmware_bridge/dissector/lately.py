@@ -1,4 +1,4 @@
-"""How much came within the last span of time: a sum that forgets."""
+"""The sum over the last span of time."""
 
 from collections import deque
 

@@ -1,4 +1,4 @@
-"""MAVLink messages in words: name, sequence number, and every field with its enumeration's word."""
+"""MAVLink messages, decoded: name, sequence number, and every field with its enumeration's name."""
 
 from typing import Final
 
@@ -10,7 +10,7 @@ _NO_ONE: Final = 0
 
 
 class Mavlink:
-    """Reads the datagrams of one link."""
+    """A reader of one link's datagrams."""
 
     def __init__(self) -> None:
         self._codec = Codec(_NO_ONE, _NO_ONE)

@@ -1,4 +1,4 @@
-"""The commands of maxon's serial protocols in words, as packets of their own or from the bytes of a line.
+"""The commands of maxon's serial protocols, decoded, as packets of their own or from the bytes of a line.
 
 Which of the two protocols a line speaks shows with its first byte: V2's frames begin with DLE.
 """
@@ -31,13 +31,13 @@ def _fields(message: Request | Answer) -> str:
 
 
 class _Exchange:
-    """The commands of one line: an answer is read by what was asked."""
+    """The commands of one line: an answer is read by its request."""
 
     def __init__(self) -> None:
         self._request: Request | None = None
 
     def requested(self, frame: Frame) -> str:
-        """Return what a command asks."""
+        """Return the decoded text of a command."""
         row = COMMANDS.get(frame.opcode)
         self._request = decode_request(frame)
         name = f"command 0x{frame.opcode:02X}" if row is None else row.name
@@ -46,20 +46,20 @@ class _Exchange:
         return f"{name}: {_fields(self._request)}"
 
     def answered(self, body: bytes) -> str:
-        """Return what an answer says."""
+        """Return the decoded text of an answer."""
         answer = None if self._request is None else decode_answer(self._request, body)
         return f"answer: {body.hex(' ').upper() if answer is None else _fields(answer)}"
 
 
 class MaxonCommands:
-    """Reads commands that are packets: see `wire.maxon.packets`."""
+    """A reader of commands that are packets: see `wire.maxon.packets`."""
 
     def __init__(self) -> None:
         self._exchange = _Exchange()
         self._asker = ""
 
     def read(self, sender: str, packet: Packet) -> str:
-        """Return what a command or its outcome says; whoever speaks first is the one who asks."""
+        """Return the text of a command or its outcome; the first sender is the end that sends requests."""
         self._asker = self._asker or sender
         if sender == self._asker:
             return self._exchange.requested(
@@ -72,7 +72,7 @@ class MaxonCommands:
 
 
 class _Stream:
-    """What one end of a line sends, byte by byte."""
+    """The bytes of one end of a line."""
 
     def __init__(self) -> None:
         self._second = FrameReader()
@@ -97,7 +97,7 @@ class _Stream:
 
 
 class MaxonLine:
-    """Reads the bytes of one line, both ways."""
+    """A reader of one line's bytes, both ways."""
 
     def __init__(self) -> None:
         self._exchange = _Exchange()

@@ -1,4 +1,4 @@
-"""What cameras stream by NatNet, in words; frames are read by the version that the server has told."""
+"""Cameras' NatNet stream, decoded; frames are read by the version that the server has reported."""
 
 from collections.abc import Iterator
 
@@ -10,13 +10,13 @@ from firmware_bridge.wire.natnet.messages import MessageId
 
 
 class NatNet:
-    """Reads the datagrams of one link."""
+    """A reader of one link's datagrams."""
 
     def __init__(self) -> None:
         self._version: Version | None = None
 
     def read(self, _sender: str, packet: Packet) -> str:
-        """Return what a datagram says."""
+        """Return the decoded text of a datagram."""
         try:
             message, payload = messages.split(packet.payload)
             return ": ".join((message.name.lower().replace("_", " "), *self._texts(message, payload)))

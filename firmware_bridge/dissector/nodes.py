@@ -1,4 +1,4 @@
-"""What is known of the nodes on a bus from what was written to them: their PDOs, and how values are read."""
+"""The nodes on a bus, by the writes to them: their PDOs, and the decoding of values."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Final
@@ -41,7 +41,7 @@ class Nodes:
         """Take defaults of a data sheet, which win over those of the EPOS2."""
         self._sheet = sheet
         self._written: dict[int, dict[Address, int]] = {}
-        """What was written to each node, as far as it matters for reading."""
+        """The writes to each node, as far as they matter for reading."""
         self._saved: dict[int, dict[Address, int]] = {}
 
     @property
@@ -65,7 +65,7 @@ class Nodes:
         self._saved[node] = dict(self._written[node])
 
     def mapped(self, node: int, mapping: int) -> bool:
-        """Whether a PDO's mapping was written, so that it need not be taken for the default."""
+        """Return whether a PDO's mapping was written, so that it need not be taken for the default."""
         written = self._written.get(node, {})
         return any(Address(mapping, place) in written for place in range(MAX_ENTRIES + 1))
 
@@ -84,7 +84,7 @@ class Nodes:
         """Return an object's value for people, with its unit and what its bits say."""
         row = ANY_TYPE.get(address)
         if row is not None and 0 < row.type.size < len(raw):
-            raw = raw[: row.type.size]  # a client that does not tell the size sends four bytes
+            raw = raw[: row.type.size]  # a client that gives no size sends four bytes
         value = decode(address, raw)
         mode = mode_of(self._written.get(node, {}).get(at.MODE, 0))
         text = words(address, value, mode)

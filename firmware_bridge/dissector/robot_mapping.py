@@ -1,4 +1,4 @@
-"""What a robot file says of the drives on its CAN buses, for a reader who has not seen them set up."""
+"""The drives on a robot file's CAN buses, for a reader that has not seen their set-up."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

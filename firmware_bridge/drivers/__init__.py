@@ -1,1 +1,1 @@
-"""The bridge's side of a device: configure it, command it, hear it."""
+"""The bridge's side of a device: configure it, command it, receive its reports."""

@@ -1,6 +1,6 @@
-"""A device as the bridge sees it, whatever it speaks: demands in, feedback out; SI units behind the gear.
+"""A device as the bridge sees it, by any protocol: set-points in, feedback out; SI units behind the gear.
 
-No base class: a driver is anything that has these methods. It refuses to know why a demand is made.
+No base class: a driver is anything that has these methods. The reason of a set-point is not known here.
 """
 
 from collections.abc import Mapping
@@ -72,15 +72,15 @@ class Task(Enum):
     LISTEN = "listen"
     """Make the device listen to set-points again, as it is; nothing is waited for."""
     BRAKE = "quick stop by object"
-    """Quick stop, object by object: for a device that hears no set-points."""
+    """Quick stop, object by object: for a device that receives no set-points."""
     DISABLE = "power off by object"
     """Take the power off in the same way."""
     RESET = "reset"
     """Make the device start again: it has no torque then, and loses what it has counted."""
     SET_ZERO = "set zero"
-    """Have it count from where someone saw it stand; with power, at rest, and nothing moves."""
+    """Have it count from its confirmed position; with power, at standstill, and nothing moves."""
     HOME = "home"
-    """Have it go to where its zero can be found, and count from there; as the robot file says."""
+    """Home it: it moves to its reference, and counts from there; by the robot file."""
 
 
 BRING_UP: Final = (Task.FIND, Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE)
@@ -102,39 +102,39 @@ class StartupError(Exception):
 
 
 class Power(Enum):
-    """What a device says of its power, in five words that every device can be asked for."""
+    """Power state of a device, one of five that every device has."""
 
     UNKNOWN = "unknown"
-    """It has said nothing, or does not listen to set-points."""
+    """It has reported nothing, or receives no set-points."""
     OFF = "off"
     STOPPED = "stopped"
-    """It has stopped by itself, or by a quick stop, and wants to be enabled again."""
+    """It has stopped by itself, or by a quick stop, and needs to be enabled again."""
     ON = "on"
     """It follows set-points."""
     FAULT = "fault"
 
 
 class Reports(Enum):
-    """What a driver's devices can tell; a common interlock that needs more is replaced by a weaker one."""
+    """Reports of a driver's devices; an interlock that needs a missing one is replaced by a weaker one."""
 
     POWER = "power"
     POSITION = "position"
     VELOCITY = "velocity"
     CURRENT = "current"
     STOP = "stop"
-    """That they have come to rest when they were asked to."""
+    """Their standstill after a stop command."""
     ZERO = "zero"
-    """Whether the zero from which they count still holds."""
+    """Validity of the reference from which they count."""
 
 
 @valueclass(frozen=True, slots=True)
 class Feedback:
-    """What is known of one axis, behind its gear; positive as the robot file's `direction` makes it."""
+    """Known state of one axis, behind its gear; positive as the robot file's `direction` makes it."""
 
     axis: str
     power: Power = Power.UNKNOWN
     received_at: Nanoseconds = NEVER_RECEIVED
-    """When the newest sample of state and position arrived; a heartbeat alone proves no position."""
+    """Arrival of the newest sample of state and position; a heartbeat alone proves no position."""
     sampled_at: Nanoseconds = NEVER_RECEIVED
     """The begin of the cycle, on CAN the SYNC, at which that sample was taken."""
     position: float = 0.0
@@ -144,21 +144,23 @@ class Feedback:
     current_a: float | None = None
     """None where the device does not measure it."""
     current_at: Nanoseconds = NEVER_RECEIVED
-    """When the newest current arrived; it may come less often than samples do."""
+    """Arrival of the newest current; it may come less often than samples do."""
     fault: str = ""
     """The device's code of its newest fault; empty where there is none, or it was reset."""
     text: str = ""
-    """The device's own word for its state; empty while it is unknown."""
+    """The device's own name of its state; empty while it is unknown."""
     zero_lost: bool = False
-    """It said so, or was heard to restart, and its zero was not set since. A driver whose device does not
-    tell begins with True."""
+    """True where it reported this or a restart, and was not referenced since.
+
+    A driver whose device does not report it begins with True.
+    """
     rewritten: str = ""
-    """What someone else has written to it since it was set up; empty where nothing was heard of that."""
+    """Foreign writes to its objects since it was set up; empty where none was received."""
 
 
 @valueclass(frozen=True, slots=True)
 class SeenPose:
-    """Where a sensor has seen the robot, in axes of its own with z upwards."""
+    """Pose of the robot as seen by a sensor, in axes of its own with z upwards."""
 
     position: tuple[float, float, float]
     """m."""
@@ -167,15 +169,15 @@ class SeenPose:
     heading_rad: float
     """Counter-clockwise from x, from -pi to pi."""
     jumps: int
-    """Counts up where the robot was seen elsewhere than it can have got to."""
+    """Count of sightings at places that the robot cannot have reached."""
 
 
 @valueclass(frozen=True, slots=True)
 class Reading:
-    """What a sensor has reported."""
+    """A sensor's report."""
 
     value: float
-    """Of a pose, its error in m as its sensor tells it."""
+    """The value; of a pose, its error in m as reported by its sensor."""
     sampled_at: Nanoseconds
     """The instant that it shows."""
     received_at: Nanoseconds
@@ -192,39 +194,39 @@ class Driver(Protocol):
 
     @property
     def reports(self) -> frozenset[Reports]:
-        """What it can tell."""
+        """Reports of its device."""
 
     @property
     def feedback(self) -> Feedback:
-        """What it has reported."""
+        """The state that it has reported."""
 
     @property
     def sampled_at(self) -> Nanoseconds:
-        """The same as in `feedback`; asked for after every packet."""
+        """The same as in `feedback`; read after every packet."""
 
     @property
     def busy(self) -> bool:
-        """Whether tasks are under way."""
+        """True while tasks are under way."""
 
     @property
     def stopping(self) -> bool:
-        """Whether the tasks under way stop the device, or were requested by no one: no stop waits then."""
+        """True where the tasks under way stop the device, or were requested by no one: no stop waits then."""
 
     @property
     def failure(self) -> StartupError | None:
-        """Why the last tasks failed; None where they did not."""
+        """The failure of the last tasks; None without one."""
 
     @property
     def configured(self) -> bool:
-        """Whether its set-up is in force; not after it restarted."""
+        """True while its set-up is in force; not after it restarted."""
 
     @property
     def unpowered(self) -> bool:
-        """Whether its newest word says that the motor has no torque; not once power was asked for."""
+        """True where its newest report shows no torque; not once power was requested."""
 
     @property
     def wake_at(self) -> Nanoseconds:
-        """When it wants to be woken."""
+        """Time of its next wake-up."""
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Do these tasks in order, in place of those under way."""
@@ -233,7 +235,7 @@ class Driver(Protocol):
         """Do `Task.SET_ZERO`: the axis stands at this position, in its unit."""
 
     def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do `Task.HOME`; only for an axis whose robot file says how."""
+        """Do `Task.HOME`; only for an axis with homing in the robot file."""
 
     def command(self, demand: Demand) -> tuple[Packet, ...]:
         """Send a demand; while tasks are under way only quick stop or power off, and rest to one that homes.
@@ -257,7 +259,7 @@ class SensorDriver(Protocol):
 
     @property
     def reading(self) -> Reading | None:
-        """What it has reported last; None where it has not, or says that there is nothing to report."""
+        """Its last report; None where there is none, or where it reports that it has no value."""
 
     def measure(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Ask it."""

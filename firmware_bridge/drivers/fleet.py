@@ -19,23 +19,23 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 
 class Link(Protocol):
-    """The way to the devices: how they are asked, how they know that the bridge lives.
+    """The connection to the devices: their requests, and the heartbeat that shows the bridge is alive.
 
-    It refuses to know what a drive is commanded.
+    It does not know what a drive is commanded.
     """
 
     name: str
     """The link's name in the robot file, which its packets have."""
     answers_within: Nanoseconds
-    """How long after the begin of a cycle the drives' samples are waited for."""
+    """Time for the drives' samples after the begin of a cycle."""
     beat_every: Nanoseconds
-    """How often the devices are to be shown that the bridge lives."""
+    """Period of the heartbeat to the devices."""
 
     listens_for: Nanoseconds
-    """How long a starting bridge listens for another master before it sends; 0 where none is heard."""
+    """Time in which a starting bridge listens for a second controller; 0 where none can be received."""
 
     remark: str
-    """What its start has shown that whoever drives must know, in words; empty where there is nothing."""
+    """Findings of its start for the station in control, as text; empty without any."""
 
     late: int
     """Cycles that began before the samples of the one before were in."""
@@ -45,14 +45,14 @@ class Link(Protocol):
 
     @property
     def lost(self) -> str | None:
-        """Why no drive can be reached, in words; None while the link stands."""
+        """The reason why no drive can be reached, as text; None while the link works."""
 
     def master(self, now: Nanoseconds) -> str | None:
-        """Return what was heard lately that only another master sends, in words; None where nothing was."""
+        """Return the recent traffic that only a second controller sends, as text; None without any."""
 
     @property
     def wake_at(self) -> Nanoseconds:
-        """When it wants to be woken, beside its drives."""
+        """Time of its next wake-up, beside its drives'."""
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Begin a cycle: have all drives report where they are."""
@@ -85,7 +85,7 @@ class Fleet:
         self.sensors: Final = tuple(sensors)
         self.outputs: Final = tuple(outputs)
         self._ask_at: dict[str, Nanoseconds] = {}
-        """When each sensor is to be asked again."""
+        """Time of each sensor's next request."""
 
     @property
     def name(self) -> str:
@@ -94,24 +94,24 @@ class Fleet:
 
     @property
     def busy(self) -> bool:
-        """Whether any drive has tasks under way."""
+        """True while any drive has tasks under way."""
         return any(driver.busy for driver in self.drivers)
 
     @property
     def failures(self) -> tuple[str, ...]:
-        """Why tasks failed, one line for each drive that did."""
+        """The failures of tasks, one line for each drive that has one."""
         return tuple(str(driver.failure) for driver in self.drivers if driver.failure is not None)
 
     @property
     def wake_at(self) -> Nanoseconds:
-        """When the link or the first drive wants to be woken."""
+        """Time of the next wake-up of the link or the first drive."""
         first = self.link.wake_at
         for driver in self.drivers:
             first = min(first, driver.wake_at)
         return first
 
     def sampled(self, since: Nanoseconds) -> bool:
-        """Whether every drive has reported its sample of the cycle that began at `since`."""
+        """Return whether every drive has reported its sample of the cycle that began at `since`."""
         return min([driver.sampled_at for driver in self.drivers], default=since) >= since
 
     def readings(self, now: Nanoseconds) -> Mapping[str, Reading]:

@@ -29,14 +29,14 @@ DRIVERS: Final[Mapping[str, Callable[[AnyRobot, str], Fleet]]] = {
     Ar2Driver.AR2: ar2.ar2_fleet,
     **dict.fromkeys(CaptureDriver, capture_fleet),
 }
-"""How a link's devices are made, by the driver that the robot file names."""
+"""Makers of a link's devices, by the driver that the robot file names."""
 
 REPORTS: Final[Mapping[str, Callable[[Axis, AnyLink], frozenset[Reports]]]] = {
     **dict.fromkeys(Epos2Driver, lambda _axis, _link: epos2.REPORTS),
     ShieldDriver.MOTOR_SHIELD: shield.reports,
     Ar2Driver.AR2: ar2.reports,
 }
-"""What the device of an axis can tell, by the driver of its link, before there is one."""
+"""Reports of an axis' device, by the driver of its link, before there is one."""
 
 STOP_STEPS: Final[Mapping[str, Callable[[AnyRobot, Axis], tuple[StopStep, ...]]]] = {
     **dict.fromkeys(Epos2Driver, epos2_stops.stop_steps),
@@ -50,14 +50,14 @@ CONFIRMED_BY: Final[Mapping[str, str]] = {
     ShieldDriver.MOTOR_SHIELD: shield_stops.CONFIRMED_BY,
     Ar2Driver.AR2: ar2_stops.CONFIRMED_BY,
 }
-"""Which report of a device confirms a stop, by the driver of its link, in words."""
+"""The device's report that confirms a stop, by the driver of its link, as text."""
 
 ALONE: Final[Mapping[str, Callable[[AnyRobot, str], str]]] = {
     **dict.fromkeys(Epos2Driver, epos2_stops.alone),
     ShieldDriver.MOTOR_SHIELD: shield_stops.alone,
     Ar2Driver.AR2: ar2_stops.alone,
 }
-"""What stops the devices of a link when the bridge falls silent, in words; empty where nothing does."""
+"""The devices' own stop when the bridge falls silent, by the driver, as text; empty where there is none."""
 
 
 def alone(robot: AnyRobot, link: str) -> str:
@@ -67,7 +67,7 @@ def alone(robot: AnyRobot, link: str) -> str:
 
 
 def reports_of(robot: AnyRobot, axis: Axis) -> frozenset[Reports]:
-    """Return what an axis's device can tell."""
+    """Return the reports of an axis' device."""
     link = robot.links[axis.link]
     return REPORTS[link.driver](axis, link)
 

@@ -1,9 +1,9 @@
-"""Carries one drive's scripts: does a step, waits for what it needs, goes on with the next one.
+"""The runner of one drive's scripts: do a step, wait for its condition, go on with the next one.
 
-A script is a tuple of steps: a packet to send at once, an object to ask for, something to wait for, or a step
-that is found out when its turn comes. A step may put further steps before the rest. A `StartupError` ends the
-script. Where a script stands is a tuple, too, so that a run can be taken back to any instant. It refuses to
-know what a script is for.
+A script is a tuple of steps: a packet to send at once, an object to request, a condition to wait for, or a
+step that is found out when its turn comes. A step may put further steps before the rest. A `StartupError`
+ends the script. The rest of a script is a tuple, too, so that a run can be taken back to any instant. The
+purpose of a script is not known here.
 """
 
 from collections.abc import Callable
@@ -26,7 +26,7 @@ class Ask:
 
 @dataclass(frozen=True, slots=True)
 class Until:
-    """Wait for something; after `within` go on all the same, or fail with what `otherwise` says."""
+    """Wait for a condition; after `within` go on all the same, or fail with the error of `otherwise`."""
 
     met: Callable[[], bool]
     within: Nanoseconds
@@ -46,15 +46,15 @@ Sent: TypeAlias = tuple[Packet, ...]
 
 
 class Client(Protocol):
-    """Reads and writes one node's objects, one at a time; what a method returns is to be sent."""
+    """A client that reads and writes one node's objects, one at a time; a method returns packets to send."""
 
     @property
     def busy(self) -> bool:
-        """Whether a transfer is under way."""
+        """True while a transfer is under way."""
 
     @property
     def wake_at(self) -> Nanoseconds:
-        """When it wants to be woken."""
+        """Time of its next wake-up."""
 
     def start(self, transfer: Transfer, now: Nanoseconds) -> Sent:
         """Begin a transfer; only when not busy."""
@@ -75,26 +75,26 @@ class ScriptRunner:
     def __init__(self, client: Client) -> None:
         self._client = client
         self._rest: Script | None = None
-        """What is still to do after the step under way; None without a script."""
+        """The steps after the one under way; None without a script."""
         self._requested: Ask | None = None
         self._until: Until | None = None
         self._until_at: Nanoseconds = NEVER
         self.failure: StartupError | None = None
-        """Why the newest script failed; None where it did not, or has not ended."""
+        """The failure of the newest script; None without one, or while it has not ended."""
 
     @property
     def busy(self) -> bool:
-        """Whether a script has not ended yet."""
+        """True while a script has not ended yet."""
         return self._rest is not None
 
     @property
     def idle(self) -> bool:
-        """Whether neither a script nor a transfer is under way."""
+        """True while neither a script nor a transfer is under way."""
         return self._rest is None and not self._client.busy
 
     @property
     def wake_at(self) -> Nanoseconds:
-        """When it wants to be woken."""
+        """Time of its next wake-up."""
         until, late = self._until_at, self._client.wake_at
         return min(until, late)
 
@@ -104,7 +104,7 @@ class ScriptRunner:
         return self._advance(script, now)
 
     def stop(self, failure: StartupError | None = None) -> None:
-        """Forget script and transfer; `failure` says why where there is a reason."""
+        """Forget script and transfer; `failure` is the reason where there is one."""
         self.failure = failure
         self._rest = self._requested = None
         self._client.cancel()

@@ -1,6 +1,7 @@
-"""SDO client of one node: one transfer in flight, a time-out, a bounded number of attempts.
+"""SDO client of one node: one transfer in flight, a timeout, a bounded number of attempts.
 
-It refuses to know what an object means, and who carries its frames: bytes in, bytes out, time as an argument.
+The meaning of an object and the carrier of its frames are not known here: bytes in, bytes out, time as an
+argument.
 
 Source: CiA 301 v4.02, service data object. Uploads of any length; downloads of up to four bytes, more than
 any object that the bridge writes.
@@ -19,7 +20,7 @@ TIMEOUT: Final[Nanoseconds] = 200 * MILLISECOND
 """For one answer; the drive itself needs less than a millisecond (EPOS2 Application Notes, p. 168)."""
 ATTEMPTS: Final = 2
 LARGEST_UPLOAD: Final = 1024
-"""Bytes; more than any object that an EPOS2 has, the data recorder aside."""
+"""Most bytes of an upload; more than any object that an EPOS2 has, the data recorder aside."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +72,7 @@ class SdoProtocolError(SdoError):
 
 
 Outcome: TypeAlias = bytes | SdoError
-"""What was read (empty after a download), or why not."""
+"""The bytes read (empty after a download), or the failure."""
 
 
 class SdoClient:
@@ -85,11 +86,11 @@ class SdoClient:
         self._gathered: bytearray | None = None
         self._toggle = False
         self.wake_at: Nanoseconds = NEVER
-        """When the answer is late; `NEVER` while nothing is in flight."""
+        """Time when the answer is late; `NEVER` while nothing is in flight."""
 
     @property
     def busy(self) -> bool:
-        """Whether a transfer is in flight."""
+        """True while a transfer is in flight."""
         return self._transfer is not None
 
     def start(self, transfer: Transfer, now: Nanoseconds) -> tuple[bytes, ...]:
@@ -205,11 +206,11 @@ class NodeClient:
         self._node = node
         self._client = SdoClient()
         self.wake_at: Nanoseconds = NEVER
-        """When the answer is late; an attribute, for it is asked for after every packet."""
+        """Time when the answer is late; an attribute, for it is read after every packet."""
 
     @property
     def busy(self) -> bool:
-        """Whether a transfer is in flight."""
+        """True while a transfer is in flight."""
         return self._client.busy
 
     def start(self, transfer: Transfer, now: Nanoseconds) -> tuple[Packet, ...]:

@@ -1,7 +1,7 @@
-"""The steps of a stop, as a driver lays them out: what is sent, and which word of the device confirms it.
+"""The stop stages of a driver: the command of each, and the device's report that confirms it.
 
-A step that its device does not confirm in time is followed by the next one. It refuses to know when a stop
-is asked for; `firmware_bridge.bridge.stops` keeps the time.
+A stage that its device does not confirm in time is followed by the next one. The time of a stop is kept by
+`firmware_bridge.bridge.stops`.
 """
 
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from firmware_bridge.drivers.driver import Stop, Task
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 TAKEN_WITHIN: Final[Nanoseconds] = 5 * SECOND
-"""From the begin of a stop to the end of its first step that takes the power, whatever the device does."""
+"""From the begin of a stop to the end of its first stage that disables the power, in any case."""
 CREEPS: Final[Nanoseconds] = 1_500 * MILLISECOND
 """So long, beside its ramp, may a step last where the axis is seen to slow down: a speed loop creeps to
 standstill behind its ramp, and another axis that coasts drags it on."""
@@ -23,11 +23,11 @@ class StopStep:
 
     name: str
     sent: str
-    """What goes to the device, for people."""
+    """The command to the device, for people."""
     demand: Stop
-    """What its set-points ask for meanwhile, unless they ask for more."""
+    """The set-point meanwhile, unless a stronger stop is commanded."""
     within: Nanoseconds
-    """How long the device's report may take, beside the ramp's own time; never more."""
+    """Longest time of the device's report, beside the ramp's own time."""
     deceleration: float | None = None
     """Of that ramp, in the axis's unit a second squared; None: it does not count on one."""
     slows_within: Nanoseconds | None = None
@@ -35,7 +35,7 @@ class StopStep:
     at_once: bool = False
     """The bridge does not ramp down before it."""
     task: Task | None = None
-    """What the device does once, at the begin."""
+    """The device's task, once, at the begin."""
     whole_board: bool = False
     """No set-point does it for one axis alone: its task is begun also where it is the first step."""
     ends_with_task: bool = False
@@ -43,14 +43,14 @@ class StopStep:
     silent: bool = False
     """Meanwhile the link's devices are not shown that the bridge lives."""
     takes_all: bool = False
-    """It takes the power of all on the link: not done for an axis that rested when it was last heard."""
+    """It disables the power of all on the link: not done for an axis at standstill in its last report."""
     received: bool = False
     """It needs a device that listens: where its power is not known the next step is begun at once."""
     ends_power: bool = False
     ordered_off: bool = False
     """It belongs to a power-off that was ordered, in the place of the ramps."""
     note: str = ""
-    """What else follows from it, for people."""
+    """Further consequences, for people."""
 
     def lasts(self, speed: float) -> Nanoseconds:
         """Return how long it may take from this speed, in the axis's unit a second."""
@@ -70,7 +70,7 @@ def way(steps: tuple[StopStep, ...], *, off: bool) -> tuple[StopStep, ...]:
 
 
 def gentle_within(steps: tuple[StopStep, ...]) -> Nanoseconds:
-    """Return how long the steps before the first that takes the power may last together."""
+    """Return how long the stages before the first that disables the power may last together."""
     first = next((step for step in steps if step.ends_power), None)
     return TAKEN_WITHIN - (first.within if first is not None else 0)
 

@@ -1,10 +1,10 @@
-"""Where a robot is on its plane by two witnesses: cameras that see it, and odometry that carries it on.
+"""A robot's pose on its plane by two sources: cameras that see it, and odometry that carries it on.
 
-A captured pose is believed where odometry expects the robot, and what odometry has rolled since that instant
-is put upon it; so the delay of the cameras is no error, and a robot that is hidden goes on by odometry alone.
-How far that may be wrong grows with what was rolled; beyond a bound the robot is lost, and must stop. A pose
-elsewhere than expected is refused: markers that were taken for others. The first of all has nothing to be
-expected by, and is believed when those after it agree; who is shown wrongly all the time is believed wrongly.
+A captured pose is accepted where odometry expects the robot, and odometry's motion since that instant is
+added to it; so the delay of the cameras is no error, and a robot that is hidden goes on by odometry alone.
+The possible error of that grows with the distance rolled; beyond a bound the robot is lost, and must stop. A
+pose elsewhere than expected is refused: markers that were taken for others. The first of all has no
+expectation, and is accepted when those after it agree; a pose that is wrong all the time is accepted wrongly.
 It knows no camera and no wheel.
 """
 
@@ -22,11 +22,11 @@ REMEMBERED: Final[Nanoseconds] = SECOND
 """A captured pose older than this is put upon nothing any more, and refused."""
 
 AGREE: Final = 3
-"""A first pose is believed when so many in a row agree: a single one may be of markers taken for others."""
+"""Number of agreeing poses for a first one: a single one may be of markers taken for others."""
 
 
 class Source(StrEnum):
-    """By what the place is known."""
+    """Source of the pose."""
 
     UNSEEN = "the cameras have not seen the robot yet"
     CAPTURED = "captured"
@@ -37,15 +37,15 @@ class Source(StrEnum):
 
 
 SLIPS_OVER: Final[Nanoseconds] = SECOND // 2
-"""Slip is the mean over so long: a motor that lags behind what it was told does not slip."""
+"""Time over which slip is averaged: a motor that lags behind its set-point does not slip."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """How far the two may differ, and how long one may stand for both."""
+    """Bounds of their difference, and of the time for which one may stand for both."""
 
     jump_m: float
-    """So far from where it is expected a captured pose is believed, beside what odometry may be wrong by."""
+    """Largest distance of an accepted pose from the expected one, beside odometry's possible error."""
     jump_rad: float
     """The same of its heading; what odometry may be wrong by adds no more than as much again."""
     slips: float
@@ -66,24 +66,24 @@ class Sight:
 
 @valueclass(frozen=True, slots=True)
 class Located:
-    """Where the robot is, and how far that is known."""
+    """The robot's pose, and its uncertainty."""
 
     pose: Pose
     """In the cameras' axes, and as old as the odometry; its heading is not wrapped. Zero while unseen."""
     source: Source
     uncertain_m: float
-    """What odometry may be wrong by since the cameras were believed last."""
+    """Possible error of odometry since the last accepted captured pose."""
     off_m: float
-    """How far the newest captured pose was from where odometry expected it: slip, or a jump."""
+    """Distance of the newest captured pose from odometry's expectation: slip, or a jump."""
     off_rad: float
     refused: int
-    """Captured poses in a row that were refused; 0 where the newest was believed."""
+    """Captured poses in a row that were refused; 0 where the newest was accepted."""
     slip_mps: float = 0.0
-    """How fast it moves otherwise than odometry says: the mean of what believed poses tell."""
+    """Speed relative to odometry: the mean over accepted poses."""
 
     @property
     def reason(self) -> str | None:
-        """Why the robot must not go on, in words; None where it may."""
+        """The reason why the robot must not go on, as text; None where it may."""
         if self.source is Source.UNSEEN:
             return self.source.value
         if self.source is not Source.LOST:
@@ -102,16 +102,16 @@ class Captured:
     def __init__(self, bounds: Bounds) -> None:
         self._bounds: Final = bounds
         self._rolled: deque[tuple[Nanoseconds, Pose]] = deque()
-        """What odometry said, oldest first."""
+        """Odometry's poses, oldest first."""
         self._anchor: tuple[Pose, Pose] | None = None
-        """The pose that was believed last, and what odometry said at that instant."""
+        """The pose that was accepted last, with odometry's pose at that instant."""
         self._first: tuple[Pose, Pose] | None = None
-        """The same of a pose that is not believed yet: as long as there is no other."""
+        """The same of a pose that is not accepted yet: as long as there is no other."""
         self._agreed = 0
         """Captured poses in a row that show the robot where that one, carried on, has it."""
         self._believed_at: Nanoseconds = 0
         self._newest_at: Nanoseconds = -1
-        """What the newest captured pose showed."""
+        """Instant of the newest captured pose."""
         self._slip: tuple[float, ...] = (0.0, 0.0)
         """m/s in the cameras' axes."""
         self._way_m = 0.0
@@ -120,16 +120,16 @@ class Captured:
         self.located = Located(Pose(), Source.UNSEEN, 0.0, 0.0, 0.0, 0)
 
     def begin_again(self) -> None:
-        """Forget where it was: captured poses are believed, wherever they are, once some agree.
+        """Forget the pose: captured poses are accepted, wherever they are, once some agree.
 
-        For someone who has looked: a robot that was carried elsewhere is refused for ever without it.
+        For an operator who has looked: a robot that was carried elsewhere is refused for ever without it.
         """
         self._anchor = self._first = None
         self._slip = (0.0, 0.0)
         self.located = replace(self.located, source=Source.UNSEEN, uncertain_m=0.0, slip_mps=0.0)
 
     def step(self, odometry: Pose, at: Nanoseconds, sight: Sight | None) -> Located:
-        """Return where the robot is at `at`, the instant of this odometry; asked twice, it is the same.
+        """Return the robot's pose at `at`, the instant of this odometry; a second call returns the same.
 
         `sight` is the newest captured pose, also one that was given before; None where none is known.
         """
@@ -169,7 +169,7 @@ class Captured:
             off_rad = math.remainder(heading - expected.heading_rad, math.tau)
             heading = expected.heading_rad + off_rad
             bounds = self._bounds
-            # No further than a robot that is not lost can be: else any jump were believed in the end.
+            # No further than a robot that is not lost can be: else any jump would be accepted in the end.
             far_m = bounds.jump_m + min(self._uncertain_m(), bounds.lost_m)
             far_rad = bounds.jump_rad + min(bounds.slips * self._turn_rad, bounds.jump_rad)
             if off_m > far_m or abs(off_rad) > far_rad:
@@ -228,7 +228,7 @@ class Captured:
         return self._bounds.slips * self._way_m * (1.0 + self._turn_rad)
 
     def _odometry_at(self, at: Nanoseconds) -> Pose:
-        """Return what odometry said at an instant: between two samples, or on from the last two."""
+        """Return odometry's pose at an instant: between two samples, or on from the last two."""
         rolled = self._rolled
         later = len(rolled) - 1
         while later > 1 and rolled[later - 1][0] >= at:

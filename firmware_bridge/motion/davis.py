@@ -1,8 +1,8 @@
 """Davis steering: rack, wheel angles, turn and rear wheel speeds; lengths in m, angles in rad, left positive.
 
-`steer` is everywhere the angle of the INNER front wheel with the sign of the turn. The thesis (A. P. Das,
-IIT Delhi, 2018) writes (4.7) for one side only and names the wheel of (4.10), (4.11) wrongly; here both
-sides mirror each other. It refuses to know limits: a caller clips.
+`steer` is everywhere the angle of the INNER front wheel with the sign of the turn. The thesis (A. P. Das, IIT
+Delhi, 2018) writes (4.7) for one side only and names the wheel of (4.10), (4.11) wrongly; here both sides
+mirror each other. Limits are not known here: a caller clips.
 """
 
 import math

@@ -1,6 +1,6 @@
 """Differential drive: two wheels on one axle, each with its own motor; lengths in m, left positive.
 
-The robot's point is the middle of the axle; the castors follow. It refuses to know limits beyond the ramp's.
+The robot's point is the middle of the axle; the castors follow. Limits beyond the ramp's are not known here.
 """
 
 import math

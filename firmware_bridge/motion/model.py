@@ -1,4 +1,4 @@
-"""How a robot moves when it is told a speed and a yaw rate: what a predictor integrates."""
+"""A robot's response to a commanded speed and yaw rate: the model that a predictor integrates."""
 
 import math
 from dataclasses import dataclass
@@ -10,13 +10,13 @@ from firmware_bridge.motion.pose import Pose
 
 @dataclass(frozen=True, slots=True)
 class Moving:
-    """Where a robot is and how it moves: m/s, rad/s."""
+    """Pose and motion of a robot: m/s, rad/s."""
 
     pose: Pose
     speed_mps: float = 0.0
     yaw_rate_rad_s: float = 0.0
     steer_rad: float | None = None
-    """Of one that steers; None: as its turn says."""
+    """Steering angle of one that steers; None: by its turn."""
 
 
 class Model(Protocol):
@@ -27,16 +27,16 @@ class Model(Protocol):
         """The largest curvature that it can drive."""
 
     def step(self, moving: Moving, speed_mps: float, yaw_rate_rad_s: float, seconds: float) -> Moving:
-        """Return how it moves after some time of being told this."""
+        """Return its motion after some time of these set-points."""
 
 
 class Unicycle:
-    """Does at once what it is told."""
+    """A robot that follows its set-points at once."""
 
     tightest_per_m = math.inf
 
     def step(self, moving: Moving, speed_mps: float, yaw_rate_rad_s: float, seconds: float) -> Moving:
-        """Return how it moves after some time of being told this."""
+        """Return its motion after some time of these set-points."""
         return Moving(arc(moving.pose, speed_mps, yaw_rate_rad_s, seconds), speed_mps, yaw_rate_rad_s)
 
 

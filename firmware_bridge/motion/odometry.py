@@ -1,4 +1,4 @@
-"""Where a robot on two wheels of one axle is, from what they rolled; it knows no drive and no bus.
+"""Pose of a robot on two wheels of one axle, by their rolling; it knows no drive and no bus.
 
 The thesis advances the pose by forward Euler every 50 ms (4.13)-(4.15): its largest error on a closed circle
 is v dt, because each step runs along the old heading. Here each step is the exact arc of two wheels that

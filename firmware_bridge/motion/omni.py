@@ -4,7 +4,7 @@ Source: A. Seleit, MSc thesis, UCF, 2020, (2.13) and (2.14), which are right; (2
 places twice. Wheel i drives along psi + z_i + 90 degrees, so three rims forwards turn counter-clockwise.
 
 Three rims and three ways to move: a motion determines the rims and the rims the motion. Nothing is left over
-that would tell slip.
+that would reveal slip.
 """
 
 import math
@@ -15,12 +15,12 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.units import Nanoseconds, to_seconds
 
 ANGLES: Final[tuple[float, ...]] = (0.0, 2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0)
-"""Where the wheels stand."""
+"""Angles of the wheels."""
 _STRAIGHT_RAD: Final = 1e-6
 
 
 class Twist(NamedTuple):
-    """How a body moves in its own frame; SI, left and counter-clockwise positive."""
+    """Motion of a body in its own frame; SI, left and counter-clockwise positive."""
 
     ahead: float
     left: float

@@ -25,7 +25,7 @@ TU_S: Final = math.sqrt(DU_KM**3 / MU_EARTH)
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """How an orbit in DU and TU is shown."""
+    """Scale of an orbit in DU and TU."""
 
     metres_per_du: float = 0.4
     height_per_du: float = 0.4

@@ -1,4 +1,4 @@
-"""Where a robot is on its plane."""
+"""Pose of a robot on its plane."""
 
 from firmware_bridge.value import valueclass
 

@@ -15,14 +15,14 @@ import numpy as np
 from firmware_bridge.motion.chain import Angles, Chain, Matrix
 
 ALL: Final = (0, 1, 2, 3, 4, 5)
-"""Of the tool's three speeds and three turns: all are asked for."""
+"""Indices of the tool's three speeds and three turns: all of them are controlled."""
 POSITION: Final = (0, 1, 2)
 HEAVIEST: Final = 1e6
 """The weight of a joint at its limit: it does a millionth of what it would do."""
 
 
 class Watch(NamedTuple):
-    """How a posture moves the tool."""
+    """Effect of a posture on the tool's motion."""
 
     manipulability: float
     """The product of the singular values: 0 where a direction is lost."""
@@ -50,7 +50,7 @@ class Damping:
 
 
 class Rates(NamedTuple):
-    """What the joints shall do, rad/s, and how the posture is."""
+    """Rates of the joints, rad/s, and the quality of the posture."""
 
     joints: Matrix
     watch: Watch

@@ -1,7 +1,7 @@
 """Scissor lift: height above collapsed, screw travel and angle (A. P. Das, thesis 2.5, (2.16)); lengths in m.
 
 N stages of links l at angle theta: height N l sin(theta); the screw pulls the foot along x = l cos(theta).
-It refuses to know speeds and limits: a caller clips to `highest`.
+Speeds and limits are not known here: a caller clips to `highest`.
 """
 
 import math

@@ -1,23 +1,23 @@
-"""Which controls count: after the robot was armed only those that were seen at rest since.
+"""The controls that count: after the robot was armed only those that were seen at neutral since.
 
-Before that all count, so that the bridge sees what is deflected, and refuses to arm. It refuses to know what
-the controls are.
+Before that all count, so that the bridge sees the deflected ones, and refuses to arm. The meaning of a
+control is not known here.
 """
 
 from collections.abc import Mapping
 
 
 class SeenAtRest:
-    """Looks at all controls whenever something is said."""
+    """A check of all controls at every message."""
 
     def __init__(self) -> None:
         self._armed = False
         self._arm_requested = False
-        """Arming was asked for here, and has not been seen yet."""
+        """Arming was requested here, and has not been seen yet."""
         self._rested: set[str] = set()
 
     def arm_requested(self) -> None:
-        """Learn that arming is asked for; what rests from now on rests after it. An armed robot goes on."""
+        """Note a request to arm; controls at neutral from now on count after it. An armed robot goes on."""
         if not self._armed:
             self._arm_requested = True
             self._rested.clear()

@@ -1,6 +1,6 @@
-"""A station that someone sits at: a joystick's or a keyboard's bytes come in beside the link's.
+"""A station with an operator: a joystick's or a keyboard's bytes come in beside the link's.
 
-What its display shows is told.
+The content of its display is reported.
 """
 
 import math
@@ -26,27 +26,27 @@ Report: TypeAlias = Callable[[str], None]
 
 
 class Cockpit:
-    """A `Node` around the station; who drives is a hand, or a follower that may be armed by itself."""
+    """A `Node` around the station; its driver is an operator, or a follower that may be armed by itself."""
 
     def __init__(
         self, station: Station, report: Report, *, arms: bool = False, rolling: tuple[str, ...] = ()
     ) -> None:
-        """Show what the station sees, the rolling axes by these names.
+        """Show the station's view, the rolling axes by these names.
 
-        `arms`: arm the robot once it is heard.
+        `arms`: arm the robot once it is received.
         """
         self._station: Final = station
         self._report: Final = report
         self._arms = arms
-        """The robot is to be armed as soon as it is heard."""
+        """The robot is to be armed as soon as it is received."""
         self._wake_at: Nanoseconds = 0
         self._shows_at: Nanoseconds = 0
         self._rolling: Final = rolling
         self._lines_shown = 0
-        """How many of the robot's words have been told."""
+        """Count of the robot's texts reported so far."""
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Take what the robot says, or what the hand does."""
+        """Take the robot's messages, or the operator's input."""
         if packet.link == HAND:
             self._handled(packet.payload, now)
             return Reaction((), self._due)

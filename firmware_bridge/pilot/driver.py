@@ -1,4 +1,4 @@
-"""Who drives at a station: what he sees, and what he says, each in the robot's own directions."""
+"""The driver at a station: received view and sent commands, each in the robot's own directions."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ class Sight(NamedTuple):
 
     moving: Moving
     measured_at: Nanoseconds | None
-    """By the station's clock; None while the robot's is not known."""
+    """Time of it on the station's clock; None while the robot's is not known."""
     received_at: Nanoseconds
 
 
@@ -42,17 +42,17 @@ REST: Final = Target()
 
 
 class Driver(Protocol):
-    """A hand, or what stands in for one."""
+    """An operator's controls, or a replacement for them."""
 
     def sees(self, sight: Sight) -> None:
         """Take a pose that has come."""
 
     def command(self, link: Link, now: Nanoseconds, *, armed: bool) -> DriveCommand:
-        """Say what the robot shall do; asked once in each period, and sent at once."""
+        """Return the robot's next command; called once in each period, and sent at once."""
 
 
 class ButtonRequest(Enum):
-    """What a hand's button asks for."""
+    """Request of a button of the operator."""
 
     ARM = "arm"
     STOP = "emergency stop"
@@ -60,7 +60,7 @@ class ButtonRequest(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Extras:
-    """What of a robot a hand moves beside driving: buttons of MANUAL_CONTROL, by their numbers."""
+    """Further controls of a robot beside driving: buttons of MANUAL_CONTROL, by their numbers."""
 
     switches: tuple[int, ...] = ()
     up_button: int | None = None
@@ -79,7 +79,7 @@ NO_EXTRAS: Final = Extras()
 
 @runtime_checkable
 class AtHand(Driver, Protocol):
-    """A driver with a device that tells bytes."""
+    """A driver with a device that sends bytes."""
 
     def handle(self, chunk: bytes, now: Nanoseconds) -> Iterator[ButtonRequest]:
-        """Take the device's bytes, cut anywhere; yield what is asked for at once."""
+        """Take the device's bytes, cut anywhere; yield the requests to carry out at once."""

@@ -15,12 +15,12 @@ from firmware_bridge.pilot.pursuit import Pursuit
 from firmware_bridge.units import SECOND, Nanoseconds
 
 BLIND_AFTER: Final[Nanoseconds] = 2 * SECOND
-"""Who has seen nothing for so long stops."""
+"""Time without sight of the robot after which a follower stops."""
 STANDS_MPS: Final = 0.01
 STANDS_FOR: Final[Nanoseconds] = 3 * SECOND
-"""A robot that stands for so long, beside a round trip, though it is told to drive, is held back."""
+"""Time of standstill, beside a round trip, after which a commanded robot counts as held back."""
 LETS_GO_FOR: Final[Nanoseconds] = SECOND
-"""So long the stick is let go then, and after arming, beside a round trip: it must be seen to be."""
+"""Time of a neutral stick then, and after arming, beside a round trip: the robot must see it."""
 
 
 class Follower:
@@ -49,14 +49,14 @@ class Follower:
         self._pursuit: Pursuit | None = None
         self._sight: Sight | None = None
         self._coming: Final[deque[tuple[Nanoseconds, Target]]] = deque()
-        """What was worked out and is not yet done."""
+        """Targets that are worked out and not yet commanded."""
         self._does = REST
         self._moved_at: Nanoseconds = 0
-        """When the robot was last seen to move, or not told to."""
+        """Time when the robot was last seen to move, or without a command to drive."""
         self._lets_go_until: Nanoseconds = 0
         self._armed = False
         self.held_back = 0
-        """How often the robot stood though it was told to drive, since it moved last."""
+        """Count of standstills despite a command to drive, since its last motion."""
 
     def sees(self, sight: Sight) -> None:
         """Take a pose that has come."""
@@ -102,7 +102,7 @@ class Follower:
         return self.predictor.at(now + trip // 2)
 
     def _let_go(self, command: Target, trip: Nanoseconds, now: Nanoseconds) -> Target:
-        """Let the stick go where the robot is held back: it wants to see that before it goes on."""
+        """Put the stick to neutral where the robot is held back, which requires that before it goes on."""
         if command == REST or now < self._lets_go_until:
             self._moved_at = max(self._moved_at, now)
         elif now - self._moved_at > STANDS_FOR + trip:

@@ -42,7 +42,7 @@ class Hand:
         """Return where helm and pedals stand; once the robot is armed, of those that have rested since."""
         controls, counts = self.controls, self._seen.counts
         self._seen.look(controls.resting, armed=armed)
-        # The brake takes nothing from it before: who lets go of the brake then would drive off.
+        # The brake takes nothing from it before: releasing the brake then would drive off.
         trodden = controls.accelerator - (controls.brake if armed else 0.0)
         forward = trodden if trodden >= PLAY and counts("accelerator") else 0.0
         held = [number for number, one in enumerate(controls.device.switches) if controls.held(one)]

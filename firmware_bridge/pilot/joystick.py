@@ -1,4 +1,4 @@
-"""A helm, its pedals and buttons, as the kernel tells them: linux/joystick.h, `struct js_event`.
+"""A helm, its pedals and buttons, as the kernel reports them: linux/joystick.h, `struct js_event`.
 
 Eight bytes an event, little endian on every machine that this runs on: time in ms (4), value (2), kind (1)
 and number (1). All states come once when the device is opened.
@@ -23,7 +23,7 @@ PLAY: Final = 0.05
 
 
 class At(NamedTuple):
-    """An axis, and what it tells at rest."""
+    """An axis, with its value at rest."""
 
     number: int
     rest: int
@@ -31,7 +31,7 @@ class At(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Device:
-    """Which axis and which button is what."""
+    """Assignment of a device's axes and buttons."""
 
     title: str
     helm: At
@@ -77,12 +77,12 @@ _SECOND_STICK: Final = frozenset({0x03, 0x04})
 
 
 def is_gamepad(name: str, codes: Collection[int]) -> bool:
-    """Return whether a device's name says that it is a gamepad, or the codes of its axes do."""
+    """Return whether a device is a gamepad by its name, or by the codes of its axes."""
     return _PADS.search(name) is not None or _SECOND_STICK.issubset(codes)
 
 
 class Controls:
-    """Where everything of one device stands."""
+    """State of all controls of one device."""
 
     def __init__(self, device: Device) -> None:
         self.device: Final = device
@@ -130,7 +130,7 @@ class Controls:
 
     @property
     def resting(self) -> Mapping[str, bool]:
-        """Which controls rest, by their names here; one that has told nothing yet does not."""
+        """The controls at neutral, by their names here; one without a report yet is not."""
         device = self.device
         axes = {"up": device.rise, "helm": device.helm, "accelerator": device.accelerator}
         return {

@@ -1,6 +1,6 @@
-"""A hand at a keyboard, where there is no joystick: a terminal tells what goes down, and not what is let go.
+"""A keyboard, where there is no joystick: a terminal reports keys pressed, and not keys released.
 
-So who drives keeps a key down, and its repetition keeps the robot going. A key is taken as down until its
+So the operator keeps a key down, and its repetition keeps the robot going. A key is taken as down until its
 repetition must have begun, and then from one to the next: ASSUME 0.7 s and 0.2 s, above the 660 ms and 40 ms
 with which X begins. The terminal repeats only the newest key.
 """
@@ -45,7 +45,7 @@ class Keyboard:
         self._up = 0.0
         self._helm = 0.0
         self._switches: Final[set[int]] = set()
-        """Pressed since the last word."""
+        """Pressed since the last command."""
         self._seen: Final = SeenAtRest()
         self._key = b""
         self._until: Nanoseconds = 0
@@ -70,7 +70,7 @@ class Keyboard:
                 self._driven(key, now)
 
     def command(self, _link: Link, now: Nanoseconds, *, armed: bool) -> Stick:
-        """Return what the keys say; once the robot is armed, where they have been let go since."""
+        """Return the command of the keys; once the robot is armed, only of those released since."""
         if now >= self._until:
             self._let_go()
         driven = bool(self._forward or self._up)

@@ -1,6 +1,7 @@
-"""The link as the station finds it out: round trip, how old is what it sees, which share of it is lost.
+"""The link as the station measures it: round trip, age of the view, share of frames lost.
 
-It asks the robot TIMESYNC, as the robot asks it; an answer bounds the robot's clock from both sides.
+It sends TIMESYNC requests to the robot, as the robot does to it; an answer bounds the robot's clock from both
+sides.
 """
 
 from typing import Final
@@ -25,7 +26,7 @@ class Link:
 
     @property
     def next_question(self) -> Nanoseconds:
-        """When the next question is due."""
+        """Time of the next request."""
         return self._trips.due
 
     @property
@@ -38,13 +39,13 @@ class Link:
         self._losses.received(sequence, now)
 
     def question(self, now: Nanoseconds) -> Message:
-        """Return what is to be asked now."""
+        """Return the request that is due now."""
         requested_at = max(now, 1)
         self._trips.ask((_TIMESYNC, requested_at), now=requested_at)
         return dialect.MAVLink_timesync_message(0, requested_at)
 
     def answered(self, message: Message, now: Nanoseconds) -> None:
-        """Take an answer; one to no open question says nothing."""
+        """Take an answer; one to no open request is ignored."""
         requested_at = self._trips.answered((_TIMESYNC, message.ts1), now)
         if requested_at is not None:
             self.clock.answered(requested_at, message.tc1, now, 1)

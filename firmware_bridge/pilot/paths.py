@@ -23,7 +23,7 @@ class Nearest(NamedTuple):
 
     along_m: float
     left_m: float
-    """How far the point is to the left of the path there; at its ends how far it is away."""
+    """Distance of the point to the left of the path there; at its ends its distance from them."""
 
 
 class Path:
@@ -43,7 +43,7 @@ class Path:
         self.closed: Final = closed
         self.points: Final = tuple(chain)
         self._begins: Final = (0.0, *accumulate(lengths))
-        """How far along each point is."""
+        """Distance of each point along the path."""
 
         self.begin: Final = Pose(*chain[0], self.at(0.0).heading_rad if course_rad is None else course_rad)
 
@@ -114,7 +114,7 @@ def _turn(radius_m: float, chords: int) -> list[Point]:
 PATHS: Final[MappingProxyType[str, Callable[[float], Path]]] = MappingProxyType(
     {"line": line, "circle": circle, "eight": figure_of_eight}
 )
-"""By their names: each is made of its size in m, a length or a radius."""
+"""Paths by their names: each is made of its size in m, a length or a radius."""
 
 
 def placed(path: Path, at: Pose, *, offset_m: float = 0.0, turned_rad: float = 0.0) -> Path:

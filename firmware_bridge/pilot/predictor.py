@@ -1,9 +1,9 @@
-"""Where the robot will be when the word that is said now reaches it: a Smith predictor over the link.
+"""The robot's pose when the present command reaches it: a Smith predictor over the link.
 
 Source: A. P. Das, PhD thesis, IIT Delhi, 2018, 6.1: start from the newest pose that came, its time stamp and
 the commands that were sent since, and integrate the model. The dead time is measured: half a round trip up,
-and the pose's own age. Where the ways are not equally slow both are off by the same, against each other, so
-that the commands still meet the poses which they made.
+and the pose's own age. Where the directions are not equally slow both are off by the same, against each
+other, so that the commands still meet the poses which they made.
 """
 
 import math
@@ -34,10 +34,10 @@ class Predictor:
         self._model: Final = model
         self._commands: Final[deque[SentCommand]] = deque()
         self._predicted: Final[deque[tuple[Nanoseconds, Pose]]] = deque()
-        """What was said of instants that are still to be heard of."""
+        """Predictions for instants without a received pose yet."""
         self._newest: tuple[Nanoseconds, Moving] | None = None
         self.error_m: float | None = None
-        """How far the newest pose was from what had been said of its instant; None before there is one."""
+        """Distance of the newest pose from the prediction for its instant; None before there is one."""
 
     def on_command(
         self, sent_at: Nanoseconds, up: Nanoseconds, speed_mps: float, yaw_rate_rad_s: float
@@ -48,7 +48,7 @@ class Predictor:
             self._commands.popleft()
 
     def seen(self, measured_at: Nanoseconds, moving: Moving) -> None:
-        """Take a pose that has come, and when it was so; one that is older than the newest says nothing."""
+        """Take a received pose, and its instant; one that is older than the newest is ignored."""
         if self._newest is not None and measured_at < self._newest[0]:
             return
         self._newest = measured_at, moving

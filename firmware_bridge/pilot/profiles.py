@@ -1,4 +1,4 @@
-"""How often the robot is asked for what, by the messages' numbers."""
+"""Profiles of the robot's telemetry: requested intervals, by the messages' numbers."""
 
 from types import MappingProxyType
 from typing import Final, TypeAlias

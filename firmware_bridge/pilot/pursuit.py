@@ -36,7 +36,7 @@ def critical_delay_s(speed_mps: float, look_ahead_m: float) -> float:
 
 
 class Arc(NamedTuple):
-    """What leads to the goal."""
+    """The arc that leads to the goal."""
 
     curvature_per_m: float
     """Left positive."""
@@ -52,11 +52,11 @@ class Pursuit:
         self.path: Final = path
         self._look_ahead: Final = look_ahead_m
         self._along: float | None = None
-        """How far it has come; None before it begins."""
+        """Distance along the path so far; None before it begins."""
 
     @property
     def ended(self) -> bool:
-        """Whether the end of an open path is reached, to a step."""
+        """True where the end of an open path is reached, to a step."""
         return not self.path.closed and self._along is not None and self._along >= self.path.length_m - STEP_M
 
     def arc(self, pose: Pose) -> Arc:

@@ -1,6 +1,6 @@
-"""A ground station as a node: what comes over the link to who drives at it, and what he says back.
+"""A ground station as a node: data of the link for its operator, and the operator's commands.
 
-It opens no socket, reads no clock, and sees nothing but what the link brings.
+It opens no socket, reads no clock, and sees nothing but the link's data.
 """
 
 import math
@@ -26,7 +26,7 @@ COMPONENT: Final = dialect.MAV_COMP_ID_MISSIONPLANNER
 PERIOD: Final[Nanoseconds] = 50 * MILLISECOND
 """Packets at 20 Hz (A. P. Das, PhD thesis, IIT Delhi, 2018, 4.2)."""
 SILENT: Final[Nanoseconds] = 3 * SECOND
-"""Of heartbeats: a robot that was silent for so long may have forgotten what it was asked to send."""
+"""Silence of heartbeats after which a robot may have forgotten the requested intervals."""
 RETRY_AFTER: Final[Nanoseconds] = SECOND
 MOST_TRIES: Final = 20
 FULL: Final = 1000
@@ -51,7 +51,7 @@ class Order:
 
 
 class Line(NamedTuple):
-    """What the robot said, in words."""
+    """A text of the robot."""
 
     at: Nanoseconds
     text: str
@@ -59,7 +59,7 @@ class Line(NamedTuple):
 
 @dataclass(slots=True)
 class Shown:
-    """What the station's display shows."""
+    """Content of the station's display."""
 
     armed: bool = False
     received: bool = False
@@ -72,11 +72,11 @@ class Shown:
     battery_v: float | None = None
     lines: list[Line] = field(default_factory=list)
     warning: str = ""
-    """The newest warning, or worse, that the robot has told."""
+    """The robot's newest warning, or worse."""
 
 
 class Station:
-    """One station, one robot, and who drives."""
+    """One station, one robot, and its driver."""
 
     def __init__(
         self,
@@ -86,9 +86,9 @@ class Station:
         trust: Trust = EVERYBODY,
         requests: Profile = USUAL,
     ) -> None:
-        """Speak to the system and component `target`; `requests`: how often the robot is asked for what.
+        """Send to the system and component `target`; `requests`: the intervals to request from the robot.
 
-        With a key in `trust` frames are signed, and only those are believed that are.
+        With a key in `trust` frames are signed, and only signed ones are accepted.
         """
         self.driver: Final = driver
         self.link: Final = Link()
@@ -98,14 +98,14 @@ class Station:
         self._codec: Final = trust.writer(SYSTEM, COMPONENT, _LINK)
         self._signatures: Final = Signatures(trust)
         self._doubted = False
-        """That a frame is not believed has been told, since one was."""
+        """True once an untrusted frame was reported, since the last trusted one."""
         self._beat_at: Nanoseconds | None = None
-        """When the robot's heartbeat came last."""
+        """Time of the robot's last heartbeat."""
         self._listener: Final = Listener()
         self._orders: Final[list[Order]] = []
         self._answers: Final[list[Message]] = []
         self._place = 0
-        """Where the robot was heard from last."""
+        """Place of the robot's newest frame."""
         self._beat_due: Nanoseconds = 0
         self._command_due: Nanoseconds = 0
         self._received: Final = {
@@ -125,7 +125,7 @@ class Station:
         self._orders.append(Order(title, number, params, now))
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Read what the robot says; its questions are answered at once."""
+        """Read the robot's messages; its requests are answered at once."""
         for message in self._codec.decode(packet.payload):
             if message.get_srcSystem() != self._target[0] or not self._believed(message, packet.address, now):
                 continue
@@ -177,7 +177,7 @@ class Station:
 
     @property
     def _under_way(self) -> list[Order]:
-        """One order of each number: an answer tells a number alone."""
+        """Return one order of each number: an answer carries a number alone."""
         return list({order.number: order for order in reversed(self._orders)}.values())
 
     def _ordered(self, now: Nanoseconds) -> list[Message]:

@@ -1,4 +1,4 @@
-"""How far an axis is believed: `[axes.belief]` in a robot file. A key that is left out is worked out."""
+"""Plausibility limits of an axis: `[axes.belief]` in a robot file. A key that is left out is worked out."""
 
 from typing import Annotated, Final
 
@@ -13,18 +13,18 @@ RUBS: Final = 1.0 / 20.0
 
 
 class Belief(Table):
-    """Bounds on what an axis does beside what it was told, in its unit behind the gear."""
+    """Bounds on an axis' deviation from its set-point, in its unit behind the gear."""
 
     rests_below: Positive | None = None
-    """In a second: slower than this it stands. Without it an 80th of its top speed."""
+    """In a second: slower than this it is at standstill. Without it an 80th of its top speed."""
     speed: Positive | None = None
-    """In a second: so far beside the speeds that it may have it does not stray yet. Twice as much."""
+    """In a second: a speed so far outside its range is no deviation yet. Twice as much."""
     position: Positive | None = None
     """The same of positions. The way at top speed in 25 ms."""
     ramp: Positive | None = None
     """In a second squared: it changes its speed at least so fast. Half the gentlest of its drive's."""
     cruise: Positive | None = None
-    """In a second: it approaches a position at least so fast. Half of what its drive is told."""
+    """In a second: it approaches a position at least so fast. Half of its drive's set-point."""
     friction: Positive | None = None
     """In A: what friction alone may hold. One that stands with more would move without power. A 20th of what
     its drive may give for ever: a motor without load takes 2 to 3 % of it, gear and wheels a little."""

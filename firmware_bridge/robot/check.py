@@ -1,6 +1,6 @@
-"""What the tables of a robot file must say of each other: names that exist, once each; links that carry.
+"""Consistency of a robot file's tables: names that exist, once each; links that carry.
 
-It looks at the raw tables, so that these mistakes are told together with those of single keys.
+The check reads the raw tables, so that these mistakes are reported together with those of single keys.
 """
 
 import math
@@ -14,17 +14,18 @@ from firmware_bridge.units import RPM_PER_RAD_S
 Raw: TypeAlias = Mapping[str, object]
 SERIAL: Final = "epos2-serial"
 NODE_IDS: Final = range(1, 128)
-"""Another number is told where it stands."""
+"""Valid node IDs; another number is reported at its own key."""
 ROUNDING: Final = 1e-12
 """Share of a speed by which its conversion may fall short, as the guard has it."""
 BY_SAMPLES: Final = ("ramp", "quick_stop", "power_off", "silence")
-"""The steps of a stop that a drive confirms by what it sends in every cycle."""
+"""The stop stages that a drive confirms by its reports of every cycle."""
 
 
 def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
-    """Yield what does not fit together; `roles` are those that the robot's kind knows, with their group.
+    """Yield the inconsistencies; `roles` are those of the robot type, with their group.
 
-    One mistake is one problem: what names an axis or a link is judged where their own names can be told.
+    One mistake is one problem: a reference to an axis or a link is judged only where their own names are
+    valid.
     """
     axes, sensors, outputs = (_tables(table, key) for key in ("axes", "sensors", "outputs"))
     links = _named(table, "links")
@@ -187,7 +188,7 @@ def _sides(row: Raw) -> Iterator[list[object]]:
 
 
 def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Iterator[Problem]:
-    """Check one link: someone is on it, no one twice, and a gateway has someone to watch."""
+    """Check one link: at least one device on it, none twice, and a node for a gateway to watch."""
     own = [(index, axis) for index, axis in enumerate(axes) if axis.get("link") == name]
     nodes: dict[int, int] = {}
     for index, axis in own:
@@ -222,7 +223,7 @@ def _in_time(name: str, link: Raw, cycle_ms: object) -> Iterator[Problem]:
         problem = f"{silent_ms} is not longer than the link's cycle, {every * cycle_ms}"
         yield Problem(f"links.{name}.silent_ms", problem)
     for step, time_ms in _within(link, "stop_confirmed_ms").items():
-        # One sample may have been asked for just before, and the next one may be lost.
+        # One sample may have been requested just before, and the next one may be lost.
         if isinstance(time_ms, int) and step in BY_SAMPLES and time_ms <= 2 * every * cycle_ms:
             problem = f"{time_ms} is not longer than two of the link's cycles, {2 * every * cycle_ms}"
             yield Problem(f"links.{name}.stop_confirmed_ms.{step}", problem)
@@ -257,7 +258,7 @@ def _once(rows: list[Raw], key: str, field: str) -> Iterator[Problem]:
 
 
 def _number(value: object) -> float:
-    """Return a number; NaN, which is above nothing, for what is none or is told elsewhere."""
+    """Return a number; NaN, which is above nothing, for no number or one that is reported elsewhere."""
     try:
         return float(value) if isinstance(value, int | float) else math.nan
     except OverflowError:

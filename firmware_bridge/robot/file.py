@@ -54,7 +54,7 @@ def robot_of(
 ) -> Robot[G]:
     """Check a robot's table against its kind's geometry and groups of roles; RobotFileError.
 
-    `more` are mistakes that someone else has found in it; they are told with the others.
+    `more` are mistakes that the caller has found in it; they are reported with the others.
     """
     table = with_new_keys(table, file, geometry.model_fields)
     roles = {role: group for group, members in groups.items() for role in sorted(members)}
@@ -73,7 +73,7 @@ def schema(geometry: type[Table]) -> dict[str, object]:
     """Return the JSON schema of the robot files of a kind with this geometry."""
     model = Robot[geometry]  # type: ignore[valid-type] # as above
     made: dict[str, Any] = model.model_json_schema()
-    # They have a default that stands in another key, which no schema can say.
+    # Their default is another key's value, which a schema cannot express.
     made["required"].remove("kind")
     made["$defs"]["Axis"]["required"].remove("role")
     return made

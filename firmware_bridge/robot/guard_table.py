@@ -1,4 +1,4 @@
-"""What the guard knows of several axes: `[guard]` in a robot file."""
+"""The output guard's rules over several axes: `[guard]` in a robot file."""
 
 from typing import Annotated
 
@@ -17,7 +17,7 @@ class GuardSum(Table):
 
 
 class GuardExclusive(Table):
-    """Axes of which only one side may be told to move at a time."""
+    """Axes of which only one side may be commanded to move at a time."""
 
     name: str
     one: Annotated[tuple[Name, ...], Field(min_length=1, strict=False)]
@@ -25,7 +25,7 @@ class GuardExclusive(Table):
 
 
 class GuardTable(Table):
-    """What the guard knows of several axes; of each one it knows travel and top_speed."""
+    """The output guard's rules over several axes; the bounds of each one are its travel and top_speed."""
 
     sums: Annotated[tuple[GuardSum, ...], Field(strict=False)] = ()
     exclusive: Annotated[tuple[GuardExclusive, ...], Field(strict=False)] = ()

@@ -1,4 +1,4 @@
-"""The whole robot file: what any robot says, its links, axes, sensors, outputs, and its kind's own table."""
+"""The whole robot file: the tables of any robot, its links, axes, sensors, outputs, and its type's own."""
 
 import math
 from collections.abc import Mapping
@@ -54,7 +54,7 @@ MILLIAMPERES: Final = 1000.0
 
 
 class Command(StrEnum):
-    """How an axis is commanded."""
+    """The command form of an axis."""
 
     SPEED = "speed"
     POSITION = "position"
@@ -68,7 +68,7 @@ class Unit(StrEnum):
 
 
 class Unpowered(StrEnum):
-    """What becomes of an axis that stands, and loses its power."""
+    """Effect of power loss on an axis at standstill."""
 
     HOLDS = "holds"
     """It stays: its gear locks itself."""
@@ -82,7 +82,7 @@ class Axis(Table):
     name: Name
     title: str
     role: Name
-    """What it is to its kind of robot; without one, its name."""
+    """Its role in its robot type; without one, its name."""
     link: Name
     command: Annotated[Command, Field(strict=False)]
     unit: Annotated[Unit, Field(strict=False)] = Unit.RADIAN
@@ -96,10 +96,13 @@ class Axis(Table):
     direction: Annotated[int, Field(ge=-1, le=1)] = 1
     zero: Zero = Zero()
     unpowered: Annotated[Unpowered, Field(strict=False)] = Unpowered.FREE
-    """Whether it stands without power; a free one keeps its power on a slope."""
+    """Effect of power loss at standstill; a free axis keeps its power on a slope."""
     stands_with: Name | None = None
-    """Free axes of one name stand on one floor, which may strain them against each other: the sum of their
-    currents tells a slope. One without is looked at alone."""
+    """A name that free axes on one floor share.
+
+    The floor may strain them against each other: the sum of their currents reveals a slope. An axis without a
+    name is judged alone.
+    """
     belief: Belief = Belief()
     settings: AnyAxis
 
@@ -171,7 +174,7 @@ class Axis(Table):
 
     @property
     def zero_confirmed(self) -> bool:
-        """Whether someone has to say where it stands, or to home it, before it may move."""
+        """True where it needs confirmation of its position, or homing, before it may move."""
         return self.travel is not None
 
     @property
@@ -212,7 +215,7 @@ class Axis(Table):
 
     @property
     def called(self) -> str:
-        """The axis in words for people, with its device."""
+        """The axis as text for people, with its device."""
         return f"{self.settings.address} ({self.title})"
 
 
@@ -223,7 +226,7 @@ class Sensor(Table):
     title: str
     link: Name
     every_ms: Annotated[int, Field(ge=10, le=60_000)]
-    """How often it is asked."""
+    """Period of its requests."""
     silent_ms: Annotated[int, Field(ge=10, le=600_000)]
     """After this silence its value is not known any more."""
     settings: AnySensor
@@ -246,7 +249,7 @@ class Output(Table):
 
 
 class Battery(Table):
-    """Which sensor measures the battery, and when that is low; V."""
+    """The sensor of the battery's voltage, and the threshold of a low one; V."""
 
     sensor: Name
     nominal_v: Positive
@@ -295,7 +298,7 @@ class Robot(Table, Generic[G_co]):
 
     @property
     def silent_after(self) -> dict[str, Nanoseconds]:
-        """After how long without a word a device is silent, by the axes' names."""
+        """Timeouts of the devices, by the axes' names."""
         return {axis.name: self.links[axis.link].silent_ms * MILLISECOND for axis in self.axes}
 
     def axis(self, role: str) -> Axis:
@@ -363,14 +366,14 @@ class Robot(Table, Generic[G_co]):
         return link
 
     def discriminated_by(self, bandwidth_bit_s: int | None) -> Self:
-        """Return the same robot on an operator's link that carries so much; None: what its file says."""
+        """Return the same robot on an operator's link of this bandwidth; None: the robot file's."""
         if bandwidth_bit_s is None:
             return self
         operator = self.operator.model_copy(update={"bandwidth_bit_s": bandwidth_bit_s})
         return self.model_copy(update={"operator": operator})
 
     def agreed_on(self, max_delay_s: float | None) -> Self:
-        """Return the same robot in a session whose words may be so old; None: what its file says.
+        """Return the same robot in a session with commands of this age; None: the robot file's limit.
 
         RobotFileError above the file's ceiling.
         """

@@ -1,4 +1,4 @@
-"""The operator's link in a robot file: silence, the age of words, the identity on MAVLink."""
+"""The operator's link in a robot file: timeout, age of commands, identity on MAVLink."""
 
 from enum import StrEnum
 from typing import Annotated, Final, Self
@@ -13,16 +13,16 @@ LEAST_AGE_MS: Final = 50
 
 
 class UnknownAge(StrEnum):
-    """What becomes of a motion command of which no one knows how old it is."""
+    """Treatment of a motion command of unknown age."""
 
     DRIVE = "drive"
     """It is obeyed, under the rule of silence; so it is where no key is set."""
     REFUSE = "refuse"
-    """It moves nothing; so it is where only signed words are believed."""
+    """It moves nothing; so it is where only signed commands are accepted."""
 
 
 class OperatorLink(Table):
-    """The operator's link: how long silence is allowed, how old a word may be, the identity on MAVLink."""
+    """The operator's link: its timeout, the age limit of commands, the identity on MAVLink."""
 
     silent_ms: Annotated[int, Field(ge=50, le=10_000)]
     gone_ms: Annotated[int, Field(ge=1_000, le=60_000)] = 10_000
@@ -32,12 +32,14 @@ class OperatorLink(Table):
     max_age_ceiling_ms: Annotated[int, Field(ge=50, le=2_000)] = 2_000
     """So far an order for a session may widen that; the robot is slower then."""
     agreed_ms: int | None = None
-    """What such an order says."""
+    """The age of such an order."""
     unknown_age: Annotated[UnknownAge, Field(strict=False)] | None = None
-    """What becomes of motion commands whose age no one knows; without it the key decides."""
+    """Treatment of motion commands of unknown age; without it the key decides."""
     bandwidth_bit_s: Annotated[int, Field(ge=4_800, le=1_000_000_000)] | None = None
-    """What the link carries, as a telemetry radio's serial line: telemetry takes at most half of it. Without
-    it the link is as good as a network."""
+    """Bit rate of the link, as of a telemetry radio's serial line; without it the link counts as a network.
+
+    Telemetry takes at most half of it.
+    """
     system_id: Annotated[int, Field(ge=1, le=255)]
     component_id: Annotated[int, Field(ge=1, le=255)]
 
@@ -50,16 +52,16 @@ class OperatorLink(Table):
 
     @property
     def age_limit_ms(self) -> int:
-        """How old a motion command may be in this session."""
+        """Age limit of a motion command in this session."""
         return self.max_age_ms if self.agreed_ms is None else self.agreed_ms
 
     @property
     def speed_share(self) -> float:
-        """Which share of its top speed the robot may drive in this session."""
+        """Permitted share of the robot's top speed in this session."""
         return min(self.max_age_ms / self.age_limit_ms, 1.0)
 
     def agreed_on(self, max_delay_s: float, robot: str) -> Self:
-        """Return the same link in a session whose words may be so old; RobotFileError above the ceiling."""
+        """Return the same link in a session with commands of this age; RobotFileError above the ceiling."""
         agreed, ceiling = MILLISECONDS * max_delay_s, self.max_age_ceiling_ms
         if not LEAST_AGE_MS <= agreed <= ceiling:
             problem = f"a delay of {max_delay_s:g} s was requested; {LEAST_AGE_MS} to {ceiling} ms may be"

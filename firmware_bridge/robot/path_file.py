@@ -1,7 +1,7 @@
 """A path of one's own from a table of points: `t, x, y`, `t, x, y, psi`, or `x, y` with a speed.
 
-s, m, m, rad; between two points the robot goes straight. A first line of those words may say which columns
-there are. What is wrong is told with file and row.
+s, m, m, rad; between two points the robot goes straight. A first line may name the columns. Mistakes are
+reported with file and row.
 """
 
 import csv
@@ -33,7 +33,7 @@ def path_of(file: Path, speed: float | None = None) -> tuple[Point, ...]:
 
 
 def places_of(file: Path) -> tuple[tuple[float, float], ...]:
-    """Return where a file's points are, whatever else it says of them; m. PathFileError."""
+    """Return the positions of a file's points, without its other columns; m. PathFileError."""
     columns, rows = _rows(_read(file), str(file))
     x, y = columns.index("x"), columns.index("y")
     return tuple((row[x], row[y]) for _, row in rows)
@@ -59,7 +59,7 @@ def sampled(place: Callable[[float], Sequence[float]], seconds: float, every: fl
 
 
 def with_path(robot: AnyRobot, points: Iterable[Point], file: str) -> AnyRobot:
-    """Return the robot whose guide `points` takes these; PathFileError where it has none, or is too slow."""
+    """Return the robot whose path follower `points` takes these; PathFileError without one, or too slow."""
     geometry = robot.geometry
     paths = getattr(geometry, "paths", None)
     if not isinstance(paths, BaseModel) or "points" not in type(paths).model_fields:
@@ -102,14 +102,14 @@ def _rows(text: str, file: str) -> tuple[tuple[str, ...], list[tuple[str, tuple[
 
 
 def _counts(cells: list[str]) -> bool:
-    """Whether a line is neither empty nor a comment."""
+    """Return whether a line is neither empty nor a comment."""
     return any(cell.strip() for cell in cells) and not cells[0].lstrip().startswith("#")
 
 
 def _columns(
     rows: list[tuple[str, list[str]]], file: str
 ) -> tuple[tuple[str, ...], list[tuple[str, list[str]]]]:
-    """Return which columns there are, and the rows behind the one that says so."""
+    """Return the columns, and the rows behind the one that names them."""
     if not rows:
         raise PathFileError(file, Problem("", "there is no point in it"))
     where, first = rows[0]

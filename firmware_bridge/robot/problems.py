@@ -1,4 +1,4 @@
-"""What is wrong with a file of tables: all of it at once, each with its key, and a near name."""
+"""The mistakes of a file of tables: all of them at once, each with its key, and a near name."""
 
 from collections.abc import Collection, Iterator
 from difflib import get_close_matches
@@ -19,7 +19,7 @@ KINDS_OF_VALUES: Final = {
     "float_type": "a number",
     "bool_type": "true or false",
 }
-"""What a value had to be, in TOML's words, by the name of pydantic's error."""
+"""The required value in TOML's words, by the name of pydantic's error."""
 
 
 class Problem(NamedTuple):

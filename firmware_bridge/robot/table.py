@@ -1,4 +1,4 @@
-"""What all tables of a robot file have in common."""
+"""The common part of all tables of a robot file."""
 
 from collections.abc import Collection, Mapping
 from typing import Annotated, Any
@@ -58,5 +58,5 @@ class LinkTable(Table):
 
     @property
     def unwatched(self) -> bool:
-        """Whether its devices go on as they were commanded last when the bridge falls silent."""
+        """True where its devices keep their last command when the bridge falls silent."""
         return False

@@ -1,4 +1,4 @@
-"""How it comes to be known where an axis stands: `[axes.zero]` in a robot file."""
+"""The reference of an axis: `[axes.zero]` in a robot file."""
 
 from collections.abc import Mapping
 from enum import StrEnum
@@ -11,18 +11,18 @@ from firmware_bridge.robot.table import Finite, Name, Positive, Table
 
 
 class ZeroFrom(StrEnum):
-    """Who gives an axis its zero."""
+    """Source of an axis' reference."""
 
     CONFIRM = "confirm"
-    """Whoever drives looks where it stands, and says so; before, and after each restart of its drive."""
+    """The station in control confirms its position by sight; before, and after each restart of its drive."""
     HOME = "home"
-    """It is sent to a switch, a stop or its encoder's index on an order; whoever drives may say it, too."""
+    """It is homed to a switch, a stop or its encoder's index; the station in control may confirm it, too."""
     AT_POWER_ON = "at power-on"
     """It is 0 where its drive was switched on; only where a wrong zero does no harm, as with wheels."""
 
 
 class Switch(StrEnum):
-    """What is wired to the drive for a homing."""
+    """Switch at the drive for a homing."""
 
     NEGATIVE_LIMIT = "negative_limit"
     POSITIVE_LIMIT = "positive_limit"
@@ -30,7 +30,7 @@ class Switch(StrEnum):
 
 
 class Method(NamedTuple):
-    """What a homing goes by."""
+    """The reference of a homing method."""
 
     switch: Switch | None = None
     by_stop: bool = False
@@ -61,10 +61,10 @@ METHODS: Final[Mapping[int, Method]] = MappingProxyType(
 
 
 class Homing(Table):
-    """How an axis is homed: in its unit behind the gear, positive as the axis is."""
+    """Homing of an axis: in its unit behind the gear, positive as the axis is."""
 
     method: int
-    """The drive's own number: which way is negative is the drive's, before the axis's `direction`."""
+    """The drive's own number: its negative direction is the drive's, before the axis's `direction`."""
     speed: Positive
     """In a second: towards switch or stop, and along `offset`."""
     zero_speed: Positive
@@ -72,9 +72,9 @@ class Homing(Table):
     acceleration: Positive
     """In a second squared; with it an interrupted homing is halted, too."""
     offset: Finite = 0.0
-    """How far the axis goes from what it has found."""
+    """Distance of the axis' travel from the reference found."""
     at: Finite = 0.0
-    """Where it stands then."""
+    """Position of the axis after that."""
     current_a: Positive | None = None
     """Of a method by a stop: more than this is the stop."""
     within_s: Annotated[float, Field(gt=0, le=600, allow_inf_nan=False)]
@@ -97,7 +97,7 @@ class Homing(Table):
 
     @property
     def goes_by(self) -> Method:
-        """What its method goes by."""
+        """The reference of its method."""
         return METHODS[self.method]
 
     @property
@@ -118,7 +118,7 @@ class Homing(Table):
 
 
 class Zero(Table):
-    """Where an axis has its zero from; without it an axis with `travel` is confirmed, others need nothing."""
+    """The reference of an axis; without it an axis with `travel` is confirmed, others need nothing."""
 
     how: Annotated[ZeroFrom | None, Field(strict=False)] = None
     homing: Homing | None = None

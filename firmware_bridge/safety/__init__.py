@@ -1,1 +1,1 @@
-"""What may move: the snapshot, the interlocks, the gate and the guard."""
+"""Motion permission: the snapshot, the interlocks, their evaluation and the output guard."""

@@ -1,4 +1,4 @@
-"""What the bridge must know of a robot's body: from axes to state, from a motion to axes, and what moves."""
+"""The kinematic model of a robot: from axes to state, from a motion to axes, and the groups that move."""
 
 from collections.abc import Mapping
 from typing import Protocol, TypeVar
@@ -20,10 +20,10 @@ class Body(Protocol[M, S]):
         """The axes from whose positions the pose is carried on; they are sampled at one instant for it."""
 
     def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> S:
-        """Return what they tell of the body; what is not known is None in it."""
+        """Return the state of the body by its axes and sensors; unknown values are None."""
 
     def requested(self, motion: M, state: S) -> frozenset[Group]:
-        """Return the groups that this motion asks to move."""
+        """Return the groups that this motion commands to move."""
 
     def moving(self, state: S) -> frozenset[Group]:
         """Return the groups that are seen to move."""
@@ -44,4 +44,4 @@ class Body(Protocol[M, S]):
         after: Mapping[str, Feedback],
         sensors: Mapping[str, Reading],
     ) -> Pose:
-        """Return the pose after the `rolling` axes moved from one sample to the next; `sensors` tell now."""
+        """Return the pose after the `rolling` axes moved between two samples; `sensors` are the newest."""

@@ -23,14 +23,14 @@ M = TypeVar("M")
 S = TypeVar("S")
 
 LINK_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
-"""An axis or a link is well again when it has been so for this long: four cycles, no stray packet."""
+"""Time after which an axis or a link counts as well again: four cycles, no stray packet."""
 BATTERY_CLEARS_AFTER: Final[Nanoseconds] = 5000 * MILLISECOND
 """It recovers where nothing moves; what it gives for so long it gives to the next start, too."""
 HALTS: Final[Nanoseconds] = 40 * MILLISECOND
 """An axis that turned as commanded cannot stand so long to the last bit, if nothing blocks it: its encoder
 is off, and a board's own loop is at full power 0.1 s later."""
 STRAINS: Final = 2
-"""So many times as long as it may stray an axis may stand with more current than holding takes."""
+"""Factor on its permitted deviation time for which an axis may draw more current than holding takes."""
 
 
 def whole_robot_rows(
@@ -78,9 +78,9 @@ def whole_robot_rows(
 
 
 def _link_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
-    """Return the row that holds while no device on a link can be reached.
+    """Return the interlock that is active while no device on a link can be reached.
 
-    To disarm would stop all groups, whatever the link says that it stops.
+    A disarm would stop all groups, even where the link stops only some of them.
     """
 
     def lost(view: View[G, M, S]) -> str | None:
@@ -98,7 +98,7 @@ def _link_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
 
 
 def _master_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
-    """Return the row that holds while someone else sends on a link what only its master sends."""
+    """Return the interlock that is active while a second controller sends on a link."""
 
     def received(view: View[G, M, S]) -> str | None:
         return view.facts.masters.get(name)
@@ -127,7 +127,7 @@ def _stood_still(view: View[G, M, S]) -> str | None:
 
 
 def _battery_low(view: View[G, M, S]) -> str | None:
-    """Judge at once who is not armed yet, and who drives when it has been low for its time."""
+    """Judge at once while disarmed, and while armed when the voltage has been low for its time."""
     battery, since = view.robot.battery, view.facts.battery_low_since
     if battery is None or since is None:
         return None
@@ -163,14 +163,14 @@ def _axis_rewritten(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanos
 
 
 def _axis_not_enabled(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanoseconds) -> str | None:
-    # One that was never heard is silent, one in a fault state is faulted: one cause, one hold.
+    # An axis never received has timed out, one in a fault state is faulted: one cause, one interlock event.
     if feedback.received_at == NEVER_RECEIVED or feedback.power in (Power.FAULT, Power.ON):
         return None
     return f"{axis.called} is not enabled: {feedback.text or 'state unknown'}"
 
 
 def _axis_zero_lost(axis: Axis, feedback: Feedback, facts: Facts, _limit: Nanoseconds) -> str | None:
-    # One that was never heard is silent: one cause, one hold.
+    # An axis never received has timed out: one cause, one interlock event.
     if feedback.received_at == NEVER_RECEIVED or not (axis.zero_confirmed and feedback.zero_lost):
         return None
     return f"{axis.called}: its reference is lost, position unknown{_stood(axis, facts)}"
@@ -209,7 +209,7 @@ def _deviation(axis: Axis, known: Following, limit: Nanoseconds) -> str | None:
 
 
 def _position_repeats(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
-    """Judge a position that repeats to the last bit while the demand, or the current, says that it moves.
+    """Judge a position that does not change by a bit although set-point or current indicates motion.
 
     The current may be older than the position: on a serial line it takes turns with others.
     """
@@ -231,7 +231,7 @@ def _position_repeats(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanos
 
 
 def _did(axis: Axis, known: Following) -> str:
-    """Say what an axis was told, and what it does."""
+    """Return the text of an axis' set-point beside its measured motion."""
     unit, demand = axis.unit, known.demand
     if isinstance(demand, Position):
         did = f"commanded to {demand.value:.3f} {unit}, is at {known.position:.3f} {unit}"
@@ -252,7 +252,7 @@ def _axis_late(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds)
 
 
 def _axis_left_out(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
-    # One that is silent hears that its power goes off, or is stopped by its own watch over the bridge.
+    # A silent axis receives its power-off command, or is stopped by its own watchdog on the bridge.
     on = feedback.power is Power.ON and facts.now - feedback.received_at < limit
     return f"{axis.called} has power, but this mode excludes it" if on else None
 
@@ -260,8 +260,10 @@ def _axis_left_out(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseco
 AXIS_ANSWERS: Final = AxisInterlock(
     "late answer", _axis_late, "check its power and its cable", clear_after=LINK_CLEARS_AFTER
 )
-"""Stands in for "axis not enabled" where the device has no word for its power: then each answer must be
-fresh, not older than half the silence that is allowed."""
+"""The replacement of "axis not enabled" where the device reports no power.
+
+Each answer must be fresh then, not older than half the permitted silence.
+"""
 
 
 def _axis_unmeasured(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
@@ -274,16 +276,21 @@ def _axis_unmeasured(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanose
 AXIS_UNMEASURED: Final = AxisInterlock(
     "no feedback", _axis_unmeasured, "check its power and its cable", clear_after=LINK_CLEARS_AFTER
 )
-"""Stands in for the rows that watch how an axis moves where its device cannot tell: then, too, each answer
-must be fresh. No one notices that it does not follow."""
+"""The replacement of the interlocks on axis motion where the device measures none.
+
+Each answer must still be fresh. A tracking error goes unnoticed.
+"""
 
 CONFIRM_ZERO: Final = "look where it stands, and confirm it (drive --zero, or MAV_CMD_USER_1)"
 
 AXIS_RESTARTED: Final = AxisInterlock(
     "axis restarted", _axis_restarted, CONFIRM_ZERO, severity=Severity.CRITICAL
 )
-"""Stands in for "reference lost" where the device has no word for its zero: it is lost when the bridge
-begins, and when the device is heard to restart. One that restarts in silence is believed."""
+"""The replacement of "reference lost" where the device reports no reference.
+
+The reference is lost when the bridge starts and when the device reports a restart. An unreported restart
+passes unnoticed.
+"""
 
 MEASURED: Final = frozenset({Reports.POSITION, Reports.VELOCITY})
 

@@ -1,9 +1,9 @@
-"""The limit that an agreed delay brings: where words may be older than usual, the robot is slower.
+"""The limit that an agreed delay brings: where commands may be older than usual, the robot is slower.
 
-The law: top speed times the age that a word may have stays what it usually is. That is how far a robot drives
-on a word from when it was said to when it counts no more, whatever stands there by now: the operator knows
-that way, and no agreement makes it longer. What it takes to stop behind it grows with the speed, so that it
-only becomes shorter.
+The law: top speed times the permitted age of a command is constant. This is how far the robot drives on a
+command between its sending and its expiry, whatever stands there by now: the operator knows that distance,
+and no agreement makes it longer. The stopping distance beyond it grows with the speed, so that of a slower
+robot is only shorter.
 """
 
 from collections.abc import Callable
@@ -25,7 +25,7 @@ CLEARS_AFTER: Final[Nanoseconds] = 300 * MILLISECOND
 
 
 def delay_limit(slowed: Slow[G, M, S]) -> Limit[G, M, S]:
-    """Return the row for a kind of robot that can be slowed."""
+    """Return the limit for a robot type that can be slowed."""
 
     def clip(view: View[G, M, S]) -> tuple[M, str | None]:
         limit = view.facts.age_limit

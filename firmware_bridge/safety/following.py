@@ -1,9 +1,8 @@
-"""Whether each axis does what it was told: from its demands the range in which it may be, sample by sample.
+"""Tracking of each axis: the range that its set-points permit, sample by sample.
 
-The range reaches to a new demand at once, and leaves an old one no faster than the laziest axis that is well:
+The range reaches to a new set-point at once, and leaves an old one no faster than the slowest healthy axis:
 with a time constant, and at a rate. A speed, a stop or a homing bounds the speed between two samples; a
-position bounds the position. It refuses to know what follows when an axis deviates: that is for the rows in
-`common`.
+position bounds the position. The consequences of a deviation belong to the interlocks in `common`.
 """
 
 import math
@@ -18,10 +17,13 @@ from firmware_bridge.safety.snapshot import Following
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 DEVIATION: Final = 1.0 / 40.0
-"""Share of its top speed that an axis may stray; of positions the way of so many seconds at top speed."""
+"""Share of its top speed that an axis may deviate; of positions the travel of so many seconds at it."""
 GIVES: Final = 1.0 / 50.0
-"""Share of a speed by which a regulator may give way, beside that: who turns on a slope is pulled ahead and
-held back in turns. An axis that is told 14.8 rad/s is 0.46 rad/s off on 10 degrees."""
+"""Share of a speed by which a regulator may give way, beside that.
+
+A robot that turns on a slope is pulled ahead and held back in turns. An axis commanded to 14.8 rad/s is 0.46
+rad/s off on 10 degrees.
+"""
 LAZY: Final = 0.5
 """Share of its drive's own ramp and cruise that is awaited of an axis."""
 TURNS: Final = 1.0 / 2.0
@@ -29,23 +31,23 @@ TURNS: Final = 1.0 / 2.0
 IDLE: Final = 2
 """Samples ago that it turned so: where it was cut off between two, the last that moved shows a part."""
 REGULATED: Final[Nanoseconds] = 100 * MILLISECOND
-"""What regulators, play and slip may take; the way there and back takes a cycle of its link each."""
+"""Allowance for regulators, play and slip; the way there and back takes a cycle of its link each."""
 WITHOUT_TORQUE: Final = (Power.OFF, Power.FAULT)
 
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """What is awaited of one axis, in its unit."""
+    """The bounds expected of one axis, in its unit."""
 
     speed: float
     position: float
     ramp: float
     cruise: float
     creep: float
-    """What it may owe of a way that it should have gone, while its position repeats."""
+    """Permitted backlog of travel while its position does not change."""
     lag_s: float
     homing: float = 0.0
-    """How fast it may be while it is homed."""
+    """Top speed while it is homed."""
 
     def around(self, low: float, high: float) -> float:
         """Return how far from a range of speeds the axis may be."""
@@ -53,13 +55,13 @@ class Bounds:
 
 
 def within(axis: Axis, silence: Nanoseconds) -> Nanoseconds:
-    """Return how long an axis may stray: what the robot file says, or the silence that its link allows."""
+    """Return how long an axis may deviate: by the robot file, else the silence that its link allows."""
     limits = axis.belief.within_ms
     return silence if limits is None else limits * MILLISECOND
 
 
 def bounds_of(robot: AnyRobot, axis: Axis) -> Bounds:
-    """Return what the robot file says, and where it does not, what follows from axis, drive and link."""
+    """Return the bounds by the robot file, else those that follow from axis, drive and link."""
     limits, stray, homing = axis.belief, DEVIATION * axis.top_speed, axis.zero.homing
     slowest = axis.settings.slowest_ramp(axis.ratio)
     if homing is not None:
@@ -89,18 +91,18 @@ class Follower:
     def __init__(self, axis: Axis, bounds: Bounds) -> None:
         self._bounds: Final = bounds
         self._coasts_at: Final = axis.top_speed
-        """How fast it may be on its way to a position when it is commanded to stop."""
+        """Speed bound on its way to a position when it is commanded to stop."""
         self._demand: Demand = Stop.REST
         self._changed_at: Nanoseconds = NEVER_RECEIVED
         self._aim: Demand | None = None
-        """What bounds it now: the demand, or its device's own stop; None while it has no torque."""
+        """The set-point in force, or its device's own stop; None while it has no torque."""
         self._positions = False
-        """Whether that is a position."""
+        """True where the aim is a position."""
         self._goal = self._low = self._high = 0.0
         self.following = Following()
 
     def on_set_point(self, demand: Demand, now: Nanoseconds) -> None:
-        """Learn what the axis is told from now on."""
+        """Take the set-point of the axis from now on."""
         if demand is not self._demand and demand != self._demand:
             self._demand, self._changed_at = demand, now
             if self._aim is not None:
@@ -142,7 +144,7 @@ class Follower:
             else:
                 self._low, self._high = min(speed, -self._coasts_at), max(speed, self._coasts_at)
         if isinstance(aim, Homed):
-            # To either side, and from one to the other whenever its method wants.
+            # To either side, and from one to the other whenever its method requires.
             self._goal, self._low, self._high = 0.0, -self._bounds.homing, self._bounds.homing
             return
         self._goal = 0.0 if isinstance(aim, Stop) else aim.value

@@ -1,8 +1,9 @@
-"""The gate: one snapshot in, one ruling out. It keeps which interlocks hold and since when, nothing else.
+"""The interlock evaluation: one snapshot in, one decision out.
 
-Nothing holds until a snapshot trips it, so there is nothing to unlock at boot; latches belong to whoever
-clears them and come in with the snapshot. A hold ends when its interlock has been clear at every look for
-its clear time; the first clear look starts that time, and a trip in between starts it again.
+It keeps which interlocks are active and since when, nothing else. None is active until a snapshot trips it,
+so there is nothing to unlock at boot; latches belong to the component that clears them and come in with the
+snapshot. An interlock event ends when its interlock has been clear at every evaluation for its release delay;
+the first clear one starts that time, and a trip in between starts it again.
 """
 
 from collections.abc import Mapping
@@ -69,7 +70,7 @@ class AxisRows(Immutable):
 
 
 def axis_rows(robot: Robot[G], reports: Mapping[str, frozenset[Reports]]) -> tuple[AxisRows, ...]:
-    """Return every axis's rows by what its driver tells; RobotFileError where that is not enough for one."""
+    """Return each axis' interlocks by its driver's reports; RobotFileError where a report is missing."""
     found = []
     for axis in robot.axes:
         rows = [(row, row.fitting(reports[axis.name])) for row in AXIS_ROWS]
@@ -94,7 +95,7 @@ class Gate(Generic[G, M, S]):
     def __init__(
         self, robot: Robot[G], rules: Mapping[str, Rules[G, M, S]], reports: Mapping[str, frozenset[Reports]]
     ) -> None:
-        """Take the robot's own rules for each of its modes, and what the driver of each axis can tell."""
+        """Take the robot's own rules for each of its modes, and the reports of each axis' driver."""
         self._robot = robot
         self._rules = rules
         self._axes = axis_rows(robot, reports)
@@ -125,13 +126,13 @@ class Gate(Generic[G, M, S]):
 
     @property
     def clearing(self) -> frozenset[str]:
-        """The holds of the newest ruling that stay for a while though nothing stands against it any more."""
+        """The newest decision's interlock events that stay for their release delay after their cause."""
         return self._memory.clearing
 
     def next_deadline(self, facts: Facts) -> Nanoseconds:
-        """Return the instant at which a silence will trip if nothing more is heard; NEVER where none will.
+        """Return the next instant at which a timeout trips if nothing more is received; NEVER without one.
 
-        It lies after `facts.now`: a silence that has tripped already asks for nothing.
+        It lies after `facts.now`: a timeout that has already tripped needs no wake-up.
         """
         first = NEVER
         operator = facts.received_at + facts.lives_for(self._silent_after)

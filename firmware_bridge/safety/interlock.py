@@ -1,9 +1,9 @@
-"""What an interlock is: one row that says all, and what it may look at.
+"""The interlock: one row with all its properties, and the view that it judges.
 
-A predicate tells the reason why it holds, or None. It is told whether it holds already, so that the threshold
-at which it lets go may lie below the one at which it trips. It keeps no state: time-outs are computed from
-instants in the snapshot, and `firmware_bridge.safety.gate` keeps the clear times. What is not a number or not
-known never counts as safe: comparisons are written so that a NaN trips.
+A predicate returns the reason while it is active, else None. It receives whether it is active already, so
+that the threshold of its release may lie below the one of its trip. It keeps no state: timeouts are computed
+from instants in the snapshot, and `firmware_bridge.safety.gate` keeps the release delays. A value that is not
+a number or not known never counts as safe: comparisons are written so that a NaN trips.
 """
 
 from collections.abc import Callable
@@ -23,7 +23,7 @@ S = TypeVar("S")
 
 
 class View(Generic[G, M, S]):
-    """What a row may look at: the robot, the snapshot, and what the gate itself has let through."""
+    """The input of an interlock: the robot, the snapshot, and the command as evaluated so far."""
 
     __slots__ = ("allowed", "before", "holding", "requested", "robot", "seen")
 
@@ -40,22 +40,22 @@ class View(Generic[G, M, S]):
         self.robot: Final = robot
         self.seen: Final = seen
         self.allowed: Final = allowed
-        """What this ruling allows so far; the command where nothing has been judged yet."""
+        """The command as permitted so far; the original one before the first evaluation."""
         self.requested: Final = requested
         """The groups that the clipped command moves, stopped or not; only for rows after the limits."""
         self.before: Final = before
-        """The gate's ruling before this one; None at the first."""
+        """The decision before this one; None at the first."""
         self.holding: Final = holding
         """The row that looks holds already."""
 
     @property
     def facts(self) -> Facts:
-        """What is known of any robot."""
+        """The facts known of any robot."""
         return self.seen.facts
 
     @property
     def body(self) -> S:
-        """What is known of this one's body."""
+        """The state of this robot's body."""
         return self.seen.body
 
     @property
@@ -75,7 +75,7 @@ class View(Generic[G, M, S]):
 
 
 class Interlock(Row, Generic[G, M, S]):
-    """Stops the groups that it names while it holds."""
+    """A rule that stops the groups that it names while it is active."""
 
     __slots__ = ("after_limits", "judge")
 
@@ -111,7 +111,7 @@ class Interlock(Row, Generic[G, M, S]):
 
 
 class Limit(Row, Generic[G, M, S]):
-    """Clips a command that is otherwise allowed, and says so; it stops nothing."""
+    """A rule that clips an otherwise permitted command, and reports it; it stops nothing."""
 
     __slots__ = ("clip",)
 
@@ -124,7 +124,7 @@ class Limit(Row, Generic[G, M, S]):
         clear_after: Nanoseconds,
         severity: Severity = Severity.WARNING,
     ) -> None:
-        """Take its parts; one of `Severity.INFO` only ramps, and is told once."""
+        """Take its properties; one of `Severity.INFO` only ramps, and is reported once."""
         super().__init__(
             name, remedy, stops=frozenset(), clear_after=clear_after, severity=severity, blocks_arming=False
         )
@@ -168,9 +168,9 @@ class AxisInterlock(Row):
         )
         self.judge: Final = judge
         self.needs: Final = needs
-        """What the axis's driver must tell for it."""
+        """Reports of the axis' driver that it needs."""
         self.instead: Final = instead
-        """The weaker row for a driver that does not tell it; None: such a driver is refused."""
+        """The weaker interlock for a driver without these reports; None: such a driver is refused."""
 
     def confined(self, stops: frozenset[str]) -> "AxisInterlock":
         """Return the same row for an axis on a link that stops only these groups."""

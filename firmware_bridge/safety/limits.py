@@ -1,4 +1,4 @@
-"""What the limits of all robots have in common: one number within its bounds, and what is said of it."""
+"""The common part of the limits of all robots: one number within its bounds, and the text about it."""
 
 from typing import Final
 

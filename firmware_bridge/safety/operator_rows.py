@@ -1,4 +1,4 @@
-"""The rows about who drives: whether he speaks, how old his words are, whether his controls are let go.
+"""The interlocks on the station in control: its timeout, its commands' age, its controls' neutral.
 
 They belong to every robot; `firmware_bridge.safety.common` puts them into their place.
 """
@@ -16,7 +16,7 @@ M = TypeVar("M")
 S = TypeVar("S")
 
 OPERATOR_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
-"""He is back when he has been heard in time for so long: four cycles, no stray packet."""
+"""Time of punctual reception before the operator link counts as back: four cycles, no stray packet."""
 
 
 def operator_rows() -> tuple[Interlock[G, M, S], ...]:
@@ -31,7 +31,7 @@ def operator_rows() -> tuple[Interlock[G, M, S], ...]:
             blocks_arming=False,
             parts=True,
         ),
-        # What he sees is as old, and what he asks for was right long ago. He may have let go since.
+        # The operator's view is as old, and the command was right long ago. The stick may be neutral by now.
         Interlock(
             "command stale",
             _word_too_old,
@@ -39,7 +39,7 @@ def operator_rows() -> tuple[Interlock[G, M, S], ...]:
             clear_after=OPERATOR_CLEARS_AFTER,
             parts=True,
         ),
-        # A station is asked about its clock once it drives, and so after arming.
+        # The clock of a station is requested once it is in control, and so after arming.
         Interlock(
             "command not timestamped",
             _word_undated,
@@ -92,7 +92,7 @@ def _word_undated(view: View[G, M, S]) -> str | None:
 
 
 def _is_silent(view: View[G, M, S]) -> bool:
-    """Return whether the silence holds the robot: one cause, one hold."""
+    """Return whether the operator link has timed out: one cause, one interlock event."""
     return view.facts.now - view.facts.received_at >= view.robot.operator.silent_ms * MILLISECOND
 
 

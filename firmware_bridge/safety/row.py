@@ -1,4 +1,4 @@
-"""What every row of the safety tables says of the hold that it makes, whatever it judges."""
+"""The common properties of every interlock and limit, which its interlock events carry."""
 
 from enum import IntEnum
 from typing import Final
@@ -10,7 +10,7 @@ ALL_GROUPS: Final[frozenset[str] | None] = None
 
 
 class Severity(IntEnum):
-    """How loud a hold is told: MAV_SEVERITY, after RFC 5424."""
+    """Severity of an interlock event's report: MAV_SEVERITY, after RFC 5424."""
 
     EMERGENCY = 0
     ALERT = 1
@@ -46,21 +46,20 @@ class Row(Immutable):
     ) -> None:
         self.name: Final = name
         self.remedy: Final = remedy
-        """What to do so that it lets go."""
+        """The operator's action that clears it."""
         self.stops: Final = stops
         """The groups that stop while it holds; None for all of the robot."""
         self.clear_after: Final = clear_after
-        """How long it must be clear at every look before it lets go."""
+        """Release delay: how long it must be clear at every evaluation before it clears."""
         self.severity: Final = severity
         self.disarms: Final = disarms
-        """It takes the leave to move away: to go on, arm again."""
+        """It removes motion permission: to go on, arm again."""
         # What was armed would be disarmed by the next look.
         self.blocks_arming: Final = blocks_arming or disarms or latches
         """While it holds the robot cannot be armed."""
         self.latches: Final = latches
         """It latches the emergency stop, which stays until it is cleared by an order."""
         self.parts: Final = parts
-        """It parts the operator from the robot: his targets are forgotten, and his controls count again when
-        they have been let go."""
+        """It forgets the operator's targets, and requires neutral controls before they count again."""
         self.takes_power: Final = takes_power
-        """Its axis loses its power until arming gives it back: what is not believed cannot ramp."""
+        """Its axis loses its power until arming gives it back: an untrusted axis cannot ramp."""

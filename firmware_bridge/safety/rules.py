@@ -57,21 +57,22 @@ class Rules(Generic[G, M, S]):
         """Those of the axes left out that take the robot from its place, and hold it where it is."""
         self._silent_after: Final = silent_after
         self.numbers: Final = numbers
-        """What in a motion must be a finite number, by its title for people."""
+        """The values of a motion that must be finite numbers, by their titles for people."""
         self.interlocks: Final = tuple(row for row in interlocks if not row.after_limits)
         self.limits: Final = limits
         self.after_limits: Final = tuple(row for row in interlocks if row.after_limits)
         """Those that judge what all rows and limits before them have allowed."""
 
     def at_rest(self, seen: Snapshot[M, S]) -> bool:
-        """Return whether the robot stands where it is, and is not told otherwise.
+        """Return whether the robot is at standstill, and is not commanded otherwise.
 
-        Each axis is asked: wheels that turn against each other leave the robot where it is, and do not rest.
+        Each axis is judged: wheels that turn against each other leave the robot in place, and are not at
+        standstill.
         """
         return not self.body.requested(seen.demanded, seen.body) & self.travelling and self.stands(seen)
 
     def stands(self, seen: Snapshot[M, S]) -> bool:
-        """Return whether the robot stands where it is, whatever it is told."""
+        """Return whether the robot is at standstill, whatever it is commanded."""
         axes = seen.facts.axes
         return not self.body.moving(seen.body) & self.travelling and all(
             abs(axes[name].velocity) < bound or self._is_silent(name, seen.facts)
@@ -83,7 +84,7 @@ class Rules(Generic[G, M, S]):
         return self._of(seen, seen.facts)
 
     def believed(self, seen: Snapshot[M, S], untrusted: Collection[str]) -> Snapshot[M, S] | None:
-        """Return the snapshot as if these axes stood, which no one believes; None where no other carries."""
+        """Return the snapshot with the untrusted axes at standstill; None where no trusted one carries."""
         if all(name in untrusted for name, _ in self._rests_below):
             return None
         stand = {name: replace(seen.facts.axes[name], velocity=0.0) for name in untrusted}
@@ -100,5 +101,5 @@ class Rules(Generic[G, M, S]):
         )
 
     def _is_silent(self, name: str, facts: Facts) -> bool:
-        """Return whether an axis that the mode does without tells nothing any more: its last word is old."""
+        """Return whether an axis that the mode does without has timed out: its last report is old."""
         return name in self.without and facts.now - facts.axes[name].received_at >= self._silent_after[name]

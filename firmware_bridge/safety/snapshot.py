@@ -27,12 +27,12 @@ Group: TypeAlias = str
 
 @valueclass(frozen=True, slots=True)
 class Following:
-    """How one axis has done what it was told, up to its newest sample; in its unit."""
+    """Tracking of one axis up to its newest sample; in its unit."""
 
     demand: Demand = Stop.REST
-    """What was sent to it last."""
+    """The set-point sent to it last."""
     changed_at: Nanoseconds = NEVER_RECEIVED
-    """When that differed from what was sent before."""
+    """Time of the last change of that set-point."""
     sampled_at: Nanoseconds = NEVER_RECEIVED
     obeyed_at: Nanoseconds = NEVER_RECEIVED
     """The newest sample at which it was where its demands let it be, or had no torque."""
@@ -46,9 +46,9 @@ class Following:
     high: float = 0.0
     """Between these its demands let it be: its position where that is demanded, else its speed."""
     uncommanded: bool = False
-    """How it deviates: it moves further, faster or another way than commanded; else it stays behind."""
+    """True where it moves further, faster or in another direction than commanded; else it stays behind."""
     backlog: float = 0.0
-    """How far it should have gone at least since its position began to repeat."""
+    """Least distance that it should have gone since its position stopped changing."""
     idle: int = 2
     """So many samples ago it turned as commanded."""
     halted: bool = False
@@ -57,28 +57,28 @@ class Following:
 
 @valueclass(frozen=True, slots=True)
 class Facts:
-    """What is known of any robot."""
+    """The facts known of any robot."""
 
     now: Nanoseconds
     armed: bool
     emergency_stopped: bool
     """The latch of the emergency stop, set until it is cleared."""
     received_at: Nanoseconds
-    """When the newest motion command arrived; `firmware_bridge.intent.NEVER_RECEIVED` before the first."""
+    """Arrival of the newest motion command; `firmware_bridge.intent.NEVER_RECEIVED` before the first."""
     neutral: bool
-    """The operator's controls are let go."""
+    """The operator's controls are neutral."""
     axes: Mapping[str, Feedback]
-    """By the axes' names, in the robot file's order."""
+    """Feedback of the axes, in the robot file's order."""
     sensors: Mapping[str, Reading]
-    """By the sensors' names; one that was never heard, or is silent for too long, is left out."""
+    """Readings by the sensors' names, without those never received or silent for too long."""
     links_lost: Mapping[str, str]
-    """Why no device on a link can be reached, by the link's name; empty while all links stand."""
+    """Reasons why no device on a link can be reached, by the link's name; empty while all links work."""
     masters: Mapping[str, str] = field(default_factory=dict)
-    """What only another master sends, heard lately on a link, by the link's name."""
+    """Recent traffic of a second controller on a link, by the link's name."""
     paused: bool = False
-    """The operator has asked the robot to wait."""
+    """The operator has commanded a pause."""
     deflected: str = ""
-    """What of the operator's controls is not let go, in words."""
+    """The operator's controls that are not neutral, as text."""
     neutral_required: bool = False
     """The operator was away, and has not let his controls go since."""
     mode: str = ""
@@ -88,20 +88,20 @@ class Facts:
     battery_low_since: Nanoseconds | None = None
     """Since which sample the battery has been low; None where it is not, or is not known to be."""
     stood: Mapping[str, str] = field(default_factory=dict)
-    """Where axes without a zero were when it was known last, in words, by their names: no certainty."""
+    """Last known positions of axes without a reference, as text, by their names: no certainty."""
     following: Mapping[str, Following] = field(default_factory=dict)
-    """By the axes' names; one without is not judged by what it was told."""
+    """Tracking by the axes' names; an axis without an entry is not judged by its set-points."""
     sent_at: Nanoseconds | None = None
-    """When the newest motion command was said, or later; None where nothing tells."""
+    """Time of the newest motion command's sending, or later; None where it is unknown."""
     dated: bool = False
-    """Whether it was said then, to within half a round trip; else it may be older."""
+    """True where that time is exact to within half a round trip; else the command may be older."""
     age_limit: AgeLimit = USUAL_AGE_LIMIT
     stood_still: Nanoseconds = 0
-    """How long the bridge itself did nothing before this cycle."""
+    """Time without any activity of the bridge itself before this cycle."""
 
     @property
     def age(self) -> Nanoseconds | None:
-        """How old the newest motion command was when it arrived; at least so old where it is not `dated`."""
+        """Age of the newest motion command at its arrival; a lower bound where it is not `dated`."""
         return None if self.sent_at is None else self.received_at - self.sent_at
 
     def lives_for(self, silent_after: Nanoseconds) -> Nanoseconds:
@@ -115,7 +115,7 @@ class Facts:
 
 
 class Snapshot(Immutable, Generic[M, S_co]):
-    """The whole robot at `facts.now`. What an interlock decided is not in it: that is the gate's ruling."""
+    """The whole robot at `facts.now`, without the interlocks' decision, which follows from it."""
 
     __slots__ = ("body", "command", "demanded", "facts", "located", "pose")
 
@@ -124,15 +124,15 @@ class Snapshot(Immutable, Generic[M, S_co]):
     ) -> None:
         self.facts: Final = facts
         self.command: Final = command
-        """What the operator, or a guide, wants."""
+        """The command of the operator or a path follower."""
         self.demanded: Final = demanded
-        """What the bridge's newest set-points ask for, behind the ramp."""
+        """The motion of the bridge's newest set-points, behind the ramp."""
         self.body: Final = body
-        """What axes and sensors tell of the body."""
+        """State of the body by axes and sensors."""
         self.pose: Final = pose
-        """Where it is, at the samples before these."""
+        """The pose at the samples before these."""
         self.located: Final = located
-        """How far that is known where a sensor sees the robot; None where only odometry tells it."""
+        """Uncertainty of the pose where a sensor sees the robot; None where only odometry gives it."""
 
     @property
     def wish(self) -> M:
@@ -143,33 +143,33 @@ class Snapshot(Immutable, Generic[M, S_co]):
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """One interlock that holds the robot back now, in words for people."""
+    """One interlock event that restricts the robot now, as text for people."""
 
     name: str
     """Stable key, for instance "operator link timeout"; an axis's ends with the axis's name."""
     reason: str
-    """What holds, with the numbers at the time it began."""
+    """The cause, with the numbers at the time it began."""
     row: Row
-    """What follows from it."""
+    """Its row: stopped groups, severity and remedy."""
     since: Nanoseconds
     axis: str = field(default="", compare=False)
-    """Whose it is; empty where it is the robot's."""
+    """The name of its axis; empty where it is the robot's."""
     stage: str = field(default="", compare=False)
     """The stop stage that was not acknowledged; each stage is reported by a text of its own."""
 
     @property
     def text_key(self) -> tuple[str, str]:
-        """What tells one text of an operator from another: the name and the stage."""
+        """The name and the stage, by which an operator's texts are distinguished."""
         return self.name, self.stage
 
     @property
     def remedy(self) -> str:
-        """What to do so that it lets go."""
+        """The operator's action that clears it."""
         return self.row.remedy
 
 
 class Ruling(Immutable, Generic[M]):
-    """What may be done now, and why not more."""
+    """The motion permitted now, with the reasons for its restriction."""
 
     __slots__ = ("allowed", "holds", "requested", "stopped")
 
@@ -180,6 +180,6 @@ class Ruling(Immutable, Generic[M]):
         self.stopped: Final = stopped
         """The groups that a hold stops."""
         self.allowed: Final = allowed
-        """Where to go, at the pace of the body's ramp; a stopped group rests in it."""
+        """The permitted motion, at the pace of the body's ramp; a stopped group rests in it."""
         self.requested: Final = requested
-        """The groups that `allowed` asks to move."""
+        """The groups that `allowed` commands to move."""

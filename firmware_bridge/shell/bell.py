@@ -1,4 +1,4 @@
-"""Signals as a file that can be waited for, so that a run ends in good order whatever asks it to."""
+"""Signals as a file that can be waited for, so that a run ends in good order on any of them."""
 
 import signal
 import socket
@@ -15,11 +15,11 @@ ENDING: Final = (
 """Each of them would end or suspend the process at once: a terminal that is closed, Ctrl-\\, Ctrl-Z, a pipe
 that no one reads any more. What this system lacks is left out."""
 _UNHEEDED: Final = ("SIGTTIN", "SIGTTOU")
-"""What suspends a process in the background that reads from its terminal, or writes to it."""
+"""Signals that suspend a process in the background that reads from its terminal, or writes to it."""
 
 
 class Bell:
-    """It rings for each signal that asks to end."""
+    """A bell that rings for each signal to end."""
 
     def __init__(self, reader: socket.socket) -> None:
         self._reader = reader

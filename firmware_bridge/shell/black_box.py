@@ -1,4 +1,4 @@
-"""The black box of a run on real links: what passed the seam, and what was told, in files of the field.
+"""The black box of a run on real links: its packets and reported texts, in files of the field.
 
 A thread writes, so that no disk holds up a cycle. A disk that is full, slow or gone ends the recording with
 one message, and never the robot. Each run has a folder of its own, named by when it began:
@@ -6,9 +6,9 @@ one message, and never the robot. Each run has a folder of its own, named by whe
 * `can.log`, as `candump -l` writes it, without the marks R and T, which Wireshark does not read;
 * `serial.log`: instant, link, R or T, and the bytes, for a line to drives or to a board;
 * `capture.log`: the same of the datagrams of cameras, with the place that they came from or went to;
-* `operator.tlog`, MAVLink's telemetry log, and `stations.log`: from where each station spoke, which it lacks;
-* `run.json`, the robot as it is driven, `places.json`, where its axes stood when they were known last;
-* `events.log`: what was told at the terminal and to the operator, among it who drives, arms and stops.
+* `operator.tlog`, MAVLink's telemetry log, and `stations.log`: the source of each station, which it lacks;
+* `run.json`, the robot as it is driven, `places.json`, its axes' last known positions;
+* `events.log`: the texts at the terminal and to the operator, with control changes, arming and stops.
 """
 
 import time
@@ -39,7 +39,7 @@ CAPTURE_LOG: Final = "capture.log"
 OPERATOR_LOG: Final = "operator.tlog"
 EVENTS_LOG: Final = "events.log"
 STATIONS_LOG: Final = "stations.log"
-"""A line when a station is heard first, or from elsewhere: instant, place, system and component."""
+"""A line when a station is received first, or from elsewhere: instant, place, system and component."""
 MOST: Final = 100_000
 """So many packets at most wait for the disk: some ten seconds of a bus of 1 Mbit/s that is never idle."""
 EVERY_S: Final = 0.2
@@ -48,7 +48,7 @@ END_WITHIN_S: Final = 5.0
 Written: TypeAlias = tuple[str, bytes]
 """A file's name, and what is added to it."""
 Texts: TypeAlias = Callable[[bytes], Iterable[str]]
-"""Reads the texts for people out of a datagram."""
+"""Extraction of a datagram's texts for people."""
 
 
 def no_texts(_datagram: bytes) -> Iterable[str]:
@@ -73,10 +73,10 @@ class BlackBox:
         *,
         known: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
-        """Make the run's folder in `parent`; `files` says by link which file it goes to. BlackBoxError.
+        """Make the run's folder in `parent`; `files` gives each link's file. BlackBoxError.
 
         `called` has names that links have in a log of lines, where these are others; `known` is, by the names
-        of files, what the program knew before it heard anything.
+        of files, the program's knowledge before it received anything.
         """
         began = datetime.now(tz=UTC).strftime("%Y-%m-%dT%H-%M-%SZ")
         self.folder = parent / began
@@ -121,7 +121,7 @@ class BlackBox:
     def note(self, now: Nanoseconds, direction: Direction, packet: Packet) -> None:
         """Take down a packet."""
         if self._epoch is None:
-            # Whole microseconds, so that the telemetry log, which has no less, tells the run's own instants.
+            # Whole microseconds, so that the telemetry log, which has no less, keeps the run's own instants.
             self._epoch = (time.time_ns() - now) // MICROSECOND * MICROSECOND
         if self._failure is None:
             if len(self._waiting) < MOST:
@@ -166,7 +166,7 @@ class BlackBox:
                 self._open[name].flush()
 
     def _lines(self, noted: tuple[Nanoseconds, Direction, Packet] | tuple[Nanoseconds, str]) -> list[Written]:
-        if len(noted) == 2:  # noqa: PLR2004 - told, not carried
+        if len(noted) == 2:  # noqa: PLR2004 - a text, not a packet
             return [_event(noted[0], noted[1])]
         now, direction, packet = noted
         epoch, name = self._epoch or 0, self._files.get(packet.link)
@@ -225,6 +225,6 @@ def _new(folder: Path) -> Path:
 
 
 def _closed(file: BinaryIO) -> None:
-    """Close a file; what a full disk does not take is lost, and was told."""
+    """Close a file; lines that a full disk does not take are lost, and were reported."""
     with suppress(OSError):
         file.close()

@@ -25,7 +25,7 @@ HEADER_END: Final = "no internal events logged\n"
 DAYS: Final = 1e8
 """Seconds; an instant below counts from the begin of the recording, and one above from 1970."""
 FROM_ITS_BEGIN: Final[Nanoseconds] = 100_000_000 * SECOND
-"""What such an instant gets: no one knows when the recording began, and it was not on the bench's epoch."""
+"""Start instant of such a recording: its real one is unknown, and it was not on the bench's epoch."""
 
 
 def is_foreign(path: Path) -> bool:

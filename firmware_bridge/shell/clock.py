@@ -26,7 +26,7 @@ class Clock:
         self._zero = time.monotonic_ns()
 
     def now(self) -> Nanoseconds:
-        """Return the time since the start, in whole microseconds: no recording tells less of when it was."""
+        """Return the time since the start, in whole microseconds, the resolution of recordings."""
         return (time.monotonic_ns() - self._zero) // MICROSECOND * MICROSECOND
 
     def wait(self, filenos: Sequence[int], until: Nanoseconds) -> list[int]:
@@ -37,21 +37,22 @@ class Clock:
 
 
 def resolution() -> Nanoseconds:
-    """Return the step of the clock, as the system tells it; at least one nanosecond."""
+    """Return the step of the clock, as the system reports it; at least one nanosecond."""
     return max(1, round(time.get_clock_info("monotonic").resolution * SECOND))
 
 
 class LivedClock(Clock):
-    """Counts only the time that the process was let run, for emulated devices.
+    """A clock that counts only the time in which the process ran, for emulated devices.
 
-    A device that was stopped by its machine for 0.7 s has not waited 0.7 s for its host: whatever the host
-    said meanwhile, and says at once now, has come in time. A bridge must not have it: a robot moves on.
+    A device that was stopped by its machine for 0.7 s has not waited 0.7 s for its host: bytes that the host
+    sent meanwhile, and that arrive at once now, have come in time. A bridge must not have it: a robot moves
+    on.
     """
 
     def __init__(self) -> None:
         self.stalls = 0
         self.stalled: Nanoseconds = 0
-        """How long it stood still, in all."""
+        """Total time of standing still."""
         super().__init__()
 
     def restart(self) -> None:

@@ -1,4 +1,4 @@
-"""Reads what an electronic data sheet or a device configuration file (CiA 306) says of objects."""
+"""The objects in an electronic data sheet or a device configuration file (CiA 306)."""
 
 import configparser
 import re

@@ -1,7 +1,7 @@
-"""The time stamps of signatures, kept in a small file, so that nothing is believed again after a restart.
+"""Time stamps of signatures, in a small file, so that no message is accepted again after a restart.
 
-What is kept runs ahead by what may be heard until it is written next, at the pace of each stream: a crash in
-between must not open it to a recording. Source: mavlink.io, "Message Signing".
+A stored stamp runs ahead by the messages that may be received until it is written next, at the pace of each
+stream: a crash in between must not open it to a recording. Source: mavlink.io, "Message Signing".
 """
 
 import json

@@ -1,6 +1,6 @@
-"""Where the axes stood last, kept in a small file for the next run of the bridge: an offer, no certainty.
+"""Last positions of the axes, in a small file for the next run of the bridge: an offer, no certainty.
 
-Whatever moved the robot in between is not in it. A file that is missing or damaged offers nothing.
+Motion in between is not in it. A file that is missing or damaged offers nothing.
 """
 
 import json
@@ -20,7 +20,7 @@ RECORDED: Final = "places.json"
 
 
 def usual_path(robot: str) -> Path:
-    """Return where the file of a robot is kept unless the user says otherwise."""
+    """Return the path of a robot's file, unless the user gives another."""
     root = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
     return Path(root) / "firmware-bridge" / f"{robot}.json"
 

@@ -29,7 +29,7 @@ class Printer:
 
     @property
     def printing(self) -> bool:
-        """Whether its thread is at work."""
+        """True while its thread is at work."""
         return self._thread is not None and self._thread.is_alive()
 
     def print(self, text: str, stream: TextIO) -> None:
@@ -62,7 +62,7 @@ class Printer:
             while True:
                 try:
                     self._waiting.put_nowait(None)
-                except Full:  # nothing is taken; one line less is said
+                except Full:  # nothing is taken; one line less is printed
                     self._drop_one()
                 else:
                     break

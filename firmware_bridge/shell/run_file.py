@@ -1,6 +1,6 @@
-"""`run.json` of a recording: the robot as it was driven, and where its axes were said to stand.
+"""`run.json` of a recording: the robot as it was driven, and its axes' confirmed positions.
 
-Options, links and paths are in it, so whoever reads a recording later needs none of the words of that day.
+Options, links and paths are in it, so a reader of the recording needs none of the command line.
 """
 
 import json
@@ -21,7 +21,7 @@ RUN_FILE: Final = "run.json"
 
 
 class AsRun(NamedTuple):
-    """What a bridge was started with."""
+    """The settings that a bridge was started with."""
 
     robot: AnyRobot
     stands: tuple[ConfirmZero, ...] = ()

@@ -1,9 +1,9 @@
-"""Carries a node's packets over real ports in real time, and ends in good order, whatever ends it.
+"""The runner of a node on real ports in real time, up to an end in good order, whatever ends it.
 
-It refuses to know what the node is. On a signal, an exception in the node or elsewhere, a lost port, the end
-of its time, or when a finite node has finished, it asks the node to stop, carries on until the node says that
-it is done, and closes the ports. What fails while it stops does not end that. A node that holds something
-then is carried on, and asked again at a signal.
+The node's type is not known here. On a signal, an exception in the node or elsewhere, a lost port, the end of
+its time, or when a finite node has finished, it commands the node to stop, carries on until the node reports
+that it is done, and closes the ports. A failure while it stops does not end that. A node that still holds the
+robot then is carried on, and commanded again at a signal.
 """
 
 import os
@@ -21,7 +21,7 @@ from firmware_bridge.shell.ports.port import LostPort, Port
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 
 STOP_WITHIN: Final = 15 * SECOND
-"""The longest end that a bridge asks for: every step of a stop tried in vain, on the slowest line."""
+"""Longest end that a bridge needs: every stop stage tried in vain, on the slowest line."""
 LATE: Final = 5 * MILLISECOND
 """A machine that is busy longer than this may have put something between the ports and the clock."""
 AGAIN: Final = 50 * MILLISECOND
@@ -32,15 +32,15 @@ IN_ORDER: Final = "the node was stopped in good order before the ports were clos
 
 @dataclass(frozen=True, slots=True)
 class Ending:
-    """How a run ended."""
+    """The end of a run."""
 
     reason: str
     in_order: bool
-    """Whether the node said that it was done, rather than being cut off."""
+    """True where the node reported that it was done, rather than being cut off."""
     latest_wake: Nanoseconds
-    """How late the node was woken at worst; much more than a cycle says that the machine is too slow."""
+    """Worst delay of the node's wake-up; much more than a cycle means that the machine is too slow."""
     verdict: str
-    """How the stopping went."""
+    """Text about the stopping."""
 
 
 def run(
@@ -104,7 +104,7 @@ def _waited(
     try:
         ready = clock.wait(files, due)
         now = clock.now()
-        if now - due > LATE:  # what has arrived by now is heard before anything that is due by now
+        if now - due > LATE:  # packets that have arrived by now go before anything that is due by now
             ready = clock.wait(files, now)
             carrier.stood_still(now - max(due, begun))
     except (OSError, ValueError) as error:
@@ -134,7 +134,7 @@ class _Carrier:
         self._cut_off_at: Nanoseconds = NEVER
         self._stopping = False
         self._unheard = False
-        """Whether the node failed when it was asked to stop, and is asked once more."""
+        """True after the node failed in its stop: the next call stops it again."""
         self._done = False
         self._ended = False
 
@@ -143,7 +143,7 @@ class _Carrier:
         self._receive(ready, now)
         if now >= self._wake_at and not (self._ended or self._done):
             self.latest_wake = max(self.latest_wake, now - self._wake_at)
-            # Whatever fails below is tried again then; what does not fail says itself when.
+            # A call that fails below is tried again then; one that does not fail sets its own time.
             self._wake_at = now + AGAIN
             self._take(self._stop_again(now) if self._unheard else self._node.wake(now), now)
         for port in tuple(self._ports.values()):
@@ -152,7 +152,7 @@ class _Carrier:
 
     @property
     def finished(self) -> bool:
-        """Whether the node has just finished, so that it has not been asked to stop yet."""
+        """True where the node has just finished, and was not yet commanded to stop."""
         return self._finite is not None and not self._stopping and self._finite.finished
 
     def ends(self, reason: str, now: Nanoseconds) -> None:
@@ -162,7 +162,7 @@ class _Carrier:
             self._stop(now)
 
     def requested_by(self, signal_: str, now: Nanoseconds) -> None:
-        """Begin to stop; asked twice, end at once, unless the node holds something or is not cut short."""
+        """Begin to stop; at a second command end at once, unless the node holds or is not cut short."""
         if self._stopping and not self._holding:
             self._ended = self._unhurried is None or self._unhurried.may_leave(now)
             return
@@ -171,7 +171,7 @@ class _Carrier:
 
     @property
     def _holding(self) -> bool:
-        """Whether the node, asked to stop, holds something; over a port that is lost it cannot."""
+        """True where the node holds the robot after a command to stop; over a lost port it cannot."""
         return self._stopping and holds(self._node) and len(self._ports) == self._opened
 
     def next_at(self) -> Nanoseconds:
@@ -210,7 +210,7 @@ class _Carrier:
                     self._take(self._node.receive(Packet(link, address, payload), now), now)
                 except LostPort:
                     raise
-                except Exception as failure:  # noqa: BLE001 - whatever else has come is still heard
+                except Exception as failure:  # noqa: BLE001 - other received packets are still handled
                     self.fails(failure, now)
 
     def _take(self, reaction: Reaction, now: Nanoseconds) -> None:
@@ -267,7 +267,7 @@ class _Carrier:
             self._take(self._stop_again(now), now)
         except LostPort as lost:
             self.loses(lost, now)
-        except BaseException as failure:  # noqa: BLE001 - it is asked again
+        except BaseException as failure:  # noqa: BLE001 - it is commanded again
             self.fails(failure, now)
 
     def _stop_again(self, now: Nanoseconds) -> Reaction:

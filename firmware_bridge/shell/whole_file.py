@@ -12,7 +12,7 @@ from typing import Final
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 
 STALLS: Final[Nanoseconds] = 5 * SECOND
-"""A text that is not on the disk after so long is told."""
+"""Time after which a text that is not on the disk is reported."""
 ENDS_WITHIN_S: Final = 2.0
 """So long at most the end of a run waits for the disk."""
 
@@ -26,7 +26,7 @@ class WholeFile:
         self._newest: str | None = None
         self._requested: str | None = None
         self._works = False
-        """Whether a thread is at it."""
+        """True while a thread is at work."""
         self._since: Nanoseconds = 0
         self._failure: str | None = None
 
@@ -42,7 +42,7 @@ class WholeFile:
         Thread(target=self._work, name=f"writing {self.path}", daemon=True).start()
 
     def problem(self, now: Nanoseconds) -> str | None:
-        """Return why what was asked for last is not on the disk; None where it is, or may be soon."""
+        """Return why the last requested text is not on the disk; None where it is, or may be soon."""
         if self._works and now - self._since >= STALLS:
             return f"{self.path}: the disk takes nothing for {to_seconds(now - self._since):.0f} s"
         return None if self._failure is None else f"{self.path}: {self._failure}"

@@ -1,4 +1,4 @@
-"""How bad a link is, each way, and the words for it, a row for each key: `delay=0.5,up.loss=0.02`."""
+"""Conditions of a link, each way, and their text, a row for each key: `delay=0.5,up.loss=0.02`."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -14,7 +14,7 @@ WAYS: Final = (UP, DOWN)
 
 
 class ConditionsError(ValueError):
-    """Words that say no link; one line."""
+    """Texts for a link without conditions; one line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,13 +27,13 @@ class Way:
     loss: float = 0.0
     """Share of the packets that never arrive."""
     burst: float = 0.0
-    """How many are lost in a row on average (Gilbert's model); 0: each by itself."""
+    """Mean number of losses in a row (Gilbert's model); 0: each by itself."""
     duplicate: float = 0.0
     """Share of the packets that arrive twice, each with its own jitter."""
     bandwidth: float = 0.0
     """bit/s of a serial line, ten bits a byte: packets queue; 0: no bound."""
     queue: Nanoseconds = SECOND
-    """What would wait longer for its turn is lost. ASSUME: a radio's buffer of a second."""
+    """Longest wait of a packet, which is lost beyond it. ASSUME: a radio's buffer of a second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +53,7 @@ class Row:
     most: float
     into: Callable[[float], Any] = float
     halved: bool = False
-    """Said of both ways together, each has half of it."""
+    """Given for both ways together, each has half of it."""
     least: float = 0.0
 
 
@@ -70,13 +70,13 @@ ROWS: Final = {
 
 
 def conditions(text: str) -> Conditions:
-    """Read a link's words, `KEY=NUMBER` with commas between; one with `up.` or `down.` is of that way alone.
+    """Parse a link's conditions, `KEY=NUMBER` with commas between; one with `up.` or `down.` is for that way.
 
-    ConditionsError says what is wrong, and the near name.
+    ConditionsError gives the mistake, and the near name.
     """
     ways = {way: Way() for way in WAYS}
     seen: set[str] = set()
-    for alone, part in sorted(_parts(text)):  # what is said of one way counts, whatever is said of both
+    for alone, part in sorted(_parts(text)):  # a value for one way wins over one for both
         key, sign, number = part.partition("=")
         way, _, name = key.rpartition(".") if alone else ("", "", key)
         row = ROWS.get(name)

@@ -17,7 +17,7 @@ BITS_A_BYTE: Final = 10
 
 
 class Chance(Protocol):
-    """Where random numbers come from: a seeded generator."""
+    """A source of random numbers: a seeded generator."""
 
     def random(self) -> float:
         """Return the next number, from 0 up to 1."""
@@ -34,7 +34,7 @@ class Pipe:
         self._flying: Final[list[tuple[Nanoseconds, int, Packet]]] = []
         self._number = 0
         self._free_at: Nanoseconds = 0
-        """When its line has nothing to send any more."""
+        """Time when its line has sent everything."""
         self._bad = False
         """A burst of losses is going on."""
         self.carried = 0
@@ -42,7 +42,7 @@ class Pipe:
 
     @property
     def next_at(self) -> Nanoseconds:
-        """When the next packet arrives."""
+        """Arrival of the next packet."""
         return self._flying[0][0] if self._flying else NEVER
 
     def put(self, packet: Packet, now: Nanoseconds) -> None:
@@ -94,7 +94,7 @@ class Pipe:
 
 
 class SlowLink:
-    """Around a node, on one of its links: `into` is the way of what comes to it, `out` of what it says."""
+    """A slow link at one of a node's links: `into` carries the received packets, `out` the sent ones."""
 
     def __init__(self, node: Node, link: str, *, into: Pipe, out: Pipe) -> None:
         self.node: Final = node
@@ -102,14 +102,14 @@ class SlowLink:
         self.out: Final = out
         self._link: Final = link
         self._wake_at: Nanoseconds = 0
-        """When the node itself wants to be woken."""
+        """Time of the node's own next wake-up."""
         self._passing: list[Packet] = []
-        """What leaves on other links, at once."""
+        """Packets on other links, which leave at once."""
         self._stopping = False
 
     @property
     def holding(self) -> bool:
-        """Whether the node holds something after it was asked to end."""
+        """True while the node keeps the robot from moving after a command to end."""
         return holds(self.node)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
@@ -125,7 +125,7 @@ class SlowLink:
         return self._turn(now, wakes=True)
 
     def stop(self, now: Nanoseconds) -> Reaction:
-        """Ask the node to end; its last words go the slow way, too."""
+        """Command the node to end; its last packets go through the slow link, too."""
         self._stopping = True
         self._take(self.node.stop(now) if isinstance(self.node, Stoppable) else Reaction(), now)
         return self._turn(now)
@@ -136,7 +136,7 @@ class SlowLink:
         if wakes and now >= self._wake_at:
             self._take(self.node.wake(now), now)
         if self._stopping and self._wake_at == NEVER:
-            self.into.clear()  # no one hears it any more
+            self.into.clear()  # no receiver is left
         sent = (*self._passing, *self.out.arrived(now))
         self._passing = []
         return Reaction(sent, min(self._wake_at, self.into.next_at, self.out.next_at))
@@ -156,5 +156,5 @@ def before_robot(node: Node, link: str, how: Conditions, up: Chance, down: Chanc
 
 
 def before_operator(node: Node, link: str, how: Conditions, up: Chance, down: Chance) -> SlowLink:
-    """Put a slow link before an operator: what he says goes up to the robot."""
+    """Put a slow link before an operator, whose commands go up to the robot."""
     return SlowLink(node, link, into=Pipe(how.down, down), out=Pipe(how.up, up))

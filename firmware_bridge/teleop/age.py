@@ -1,10 +1,10 @@
-"""How old a station's words are when they come: a row for each way to tell, the best first.
+"""The age of a station's messages at their arrival: a row for each way to find it, the best first.
 
-Each of them alone bounds the age from below: a word is as old as the oldest says. The best dates it, unless
-another one contradicts that by more than an age may be: a station whose TIMESYNC runs behind the clock of its
-set-points would make old words young.
-Only the clocks of who drives are followed, and only by what he answers himself. Sources: mavlink.io, "Time
-Synchronization Protocol v2" (TIMESYNC), "Message Signing"; common.xml, PING, SET_POSITION_TARGET_LOCAL_NED.
+Each of them alone bounds the age from below: a message is as old as the row with the largest age reports. The
+best row dates it, unless another one contradicts it by more than an age may be: a station whose TIMESYNC runs
+behind the clock of its set-points would make old messages young. Only the clocks of the station in control
+are followed, and only by its own answers. Sources: mavlink.io, "Time Synchronization Protocol v2" (TIMESYNC),
+"Message Signing"; common.xml, PING, SET_POSITION_TARGET_LOCAL_NED.
 """
 
 from collections.abc import Callable
@@ -25,17 +25,17 @@ _TIMESYNC: Final = dialect.MAVLINK_MSG_ID_TIMESYNC
 _PING: Final = dialect.MAVLINK_MSG_ID_PING
 _SET_POINT: Final = dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED
 _GRAIN: Final[Nanoseconds] = 1_000
-"""Instants count in whole microseconds here, as recordings keep them: a replay asks and finds the same."""
+"""Resolution of instants here: whole microseconds, as recordings keep them, so that a replay is equal."""
 _LARGEST_PING: Final = 0xFFFF_FFFF
 _ANYONE: Final = (0, 0)
 
 
 class Age(NamedTuple):
-    """How old a word is."""
+    """Age of a message."""
 
     nanoseconds: Nanoseconds
     dated: bool
-    """Whether that is its age to within half a round trip; else it is at least so old."""
+    """True where that is exact to within half a round trip; else it is a lower bound."""
 
 
 def boot_ms(message: Message) -> int | None:
@@ -55,21 +55,21 @@ class Ages:
         self.trips: Final = RoundTrips()
         self.losses: Final = Losses()
         self.synced: Final = AnsweredClock()
-        """The one that TIMESYNC tells."""
+        """The clock that TIMESYNC reports."""
         self.stamped: Final = AnsweredClock()
         """The one that stamps its frames, if it is one."""
         self.received_boot: Final = ReceivedClock()
         self.received_stamps: Final = ReceivedClock()
         self.tied = False
-        """Whether the set-points' times have been found to be of TIMESYNC's clock."""
+        """True where the set-points' times have been found to be of TIMESYNC's clock."""
         self._boot: Nanoseconds | None = None
         """The newest set-point's time, unwrapped."""
         self.differs: Nanoseconds = 0
-        """How much older a word is by another row than by the one that dates it."""
+        """Excess of a message's age by another row over that by the row that dates it."""
         self._pings = 0
 
     def questions(self, now: Nanoseconds) -> list[Message]:
-        """Return what is to be asked now: some stations answer TIMESYNC, others only PING."""
+        """Return the requests that are due: some stations answer TIMESYNC, others only PING."""
         if now < self.trips.due:
             return []
         self._pings = self._pings % _LARGEST_PING + 1
@@ -81,7 +81,7 @@ class Ages:
         ]
 
     def answered(self, message: Message, now: Nanoseconds) -> None:
-        """Take an answer of this station; one to no open question says nothing."""
+        """Take an answer of this station; one to no open request is ignored."""
         syncs = message.get_msgId() == _TIMESYNC
         carried = message.ts1 if syncs else message.seq
         now = _whole(now)
@@ -95,7 +95,7 @@ class Ages:
             self.stamped.answered(requested_at, stamp, now, UNIT)
 
     def age(self, message: Message, now: Nanoseconds, limit: Nanoseconds) -> Age | None:
-        """Return how old a word is that comes now; None where no row tells anything.
+        """Return the age of a message that arrives now; None where no row gives one.
 
         Rows that differ by more than `limit` do not date it.
         """
@@ -111,7 +111,7 @@ class Ages:
         return Age(oldest, dated and oldest - best <= limit)
 
     def _follow_what_was_set(self, message: Message, now: Nanoseconds, limit: Nanoseconds) -> None:
-        """Move the fastest word of a clock that was set back, by as much as its answers have shown."""
+        """Move the fastest message of a clock that was set back, by as much as its answers have shown."""
         time, stamp = self._unwrapped(message), self._stamp(message)
         if time is not None:
             self.received_boot.set_with(self.synced, time, now, limit)
@@ -148,12 +148,12 @@ class Ages:
         return None if stamp is None else self._least(self.received_stamps.excess(stamp, now), now)
 
     def half_round_trip(self, _message: Message, now: Nanoseconds) -> Nanoseconds | None:
-        """Take what any word has needed lately: MANUAL_CONTROL carries no time."""
+        """Return the recent travel time of any message: MANUAL_CONTROL carries no time."""
         trip = self.trips.newest(now)
         return None if trip is None else trip // 2
 
     def _least(self, excess: Nanoseconds | None, now: Nanoseconds) -> Nanoseconds | None:
-        """Add to what a word came later than the fastest one what that one has needed itself."""
+        """Bound a message's delay behind the fastest one by the fastest one's own travel time."""
         trip = self.trips.newest(now)
         return excess if excess is None or trip is None else max(excess, trip // 2)
 
@@ -180,12 +180,12 @@ AgeOf: TypeAlias = Callable[[Ages, Message, Nanoseconds], Nanoseconds | None]
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One way to tell how old a word is."""
+    """One way to find the age of a message."""
 
     name: str
     age_of: AgeOf
     dated: bool
-    """Whether it tells the age to within half a round trip; else only how old the word is at least."""
+    """True where it finds the age to within half a round trip; else only a lower bound."""
 
 
 ROWS: Final = (

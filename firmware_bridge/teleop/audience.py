@@ -1,6 +1,6 @@
-"""Who is told: telemetry goes to stations, answers to who asked.
+"""The recipients: telemetry goes to stations, answers to the sender of a request.
 
-A station is a place that a heartbeat came from, and any good frame for this robot keeps it one. What goes to
+A station is a place that a heartbeat came from, and any good frame for this robot keeps it one. Messages to
 others must fit into the bytes that came from there, so that a forged address gains nothing.
 """
 
@@ -18,20 +18,20 @@ from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 LAPSES_AFTER: Final[Nanoseconds] = 5 * SECOND
 """A station that is not received for so long is sent nothing more; heartbeats come each second."""
 MOST_STATIONS: Final = 8
-"""Beside who drives: a place more that sends heartbeats waits until one of them lapses."""
+"""Stations beside the one in control: a further place with heartbeats waits until one of them lapses."""
 MOST_PLACES: Final = 64
 """Beside stations: so many places are remembered by what they have sent; of more, the oldest is forgotten."""
 LARGEST_CREDIT: Final = 1024
-"""Bytes that a place may have sent before it is answered."""
+"""Largest credit of a place, in bytes received from it before it is answered."""
 _TEXT: Final = dialect.MAVLINK_MSG_ID_STATUSTEXT
 _LINK, _ASIDE = 1, 2
-"""Links of signatures: who is a station now and was none before hears two streams."""
+"""Links of signatures: a place that becomes a station receives two streams."""
 ONE_END: Final = 0
-"""The source on a link that has one other end; it was chosen here, and is told from the start."""
+"""The source on a link that has one other end; it was chosen here, and receives from the start."""
 
 
 class Audience:
-    """The places that frames came from; each station hears a sequence of its own, without gaps."""
+    """The places that frames came from; each station receives a sequence of its own, without gaps."""
 
     __slots__ = ("_aside", "_credits", "_numbers", "_old", "_stamp", "_stations", "_trust", "_voices")
 
@@ -48,9 +48,9 @@ class Audience:
         self._old: Final[set[int]] = set()
         """Of them all, those whose newest good frame was one of MAVLink 1."""
         self._stations: Final[dict[int, Nanoseconds]] = {}
-        """When each of them was heard last."""
+        """Time of each one's newest frame."""
         self._credits: Final[dict[int, int]] = {}
-        """Bytes that came from each of the others, less those that went there."""
+        """Credit in bytes of each of the others: those received less those sent."""
 
     def received(self, source: int, size: int, now: Nanoseconds, *, beats: bool, old: bool = False) -> None:
         """Take note of a datagram with a good frame for this robot; `beats`: one was a heartbeat.
@@ -100,7 +100,7 @@ class Audience:
         return self._encoded(source, messages, self._stamp(now))
 
     def recipients(self, driver: int | None, now: Nanoseconds) -> list[int]:
-        """Return the places that telemetry goes to: all stations, and that of who drives."""
+        """Return the places that telemetry goes to: all stations, and that of the station in control."""
         self._lapse(now)
         recipients = [ONE_END, *self._stations]
         recipients = recipients if driver is None or driver in recipients else [*recipients, driver]
@@ -114,14 +114,14 @@ class Audience:
         return source in self._stations or source in (ONE_END, driver)
 
     def voice(self, source: int) -> Voice:
-        """Return how a place is spoken to; what is chosen for one that is not told does not last."""
+        """Return the voice for a place; settings of one that receives no telemetry do not last."""
         voice = self._voices.get(source)
         if voice is None:
             voice = self._voices[source] = Voice(self._trust.writer(*self._numbers, _LINK))
         return voice
 
     def schedule(self, source: int) -> Schedule | None:
-        """Return what is due when for a place; None where it has asked for nothing."""
+        """Return the schedule of a place; None where it has requested no intervals."""
         voice = self._voices.get(source)
         return None if voice is None else voice.schedule
 
@@ -135,7 +135,7 @@ class Audience:
         voice.schedule.change(number, period, now)
 
     def follow(self, number: int, period: Nanoseconds, now: Nanoseconds) -> None:
-        """Send those places a message so often which have not asked for another interval of it."""
+        """Set a message's period for the places without an interval of their own for it."""
         for voice in self._voices.values():
             if voice.schedule is not None:
                 voice.schedule.follow(number, period, now)

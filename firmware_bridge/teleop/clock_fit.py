@@ -1,9 +1,10 @@
-"""One clock of a station against ours: within which bounds its offset lies, from what was seen alone.
+"""One clock of a station against ours: the bounds of its offset, from observation alone.
 
-Whoever answers has read his clock after he was asked and before his answer came: that bounds the offset from
-both sides. Whoever says something has read it before his word came: that bounds it from one. All bounds hold
-at once, each as wide as the drift since has made it; where they contradict one another, the clock was set, or
-is none. Nothing here knows MAVLink. Instants and readings in nanoseconds; an offset is our time less theirs.
+A station that answers has read its clock after the request was sent and before its answer came: that bounds
+the offset from both sides. A station that sends a message has read it before the message came: that bounds it
+from one. All bounds hold at once, each as wide as the drift since has made it; where they contradict one
+another, the clock was set, or is none. Nothing here knows MAVLink. Instants and readings in nanoseconds; an
+offset is our time less theirs.
 """
 
 from typing import Final
@@ -24,7 +25,7 @@ _RUNS_AFTER: Final[Nanoseconds] = SECOND
 
 
 class AnsweredClock:
-    """A clock whose owner answers when he is asked."""
+    """A clock whose owner answers requests."""
 
     __slots__ = ("_at", "_high", "_low", "_proven", "_read_at", "_since")
 
@@ -33,9 +34,9 @@ class AnsweredClock:
         """None while nothing is known."""
         self._high: Nanoseconds = 0
         self._at: Nanoseconds = 0
-        """When these were the bounds; they widen since."""
+        """Time of these bounds; they widen since."""
         self._since: Nanoseconds = 0
-        """When the first answer of this clock came."""
+        """Time of the first answer of this clock."""
         self._read_at: Nanoseconds = 0
         self._proven = False
 
@@ -54,9 +55,9 @@ class AnsweredClock:
         self._at = self._read_at = came_at
 
     def age(self, reading: Nanoseconds, now: Nanoseconds) -> Nanoseconds | None:
-        """Return how old a word is that comes now, said when the clock showed this; None: not known.
+        """Return the age of a message that arrives now, sent when the clock showed this; None: not known.
 
-        It is off by half the shortest round trip at most, beside drift and resolution. The word itself is
+        It is off by half the shortest round trip at most, beside drift and resolution. The message itself is
         a bound: a clock that it contradicts has been set, and is not known any more.
         """
         known = self._bounds(now)
@@ -74,7 +75,7 @@ class AnsweredClock:
         return max(now - reading - (low + high) // 2, 0)
 
     def contradicts(self, reading: Nanoseconds, now: Nanoseconds) -> bool:
-        """Return whether a word that comes now cannot have been said when this clock showed `reading`."""
+        """Return whether a message that arrives now was never sent when this clock showed `reading`."""
         known = self._bounds(now)
         return known is not None and now - reading < known[0] - TOLERANCE
 
@@ -99,10 +100,10 @@ class AnsweredClock:
 
 
 class ReceivedClock:
-    """A clock that no one answers for: of a word is known how much later it comes than the fastest one.
+    """A clock without answers: only the delay of a message relative to the fastest one is known.
 
-    Where it was set back, its words seem old. An answered clock of the same station that was set as well
-    tells by how much: what was known is then kept, moved by that.
+    Where it was set back, its messages seem old. An answered clock of the same station that was set as well
+    shows by how much: the bounds so far are then kept, moved by that.
     """
 
     __slots__ = ("_before", "_began_at", "_began_with", "_least", "_newest", "_offset", "_runs", "_since")
@@ -117,19 +118,20 @@ class ReceivedClock:
         """The reading at its begin."""
         self._newest: Nanoseconds = 0
         self._runs = False
-        """Whether it has been seen to run about as fast as ours."""
+        """True where it has been seen to run about as fast as ours."""
         self._offset: tuple[Nanoseconds, Nanoseconds] | None = None
-        """The answered clock's, when a word came last that was not later than it may be."""
+        """The answered clock's at the last message that was not later than it may be."""
         self._since: Nanoseconds | None = None
         """The least excess since then."""
 
     def set_with(
         self, answered: AnsweredClock, reading: Nanoseconds, now: Nanoseconds, limit: Nanoseconds
     ) -> None:
-        """Find whether this clock was set together with the answered one; a word of `reading` comes now.
+        """Find whether this clock was set together with the answered one; a message of `reading` arrives now.
 
-        It was, if every word since the last one that came within `limit` seems older by at least what the
-        answered one was set back by. A word that seems less old was said by a clock that was set otherwise.
+        It was, if every message since the last one that came within `limit` seems older by at least the step
+        by which the answered one was set back. A message that seems less old was sent by a clock that was set
+        otherwise.
         """
         excess, offset = self.excess(reading, now), answered.offset(now)
         if excess is None or excess <= limit:
@@ -145,13 +147,13 @@ class ReceivedClock:
             self._offset, self._since = offset, None
 
     def _move(self, by: Nanoseconds) -> None:
-        """Take every word so far as said by the clock that was set back by so much."""
+        """Take every message so far as sent by the clock that was set back by so much."""
         self._least = None if self._least is None else self._least + by
         self._before = None if self._before is None else self._before + by
         self._began_with -= by
 
     def excess(self, reading: Nanoseconds, now: Nanoseconds) -> Nanoseconds | None:
-        """Return how much later this word comes than the fastest one; None for what is no clock that runs."""
+        """Return this message's delay behind the fastest one; None for what is no clock that runs."""
         late = now - reading
         if self._least is None or now - self._began_at >= LEAST_OVER:
             self._before, self._least = self._least, late

@@ -33,7 +33,7 @@ FORCE: Final = 21196
 MAV_CMD_REQUEST_OPERATOR_CONTROL: Final = 32100
 """Of development.xml; pymavlink has it in no dialect that carries the rest."""
 _TERMINATES: Final = 0.5
-"""Above this DO_FLIGHTTERMINATION's parameter says so (common.xml)."""
+"""Threshold of DO_FLIGHTTERMINATION's parameter for a termination (common.xml)."""
 _LARGEST_NUMBER: Final = 0xFFFF
 """MESSAGE_INTERVAL carries 16 bits of a message's number."""
 _LONGEST_INTERVAL_US: Final = 0x7FFF_FFFF
@@ -132,7 +132,7 @@ def _send_home(_: Order, exchange: Exchange) -> Answer:
 
 
 def _change_interval(order: Order, exchange: Exchange) -> Answer:
-    """Change how often this station is told; who does not drive is told no more often than others."""
+    """Change a message's interval to this station; more often than others only with control."""
     number, wanted = whole(order.params[0]), order.params[1]
     default = None if number is None else exchange.session.schedule.default(number)
     if number is None or default is None:
@@ -167,7 +167,7 @@ def _pause(order: Order, exchange: Exchange) -> Answer:
 
 
 def _set_standard_mode(order: Order, exchange: Exchange) -> Answer:
-    """Stop, whichever it is: who asks for another mode no longer drives by hand."""
+    """Pause, whichever mode it is: a station that requests another mode no longer drives by hand."""
     paused = judged(exchange.request(Pause()))
     if order.params[0] == dialect.MAV_STANDARD_MODE_POSITION_HOLD:
         return paused
@@ -236,9 +236,9 @@ def _request_control(order: Order, exchange: Exchange) -> Answer:
 
 
 def change_control(exchange: Exchange, *, requests: bool, yields: bool) -> Answer:
-    """Take or give up control; `yields`: and let anybody take it over who asks.
+    """Take or give up control; `yields`: and let any station take it over on request.
 
-    Who drives is told who asks, by the same command, so that his station may ask him.
+    The station in control receives the request, by the same command, so that it may ask its operator.
     """
     control = exchange.session.control
     if not requests and control.driver != exchange.sender:
@@ -279,9 +279,9 @@ class Row:
     act: Action
     does: str
     anyone: bool = False
-    """Whether it is obeyed of a station that does not drive; what it requests is judged there once more."""
+    """True where it is obeyed of a station not in control; its request is judged there once more."""
     stops: Callable[[Order], bool] = _never
-    """Whether an order stops: it is carried out each time it is said, as a repetition, too."""
+    """Return whether an order stops: it is carried out each time it is sent, as a repetition, too."""
 
 
 ROWS: Final = (
@@ -383,7 +383,7 @@ def stops(order: Order) -> bool:
 
 
 def obey(order: Order, exchange: Exchange) -> Answer:
-    """Do what an order asks, where it can be done, and where its sender may ask it."""
+    """Carry out an order, where it is possible, and where its sender may send it."""
     row = _BY_NUMBER.get(order.command)
     if row is None:
         return Answer(Result.UNSUPPORTED)

@@ -1,7 +1,7 @@
-"""Who drives: one station at a time, and how control passes from one to the next.
+"""The station in control: one at a time, and how control passes from one to the next.
 
-It refuses to know what driving means, and sends nothing. Sources: common.xml, CHANGE_OPERATOR_CONTROL;
-development.xml, MAV_CMD_REQUEST_OPERATOR_CONTROL, as QGroundControl and MAVProxy send it since 2026.
+This module sends nothing and knows no motion. Sources: common.xml, CHANGE_OPERATOR_CONTROL; development.xml,
+MAV_CMD_REQUEST_OPERATOR_CONTROL, as QGroundControl and MAVProxy send it since 2026.
 """
 
 from typing import Final, NamedTuple
@@ -10,11 +10,11 @@ from firmware_bridge.units import SECOND, Nanoseconds
 from firmware_bridge.wire.internet import place_of
 
 LAPSES_AFTER: Final[Nanoseconds] = 10 * SECOND
-"""Who drives and says nothing for so long does not drive any more, once the robot rests."""
+"""Silence after which a station loses control, once the robot is at standstill."""
 
 
 class Sender(NamedTuple):
-    """Who speaks: where his datagrams come from, and his system and component."""
+    """A sender: the source of its datagrams, and its system and component."""
 
     source: int
     """The packet's address: what `firmware_bridge.wire.internet` makes of a place, or 0 on a link to one."""
@@ -27,18 +27,18 @@ class Sender(NamedTuple):
 
 
 class Control:
-    """Who drives now; no one at first."""
+    """Control of the robot; no station has it at first."""
 
     __slots__ = ("driver", "received_at", "turns", "yields")
 
     def __init__(self) -> None:
         self.driver: Sender | None = None
         self.turns = 0
-        """How often someone has taken control who had it not."""
+        """Count of takeovers by a station without control."""
         self.yields = False
-        """Whether the driver lets anybody take over who asks."""
+        """True where the station in control lets any station take over on request."""
         self.received_at: Nanoseconds = 0
-        """When the driver was heard last, whatever he said."""
+        """Time of the newest frame of the station in control, whatever it is."""
 
     def received(self, sender: Sender, now: Nanoseconds) -> None:
         """Take note of a good frame."""

@@ -1,6 +1,6 @@
-"""By which words the robot is driven: by the newest, or by set-points alone where a station has said so.
+"""The commands that drive the robot: the newest, or set-points alone where a station has requested that.
 
-It refuses to know what a motion is worth: interlocks judge it, whichever way it came.
+A motion's admissibility is for the interlocks, whichever way it came.
 """
 
 from dataclasses import dataclass, field
@@ -13,21 +13,21 @@ from firmware_bridge.units import Nanoseconds
 
 
 class Driven:
-    """The way that is told, and what does not count in it."""
+    """The reported way of driving, and the commands that do not count in it."""
 
     __slots__ = ("_guided", "_set_points", "_set_points_at", "_silent_after")
 
     def __init__(self, silent_after: Nanoseconds) -> None:
-        """Take how long set-points may be silent before a stick that is let go counts again."""
+        """Take the silence of set-points after which a neutral stick counts again."""
         self._silent_after: Final = silent_after
         self._set_points = False
-        """Whether the newest motion command was a set-point."""
+        """True where the newest motion command was a set-point."""
         self._set_points_at: Nanoseconds = NEVER_RECEIVED
         self._guided = False
-        """Whether a station has asked for set-points alone."""
+        """True where a station has requested set-points alone."""
 
     def way(self, *, paused: bool) -> Way:
-        """Return the way to be told."""
+        """Return the reported way of driving."""
         if paused:
             return Way.HOLD
         return Way.GUIDED if self._guided or self._set_points else Way.MANUAL
@@ -37,7 +37,7 @@ class Driven:
         self._guided = self._set_points = False
 
     def wait(self) -> None:
-        """Be driven by no words: the robot has been paused, and goes on by an order alone."""
+        """Accept no commands: the robot has been paused, and goes on by an order alone."""
         self._guided = self._set_points = False
 
     def order(self, way: Way, now: Nanoseconds) -> None:
@@ -47,12 +47,12 @@ class Driven:
             self._set_points_at = now
 
     def counts(self, motion: Stick | Velocity, now: Nanoseconds, *, neutral: bool) -> bool:
-        """Return whether a motion command counts: all do, but a stick that is let go beside set-points."""
+        """Return whether a motion command counts: all do, but a neutral stick beside set-points."""
         idles = self._guided and neutral and isinstance(motion, Stick)
         return not idles or now - self._set_points_at >= self._silent_after
 
     def received(self, motion: Stick | Velocity, now: Nanoseconds, *, neutral: bool) -> None:
-        """Take note of a motion command that counted; a stick that is moved ends what was asked for."""
+        """Take note of a motion command that counted; a deflected stick ends the request for set-points."""
         if isinstance(motion, Velocity):
             self._set_points_at = now
             self._set_points = self._set_points or not neutral
@@ -64,7 +64,7 @@ class Driven:
 
 @dataclass(slots=True)
 class Channels:
-    """What one station holds of RC_CHANNELS_OVERRIDE: each channel until it is given back, or grows old."""
+    """One station's channels of RC_CHANNELS_OVERRIDE, each until it is given back, or grows old."""
 
     _held: dict[int, tuple[int, Nanoseconds]] = field(default_factory=dict)
 
@@ -74,7 +74,7 @@ class Channels:
         return {number: value for number, (value, _) in self._held.items()}
 
     def receive(self, channels: dict[int, int | None], now: Nanoseconds, silent_after: Nanoseconds) -> None:
-        """Take what a message says of some channels; one of which none speaks for so long is given back."""
+        """Take a message's values of some channels; one without a value for so long is given back."""
         for number, value in channels.items():
             if value is None:
                 self._held.pop(number, None)

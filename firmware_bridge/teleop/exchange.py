@@ -27,10 +27,10 @@ from firmware_bridge.teleop.station import AnyStation, Stick, Switch, Unusable, 
 from firmware_bridge.units import Nanoseconds, to_seconds
 
 STOPS: Final = (Disarm, EmergencyStop, Pause)
-"""Obeyed however old they are; nothing that was said before one of them undoes it."""
+"""The requests that are obeyed however old they are; no older message undoes one of them."""
 Decide: TypeAlias = Callable[[Request], Verdict]
 _ANSWER_WITHIN_S: Final = 10.0
-"""So long a station shows its operator that another one asks for control."""
+"""Time for which a station shows its operator the request of another one for control."""
 
 
 @dataclass(slots=True, eq=False)
@@ -43,12 +43,12 @@ class Exchange:
     now: Nanoseconds
     decide: Decide
     doubt: str | None = None
-    """Why the message is not believed; None where it is."""
+    """The reason why the message is untrusted; None where it is trusted."""
     replies: list[Message] = field(default_factory=list)
 
     @property
     def peer(self) -> Peer:
-        """What is remembered of the sender."""
+        """The record of the sender."""
         return self.session.peers[self.sender]
 
     @property
@@ -58,12 +58,12 @@ class Exchange:
 
     @property
     def refusal(self) -> str | None:
-        """Why the sender may not drive; None where he does, or no one does."""
+        """The reason why the sender may not drive; None where it is in control, or no station is."""
         return self.doubt or self.session.control.refusal(self.sender)
 
     @property
     def late(self) -> str | None:
-        """Why a command to move comes too late; None where it comes in time, or no one knows."""
+        """The reason why a command to move is too late; None where it is in time, or of unknown age."""
         stopped, limit = self.peer.stopped, self.session.age_limit.most
         if stopped is not None and stopped.overtook(self.message.get_seq(), self.now):
             return "it was sent before a stop command, and came after it"
@@ -79,7 +79,7 @@ class Exchange:
 
     @property
     def armed(self) -> bool:
-        """Whether the robot may move, as of the newest snapshot."""
+        """True while the robot may move, as of the newest snapshot."""
         return self.session.snapshot is not None and self.session.snapshot.facts.armed
 
     @property
@@ -89,20 +89,20 @@ class Exchange:
 
     @property
     def schedule(self) -> Schedule:
-        """What is due when for the sender's place."""
+        """Schedule of the sender's place."""
         return self.session.audience.schedule(self.sender.source) or self.session.schedule
 
     @property
     def stopped(self) -> bool:
-        """Whether the emergency stop is latched, as of a snapshot since it was cleared last."""
+        """True while the emergency stop is latched, as of a snapshot since its last reset."""
         snapshot, cleared_at = self.session.snapshot, self.session.cleared_at
         return snapshot is not None and snapshot.facts.emergency_stopped and snapshot.facts.now > cleared_at
 
     def request(self, request: Request) -> Verdict:
-        """Ask the bridge, for who drives; what of a command does not outlive a change of state is forgotten.
+        """Forward a request of the station in control; forget the state that it makes obsolete.
 
-        Of anybody else an emergency stop is obeyed, and nothing else. Power is not taken for him, which would
-        let the robot roll, and his stop can be cleared.
+        Of any other station an emergency stop is obeyed, and nothing else. It does not disable the power,
+        which would let the robot roll, and it can be reset.
         """
         session = self.session
         if isinstance(request, STOPS) and self.doubt is None:
@@ -140,7 +140,7 @@ class Exchange:
             session.terminated = True
 
     def _refused(self, request: Request) -> Verdict | None:
-        """Refuse what someone asks who does not drive, or asks too late; stops are not refused."""
+        """Refuse a request of a station not in control, or one too late; stops are not refused."""
         if self.refusal is not None:
             return None if _stops(request) else Verdict(accepted=False, reason=self.refusal)
         late = None if isinstance(request, STOPS) else self.late
@@ -150,7 +150,7 @@ class Exchange:
         return Verdict(accepted=False, reason=late, temporary=True)
 
     def take_control(self, *, yields: bool = False) -> None:
-        """Let the sender drive; nothing moves before his own controls are let go."""
+        """Give the sender control; nothing moves before its own controls are neutral."""
         control = self.session.control
         changes = control.driver != self.sender
         control.take(self.sender, self.now, yields=yields)
@@ -176,7 +176,7 @@ class Exchange:
         self.report(f"control: {self.sender} has released it, no station in control")
 
     def ask_driver(self, command: int) -> None:
-        """Inform the station in control that the sender asks for control, and ask it by a command."""
+        """Inform the station in control of the sender's request for control, and forward it as a command."""
         session, driver = self.session, self.session.control.driver
         given = session.speaker.say_sometimes(
             "requested control", f"control: {self.sender} requests it; {driver} is in control", self.now
@@ -189,7 +189,7 @@ class Exchange:
             )
 
     def report(self, text: str) -> None:
-        """Report to everybody what has changed."""
+        """Report the change to all stations."""
         self.session.report(Severity.NOTICE, text)
 
     def switch(self, switch: Switch[Any], *, on: bool) -> None:
@@ -197,7 +197,7 @@ class Exchange:
         self.session.set_command(switch.write(self.session.intent.command, on))
 
     def change_interval(self, number: int, period: Nanoseconds | None, default: Nanoseconds) -> str | None:
-        """Change how often the sender's place is told a message, None: as often as all; or say why not."""
+        """Change a message's interval to the sender's place, None: as for all; or return why not."""
         session, source = self.session, self.sender.source
         if self.refusal is not None and source == session.drives_from:
             return self.refusal
@@ -279,7 +279,7 @@ class Exchange:
             self.move(velocity, velocity.deflected)
 
     def take_later(self) -> None:
-        """Take a motion command of a second station with this number: it may stop, or let go, and no more."""
+        """Take a command of a second station with this number: only a stop or a neutral stick counts."""
         message, station = self.message, self.station
         given: tuple[Motion, str] | Unusable
         if message.get_msgId() == dialect.MAVLINK_MSG_ID_MANUAL_CONTROL:
@@ -337,7 +337,7 @@ class Exchange:
             sent_at = None if age is None else self.now - age.nanoseconds
             dated = age is not None and age.dated
             session.intent = Intent(motion_command, self.now, sent_at, dated=dated, deflected=deflected)
-            # An old word may have been said before whatever ended its sender's permission.
+            # An old command may have been sent before its sender's permission ended.
             session.let_go |= neutral and (age is None or age.nanoseconds < session.age_limit.most)
 
     def newest(self) -> bool:
@@ -347,7 +347,7 @@ class Exchange:
         return newest
 
     def ignore(self) -> None:
-        """Say that a motion command of someone who does not drive moves nothing."""
+        """Report that a motion command of a station not in control moves nothing."""
         self.session.dropped.undriven += 1
         self.warn("control", f"{self.message.get_type()} of {self.sender} moves nothing: {self.refusal}")
 

@@ -23,8 +23,11 @@ _FTP: Final = {
     **dict.fromkeys((5, 7, 15), INVALID_SESSION),
     **dict.fromkeys((6, 9, 11), FAIL),
 }
-"""By opcode, why: nothing, and the end and reset of sessions are granted: there is none. There is no file to
-list, open, remove, truncate or check, and no session to read, write or burst; nothing can be made here."""
+"""The reason, by opcode.
+
+Nothing, and the end and reset of sessions are granted: there is none. There is no file to list, open, remove,
+truncate or check, and no session to read, write or burst; nothing can be made here.
+"""
 _SESSION, _OPCODE, _SIZE, _REQUESTED, _ERROR = 2, 3, 4, 5, 12
 _FTP_PAYLOAD: Final = 251
 

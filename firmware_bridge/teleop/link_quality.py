@@ -1,4 +1,4 @@
-"""What the station in control reads about its link, when it gets bad or good again: a row a figure."""
+"""Texts for the station in control about its link, when it gets bad or good again: a row a figure."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,16 +10,16 @@ from firmware_bridge.teleop.age import Ages
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 
 REPORTED_AFTER: Final[Nanoseconds] = 3 * SECOND
-"""By then a station that answers has answered."""
+"""Time for a first answer of a station that answers at all."""
 
 
 class Link(NamedTuple):
-    """What is known of the link now."""
+    """State of the link now."""
 
     ages: Ages
     limit: AgeLimit
     dated: bool
-    """Whether the newest motion command tells its age."""
+    """True where the newest motion command's age is known."""
     now: Nanoseconds
 
 
@@ -36,7 +36,7 @@ class Row:
 
 
 def _round_trip(link: Link) -> float | None:
-    """Return the round trip as a share of how old a word may be."""
+    """Return the round trip as a share of a command's age limit."""
     trip = link.ages.trips.newest(link.now)
     return None if trip is None else trip / link.limit.most
 
@@ -46,7 +46,7 @@ def _lost(link: Link) -> float | None:
 
 
 def _differs(link: Link) -> float | None:
-    """Return how far the clocks of a station disagree, as a share of how old a word may be."""
+    """Return the disagreement of a station's clocks, as a share of a command's age limit."""
     return link.ages.differs / link.limit.most
 
 
@@ -83,7 +83,7 @@ ROWS: Final = (
 
 
 class Quality:
-    """Which rows are bad; one for each that drives."""
+    """The rows that are bad; one for each station in control."""
 
     __slots__ = ("_bad",)
 
@@ -91,7 +91,7 @@ class Quality:
         self._bad: Final[set[int]] = set()
 
     def changes(self, link: Link) -> list[tuple[Severity, str]]:
-        """Return what has changed, in words."""
+        """Return the changes, as text."""
         reported: list[tuple[Severity, str]] = []
         for place, row in enumerate(ROWS):
             value = row.reads(link)

@@ -28,16 +28,16 @@ EXTENSIONS: Final = ("s", "t", "aux1", "aux2", "aux3", "aux4", "aux5", "aux6")
 
 
 class StickPosition(NamedTuple):
-    """What a message tells of the stick."""
+    """Stick position in a message."""
 
     stick: Stick
     deflected: str
-    """The first axis that is not let go, with its value and the one that is neutral; empty where all are."""
+    """The first axis that is not neutral, with its value and the neutral one; empty where all are."""
 
 
 @dataclass(slots=True)
 class Lever:
-    """Where one station's z stood when its button was pressed."""
+    """Position of one station's z when its button was pressed."""
 
     stood: int = 0
     """The value that counts as neutral; 0 until the button is pressed."""
@@ -57,7 +57,7 @@ class Lever:
 
 
 def stick_of(message: Message, station: AnyStation, lever: Lever) -> StickPosition | Unusable:
-    """Read the axes of a MANUAL_CONTROL that a robot reads; the lever has heard it already."""
+    """Decode the axes of a MANUAL_CONTROL that a robot reads; the lever has received it already."""
     shares: dict[StickAxis, float] = {}
     deflected = ""
     for axis, (name, sign) in AXES.items():

@@ -20,7 +20,7 @@ Message: TypeAlias = Any
 """One of pymavlink's message objects."""
 
 ANYONE: Final = 0
-"""A target that means everybody, for systems and for components."""
+"""The broadcast target, for systems and for components."""
 
 # pymavlink reads MAV_IGNORE_CRC from the environment. A robot obeys no frame with a wrong checksum.
 dialect.MAVLINK_IGNORE_CRC = 0
@@ -49,12 +49,12 @@ WITHOUT_EXTENSIONS: Final = {
     dialect.MAVLINK_MSG_ID_HOME_POSITION: 52,
     dialect.MAVLINK_MSG_ID_STATUSTEXT: 51,
 }
-"""Bytes of payload in MAVLink 1, of those that are sent and have extensions (common.xml, `extensions`)."""
+"""Payload size in MAVLink 1, of the sent messages that have extensions (common.xml, `extensions`)."""
 
 
 @dataclass(slots=True)
 class Counters:
-    """What arrived: good frames, runs of bytes that are no frame, and frames of unknown messages."""
+    """Count of received frames: good ones, runs of bytes that are no frame, and unknown messages."""
 
     frames: int = 0
     corrupt: int = 0

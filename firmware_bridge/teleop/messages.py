@@ -1,4 +1,4 @@
-"""What is done about each message of a ground station, and answered to it: a row for each."""
+"""The handling of each message of a ground station, and the answer to it: a row for each."""
 
 from collections.abc import Callable
 from functools import partial
@@ -16,7 +16,7 @@ from firmware_bridge.teleop.station import Unusable
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 STOP_ANSWERED_EVERY: Final[Nanoseconds] = SECOND
-"""Of one station that does not drive, and of all that are not believed."""
+"""Of one station that is not in control, and of all untrusted ones."""
 _PROGRESS_UNKNOWN: Final = 0
 _REQUESTS: Final = 0
 _ALREADY_CONTROLLED: Final = 3
@@ -30,7 +30,7 @@ def _manual_control(exchange: Exchange) -> None:
         exchange.request(EmergencyStop())
     if not exchange.newest():
         return  # its buttons would go down twice
-    # The first message of a station has no edges: a button that is already down says nothing new.
+    # The first message of a station has no edges: a button that is already down is no news.
     gone_down = buttons & ~(buttons if peer.buttons is None else peer.buttons)
     peer.buttons = buttons
     exchange.hold_lever()
@@ -104,7 +104,7 @@ def _order(exchange: Exchange, order: Order, *, repeated: bool) -> None:
 
 
 def stop_for_anybody(exchange: Exchange) -> list[Message]:
-    """Obey an emergency stop of someone who is not believed; it is answered once a second."""
+    """Obey an emergency stop of an untrusted sender; it is answered once a second."""
     session, message = exchange.session, exchange.message
     if not exchange.stopped:
         exchange.request(EmergencyStop())
@@ -124,7 +124,7 @@ def _acknowledge(exchange: Exchange, command: int, result: Result | int) -> None
 
 def _parameter_list(exchange: Exchange) -> None:
     if exchange.refusal is not None and exchange.session.list_due != NEVER:
-        return  # who asks all the time must not keep it from its end
+        return  # repeated requests must not keep it from its end
     exchange.session.listed = 0
     exchange.session.list_due = exchange.now
 
@@ -164,7 +164,7 @@ def _version(exchange: Exchange) -> None:
 
 
 def _change_control(exchange: Exchange) -> None:
-    """Take the old CHANGE_OPERATOR_CONTROL as the command that replaced it; a pass key is not asked for."""
+    """Take the old CHANGE_OPERATOR_CONTROL as the command that replaced it; no pass key is required."""
     requests: int = exchange.message.control_request
     answer = change_control(exchange, requests=requests == _REQUESTS, yields=False)
     refused = _ALREADY_CONTROLLED if answer.result is not Result.ACCEPTED else 0
@@ -195,7 +195,7 @@ def _ping(exchange: Exchange) -> None:
 
 
 def _answered(exchange: Exchange) -> None:
-    """Take an answer to a question of ours: only who drives is asked."""
+    """Take an answer to a request of ours: only the station in control gets one."""
     session = exchange.session
     if exchange.sender == session.control.driver:
         session.ages.answered(exchange.message, exchange.now)

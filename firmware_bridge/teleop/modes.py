@@ -1,11 +1,10 @@
-"""The ways to be driven, with their numbers: a row for each; and which of them a station has asked for.
+"""The ways of driving, with their numbers: a row for each; and the decoding of a station's request.
 
 There is no numbering that all stations read. Those built on pymavlink (MAVProxy, DroneKit) take a ground
 rover's numbers for those of ArduPilot's Rover, whatever autopilot it names; MAVSDK takes those of anything
-but ArduPilot for PX4's. So everybody is told Rover's, as AVAILABLE_MODES lists them, until he has asked in
-PX4's.
-Sources: ArduPilot, Rover/mode.h; PX4, px4_custom_mode.h; pymavlink, mavutil.mode_string_v10; MAVSDK,
-core/flight_mode.cpp; mavlink.io, "Standard Modes Protocol".
+but ArduPilot for PX4's. So every station receives Rover's, as AVAILABLE_MODES lists them, until it has sent a
+request in PX4's. Sources: ArduPilot, Rover/mode.h; PX4, px4_custom_mode.h; pymavlink,
+mavutil.mode_string_v10; MAVSDK, core/flight_mode.cpp; mavlink.io, "Standard Modes Protocol".
 """
 
 from dataclasses import dataclass
@@ -16,12 +15,12 @@ from firmware_bridge.teleop.mavlink import Message, dialect
 
 
 class Way(Enum):
-    """How the robot is driven, by the name that an operator reads."""
+    """The way of driving, by the name that an operator reads."""
 
     MANUAL = "Manual"
-    """By a stick, or by whatever motion command is the newest."""
+    """Driven by a stick, or by any motion command that is the newest."""
     GUIDED = "Guided"
-    """By set-points: a stick that is let go does not count while they come, one that is moved takes over."""
+    """Driven by set-points: a neutral stick does not count while they come, a deflected one takes over."""
     HOLD = "Hold"
     """It stands at rest, and waits."""
 
@@ -39,11 +38,11 @@ class Row:
     number: int
     """In HEARTBEAT, CURRENT_MODE and AVAILABLE_MODES, and in a request: as ArduPilot's Rover counts."""
     px4: int
-    """The same for a station that has asked in PX4's numbers."""
+    """The same for a station that has sent a request in PX4's numbers."""
     also: tuple[int, ...] = ()
     """More of PX4's numbers that ask for it."""
     flags: int = 0
-    """MAV_MODE_FLAG that tell of it, beside the one of custom modes."""
+    """MAV_MODE_FLAG of this way, beside the one of custom modes."""
 
 
 _MAIN_MANUAL: Final = 1
@@ -67,21 +66,21 @@ _FIRST_OWN: Final = 20
 _OWN: Final[tuple[int, ...]] = (0, *range(_FIRST_OWN, 1 << 6))
 """The numbers of the robot's own modes by their places, 0 the whole robot's.
 
-Rover ends at 16, and PX4 with its main modes, which come in the same parameter, at 11. Who asks for one of
-theirs must not get one of these.
+Rover ends at 16, and PX4 with its main modes, which come in the same parameter, at 11. A request for one of
+theirs must not select one of these.
 """
 _WHOLE: Final = 1 << 16
 """PX4's numbers are not below this where they are not divided into main mode and submode."""
 
 
 class ModeRequest(NamedTuple):
-    """What a station's numbers ask for."""
+    """The request in a station's numbers."""
 
     way: Way
     own: int | None
     """The place of one of the robot's own modes; None where it is to stay in the one that it has."""
     px4: bool
-    """Whether they are PX4's."""
+    """True where they are PX4's."""
 
 
 def requested(main: int, sub: int, own: int) -> ModeRequest | None:
@@ -104,7 +103,7 @@ def requested(main: int, sub: int, own: int) -> ModeRequest | None:
 
 
 def number_of(way: Way, own: int) -> int:
-    """Return the number that everybody is told; `own` is the place of the robot's own mode, 0 the whole."""
+    """Return the number for every station; `own` is the place of the robot's own mode, 0 the whole."""
     return number_of_own(own) if way is Way.MANUAL else BY_WAY[way].number
 
 
@@ -114,7 +113,7 @@ def number_of_own(place: int) -> int:
 
 
 def in_px4(number: int) -> int:
-    """Return a number that everybody is told as PX4 would count it; own modes are submodes of Manual."""
+    """Return a number for every station as PX4 would count it; own modes are submodes of Manual."""
     way = _BY_NUMBER.get(number)
     return px4(_MAIN_MANUAL, _OWN.index(number)) if way is None else BY_WAY[way].px4
 

@@ -1,4 +1,4 @@
-"""Whether two stations speak as one system and component: behind a router both come from one place.
+"""Detection of two stations under one system and component: behind a router both come from one place.
 
 A station numbers its frames one after the other. Of two stations the numbers go back and forth, and one that
 was used comes again with another content; a frame that is doubled or overtaken on its way does not look so.
@@ -14,7 +14,7 @@ LEAST: Final = 5
 WITHIN: Final[Nanoseconds] = 3 * SECOND
 """... in this time; a station that begins again does it once."""
 GONE: Final[Nanoseconds] = 2 * SECOND
-"""A station that says nothing for so long is not there any more, or has begun again."""
+"""Silence after which a station is gone, or has begun again."""
 NEAR: Final = 32
 """A number so far ahead at most is of the station whose newest frame that was: others were lost."""
 KEPT: Final = 300
@@ -32,14 +32,14 @@ class Numbered:
         self._received: Final[dict[int, int]] = {}
         """The content of the newest frames, by their numbers as they are counted on."""
         self._back: Final[deque[Nanoseconds]] = deque(maxlen=LEAST)
-        """When they went back to a number that was used."""
+        """Times of the returns to a number that was used."""
         self._first: tuple[int, Nanoseconds] | None = None
         self._second: tuple[int, Nanoseconds] | None = None
         """The newest frame of who was there first, and of who came later."""
         self._next = -1
-        """What the first would have said next before its newest gap."""
+        """The first station's next expected number before its newest gap."""
         self.two = False
-        """Whether two stations speak."""
+        """True where two stations send."""
 
     def receive(self, number: int, content: int, now: Nanoseconds) -> bool:
         """Take a frame, its content as a checksum; return whether it is of the station that came later."""

@@ -1,8 +1,8 @@
 """The operator's side of the bridge, whole: datagrams to intent and answers, snapshots to telemetry.
 
 It opens no socket, reads no clock and judges nothing: requests go to the bridge through `decide`, limits are
-the interlocks'. One station drives; while none does, the newest word counts. An echo of our own words and
-messages for other systems are left alone. What a robot makes of it stands in its station's rows.
+the interlocks'. One station is in control; while none is, the newest command counts. An echo of our own
+messages, and messages for other systems, are ignored. A robot's own use of them is in its station's rows.
 """
 
 from typing import Final, Generic, TypeVar
@@ -45,16 +45,16 @@ class Operator(Generic[G, M, S]):
         guides: tuple[str, ...] = (),
         trust: Trust = EVERYBODY,
     ) -> None:
-        """Take the robot, its body's rolling axes, and its kind's rows, motion at rest, modes and guides.
+        """Take the robot, its body's rolling axes, its type's rows, motion at rest, modes, path followers.
 
-        `trust` says whose frames are believed.
+        `trust` decides whose frames are accepted.
         """
         self._session: Final = Session(
             robot, station, rest, rolling=rolling, modes=modes, guides=guides, trust=trust
         )
         self._texts: Final = HoldTexts(self._session.speaker)
         self._reported: Final[dict[int, object]] = {}
-        """What was told last by the streams that are sent as soon as it changes, by their place."""
+        """The last values of the streams that are sent as soon as they change, by their place."""
         self._called: Final = {axis.name: axis.called for axis in robot.axes}
         self._faults: Final[dict[str, str]] = {}
         self._doubted_before: Final[set[Sender]] = set()
@@ -62,12 +62,12 @@ class Operator(Generic[G, M, S]):
 
     @property
     def intent(self) -> Intent[M]:
-        """What the operator wants now."""
+        """The operator's command now."""
         return self._session.intent
 
     @property
     def age_limit(self) -> AgeLimit:
-        """How old a motion command may be that is obeyed."""
+        """Age limit of a motion command."""
         return self._session.age_limit
 
     def stamps(self, now: Nanoseconds) -> Stamps:
@@ -76,17 +76,17 @@ class Operator(Generic[G, M, S]):
 
     @property
     def driver(self) -> Sender | None:
-        """Who drives; None where no one does."""
+        """The station in control; None without one."""
         return self._session.control.driver
 
     @property
     def stations(self) -> tuple[Sender, ...]:
-        """Who is remembered."""
+        """The stations on record."""
         return tuple(self._session.peers)
 
     @property
     def counters(self) -> Counters:
-        """Frames heard, corrupt and unknown."""
+        """Count of frames received, corrupt and unknown."""
         return self._session.codec.counters
 
     @property
@@ -103,9 +103,9 @@ class Operator(Generic[G, M, S]):
     def receive(
         self, datagram: bytes, now: Nanoseconds, decide: Decide, source: int = 0
     ) -> tuple[Packet, ...]:
-        """Take one datagram, ask `decide` for what only the bridge can grant, and return the answers.
+        """Take one datagram, have `decide` judge the requests that only the bridge grants; return answers.
 
-        `source` tells where it came from: the packet's address. No bytes make it raise: what is no MAVLink is
+        `source` is its origin: the packet's address. No bytes make it raise: bytes that are no MAVLink are
         counted and skipped.
         """
         session = self._session
@@ -147,7 +147,7 @@ class Operator(Generic[G, M, S]):
     def _doubted(
         self, message: Message, sender: Sender, doubt: str, now: Nanoseconds, decide: Decide
     ) -> list[Message]:
-        """Obey an emergency stop, whoever asks for it; of all else say that it was refused."""
+        """Obey an emergency stop of any sender; report of all else that it was refused."""
         session = self._session
         if requests_stop(message, session.station):
             exchange = Exchange(session, message, sender, now, decide, doubt=doubt)
@@ -161,15 +161,15 @@ class Operator(Generic[G, M, S]):
         return []
 
     def take_new_stations(self) -> list[str]:
-        """Return who was heard since the last call and is not believed, each once, and why; for the console.
+        """Return the untrusted senders since the last call, each once, with the reason; for the console.
 
-        On the link only those are told who are believed, and there may be none.
+        On the link only trusted stations receive texts, and there may be none.
         """
         new_stations, self._foreign_nodes = self._foreign_nodes, []
         return new_stations
 
     def _say_if_namesake(self, message: Message, sender: Sender) -> None:
-        """Name a station that calls itself as the robot does: an echo of our own words never speaks to us."""
+        """Name a station with the robot's own identity: an echo of our messages is never addressed to us."""
         session = self._session
         station = message.get_type() == "HEARTBEAT" and message.type == dialect.MAV_TYPE_GCS
         to_us = target_of(message) == session.codec.system
@@ -201,13 +201,13 @@ class Operator(Generic[G, M, S]):
         return True
 
     def note(self, texts: tuple[str, ...]) -> None:
-        """Report what the start has shown: now, and whoever takes control."""
+        """Report the findings of the start: now, and to each station that takes control."""
         self._session.notes = texts
         for text in texts:
             self._session.report(Severity.NOTICE, text)
 
     def take_let_go(self) -> bool:
-        """Return whether who drives has let go since the last call, if only for one motion command."""
+        """Return whether the station in control was neutral since the last call, even for one command."""
         let_go, self._session.let_go = self._session.let_go, False
         return let_go
 
@@ -235,7 +235,7 @@ class Operator(Generic[G, M, S]):
         return packets + self._questions(now)
 
     def _questions(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Ask who drives about his clock, and how long his answer takes; no one else is asked."""
+        """Request the clock of the station in control, and measure the round trip; others get no request."""
         session, place = self._session, self._session.drives_from
         if place is None:
             return ()

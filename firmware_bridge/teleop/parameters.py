@@ -1,7 +1,7 @@
 """The parameters that a ground station sees: the robot file's numbers, and telemetry rates that it may set.
 
-Every value is REAL32, so that both ways of carrying integers agree. Limits are read-only here on purpose:
-what the interlocks hold is changed in the robot file, by someone who is near the robot.
+Every value is REAL32, so that both ways of carrying integers agree. Limits are read-only here on purpose: the
+interlocks' values are changed in the robot file, by a person near the robot.
 """
 
 import math

@@ -1,6 +1,6 @@
-"""How good the link to one station is: round trips of questions that it answers, frames lost by their gaps.
+"""Quality of the link to one station: round trips of requests that it answers, frames lost by their gaps.
 
-An answer counts once, and only to a question that is still open. Time is an argument; it sends nothing.
+An answer counts once, and only to a request that is still open. Time is an argument; it sends nothing.
 """
 
 from collections import deque
@@ -9,11 +9,11 @@ from typing import Final
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 EVERY: Final[Nanoseconds] = 500 * MILLISECOND
-"""Between two questions: 150 bytes a second to who drives, and to no one else."""
+"""Between two requests: 150 bytes a second to the station in control, and to no other."""
 MOST_OPEN: Final = 20
 """Questions that wait for an answer: those of ten seconds."""
 NEWEST_OVER: Final[Nanoseconds] = 3 * SECOND
-"""The round trip that is told is the least of so long: one answer that was held up says nothing."""
+"""Period whose least round trip is reported: one delayed answer does not count."""
 LOSS_OVER: Final[Nanoseconds] = 5 * SECOND
 _NUMBERS: Final = 256
 _HALF: Final = 128
@@ -26,13 +26,13 @@ class RoundTrips:
 
     def __init__(self) -> None:
         self._open: Final[dict[tuple[int, int], Nanoseconds]] = {}
-        """When each was asked, by the message's number and what it carries back."""
+        """Time of each request, by the message's number and its returned value."""
         self._lasted: Final[deque[tuple[Nanoseconds, Nanoseconds]]] = deque()
-        """When answers came, and how long they took."""
+        """Times of answers, with their round trips."""
         self.began_at: Nanoseconds | None = None
-        """When the first question was asked."""
+        """Time of the first request."""
         self.due: Nanoseconds = 0
-        """When the next question is due."""
+        """Time of the next request."""
 
     def ask(self, *questions: tuple[int, int], now: Nanoseconds) -> None:
         """Take note of questions that are sent now; the next are due `EVERY` later."""
@@ -44,7 +44,7 @@ class RoundTrips:
             del self._open[next(iter(self._open))]
 
     def answered(self, question: tuple[int, int], now: Nanoseconds) -> Nanoseconds | None:
-        """Return when a question was asked that is answered now; None for one that was not, or no more."""
+        """Return the time of the request that is answered now; None for one unknown or no longer open."""
         requested_at = self._open.pop(question, None)
         if requested_at is not None:
             self._lasted.append((now, now - requested_at))
@@ -59,7 +59,7 @@ class RoundTrips:
 
 
 class Losses:
-    """Which share of a station's frames is missing, from the gaps in its sequence numbers."""
+    """Missing share of a station's frames, from the gaps in its sequence numbers."""
 
     __slots__ = ("_came", "_missing", "_newest", "_until", "share")
 

@@ -1,4 +1,4 @@
-"""When each stream of telemetry is due, and how stations change that; it knows nothing of what is told."""
+"""The due times of telemetry streams, and their change by stations; contents are not known here."""
 
 from typing import Final
 
@@ -6,7 +6,7 @@ from firmware_bridge.units import NEVER, Nanoseconds
 
 
 class Schedule:
-    """Which streams are due; each keeps to the grid of its period: a late report shifts no later one."""
+    """Due times of the streams; each keeps to the grid of its period: a late report shifts no later one."""
 
     def __init__(
         self,
@@ -27,7 +27,7 @@ class Schedule:
         self._periods: list[Nanoseconds] = list(periods)
         self._due: list[Nanoseconds] = list(due)
         self._chosen: set[int] = set()
-        """The messages whose period was asked for: a new default does not change it."""
+        """The messages whose period was requested: a new default does not change it."""
 
     @property
     def next_due(self) -> Nanoseconds:
@@ -51,12 +51,12 @@ class Schedule:
         return min(periods) if periods else None
 
     def default(self, number: int) -> Nanoseconds | None:
-        """Return the shortest period that a message has if no one asks for another one."""
+        """Return the shortest period of a message without a request for another one."""
         periods = [p for n, p in zip(self._numbers, self._defaults, strict=True) if n == number]
         return min(periods) if periods else None
 
     def copy(self) -> "Schedule":
-        """Return one of its own for a place that asks for other periods."""
+        """Return a copy for a place that requests other periods."""
         rows = tuple(zip(self._numbers, self._defaults, strict=True))
         return Schedule(rows, self._cycle, (self._periods, self._due))
 
@@ -66,7 +66,7 @@ class Schedule:
         self._set(number, period, now)
 
     def follow(self, number: int, period: Nanoseconds, now: Nanoseconds) -> None:
-        """Take the new period of all places for this message, unless another one was asked for here."""
+        """Take the new period of all places for this message, unless another one was requested here."""
         if number not in self._chosen:
             self._set(number, period, now)
 

@@ -1,4 +1,4 @@
-"""What the bridge remembers of its operators between two datagrams, and what its telemetry tells."""
+"""State of the operators' session between two datagrams, and the context of its telemetry."""
 
 from dataclasses import dataclass, field
 from typing import Any, Final, NamedTuple, TypeAlias
@@ -35,19 +35,19 @@ CAPABILITIES: Final = (
     | dialect.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
 )
 LISTING_GAP: Final[Nanoseconds] = 10 * MILLISECOND
-"""Between two parameters of a list, where no one has said how narrow the link is."""
+"""Gap between two parameters of a list, where the link's bandwidth is not given."""
 LISTED_BITS: Final = 1_500
-"""What one parameter of a list takes of a link's bandwidth: a quarter of it for 37 bytes."""
+"""Bits of bandwidth for one parameter of a list: a quarter of it for 37 bytes."""
 REMEMBERED: Final[Nanoseconds] = 3 * SECOND
-"""How long a command's answer is kept for its repetitions."""
+"""Time for which a command's answer is kept for its repetitions."""
 EVERYBODY: Final = Trust()
 OUT_OF_ORDER: Final[Nanoseconds] = 250 * MILLISECOND
-"""How long an older sequence number is taken for a datagram that was overtaken, not for a new start."""
+"""Time for which an older sequence number is taken for an overtaken datagram, not for a new start."""
 
 OVERTAKEN: Final[Nanoseconds] = 3 * SECOND
-"""How long one that is only a few behind is: a "go" that comes 0.26 s after the stop is no new start."""
+"""The same for one only a few behind: a "go" that comes 0.26 s after the stop is no new start."""
 FEW: Final = 96
-"""What a station says in three seconds, at 30 frames a second."""
+"""Frames of a station in three seconds, at 30 frames a second."""
 LATEST_BOOT_MS: Final = 10_000
 """So far behind the newest one a set-point's time is overtaken; further behind its station has restarted."""
 _HALF: Final = 0x80
@@ -55,7 +55,7 @@ _HALF: Final = 0x80
 MOST_UNTOLD: Final = 8
 """Control that changes all the time must not flood those who only watch."""
 MOST_PEERS: Final = 64
-"""So many stations are remembered; of more, who was heard longest ago is forgotten, but never who drives."""
+"""Most stations on record; of more, the one silent for longest is dropped, never the one in control."""
 Motion: TypeAlias = Stick | Velocity
 """A motion command as it came, before a robot interprets it."""
 NOTHING: Final = Velocity(0.0, 0.0, 0.0)
@@ -76,7 +76,7 @@ class LastCommand(NamedTuple):
     motion: Motion
     at: Nanoseconds
     deflected: str
-    """What is not let go in it; empty where it is neutral."""
+    """The controls that are not neutral in it; empty where it is neutral."""
 
 
 class Sequenced(NamedTuple):
@@ -86,7 +86,7 @@ class Sequenced(NamedTuple):
     at: Nanoseconds
 
     def follows(self, sequence: int) -> bool:
-        """Return whether this frame comes after one with another number, as far as eight bits tell."""
+        """Return whether this frame comes after one with another number, as far as eight bits show."""
         return 0 < (self.sequence - sequence) & 0xFF < _HALF
 
     def overtook(self, sequence: int, now: Nanoseconds) -> bool:
@@ -98,11 +98,11 @@ class Sequenced(NamedTuple):
 
 @dataclass(slots=True)
 class Peer:
-    """One ground station's last words."""
+    """One ground station's last messages."""
 
     received_at: Nanoseconds = 0
     last_command: LastCommand | None = None
-    """What it said while it drove or no one did: who does not drive is not listened to."""
+    """Its last command while it was in control or no station was: others' commands are ignored."""
     moved: Sequenced | None = None
     """Its newest motion command."""
     boot_ms: int | None = None
@@ -111,18 +111,18 @@ class Peer:
     """Its newest stop command."""
     buttons: int | None = None
     channels: Channels = field(default_factory=Channels)
-    """What it holds of RC_CHANNELS_OVERRIDE."""
+    """Its channels of RC_CHANNELS_OVERRIDE."""
     lever: Lever = field(default_factory=Lever)
     unread: set[str] = field(default_factory=set)
-    """Its axes that were told to be deflected and not read."""
+    """Its axes that were reported as deflected and not read."""
     answered: Answered | None = None
     stop_answered_at: Nanoseconds = NEVER_RECEIVED
-    """When an emergency stop was answered that it had sent while another one drove."""
+    """Time of the answer to its emergency stop while another station was in control."""
     numbered: Numbered = field(default_factory=Numbered)
     later: bool = False
     """The newest frame is of a second station that calls itself so, which came later."""
     rested_at: Nanoseconds = NEVER_RECEIVED
-    """When that one had let go."""
+    """Time when that one was neutral."""
 
     def is_newest(self, message: Message, now: Nanoseconds) -> bool:
         """Return whether a motion command is newer than all before it, and remember it if so."""
@@ -154,7 +154,7 @@ class Dropped:
     aged: int = 0
     """Commands to move that were sent before a stop command, or too long ago."""
     idle: int = 0
-    """Sticks that are let go, while the robot is driven by set-points."""
+    """Neutral sticks, while the robot is driven by set-points."""
     undriven: int = 0
     """Motion commands of stations that do not drive."""
     doubted: int = 0
@@ -179,9 +179,9 @@ class Session:
         self.station: Final = station
         self.rolling: Final = rolling
         self.modes: Final = ("", *modes)
-        """By custom mode; the first is the whole robot's."""
+        """Modes by custom mode; the first is the whole robot's."""
         self.guides: Final = ("", *guides)
-        """By custom submode; the first is the operator."""
+        """Path followers by custom submode; the first is the operator."""
         self.codec: Final = Codec(robot.operator.system_id, robot.operator.component_id)
         self.streams: Final = streams_of(robot, station)
         self.schedule: Final = Schedule(tuple((row.number, row.period) for row in self.streams), robot.cycle)
@@ -201,24 +201,24 @@ class Session:
         self.signed_in_vain = False
         """A frame was signed, and there is no key."""
         self.stop_answered_at: Nanoseconds = NEVER_RECEIVED
-        """When an emergency stop of someone who is not believed was answered."""
+        """Time of the answer to an untrusted sender's emergency stop."""
         self.control: Final = Control()
         decided = robot.operator.unknown_age
         needed = trust.key is not None if decided is None else decided is UnknownAge.REFUSE
         self.age_limit = AgeLimit(
             robot.operator.age_limit_ms * MILLISECOND, needed, robot.operator.max_age_ms * MILLISECOND
         )
-        """How old a word may be, as this session has agreed on."""
+        """Age limit of a message, as agreed on for this session."""
         self._ages: tuple[int, Ages, Quality] = (0, Ages(signed=False), Quality())
         self.peers: Final[dict[Sender, Peer]] = {}
         self.unsent: list[Message] = []
-        """Who drives now: told with the next report, beside the answers."""
+        """Messages about control, sent with the next report, beside the answers."""
         self.notes: tuple[str, ...] = ()
-        """What the start has shown that whoever drives must know."""
+        """Findings of the start for the station in control."""
         self.dropped: Final = Dropped()
         self.terminated = False
         self.cleared_at: Nanoseconds = NEVER_RECEIVED
-        """When the emergency stop was cleared last."""
+        """Time of the emergency stop's last reset."""
         self.resets = 0
         bandwidth = robot.operator.bandwidth_bit_s
         slow = 0 if bandwidth is None else LISTED_BITS * SECOND // bandwidth
@@ -228,31 +228,31 @@ class Session:
 
     @property
     def drives_from(self) -> int | None:
-        """The place of who drives; None where no one does."""
+        """The place of the station in control; None without one."""
         return None if self.control.driver is None else self.control.driver.source
 
     @property
     def ages(self) -> Ages:
-        """The clocks and the link of who drives; of who has just taken control nothing is known."""
+        """The clocks and the link of the station in control; after a change of control nothing is known."""
         if self._ages[0] != self.control.turns:
             self._ages = (self.control.turns, Ages(signed=self.trust.key is not None), Quality())
         return self._ages[1]
 
     def age(self, message: Message, sender: Sender, now: Nanoseconds) -> Age | None:
-        """Return how old a word is that comes now; None where nothing tells, or its sender does not drive."""
+        """Return the age of a message that arrives now; None where unknown or its sender lacks control."""
         if sender != self.control.driver:
             return None
         return self.ages.age(message, now, self.age_limit.most)
 
     def report_link(self, now: Nanoseconds) -> None:
-        """Report what has changed about the link of who drives."""
+        """Report changes about the link of the station in control."""
         ages, quality = self.ages, self._ages[2]
         if self.control.driver is not None:
             for severity, text in quality.changes(Link(ages, self.age_limit, self.intent.dated, now)):
                 self.report(severity, text)
 
     def passed(self, sender: Sender, sequence: int, now: Nanoseconds) -> None:
-        """Take note of a frame for another robot: where who drives has sent it, it is not missing."""
+        """Note a frame for another robot: from the station in control it does not count as missing."""
         if sender == self.control.driver:
             self.ages.losses.received(sequence, now)
 
@@ -301,7 +301,7 @@ class Session:
             self.intent = Intent(applied_command, peer.last_command.at, deflected=peer.last_command.deflected)
 
     def report(self, severity: Severity, text: str) -> None:
-        """Say something with the next report, unless there is too much to be said already."""
+        """Queue a text for the next report, unless the queue is full."""
         if len(self.unsent) < MOST_UNTOLD:
             self.unsent += self.speaker.say(severity, text)
 
@@ -313,7 +313,7 @@ class Session:
         )
 
     def set_period(self, number: int, period: Nanoseconds, now: Nanoseconds) -> None:
-        """Send everybody a message so often who has not asked for another interval."""
+        """Set a message's period for all places without an interval of their own."""
         self.schedule.follow(number, period, now)
         self.audience.follow(number, period, now)
 
@@ -322,7 +322,7 @@ class Session:
         self.set_command(self.station.forgotten(self.intent.command))
 
     def context(self, snapshot: Snapshot[Any, Any]) -> TelemetryContext:
-        """Return what telemetry tells of a snapshot."""
+        """Return the telemetry's context of a snapshot."""
         facts = snapshot.facts
         status = self._status(facts)
         way = self.driven.way(paused=facts.paused)
@@ -346,7 +346,7 @@ class Session:
         )
 
     def messages(self, number: int, which: int = 0) -> tuple[Message, ...] | None:
-        """Return a message for a station that asks for it once; None where the bridge has no such message."""
+        """Return a message for one request of a station; None where the bridge has no such message."""
         if number == dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION:
             return (_version(),)
         if number == dialect.MAVLINK_MSG_ID_AVAILABLE_MODES:

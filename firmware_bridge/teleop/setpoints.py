@@ -24,7 +24,7 @@ MAP_FRAMES: Final = frozenset({dialect.MAV_FRAME_LOCAL_NED, dialect.MAV_FRAME_LO
 
 @dataclass(frozen=True, slots=True)
 class Carries:
-    """What a type mask leaves in a set-point."""
+    """Content of a set-point under its type mask."""
 
     level: bool
     """A velocity on the plane; without one it is a yaw rate alone."""
@@ -39,7 +39,7 @@ _VERTICAL: Final = dialect.POSITION_TARGET_TYPEMASK_VZ_IGNORE
 _TURN: Final = dialect.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
 _HEADING: Final = dialect.POSITION_TARGET_TYPEMASK_YAW_IGNORE
 _FORCE: Final = dialect.POSITION_TARGET_TYPEMASK_FORCE_SET
-"""It says what an acceleration means, and so nothing where that is left out: DroneKit sets it in 4039."""
+"""The flag for an acceleration's meaning, without effect where that is left out: DroneKit sets it in 4039."""
 _NO_PLACE_NO_ACCELERATION: Final = 0x01C7
 _LEVEL: Final = dialect.POSITION_TARGET_TYPEMASK_VX_IGNORE | dialect.POSITION_TARGET_TYPEMASK_VY_IGNORE
 _MASKS: Final = {
@@ -60,7 +60,7 @@ _MASKS: Final = {
 MAVROS, 4039 of DroneKit; and with a yaw rate alone, 1535."""
 
 _ABSURD: Final = 10.0
-"""Times the robot's limit; no one who drives means it."""
+"""Multiple of the robot's limit that no operator means."""
 
 RELEASED: Final = 0
 """Of RC_CHANNELS_OVERRIDE, channels 1 to 8: given back to the radio."""

@@ -1,4 +1,4 @@
-"""A robot's place on MAVLink as rows of its own words; nothing of the protocol is in them.
+"""A robot's MAVLink rows in its own terms; nothing of the protocol is in them.
 
 Signs are the robot's: forward, left, up and counter-clockwise positive; `firmware_bridge.teleop` turns them
 into MAVLink's, and only there. Rows that the protocol cannot carry are refused where they are made.
@@ -22,16 +22,16 @@ M = TypeVar("M")
 S = TypeVar("S")
 
 BUTTONS: Final = 16
-"""How many buttons MANUAL_CONTROL has in its first field."""
+"""Number of buttons in MANUAL_CONTROL's first field."""
 CHANNELS: Final = 18
-"""How many channels RC_CHANNELS_OVERRIDE has."""
+"""Number of channels in RC_CHANNELS_OVERRIDE."""
 ACTUATORS: Final = 6
-"""How many actuators one DO_SET_ACTUATOR moves."""
+"""Number of actuators of one DO_SET_ACTUATOR."""
 VALUE_NAME: Final = 10
 """Letters of a NAMED_VALUE_FLOAT or NAMED_VALUE_INT."""
 PARAMETER_NAME: Final = 16
 FASTEST: Final[Nanoseconds] = 20 * MILLISECOND
-"""No message is sent more often, whatever a row or a ground station asks for."""
+"""Shortest period of a message, whatever a row or a ground station requests."""
 
 
 @valueclass(frozen=True, slots=True)
@@ -76,7 +76,7 @@ class Velocity:
 
     @property
     def deflected(self) -> str:
-        """What it asks for, and what to send first where that does not count yet; empty to stand still."""
+        """Its command, and the message to send first where it does not count yet; empty at standstill."""
         if self.forward_mps == self.left_mps == 0.0 and not self.yaw_rate_rad_s:
             return ""
         speed = math.hypot(self.forward_mps, self.left_mps)
@@ -86,7 +86,7 @@ class Velocity:
 
 @valueclass(frozen=True, slots=True)
 class Twist:
-    """How the robot's reference point moves; SI, left and counter-clockwise positive."""
+    """Motion of the robot's reference point; SI, left and counter-clockwise positive."""
 
     forward_mps: float
     left_mps: float
@@ -95,7 +95,7 @@ class Twist:
 
 @dataclass(frozen=True, slots=True)
 class Unusable:
-    """Why a message gives no command; `key` is the same for the same kind of fault."""
+    """The reason why a message gives no command; `key` is the same for the same fault."""
 
     key: str
     reason: str
@@ -112,7 +112,7 @@ class StickAxis(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """One channel of a radio control, which RC_CHANNELS_OVERRIDE carries: 1000 to 2000 us, 1500 let go."""
+    """One channel of a radio control, which RC_CHANNELS_OVERRIDE carries: 1000 to 2000 us, 1500 neutral."""
 
     number: int
     """Counted from 1."""
@@ -144,9 +144,9 @@ class Switch(Generic[M]):
     button: int | None = None
     """The button of MANUAL_CONTROL that switches it over, counted from 0; None for none."""
     illuminates: bool = False
-    """Whether ILLUMINATOR_ON_OFF switches it."""
+    """True where ILLUMINATOR_ON_OFF switches it."""
     telemetry: str = ""
-    """The NAMED_VALUE_INT that tells of it, at most 10 letters; empty for none."""
+    """The NAMED_VALUE_INT of its state, at most 10 letters; empty for none."""
 
 
 @dataclass(frozen=True)
@@ -169,7 +169,7 @@ class Value(Generic[M, S]):
     read: Callable[[Snapshot[M, S]], float | None]
     """Return the value, or None while it is not known."""
     title: str
-    """What it is, with its unit."""
+    """Its name, with its unit."""
 
 
 @dataclass(frozen=True)
@@ -184,7 +184,7 @@ class Fixed(Generic[G]):
 
 @dataclass(frozen=True)
 class Gauge(Generic[G]):
-    """What a person reads off the robot where an axis stands; it grows or falls with its position."""
+    """Position of an axis as a person reads it off the robot; it grows or falls with the axis' position."""
 
     role: str
     unit: str
@@ -196,7 +196,7 @@ class Gauge(Generic[G]):
 
 @dataclass(frozen=True, kw_only=True)
 class Station(Generic[G, M, S]):
-    """One kind of robot's rows; ValueError where MAVLink could not carry them."""
+    """One robot type's rows; ValueError where MAVLink could not carry them."""
 
     stick: Callable[[Stick, M, Robot[G]], M]
     """Return the command after the one before, for these axes."""
@@ -208,7 +208,7 @@ class Station(Generic[G, M, S]):
     largest: Callable[[Robot[G]], Twist]
     """The robot's limits: what is ten times faster is absurd, and refused altogether."""
     metres_rolled: Callable[[Robot[G]], float] | None = None
-    """Metres rolled for each radian of a rolling axis, its radius; None: no distances are told."""
+    """Meters rolled for each radian of a rolling axis, its radius; None: no distances are reported."""
     stop_button: int | None = None
     """The button of MANUAL_CONTROL that is the emergency stop, counted from 0; None for none."""
     up_button: int | None = None
@@ -217,13 +217,15 @@ class Station(Generic[G, M, S]):
     axes: tuple[StickAxis, ...] = USUAL_AXES
     """The axes of MANUAL_CONTROL that the robot reads: the others count for nothing, wherever they stand."""
     dead_band: float = 0.05
-    """A hand that rests on a stick does not hold it at zero: less z counts for nothing, and a stick is let go
-    where no axis passes it."""
+    """Largest z that counts as zero: a hand on a stick does not hold it there.
+
+    A stick is neutral where no axis passes it.
+    """
     channels: tuple[Channel, ...] = USUAL_CHANNELS
-    """What RC_CHANNELS_OVERRIDE moves; z, which needs a button, is not among it."""
+    """The channels of RC_CHANNELS_OVERRIDE in use; z, which needs a button, is not among them."""
     switches: tuple[Switch[M], ...] = ()
     actuators: tuple[Actuator[G, M], ...] = ()
-    """By DO_SET_ACTUATOR's parameters 1, 2, ... of set 0."""
+    """In the order of DO_SET_ACTUATOR's parameters 1, 2, ... of set 0."""
     values: tuple[Value[M, S], ...] = ()
     parameters: tuple[Fixed[G], ...] = ()
     gauges: tuple[Gauge[G], ...] = ()

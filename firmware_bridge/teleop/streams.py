@@ -1,4 +1,4 @@
-"""How often each message is sent: one row for each message, for a network and for a narrow link."""
+"""Period of each message: one row for each message, for a network and for a narrow link."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
@@ -35,7 +35,7 @@ _OVERHEAD: Final = 12
 """Of a frame of MAVLink 2 without a signature."""
 _ARRAY_HEADER: Final = 20
 _BITS_A_BYTE: Final = 10
-"""On a serial line: a radio's bandwidth is told as the line's rate."""
+"""Line bits for one byte on a serial line: a radio's bandwidth is given as the line's rate."""
 _SHARE: Final = 0.5
 """Of the bandwidth, for telemetry: half of it is left to commands, answers, lists and the other direction."""
 
@@ -49,15 +49,15 @@ class Stream:
     encode: Callable[[TelemetryContext], Iterable[Message]]
     title: str
     size: int
-    """Bytes of it on the link, all messages of one turn."""
+    """Size in bytes on the link, all messages of one turn."""
     slow: Nanoseconds
     """Its period where the link is narrow."""
     watched: Callable[[TelemetryContext], object] | None = None
-    """What makes it due at once, where it changes."""
+    """The value whose change makes it due at once."""
 
 
 class Telemetry:
-    """What the streams tell at one instant, each made once, however many places it goes to."""
+    """The streams' messages at one instant, each made once, however many places it goes to."""
 
     __slots__ = ("_context", "_made", "_streams")
 
@@ -67,7 +67,7 @@ class Telemetry:
         self._made: Final[dict[int, list[Message]]] = {}
 
     def changed(self, values: dict[int, object]) -> list[int]:
-        """Return the streams that must not wait for their turn; `values` is what they told last."""
+        """Return the streams that must not wait for their turn; `values` holds their last watched values."""
         changed: list[int] = []
         for place, stream in enumerate(self._streams):
             if stream.watched is not None:
@@ -111,10 +111,10 @@ def _stream(
 
 
 def streams_of(robot: AnyRobot, station: AnyStation) -> tuple[Stream, ...]:
-    """Return what one robot sends, in the order in which it is sent: heartbeat, then the fastest first.
+    """Return one robot's streams in the order of sending: heartbeat, then the fastest first.
 
-    On a link that is too narrow for all of it, told by the robot file, the rows' slow periods count; on one
-    that is too narrow for those, too, all but the heartbeat wait so much longer that it fits.
+    On a link too narrow for all of it, by the robot file, the rows' slow periods count; on one too narrow for
+    those, too, all but the heartbeat wait so much longer that it fits.
     """
     rows = _rows(robot, station)
     bandwidth = robot.operator.bandwidth_bit_s

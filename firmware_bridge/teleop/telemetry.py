@@ -1,4 +1,4 @@
-"""What the operator is informed of at one instant, message by message; `streams` knows how often.
+"""The operator's information at one instant, message by message; `streams` has the periods.
 
 The robot counts left, up and counter-clockwise positive; MAVLink's NED and FRD frames count right, down and
 clockwise: y, yaw and yaw rate change their sign here, and only here.
@@ -31,7 +31,7 @@ _COVARIANCE_UNKNOWN: Final = (NAN,) + (0.0,) * 20
 
 @valueclass(frozen=True, slots=True, kw_only=True)
 class TelemetryContext:
-    """Everything that a message may tell."""
+    """The context that all messages are made from."""
 
     robot: AnyRobot
     station: AnyStation
@@ -46,9 +46,9 @@ class TelemetryContext:
     """Nothing but the operator stands between the robot and motion: no emergency stop, no fault."""
     corrupt: int
     resets: int
-    """How often the odometry was set to zero."""
+    """Count of the odometry's resets."""
     round_trip: Nanoseconds | None
-    """To who drives and back; None where he does not answer, or no one drives."""
+    """To the station in control and back; None where it does not answer, or there is none."""
     lost: float | None
     """The share of his frames that did not come."""
 
@@ -82,7 +82,7 @@ class TelemetryContext:
 
     @property
     def low_battery(self) -> bool:
-        """Whether the voltage is known and low; what is no number counts as low."""
+        """True where the voltage is known and low; NaN counts as low."""
         battery, volts = self.robot.battery, self.battery_v
         return battery is not None and volts is not None and not volts >= battery.low_v
 
@@ -163,7 +163,7 @@ def currents(context: TelemetryContext) -> Iterator[Message]:
 
 
 def link(context: TelemetryContext) -> Iterator[Message]:
-    """Report how good the link to who drives is."""
+    """Report the quality of the link to the station in control."""
     age, trip = context.snapshot.facts.age, context.round_trip
     figures = {
         "RTT": None if trip is None else to_seconds(trip),
@@ -186,9 +186,9 @@ def switches(context: TelemetryContext) -> Iterator[Message]:
 
 
 def landed(context: TelemetryContext) -> Iterator[Message]:
-    """Report of an armed robot what PX4 tells of an armed rover: that it has not landed.
+    """Report an armed robot as PX4 reports an armed rover: as not landed.
 
-    QGroundControl offers its emergency stop, which brakes, only to what is armed and not landed.
+    QGroundControl offers its emergency stop, which brakes, only for a vehicle that is armed and not landed.
     """
     air, ground = dialect.MAV_LANDED_STATE_IN_AIR, dialect.MAV_LANDED_STATE_ON_GROUND
     state = air if context.snapshot.facts.armed else ground

@@ -34,9 +34,10 @@ class _Repeat:
 
 
 class Speaker:
-    """Makes STATUSTEXT messages, numbers the long ones, and says the same refusal only every two seconds.
+    """A maker of STATUSTEXT messages that numbers the long ones and limits repeated warnings.
 
-    One that a stream of messages deserves again and again is told more and more seldom.
+    The same refusal is sent only every two seconds, and ever more seldom while a stream of messages causes
+    it.
     """
 
     QUIET: Final[Nanoseconds] = 2 * SECOND
@@ -59,7 +60,7 @@ class Speaker:
         return [dialect.MAVLink_statustext_message(severity, cut, number, at) for at, cut in enumerate(cuts)]
 
     def say_sometimes(self, key: str, text: str, now: Nanoseconds) -> list[Message]:
-        """Return a warning, or nothing where one with this key was said less than two seconds ago."""
+        """Return a warning, or nothing where one with this key was sent less than two seconds ago."""
         earlier = self._repeats.pop(key, None)
         quiet = self.QUIET
         if earlier is not None:
@@ -76,9 +77,9 @@ class Speaker:
 
 
 class HoldTexts:
-    """Reports what holds and what has let go; of one that comes and goes, three times in two seconds.
+    """Reports of active and cleared interlocks; of one that comes and goes, three times in two seconds.
 
-    Mere information is told once: the stick of a patient hand passes the acceleration limit again and again.
+    Information is sent once: a stick passes the acceleration limit again and again in normal driving.
     """
 
     MOST: Final = 3
@@ -86,11 +87,11 @@ class HoldTexts:
     def __init__(self, speaker: Speaker) -> None:
         self._speaker: Final = speaker
         self._shown: Final[dict[tuple[str, str], Severity]] = {}
-        """What holds, as far as it has been told."""
+        """The interlock events reported as active."""
         self._began: Final[dict[tuple[str, str], list[Nanoseconds]]] = {}
-        """When beginnings were told lately."""
+        """Times of the events' begins reported lately."""
         self._informed: Final[set[tuple[str, str]]] = set()
-        """What was information, and is over."""
+        """Past events that were information."""
 
     def due(self, holds: tuple[Hold, ...], now: Nanoseconds) -> list[Message]:
         """Return texts of what is not as commanded last."""
@@ -123,7 +124,7 @@ class Received:
 
 
 class Listener:
-    """Puts the chunks of one sender's texts together; a text that lacks a chunk is told as far as it came."""
+    """A collector of one sender's texts; one that lacks a chunk is returned as far as it came."""
 
     def __init__(self) -> None:
         self._number = 0

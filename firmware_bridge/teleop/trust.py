@@ -1,4 +1,4 @@
-"""Whose frames are believed: those from allowed places, and signed ones where there is a key.
+"""Trust in frames: those from allowed places, and signed ones where there is a key.
 
 Source: mavlink.io, "Message Signing". A time stamp counts only when its signature is right: pymavlink's own
 check takes it before, so that one wrong frame with the largest stamp would lock its station out for ever.
@@ -25,7 +25,7 @@ _SIGNED: Final = 0x01
 _FLAGS: Final = 2
 _MAVLINK_2: Final = 0xFD
 _LINK, _STAMP, _SIGNATURE = -13, -12, -6
-"""Where they begin, from the end; no slices, which compiled code does not take for an index of bytes."""
+"""Offsets from the end; no slices, which compiled code does not take for an index of bytes."""
 
 Stream: TypeAlias = tuple[int, int, int]
 """Of signed frames: system, component and link."""
@@ -33,14 +33,14 @@ Stream: TypeAlias = tuple[int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class Stamps:
-    """What must outlive a restart, so that nothing is believed twice and no stamp is used again."""
+    """Stamps that must outlive a restart, so that no message is accepted twice and no stamp is used again."""
 
     own: int = 0
     """Later than every stamp of ours."""
     clock: int = 0
-    """What our own clock showed at last, whatever stations have said of the time."""
+    """Our own clock's last reading, whatever time stations have sent."""
     streams: Mapping[Stream, int] = field(default_factory=dict)
-    """The newest stamp that was believed, by stream."""
+    """The newest stamp that was accepted, by stream."""
 
 
 NO_STAMPS: Final = Stamps()
@@ -50,7 +50,7 @@ Network: TypeAlias = ipaddress.IPv4Network | ipaddress.IPv6Network
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trust:
-    """What the shell says of it; without a key signatures are not looked at, without a list all may speak."""
+    """Trust by the command line; without a key signatures are not checked, without a list all may send."""
 
     key: bytes | None = None
     started_at: Nanoseconds = EPOCH
@@ -81,7 +81,7 @@ class Trust:
 
 
 class Signatures:
-    """Which streams were heard up to which time stamp: nothing is believed twice, after a restart neither."""
+    """Newest time stamp of each stream: no message is accepted twice, after a restart neither."""
 
     __slots__ = ("_clock", "_least", "_streams", "_trust")
 
@@ -90,12 +90,12 @@ class Signatures:
         self._streams: Final[dict[Stream, int]] = dict(trust.kept.streams)
         """The newest stamp by system, component and link; who has no key cannot add one."""
         self._least = trust.kept.own
-        """What our stamps begin with at the instant 0 at least, though the machine's clock is behind that."""
+        """Least start of our stamps at the instant 0, though the machine's clock is behind that."""
         self._clock: Final = trust.kept.clock
-        """What our clock showed then at least, though the machine's has been set back since."""
+        """Least reading of our clock then, though the machine's has been set back since."""
 
     def stamp(self, now: Nanoseconds) -> int:
-        """Return the time as our signatures carry it: never behind one of ours, or one that was believed."""
+        """Return the time as our signatures carry it: never behind one of ours, or one that was accepted."""
         return max(self._trust.stamp(now), self._least + now // UNIT)
 
     def clock(self, now: Nanoseconds) -> int:
@@ -107,7 +107,7 @@ class Signatures:
         return Stamps(self.stamp(now), self.clock(now), dict(self._streams))
 
     def doubt(self, message: Message, source: int, now: Nanoseconds) -> str | None:
-        """Say why a frame is not believed; None where it is, and its stamp counts from then on."""
+        """Return why a frame is untrusted; None where it is trusted, and its stamp counts from then on."""
         if not self._trust.allows(source):
             return "is not on the list of --allow"
         key, frame = self._trust.key, bytes(message.get_msgbuf())

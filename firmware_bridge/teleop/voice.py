@@ -1,4 +1,4 @@
-"""How one place is spoken to: its own sequence, version of MAVLink, numbers of modes, and intervals."""
+"""The voice for one place: its own sequence, version of MAVLink, numbers of modes, and intervals."""
 
 from typing import TYPE_CHECKING, Final
 
@@ -18,11 +18,11 @@ class Voice:
         """Write with this codec."""
         self._codec: Final = codec
         self.mavlink_1 = False
-        """Whether the newest good frame from there was one of MAVLink 1. With a key none is good."""
+        """True where the newest good frame from there was one of MAVLink 1. With a key none is good."""
         self.px4 = False
-        """Whether a mode was asked for from there in PX4's numbers."""
+        """True where a mode was requested from there in PX4's numbers."""
         self.schedule: Schedule | None = None
-        """What is due when, where intervals were asked for from there; None where those of all serve."""
+        """The schedule of intervals requested from there; None where those of all serve."""
 
     def frame(self, message: Message, stamp: int) -> bytes | None:
         """Return the message as one frame; None where its version of MAVLink cannot carry it."""

@@ -1,4 +1,4 @@
-"""Why an SDO transfer is refused: the abort codes, and the exception that carries one.
+"""SDO abort codes, and the exception that carries one.
 
 Sources: CiA 301 v4.02; 0x0F00FFxx from maxon's command library. The serial protocols use the same codes.
 """
@@ -10,7 +10,7 @@ from firmware_bridge.wire.epos2.address import Address
 
 
 class AbortCode(IntEnum):
-    """Why a transfer was refused: the code on the wire and its meaning."""
+    """An SDO abort code: the number on the wire and its meaning."""
 
     meaning: str
 
@@ -58,13 +58,13 @@ _BY_CODE: Final = {int(member): member for member in AbortCode}
 
 
 def meaning_of(code: int) -> str:
-    """Return an abort code in words for people; unknown codes come back as their number."""
+    """Return an abort code as text for people; unknown codes come back as their number."""
     known = _BY_CODE.get(code)
     return f"0x{code:08X}" if known is None else f"0x{code:08X} {known.meaning}"
 
 
 class SdoAbort(Exception):  # noqa: N818 - the standard's word: a transfer is aborted, also by a healthy peer
-    """The peer's request cannot be granted; the code says why."""
+    """A refused SDO request, with the abort code."""
 
     def __init__(self, code: AbortCode, address: Address | None = None) -> None:
         """Keep the code for the answer, and the address, where known, for people."""
@@ -73,6 +73,6 @@ class SdoAbort(Exception):  # noqa: N818 - the standard's word: a transfer is ab
         self.address = address
 
     def __str__(self) -> str:
-        """Say it in words, only when someone reads them: a drive refuses more often than that."""
+        """Format it only on request: a drive refuses more often than its text is read."""
         where = "" if self.address is None else f"{self.address}: "
         return f"{where}{meaning_of(self.code)}"

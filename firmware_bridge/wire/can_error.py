@@ -1,6 +1,6 @@
-"""What a CAN controller reports of itself: packets with the ERROR flag, packed as SocketCAN packs them.
+"""A CAN controller's error reports: packets with the ERROR flag, packed as SocketCAN packs them.
 
-Source: Linux, `linux/can/error.h`; TEC and REC in bytes 6 and 7. It refuses to know how errors are counted.
+Source: Linux, `linux/can/error.h`; TEC and REC in bytes 6 and 7. Counting errors is left to the controllers.
 """
 
 from enum import IntEnum
@@ -9,7 +9,7 @@ from typing import Final
 from firmware_bridge.wire.can import ERROR
 
 CONTROLLER: Final = ERROR | 0x004
-"""The controller's state has changed, or it has lost a frame; byte 1 says what."""
+"""The controller's state has changed, or it has lost a frame; byte 1 gives the details."""
 BUS_OFF: Final = ERROR | 0x040
 """The controller has left the bus."""
 RESTARTED: Final = ERROR | 0x100
@@ -27,7 +27,7 @@ LENGTH: Final = 8
 
 
 class Loss(IntEnum):
-    """Byte 5, which is the controller's own: what overflowed."""
+    """Cause of a loss, in byte 5, which is the controller's own."""
 
     UNKNOWN = 0
     OBJECT = 1
@@ -39,7 +39,7 @@ class Loss(IntEnum):
 def encode_report(
     state: int = 0, loss: Loss = Loss.UNKNOWN, transmit_errors: int = 0, receive_errors: int = 0
 ) -> bytes:
-    """Return the eight bytes of a report; counters beyond a byte are told as 255."""
+    """Return the eight bytes of a report; counters beyond a byte are reported as 255."""
     counters = bytes((min(transmit_errors, 0xFF), min(receive_errors, 0xFF)))
     return bytes((0, state, 0, 0, 0, loss)) + counters
 

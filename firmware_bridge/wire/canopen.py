@@ -1,6 +1,6 @@
-"""CANopen's words outside SDO and PDO: identifiers, network management, heartbeat, emergency.
+"""CANopen's services outside SDO and PDO: identifiers, network management, heartbeat, emergency.
 
-Source: CiA 301 v4.02, predefined connection set. It refuses to know when anything is sent.
+Source: CiA 301 v4.02, predefined connection set. The time of sending is not known here.
 """
 
 from dataclasses import dataclass
@@ -39,13 +39,13 @@ COB_ID_MASK: Final = 0x7FF
 TOGGLE: Final = 0x80
 """In a node guarding answer: changes each time."""
 EMERGENCY_EXTRA: Final = 5
-"""Bytes of an emergency message that belong to the maker; the EPOS2 leaves them 0."""
+"""Size in bytes of an emergency message's manufacturer part; the EPOS2 leaves it 0."""
 _NMT_LENGTH: Final = 2
 _EMERGENCY_HEAD: Final = 3
 
 
 class NmtCommand(IntEnum):
-    """What the network's master asks for; first byte of the frame 0x000."""
+    """NMT command specifier; first byte of the frame 0x000."""
 
     START = 0x01
     STOP = 0x02
@@ -55,7 +55,7 @@ class NmtCommand(IntEnum):
 
 
 class NmtState(IntEnum):
-    """A node's state as heartbeat and node guarding tell it."""
+    """NMT state of a node in heartbeat and node guarding."""
 
     BOOT_UP = 0x00
     STOPPED = 0x04
@@ -92,7 +92,7 @@ def encode_heartbeat(state: NmtState) -> bytes:
 
 
 def decode_heartbeat(payload: bytes) -> NmtState | None:
-    """Return the state that a heartbeat tells; None for what is none. A guarding toggle bit is ignored."""
+    """Return the state in a heartbeat; None for what is none. A guarding toggle bit is ignored."""
     return _STATE_BY_BYTE.get(payload[0] & ~TOGGLE) if payload else None
 
 

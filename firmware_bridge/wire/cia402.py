@@ -29,18 +29,18 @@ class State(Enum):
 
     @property
     def title(self) -> str:
-        """The state in words."""
+        """The state as text."""
         return self.name.lower().replace("_", " ")
 
 
 STATE_BITS: Final = 0x417F
-"""The statusword bits that tell the state; 9 to 13 and 15 say other things, 7 nothing."""
+"""The Statusword bits of the state; 9 to 13 and 15 have other meanings, 7 none."""
 
 _STATE_BY_PATTERN: Final = {state.value: state for state in State}
 
 
 def state_of(statusword: int) -> State | None:
-    """Return the state that a statusword tells; None for a pattern that is no state."""
+    """Return the state in a Statusword; None for a pattern that is no state."""
     return _STATE_BY_PATTERN.get(statusword & STATE_BITS)
 
 
@@ -82,7 +82,7 @@ class Control(IntFlag):
 
 
 class Command(Enum):
-    """What a controlword asks for. Checked in the order of `COMMANDS`; fault reset is an edge of its own."""
+    """Controlword commands, checked in the order of `COMMANDS`; fault reset is an edge of its own."""
 
     DISABLE_VOLTAGE = "disable voltage"
     QUICK_STOP = "quick stop"
@@ -126,7 +126,7 @@ def word_of(command: Command) -> int:
 
 
 FAULT_RESET_WORDS: Final = (0x0000, int(Control.FAULT_RESET))
-"""What resets a fault, one after the other: the reset is a rising edge; in Fault the first does nothing."""
+"""The Controlwords of a fault reset, in order: it is a rising edge; in Fault the first does nothing."""
 
 PASSING: Final = frozenset(
     {
@@ -162,10 +162,11 @@ TOWARDS: Final[Mapping[State, Mapping[State, Command]]] = MappingProxyType(
         },
     }
 )
-"""The ways that a master takes: by the wanted state, the next command in each state on the way to it.
+"""The transitions of the power state machine: by wanted state, the next command in each state before it.
 
-None leads out of Fault, which someone must want to reset, nor out of Quick stop active but by enabling or by
-disabling: a shaft that is held there is let go only where that was asked for."""
+None leads out of Fault, whose reset is an operator's decision, nor out of Quick stop active but by enabling
+or by disabling: a shaft that is held there is released only by such a command.
+"""
 
 
 def towards(state: State | None, wanted: State) -> Command | None:

@@ -1,6 +1,6 @@
 """An internet address and port as one number, which a datagram carries as its packet's address.
 
-The number says all: no table is kept that third parties could fill. 0 is no place: the other end of a link
+The number is complete: no table is kept that third parties could fill. 0 is no place: the other end of a link
 that has only one.
 """
 
@@ -11,7 +11,7 @@ _PORT_BITS: Final = 16
 _SCOPE_AT: Final = 144
 _SCOPE: Final = 0xFFFF
 _VERSION_6: Final = 1 << 160
-"""Above 128 bits of address, 16 of port, and 16 for the interface of an address that is told with one."""
+"""Above 128 bits of address, 16 of port, and 16 for the interface of an address that has one."""
 _ADDRESS_4: Final = 0xFFFF_FFFF
 _ADDRESS_6: Final = (1 << 128) - 1
 _PORT: Final = 0xFFFF
@@ -44,12 +44,12 @@ def same_host(one: int, other: int) -> bool:
 
 
 def scope_of(number: int) -> int | None:
-    """Return the interface of an address of version 6, 0 where none is told; None for version 4."""
+    """Return the interface of an address of version 6, 0 where none is given; None for version 4."""
     return number >> _SCOPE_AT & _SCOPE if number & _VERSION_6 else None
 
 
 def place_of(number: int) -> str:
-    """Return a place in words, 192.168.1.10:14550; nothing for 0."""
+    """Return a place as text, 192.168.1.10:14550; nothing for 0."""
     if number == 0:
         return ""
     host, port = host_and_port(number)

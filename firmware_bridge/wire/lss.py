@@ -1,6 +1,6 @@
-"""The words of CANopen's layer setting services (LSS): what a master asks for, and how a slave answers.
+"""CANopen's layer setting services (LSS): a master's requests and a slave's answers.
 
-Source: CiA 305. It refuses to know when a slave listens.
+Source: CiA 305. The state in which a slave listens is the slave's.
 """
 
 from enum import IntEnum

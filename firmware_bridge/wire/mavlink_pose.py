@@ -36,11 +36,11 @@ class MavlinkPose:
     position: tuple[float, float, float]
     attitude: tuple[float, float, float, float]
     resets: int
-    """Counts up, from 255 to 0, where the estimate has jumped."""
+    """Count of the estimate's jumps, wrapping from 255 to 0."""
     failed: bool
-    """Whether the sender says that he has lost it."""
+    """True where the sender reports that the estimate is lost."""
     deviation_m: float
-    """What he says of its error; 0 where he says nothing."""
+    """The sender's estimate of its error; 0 where none is given."""
 
 
 _VISION: Final = Struct("<Q6f21fB")
@@ -81,7 +81,7 @@ ROWS: Final[Mapping[int, _Row]] = {
     102: _Row(158, _VISION.size, _vision),
     331: _Row(91, _ODOMETRY.size, _odometry),
 }
-"""By the message's number."""
+"""Decoders by the message's number."""
 
 
 def poses(datagram: bytes) -> Iterator[MavlinkPose]:

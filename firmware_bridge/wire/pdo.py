@@ -1,6 +1,6 @@
 """PDO contents: the mapping entry's 32 bits, and values packed side by side.
 
-It refuses to know which objects may be mapped; the object table does.
+The objects that may be mapped are in the object table.
 """
 
 import struct
@@ -37,7 +37,7 @@ class MappingEntry:
 
     @classmethod
     def decode(cls, word: int) -> "MappingEntry":
-        """Return the entry that 32 bits tell; every word is one."""
+        """Return the entry in 32 bits; every number is a valid one."""
         return cls(Address(word >> 16, word >> 8 & 0xFF), word & 0xFF)
 
 
@@ -54,7 +54,7 @@ class Layout:
         if unpackable:
             raise ValueError(f"a PDO carries numbers only, not {', '.join(unpackable)}")
         self.size = sum(kind.size for kind in self.types)
-        """Bytes of the payload."""
+        """Size of the payload in bytes."""
         if self.size * 8 > MAX_BITS:
             raise ValueError(f"{self.size * 8} bits in a PDO of at most {MAX_BITS}")
         self._struct = struct.Struct("<" + "".join(_STRUCT_CODE[kind] for kind in self.types))

@@ -1,7 +1,7 @@
 """SDO frames, both directions: expedited and segmented transfers.
 
-Source: CiA 301 v4.02, service data object. It refuses to know any object, and keeps no transfer's state:
-`emulators.epos2.canopen.sdo_server` and the bridge's client do.
+Source: CiA 301 v4.02, service data object. No object is known here, and no transfer's state is kept:
+`emulators.epos2.canopen.sdo_server` and the bridge's client keep it.
 """
 
 from collections.abc import Callable, Mapping
@@ -48,9 +48,9 @@ FRAME: Final = 8
 HEAD: Final = 4
 """Command byte, index and sub-index."""
 EXPEDITED: Final = 4
-"""Bytes that an expedited transfer carries at most."""
+"""Most bytes of an expedited transfer."""
 SEGMENT: Final = 7
-"""Bytes that a segment carries at most."""
+"""Most bytes of a segment."""
 NOWHERE: Final = Address(0, 0)
 """The address in an abort that belongs to no transfer."""
 
@@ -71,16 +71,17 @@ _DOWNLOAD_DONE: Final = 0x60
 
 @dataclass(frozen=True, slots=True)
 class UploadRequest:
-    """The client wants to read an object."""
+    """A request to read an object."""
 
     address: Address
 
 
 @dataclass(frozen=True, slots=True)
 class DownloadRequest:
-    """The client writes an object: at once with `raw`, or with segments to come when `raw` is None.
+    """A request to write an object: at once with `raw`, or with segments to come when `raw` is None.
 
-    `size` in bytes is None where the client does not tell; `raw` then holds every byte of the frame's data.
+    `size` in bytes is None where the client does not give it; `raw` then holds every byte of the frame's
+    data.
     """
 
     address: Address
@@ -90,7 +91,7 @@ class DownloadRequest:
 
 @dataclass(frozen=True, slots=True)
 class UploadSegmentRequest:
-    """The client wants the next segment."""
+    """A request for the next segment."""
 
     toggle: bool
 
@@ -121,7 +122,7 @@ class Unknown:
 
 @dataclass(frozen=True, slots=True)
 class UploadResponse:
-    """The server's answer to a read: the bytes at once, or None with segments to come; size if told."""
+    """The server's answer to a read: the bytes at once, or None with segments to come; size if given."""
 
     address: Address
     raw: bytes | None
@@ -228,7 +229,7 @@ def _decode_segment(payload: bytes) -> Segment:
 
 
 def _contents(payload: bytes) -> tuple[bytes | None, int | None]:
-    """Return bytes (None: segments follow) and size (None: not told) of a frame that starts a transfer."""
+    """Return bytes (None: segments follow) and size (None: not given) of a frame that starts a transfer."""
     command = payload[0]
     if command & _EXPEDITED:
         size = EXPEDITED - (command >> 2 & 3) if command & _SIZED else None
@@ -265,7 +266,7 @@ _WITHOUT_ADDRESS: Final = (0, 3)
 
 @lru_cache(maxsize=_KEPT)
 def decode_request(payload: bytes) -> Request:
-    """Return what a client asks; frames shorter than their address, and unknown ones, are `Unknown`.
+    """Return a client's request; frames shorter than their address, and unknown ones, are `Unknown`.
 
     Beyond the address a short frame is read as far as it goes: `raw` may then hold less than `size`.
     """

@@ -25,7 +25,7 @@ LINKS: Final = (
     (1, sp.S.Zero, sp.S.Zero, sp.S.Zero),
     (0, sp.S.Zero, -P["hand"], sp.pi),
 )
-"""Of each joint: the sine of alpha, which is a right angle or none; a, d and the angle's offset."""
+"""Data of each joint: the sine of alpha, which is a right angle or none; a, d and the angle's offset."""
 
 
 def line(expression: Expression) -> Expression:
@@ -39,7 +39,7 @@ def lines(vector: Any) -> Any:
 
 
 class Ground(NamedTuple):
-    """How what the arm stands on moves, in its own frame; it turns about the first joint's axis."""
+    """Motion of the arm's ground, in its own frame; it turns about the first joint's axis."""
 
     ahead: Expression
     left: Expression
@@ -47,24 +47,24 @@ class Ground(NamedTuple):
 
 
 class Arm:
-    """Where the links are, how they move, and what their masses do; its foot may be on ground that moves.
+    """Positions of the links, their motion, and the effect of their masses; the foot may be on moving ground.
 
-    Then the ground's three speeds stand before the joints' in whatever goes by joints.
+    Then the ground's three speeds stand before the joints' in every list by joints.
     """
 
     def __init__(self, ground: Ground | None = None) -> None:
         self.angles: Final = [symbol(f"angle_{axis}") for axis in AXES]
         self.ground: Final = ground
         self.first: Final = 0 if ground is None else len(ground)
-        """Where the joints begin."""
+        """Index of the first joint."""
         self.speeds: Final = [*(ground or ()), *(symbol(f"speed_{axis}") for axis in AXES)]
         self.axes: Final[list[Any]] = [sp.Matrix([0, 0, 1])]
         self.origins: Final[list[Any]] = [sp.zeros(3, 1)]
         self.masses: Final = [*(P[f"mass_{axis}"] for axis in AXES), P["payload"]]
         self.points: Final[list[Any]] = []
-        """Where the masses are: links, and what the tool carries."""
+        """Positions of the masses: links, and the tool's payload."""
         self.swings: Final[list[Any]] = []
-        """Their accelerations where no joint's speed changes."""
+        """Accelerations of the masses where no joint's speed changes."""
         self.turned: Final[Any] = () if ground is None else (sp.cos(self.angles[0]), sp.sin(self.angles[0]))
         """Cosine and sine of the first joint's angle, where the ground's own directions count."""
         self._walk()

@@ -32,7 +32,7 @@ class Joint(NamedTuple):
 
     @property
     def rest_rad(self) -> float:
-        """Where it stands at rest."""
+        """Rest position of the joint."""
         return math.radians(self.least + self.rest * (self.most - self.least) / self.steps)
 
 

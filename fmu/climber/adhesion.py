@@ -24,7 +24,7 @@ TRACE = sp.Float(1e-12)
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """How far a magnet reaches in m, friction between wheel and wall, N beyond it for each m/s."""
+    """A magnet's reach in m, friction between wheel and wall, N beyond it for each m/s."""
 
     reach: Expression
     friction: Expression
@@ -41,10 +41,10 @@ class Hold:
         self._around = around
         self.gap = symbol(f"gap_{name}")
         self.pull = named(-dot(contact.normal, force))
-        """How much of the force pulls the wheel off, in N."""
+        """Part of the force that pulls the wheel off, in N."""
         self.magnet = magnet * positive_part(1 - self.gap / around.reach)
         self.load = positive_part(self.magnet - self.pull)
-        """What presses the wheel on, in N."""
+        """Force that presses the wheel on, in N."""
         across = kept(plus((1, force), (self.pull, contact.normal)))
         self.across = named(sp.sqrt(dot(across, across) + TRACE))
         """The force along the surface in N."""

@@ -20,7 +20,7 @@ STILL: Vector = (sp.S.Zero, sp.S.Zero, sp.S.Zero)
 
 @dataclass(frozen=True, slots=True)
 class Sizes:
-    """Where things are in the robot, in m; `caster_drop` is the caster's middle below the axles."""
+    """Dimensions of the robot, in m; `caster_drop` is the caster's middle below the axles."""
 
     track: Expression
     caster_behind: Expression

@@ -29,7 +29,7 @@ class Torus:
 
 
 class Contact:
-    """Where a wheel stands, and how the place changes; vectors in the world's frame."""
+    """Contact point of a wheel, and its motion; vectors in the world's frame."""
 
     def __init__(self, tube: Expression, psi: Expression, place: Place, wheel: Torus) -> None:
         self.place, self.wheel = place, wheel

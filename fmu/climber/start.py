@@ -1,7 +1,7 @@
-"""Where wheels and caster touch at the start: Newton's method, written out, for any place and heading.
+"""Contacts of wheels and caster at the start: Newton's method, written out, for any place and heading.
 
-Given are the middle's place on the surface, heading, swivel and how far the joint is turned beyond upright
-wheels. Unknown are height, roll and pitch of the left half, the joint, and three places of contact.
+Given are the middle's place on the surface, heading, swivel and the joint's angle beyond upright wheels.
+Unknown are height, roll and pitch of the left half, the joint, and three places of contact.
 """
 
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ TOLERANCE: Final = sp.Float(1e-9)
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """What is asked for: m and rad."""
+    """The requested start: m and rad."""
 
     arc: Expression
     height: Expression
@@ -47,7 +47,7 @@ class _Pose:
 
 
 class _Foot:
-    """Where one wheel, given by middle and axle, is near the surface: at s and z."""
+    """Place of one wheel, given by middle and axle, near the surface: at s and z."""
 
     def __init__(self, surface: Surface, at: tuple[Expression, Expression], wheel: Torus) -> None:
         self.at, self.wheel, self._surface = at, wheel, surface
@@ -180,7 +180,7 @@ class Start:
         return body
 
     def _stepped(self, pose: _Pose, body: _Body, feet: Sequence[_Foot], unknown: int) -> _Pose:
-        """Return the pose whose wheels touch where they are nearest, and lean as far as is asked for.
+        """Return the pose whose wheels touch where they are nearest, and lean by the requested angle.
 
         With three unknowns, the joint stays as it is.
 

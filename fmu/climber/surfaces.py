@@ -33,7 +33,7 @@ class Place:
 
 
 Surface: TypeAlias = Callable[[Expression, Expression], Place]
-"""From s and z to the place there."""
+"""Function from s and z to the place there."""
 
 
 def plane(s: Expression, z: Expression) -> Place:

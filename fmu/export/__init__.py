@@ -1,1 +1,1 @@
-"""From equations to an FMU: C code, model description, shell, archive."""
+"""Export of equations as an FMU: C code, model description, shell, archive."""

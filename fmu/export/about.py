@@ -1,4 +1,4 @@
-"""Who made a plant and what its users may do with it: what an FMU says of itself beside its equations."""
+"""Origin and terms of use of a plant: an FMU's information on itself beside its equations."""
 
 from dataclasses import dataclass
 

@@ -37,12 +37,12 @@ class Program:
 
     @cached_property
     def outputs(self) -> tuple[Output, ...]:
-        """What the regulators read after each step."""
+        """Outputs that the regulators read after each step."""
         return tuple(row for row in self.model.outputs if not row.local)
 
     @cached_property
     def locals(self) -> tuple[Output, ...]:
-        """What is computed only when it is asked for; events and states that are not shown are among it."""
+        """Variables computed only on request; events and states that are not shown are among them."""
         rows = [row for row in self.model.outputs if row.local]
         shown = {row.expression for row in self.model.outputs}
         rows += [
@@ -63,19 +63,19 @@ class Program:
 
     @cached_property
     def states_of_readings(self) -> tuple[int, ...]:
-        """For each reading the state that it is, -1 where it is computed."""
+        """State of each reading, -1 where it is computed."""
         position = {real(state.name): i for i, state in enumerate(self.model.states)}
         return tuple(position.get(row.expression, -1) for row in self.readings)
 
     @cached_property
     def settable_states(self) -> tuple[int, ...]:
-        """For each reading the state that its start value sets, -1 where there is none."""
+        """State that the start value of each reading sets, -1 where there is none."""
         free = [sp.sympify(state.start).is_number for state in self.model.states]
         return tuple(state if state >= 0 and free[state] else -1 for state in self.states_of_readings)
 
     @cached_property
     def switch_readings(self) -> tuple[int, ...]:
-        """Which readings are switches."""
+        """Indexes of the readings that are switches."""
         return tuple(i for i, row in enumerate(self.readings) if row.switch)
 
     @cached_property
@@ -109,7 +109,7 @@ class Program:
 
 
 class _Hoister:
-    """Replaces what depends on parameters alone by constants that are computed once.
+    """Replacement of terms in parameters alone by constants that are computed once.
 
     Expressions share their parts, so each part is looked at once.
     """

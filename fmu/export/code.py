@@ -42,7 +42,7 @@ _KINDS: Final[Mapping[str, str]] = {
 }
 """Variability of time, inputs and parameters, as c/core.h knows it."""
 _HIGHEST_POWER: Final = 5
-"""Of a tangent: the slope of 1 / x^4."""
+"""Highest power of a tangent: the slope of 1 / x^4."""
 
 
 def c_text(expression: Expression) -> str:

@@ -1,4 +1,4 @@
-"""What a plant model consists of: typed rows that code, description and archive are written from.
+"""A plant model: typed rows from which code, description and archive are written.
 
 A model folder gives parameters and equations; it knows nothing about C, XML or FMI.
 """
@@ -12,7 +12,7 @@ Expression: TypeAlias = Any
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A value that a user may set before the run; `source` says where the default comes from.
+    """A value that a user may set before the run; `source` is the origin of the default.
 
     A `tunable` one may change in the run: load, friction, slope, supply. Outside `least` to `most` it is
     refused; where `least` is not given, the unit decides: no mass is below 0.

@@ -1,4 +1,4 @@
-"""What depends on what: the ModelStructure of both FMI versions, read off the equations.
+"""Dependencies of the variables: the ModelStructure of both FMI versions, read off the equations.
 
 A dependency that only cancels numerically is listed all the same.
 """
@@ -15,7 +15,7 @@ from fmu.export.variables import Variable, event_references, first_reading, stat
 
 
 class Kind(IntEnum):
-    """How an unknown depends on a known, weakest first; the names are FMI's."""
+    """Kinds of dependency of an unknown on a known, weakest first; the names are FMI's."""
 
     constant = 1
     fixed = 2

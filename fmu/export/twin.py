@@ -1,4 +1,4 @@
-"""The plant in Python, line for line what the C does: it says which bits a right compilation must give.
+"""The plant in Python, line for line as in C: the reference for the bits of a right compilation.
 
 Python's numbers are IEEE 754 doubles, rounded after every operation and never contracted. For short runs.
 """
@@ -28,7 +28,7 @@ _ARC_TANGENT: Final = (
     0.07692183190826087, -0.06664511447381948, 0.0585814891280221, -0.0508544973794026, 0.03923165829558719,
     -0.01917688711906226, 0.0,
 )  # fmt: skip
-"""As in c/elementary.h, the lowest power first; a test compares them bit for bit."""
+"""Coefficients as in c/elementary.h, the lowest power first; a test compares them bit for bit."""
 
 
 class Twin:

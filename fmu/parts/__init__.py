@@ -1,1 +1,1 @@
-"""What the plants have in common: motors, dry friction, stops, the table that a run is written to."""
+"""Common parts of the plants: motors, dry friction, stops, the table that a run is written to."""

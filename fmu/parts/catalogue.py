@@ -4,7 +4,7 @@ from typing import Final, TypedDict
 
 
 class Sheet(TypedDict):
-    """What `fmu.parts.rows.motor_rows` takes of a data sheet; SI."""
+    """Values of a data sheet for `fmu.parts.rows.motor_rows`; SI."""
 
     resistance: float
     inductance: float

@@ -10,7 +10,7 @@ from fmu.export.model import Expression, Output, State
 from fmu.parts.symbols import HALF, inner, symbol
 
 STICTION: Final = sp.Float(1.25)
-"""What holds at rest, over what brakes in motion: ASSUME, brushes and gear grease have 1.1 to 1.5."""
+"""Ratio of static to sliding friction: ASSUME, brushes and gear grease have 1.1 to 1.5."""
 STICKING_RATE: Final = sp.Float(4.0)
 """1/s: friction falls to Coulomb's law up to the speed of so many `presliding` a second (ASSUME)."""
 HELD: Final = sp.Float(0.8)

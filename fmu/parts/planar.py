@@ -14,7 +14,7 @@ from fmu.parts.symbols import HALF, inner, symbol
 
 @dataclass(frozen=True, slots=True)
 class Push:
-    """What the floor does to a body: forces ahead and to the left in N, moment about its origin in N.m."""
+    """Effect of the floor on a body: forces ahead and to the left in N, moment about its origin in N.m."""
 
     ahead: Expression
     left: Expression

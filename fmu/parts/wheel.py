@@ -10,10 +10,7 @@ from fmu.parts.tyre import Tyre
 
 
 class DrivenWheel:
-    """It stands `left` of its body's origin (m) and points ahead; parameters are those of Tyre and Shaft.
-
-    `resistance` is its rolling resistance in N.m, a bristle like all dry friction.
-    """
+    """Wheel `left` of its body's origin (m) that points ahead; parameters are those of Tyre and Shaft."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""The seam of every plant of RARS: names and units that an FMU must offer, whoever made it."""
+"""The interface of every plant of RARS: required names and units, for an FMU from any tool."""
 
 from typing import Final
 

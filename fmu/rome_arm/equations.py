@@ -1,6 +1,6 @@
 """The arm's links and the base move each other: one mass matrix of three ways and six joints; README.md.
 
-The arm's foot stands at the base's middle, upright, and the base stays level on its wheels, whose loads tell
+The arm's foot stands at the base's middle, upright, and the base stays level on its wheels, whose loads show
 when it would not.
 """
 

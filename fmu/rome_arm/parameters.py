@@ -37,7 +37,7 @@ SETS: Final[Mapping[str, Mapping[str, float]]] = {
         **dict.fromkeys(("coulomb_wheel", "viscous_wheel", "roller_friction", "roller_viscous"), 0.0),
     },
 }
-"""With the kit's motors and wheels; with 1 kg at the tool; without any friction, for tests of its energy."""
+"""Sets: the kit's motors and wheels; 1 kg at the tool; no friction, for tests of its energy."""
 
 ROBOT_FILE: Final[Mapping[str, tuple[str, float]]] = {
     **{path.replace("geometry", "geometry.base"): to for path, to in base.ROBOT_FILE.items()},

@@ -16,7 +16,7 @@ from fmu.rome_base.parameters import AXES, PARAMETERS
 
 P: Final = dict(symbols(PARAMETERS))
 ANGLES: Final = tuple(sp.Rational(2 * i, 3) * sp.pi for i in range(3))
-"""Where the wheels stand, [O] 2.2."""
+"""Angles of the wheels' positions, [O] 2.2."""
 
 
 def rims(turn: Expression, distance: Expression) -> Expression:

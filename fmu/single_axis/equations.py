@@ -16,7 +16,7 @@ P: Final = symbols(PARAMETERS)
 
 
 class Load:
-    """What hangs on the gear; angles and speeds are those behind it."""
+    """Load on the gear; angles and speeds are those behind it."""
 
     def __init__(self, motor: Shaft) -> None:
         self.motor = motor

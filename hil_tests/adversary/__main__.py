@@ -3,7 +3,7 @@
 What is found is shrunk and written as a mission file, which `firmware-bridge bench` drives.
 """
 
-# ruff: noqa: T201 - it tells how far it is
+# ruff: noqa: T201 - it prints its progress
 
 import argparse
 import sys

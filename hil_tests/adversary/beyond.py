@@ -1,6 +1,6 @@
-"""Where a robot goes beyond a bound of its file, by how much at worst, and why; the adversary's bounds.
+"""Excess of a robot over a bound of its file: the worst amount, and the reason; the adversary's bounds.
 
-The worst was measured on the plant, over whole evenings of honest and lying devices.
+The worst was measured on the plant, over whole random runs with honest and lying devices.
 """
 
 from collections.abc import Iterator
@@ -20,7 +20,7 @@ class Beyond:
     rule: str
     bound: float
     unit: str
-    """Of bound and worst, in words."""
+    """Unit of bound and worst, as text."""
     worst: float
     why: str
 

@@ -11,24 +11,24 @@ from firmware_bridge.kinds import kind_of
 from firmware_bridge.robot import AnyRobot
 
 LIMPS: Final = 0.4
-"""So many evenings of a robot that has modes after a failure are spent in one of them."""
+"""Share of random runs in one of the modes after a failure, of a robot that has them."""
 HEALTHY: Final = 0.25
-"""So often nothing has failed there: who orders the mode for a sound axis loses that axis, and no more."""
+"""Share of those without a failure: the mode ordered for a sound axis loses that axis, and no more."""
 FIRST_S: Final = 3.6
 LAST_S: Final = 7.0
 """The actuator dies between these."""
 LOOKS_S: Final = 3.0
-"""So long after that the mode is ordered: the robot rests by then, and who is silent is known to be."""
+"""Time after that at which the mode is ordered: the robot rests by then, and a silent axis is known."""
 DRIVES: Final = 5
-"""So often he pushes the stick then, besides what he does in any evening: else he seldom drives."""
+"""Number of times that the stick is pushed then, besides the usual steps: else it seldom drives."""
 DEAD: Final[tuple[dict[str, Any], ...]] = ({"kind": "gate_supply_sag", "to_v": 0.0}, {"kind": "node_silent"})
-"""A motor that no one can switch on, told; or a drive of which nothing is heard any more."""
+"""A motor that cannot be switched on, reported; or a drive of which nothing is received any more."""
 
 
 class Degraded:
-    """One evening's failure, if it has one, and the mode that goes with it; nothing for other robots.
+    """The failure of one random run, if it has one, and the mode that goes with it; nothing for other robots.
 
-    On a slope nothing dies: no one holds a robot whose drives lose their power there.
+    On a slope nothing dies: a robot whose drives lose their power there is not held.
     """
 
     def __init__(self, robot: AnyRobot, chance: Generator, *, sloped: bool) -> None:

@@ -24,11 +24,11 @@ READY_S: Final = 3.0
 PAUSE_S: Final = 0.8
 """Between two things that an operator does, on the average."""
 RECOVERS: Final = 0.3
-"""So often he lets go, clears what is latched, and arms: else most of an evening is spent at rest."""
+"""Share of steps that let go, clear what is latched, and arm: else most of a run is spent at rest."""
 POWER_S: Final = 3.0
 """He waits up to so long for power that an emergency stop has taken."""
 DRIVES: Final = 0.3
-"""So often he moves one channel of his stick alone, ..."""
+"""Share of steps that move one channel of the stick alone, ..."""
 FIRST: Final = 0.6
 """... and so often it is the first one."""
 SLOW_M: Final = 0.1
@@ -38,16 +38,18 @@ KEEPS_ON: Final = 0.3
 KEEPS_S: Final = 12.0
 """... for up to so long."""
 NAMED: Final = {"guide": guides, "mode": modes}
-"""What a step says by its name."""
+"""Keys of a step whose value is a name."""
 TRIES: Final = 50
 SLOPED: Final = 0.3
-"""So many evenings are on a slope, where the plant has one, ..."""
+"""Share of random runs on a slope, where the plant has one, ..."""
 STEEPEST_DEG: Final = 10.0
 GRIP: Final = {"floor_friction": 0.9}
 """... of a floor that grips: on the thesis's own one robot and wheels slide, which no one holds."""
 PUT_ON: Final = {"start_heading": (0.0, 180.0), "start_joint": (-14.0, 8.0)}
-"""How a robot with a joint is put on its wall, in degrees: any way up, and with the joint bent, beside what
-the wall bends it, up to where it is slowed down."""
+"""Initial pose of a robot with a joint on its wall, in degrees.
+
+Any way up, and with the joint bent, beside the bend by the wall, up to where it is slowed down.
+"""
 FAR: Final = 3.0
 """A value of a key without a known range is drawn from this to both sides."""
 
@@ -80,7 +82,7 @@ class Draw:
         self._slow: Final = self._full[self._held_by[self._main].channel] * PAUSE_S < SLOW_M
 
     def mission(self, seconds: float) -> Mission:
-        """Return a whole evening that begins with an armed robot."""
+        """Return the mission of a random run that begins with an armed robot."""
         floor = self._floor()
         self._sloped = "slope" in floor
         degraded = Degraded(self._robot, self._chance, sloped=self._sloped)
@@ -167,12 +169,12 @@ class Draw:
         return tuple(found)
 
     def _natured(self) -> list[str]:
-        """Return the kinds of one nature, each of which is as likely: else hardly anybody would lie."""
+        """Return the kinds of one fault profile, each of which is as likely: else lies would be rare."""
         place = int(self._chance.integers(len(self._kinds))) if len(self._kinds) > 1 else 0
         return self._kinds[place]
 
     def _meets(self, name: str) -> bool:
-        """Return whether this robot has what a kind of fault is of; the evening's chance is not asked."""
+        """Return True if this robot has the device of a kind of fault, without the run's random stream."""
         kind = KINDS[name].fault
         stated = {"kind": name, "at_s": 0.0, **FAILING[name].how(np.random.default_rng(0))}
         if "node" in kind.model_fields:
@@ -191,7 +193,8 @@ class Draw:
             stated["node"] = str(self._chance.choice(among))
         if "link" in kind.fault.model_fields and len(links := self._links(stated)) > 1:
             stated["link"] = str(self._chance.choice(links))
-        # On a slope the bridge that is asked to end holds the robot: to start another one would kill it.
+        # On a slope a bridge that receives an end request holds the robot: to start another one would kill
+        # it.
         if kind.lasts and not (self._sloped and kind.fault is BridgeEnds):
             stated["for_s"] = round(float(self._chance.uniform(0.05, row.longest_s)), 3)
         return read(stated)
@@ -250,7 +253,7 @@ class Draw:
         if key == "force_disarm" and self._sloped:
             return None  # that robot rolls, as it was ordered to
         if key in {"terminate", "zero"}:
-            return None  # the first ends the evening; the second may be a wrong word, which no one can know
+            return None  # the first ends the run; the second may be wrong, unnoticed
         stated = {
             get_args(one)[0] if get_origin(one) in {Annotated, Literal} else one
             for one in get_args(self._rehearsal.step.model_fields[key].annotation)

@@ -1,4 +1,4 @@
-"""What may fail in an evening, and how it is drawn."""
+"""Faults of a random run, and the way in which they are drawn."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,16 +12,16 @@ from emulators.bench.faults.people import BridgeEnds
 from firmware_bridge.units import NEVER
 
 LIES_S: Final = 12.0
-"""The longest lie: well beyond the time in which the bridge must have stopped him who tells it."""
+"""The longest lie: well beyond the time in which the bridge must have stopped the lying device."""
 
 
 class FaultProfile(Enum):
-    """Who is to be believed when a fault is on."""
+    """Trustworthiness of the devices while a fault is on."""
 
     HONEST = "honest"
-    """Someone fails, and no one lies."""
+    """A device fails, and none lies."""
     LYING = "lying"
-    """A drive tells what is not, or does not do what it says."""
+    """A drive sends false reports, or does not execute its commands."""
     FOREIGN_NODE = "foreign"
     """Another master speaks on the bus."""
 
@@ -31,7 +31,7 @@ How = Callable[[Generator], dict[str, Any]]
 
 @dataclass(frozen=True, slots=True)
 class Failing:
-    """How a fault is drawn."""
+    """The way in which a fault is drawn."""
 
     fault_profile: FaultProfile
     how: How = lambda _: {}
@@ -51,7 +51,7 @@ def _ends(chance: Generator) -> dict[str, Any]:
 def _joins(chance: Generator) -> dict[str, Any]:
     orders = ["", "take", "give up", "arm", "disarm", "emergency stop", "clear", "hold", "garbage"]
     order = str(chance.choice(orders))
-    # Under the first one's name it gives no order: no one could tell whose word an answer is to.
+    # Under the first one's name it gives no order: an answer's addressee would be ambiguous.
     system = 255 if order in {"", "garbage"} and chance.random() < 0.5 else 254
     stick = float(chance.choice([-1.0, 0.0, 0.0, 1.0]))
     return {"order": order, "stick": stick, "system": system}
@@ -127,7 +127,7 @@ FAILING: Final[dict[str, Failing]] = {
         takes_power=False,
     ),
     "capture_loss": Failing(FaultProfile.HONEST, _share, longest_s=5.0, takes_power=False),
-    # A motor that does not do what it is told; let go again it jumps by what it is told then.
+    # A motor that does not follow its command; let go again it jumps to its command of then.
     "shaft_blocked": Failing(FaultProfile.LYING, longest_s=LIES_S),
     "motor_cable_off": Failing(FaultProfile.LYING, longest_s=LIES_S),
     "grip_lost": Failing(FaultProfile.HONEST, takes_power=False),
@@ -169,7 +169,7 @@ FAILING: Final[dict[str, Failing]] = {
     ),
     "stray_frames": Failing(FaultProfile.FOREIGN_NODE, _master, longest_s=LIES_S),
 }
-"""By the faults' names; those that are not here have no place in an evening."""
+"""Profiles by the faults' names; those that are not here have no place in a random run."""
 
 
 def takes_power(fault: Fault) -> bool:
@@ -178,6 +178,6 @@ def takes_power(fault: Fault) -> bool:
 
 
 def _requested(fault: Fault) -> bool:
-    """Return whether it is a bridge that is asked once to end, which holds a robot on a slope, and may."""
+    """Return True for a bridge with one request to end, which holds a robot on a slope, and may."""
     once = isinstance(fault, BridgeEnds) and fault.how == "interrupted" and fault.again_after_s is None
     return once and fault.end == NEVER

@@ -6,7 +6,7 @@ nothing on the drives' bus in any of them has not reached the plant. One that no
 out.
 """
 
-# ruff: noqa: T201 - it tells how far it is
+# ruff: noqa: T201 - it prints its progress
 
 import argparse
 import importlib.abc
@@ -65,7 +65,7 @@ class _Loader(importlib.machinery.SourceFileLoader):
 
 
 class _Finder(importlib.abc.MetaPathFinder):
-    """Finds the mutant in the place of its module."""
+    """Finder of the mutant in the place of its module."""
 
     def __init__(self, name: str, path: str, mutant: Any) -> None:
         self._name = name
@@ -81,10 +81,10 @@ class _Finder(importlib.abc.MetaPathFinder):
 
 
 def evenings(seconds: float, known: dict[str, str]) -> tuple[str, dict[str, str]]:
-    """Live through evenings for so much processor time; return what was found, and what each left on the bus.
+    """Execute random runs for so much processor time; return the finding, and the bus traffic of each.
 
-    `known` is what they leave where nothing is broken; empty where that is to be learned. An evening that
-    finds something with nothing broken finds nothing.
+    `known` is their traffic where nothing is broken; empty where that is to be learned. A run with a finding
+    where nothing is broken finds nothing.
     """
     # Not before the mutant is in its place.
     from emulators.bench.rehearsal import rehearsal_of  # noqa: PLC0415 - see above
@@ -136,7 +136,7 @@ def forked(seconds: float, known: dict[str, str], mutant: Any = None) -> tuple[s
                 name, path = tools.module_of(mutant.target), str(tools.path_of(mutant.target))
                 sys.meta_path.insert(0, _Finder(name, path, mutant))
             answer: tuple[str, dict[str, str]] = evenings(seconds, known)
-        except BaseException as error:  # noqa: BLE001 - a bridge that ends so is found, whatever it says
+        except BaseException as error:  # noqa: BLE001 - a bridge that ends so is found, for any error
             answer = f"{type(error).__name__}: {error}"[:120], {}
         with os.fdopen(into, "w", encoding="utf-8") as pipe:
             json.dump(answer, pipe)
@@ -152,7 +152,7 @@ def forked(seconds: float, known: dict[str, str], mutant: Any = None) -> tuple[s
 
 
 def main() -> int:
-    """Try a sample; tell the share."""
+    """Try a sample; print the share."""
     words = argparse.ArgumentParser(prog="mutants", description=__doc__)
     words.add_argument("-n", type=int, default=30, metavar="N", help="how many")
     words.add_argument("--seed", type=int, default=0, help="of the sample")

@@ -1,4 +1,4 @@
-"""What may never be of one kind of robot: bounds that stand in its file, measured on its plant."""
+"""Invariants of one kind of robot: bounds that stand in its file, measured on its plant."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -16,21 +16,23 @@ from fmu.plants import find as find_plant
 from hil_tests.adversary.beyond import RIM, SPEEDS_UP
 
 BEYOND_MPS: Final = 0.005
-"""Above its speed limit: what RARS's regulators may overshoot, turning and reversing."""
+"""Allowance above its speed limit: overshoot of RARS's regulators, turning and reversing."""
 MARGIN_M: Final = 0.030
-"""So far within the support the zero moment point stays: A. P. Das, PhD thesis, section 2.3.1."""
+"""Margin of the zero moment point within the support: A. P. Das, PhD thesis, section 2.3.1."""
 OVER: Final = 10
 """Samples over which an acceleration is the mean: two cycles of 50 ms, each a step of the ramp."""
 RAMP: Final = 1.1
-"""Beside an acceleration limit: what regulators make of a ramp at the limit."""
+"""Factor beside an acceleration limit: the regulators' effect on a ramp at the limit."""
 ROUNDED: Final = 1.02
-"""Beside a bound of the robot file: what regulators and slip make of a hand that trembles at full stick."""
+"""Factor beside a bound of the robot file: regulators and slip under a hand that trembles at full stick."""
 CORNER: Final = 1.03
-"""Beside the bound of speed times turn rate: a turn overshoots where the ramp of the speed ends; 1.027 of it
-is measured on the flat."""
+"""Factor beside the bound of speed times turn rate.
+
+A turn overshoots where the ramp of the speed ends; 1.027 of it is measured on the flat.
+"""
 
 GIVES: Final = 0.0055
-"""So much of a speed may a regulator give way, per degree of slope: 0.5265 m/s are measured on 10."""
+"""Share of a speed that a regulator gives way, per degree of slope: 0.5265 m/s are measured on 10."""
 REAR_WHEELS: Final = frozenset({"left", "right"})
 GIVES_MPS: Final = 0.0045
 """The same of RARS, as a speed: what a slope takes is a torque, however slow the robot is. Straight it gives
@@ -39,17 +41,23 @@ way by half of it; in its tightest turn the pull goes round faster than regulato
 
 
 BOTH_GIVE: Final = 0.014
-"""So much of speed times turn rate, per degree: backwards down 6.6 degrees, turning, the carrier races by
-3 % and turns by 7.5 % too much until its regulators have caught up; 0.638 of 0.576 m/s2 are measured."""
+"""Share of speed times turn rate, per degree of slope.
+
+Backwards down 6.6 degrees, turning, the carrier races by 3 % and turns by 7.5 % too much until its regulators
+have caught up; 0.638 of 0.576 m/s2 are measured.
+"""
 
 
 MOVES: Final = 20
 """Samples over which a stepper's speed is the mean: two moves of 100 ms."""
 COUNTED: Final = 1.2
-"""Beside a speed limit of an arm that is moved in steps: a move may begin late, two fall into it, and rotors
-swing by a step, which is half a millimetre at the tool; 1.164 is measured for an instant in an hour."""
+"""Factor beside a speed limit of an arm that is moved in steps.
+
+A move may begin late, two fall into it, and rotors swing by a step, which is half a millimetre at the tool;
+1.164 is measured for an instant in an hour.
+"""
 ONE_MOVE_M: Final = 0.004
-"""So far the tool may swing out of its workspace: a move is 3 mm long. ASSUME of the rest."""
+"""Allowed swing of the tool out of its workspace: a move is 3 mm long. ASSUME of the rest."""
 STEP_RAD: Final = math.tau / 200.0
 """A full step of a motor's shaft; two behind its field the rotor takes the next one."""
 LIFTED: Final = 50
@@ -81,18 +89,21 @@ def gives(robot: AnyRobot) -> float:
 
 
 OMNI_BEYOND_MPS: Final = 0.04
-"""Above ROME's limits of base and rim: over MWProtocol, whose wheels are regulated at 10 Hz, 0.030 m/s are
-measured where the line comes back in a turn."""
+"""Allowance above ROME's limits of base and rim.
+
+Over MWProtocol, whose wheels are regulated at 10 Hz, 0.030 m/s are measured where the line comes back in a
+turn.
+"""
 OMNI_TURNS: Final = 1.15
-"""Beside its turn rate, in the same way: 1.10 is measured over MWProtocol."""
+"""Factor beside its turn rate, in the same way: 1.10 is measured over MWProtocol."""
 OMNI_OVER: Final = 20
 """Samples over which it speeds up: two cycles of MWProtocol."""
 
 
 TRACKS: Final = 0.003
-"""Above the climber's limits of speed and of a rim: what its regulators may overshoot, in m/s."""
+"""Allowance above the climber's limits of speed and of a rim: overshoot of its regulators, in m/s."""
 STOP: Final = 0.999
-"""Of the joint's stop: a joint so near touches it."""
+"""Share of the joint's stop: a joint so near touches it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,7 +257,7 @@ def _lifted(_robot: AnyRobot, rig: Rig) -> float:
 TOOL: Final = ("x_m", "tool_y_m", "y_m")
 """The columns of the tool of an arm that stands alone: ahead, left, up, from its foot."""
 ALWAYS: Final = frozenset[str]()
-"""For whom no axis need have power: a stepper keeps its current."""
+"""Axes that need no power: a stepper keeps its current."""
 ARM: Final = (
     Own("a joint faster than its top speed", _joints, needs=ALWAYS),
     Own("steps lost", _steps, needs=ALWAYS),

@@ -1,4 +1,4 @@
-"""Which boards no word of a bridge can reach, and which of them go on as they were told, by the truth."""
+"""Boards that no frame of a bridge can reach, and those of them that go on as commanded, by the truth."""
 
 from typing import Final
 

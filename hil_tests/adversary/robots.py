@@ -1,4 +1,4 @@
-"""Robots by the words that `firmware-bridge bench` is told: `rome --protocol mw --encoders 3`."""
+"""Robots by the words of `firmware-bridge bench`: `rome --protocol mw --encoders 3`."""
 
 import argparse
 

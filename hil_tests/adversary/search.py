@@ -1,4 +1,4 @@
-"""The search: evenings are driven, branched from their worst moments and judged; what is found is shrunk."""
+"""The search: random runs are driven, branched from their worst moments and judged; findings are shrunk."""
 
 import json
 import math
@@ -30,7 +30,7 @@ BRANCH_S: Final = 8.0
 BRANCHES: Final = 3
 KEPT_EVERY_S: Final = 1.0
 AFTER_S: Final = 1.0
-"""What is done later than so long after a rule was first broken did not break it."""
+"""Limit after the first violation of a rule, beyond which a later step did not cause it."""
 GOES: Final = "arm: accepted"
 FORCED: Final = "force disarm: accepted"
 STOPPED: Final = "emergency stop: accepted"
@@ -48,7 +48,7 @@ class Found:
     seed: int
 
     def __str__(self) -> str:
-        """Say it in one line."""
+        """Return it in one line."""
         broken = self.violation
         return f"{broken.name}: {broken.ratio:.2f} times its bound from {to_seconds(broken.since):.2f} s on"
 
@@ -87,7 +87,7 @@ class Life:
             begun = self.rig.world.now
             try:
                 self.rig.run(begun + step)
-            except Exception as error:  # noqa: BLE001 - on a robot the bridge would be dead, whatever it says
+            except Exception as error:  # noqa: BLE001 - on a robot the bridge would be dead
                 return Violation(f"{type(error).__name__}: {error}", begun, math.inf)
             if self.rig.world.now < from_seconds(READY_S):
                 continue
@@ -155,15 +155,15 @@ class Search:
     natures: frozenset[FaultProfile]
     say: Callable[[str], None] = lambda _: None
     seen: Callable[[Rig], None] = lambda _: None
-    """Called with the rig when a run has been driven to its end, before its branches."""
+    """Callback with the rig when a run has been driven to its end, before its branches."""
 
     def random_run(self, seed: int) -> tuple[Found | None, float]:
-        """Drive one evening and its branches; return what was found, shrunk, and the seconds driven."""
+        """Drive one random run and its branches; return the finding, shrunk, and the seconds driven."""
         found, driven = self.looked(seed)
         return (None if found is None else self.shrunk(found)), driven
 
     def looked(self, seed: int) -> tuple[Found | None, float]:
-        """Drive one evening and its branches; return what was found, and the seconds driven."""
+        """Drive one random run and its branches; return the finding, and the seconds driven."""
         chance = np.random.default_rng([seed, 7])
         draw = Draw(self.robot, self.rehearsal, chance, self.natures)
         whole = draw.mission(RUN_S)

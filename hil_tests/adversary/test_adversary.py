@@ -34,13 +34,17 @@ ROBOTS: Final = {
     "climber": 5,
     "climber+cameras": 2,
 }
-"""As `bench` is told, and how many evenings each has. Over Firmata two wheels of three are counted, so that
-it needs the cameras."""
+"""Arguments of `bench`, with the number of random runs of each.
+
+Over Firmata two wheels of three are counted, so that it needs the cameras.
+"""
 FOUND: Final = sorted(Path(__file__).with_name("found").glob("*.toml"))
 """Missions that broke a rule once, or the bench."""
 TOUCHES: Final = (14, 16, 19, 28, 33)
-"""Evenings in which a climber without its rule touches its joint's stop, as in one of eight. A hair's breadth
-more or less decides whether an evening still does: one of them is enough."""
+"""Random runs in which a climber without its rule touches its joint's stop, as in one of eight.
+
+A hair's breadth more or less decides if a run still does: one of them is enough.
+"""
 HONEST: Final = frozenset({FaultProfile.HONEST})
 ALL: Final = frozenset(FaultProfile)
 
@@ -69,12 +73,12 @@ def test_what_was_found_once_is_not_found_again(file: Path) -> None:
 
 
 def _line_of(file: Path) -> str:
-    """Return the robot that the file's second line names, as `bench` is told it."""
+    """Return the robot that the file's second line names, as arguments of `bench`."""
     return file.read_text(encoding="utf-8").splitlines()[1].partition(" bench ")[2]
 
 
 def found_by(one: Search, seeds: int) -> Found:
-    """Return what the first of these evenings that finds something has found."""
+    """Return what the first of these random runs with a finding has found."""
     return next(found for found, _ in map(one.random_run, range(seeds)) if found is not None)
 
 
@@ -101,7 +105,7 @@ def test_a_limit_that_is_too_high_is_found_and_driven_again_from_its_file() -> N
 @pytest.mark.long(keeps=["climber"])
 @pytest.mark.parametrize("line", ["climber", "climber+cameras"])
 def test_a_climber_without_its_joints_rule_touches_the_stop(line: str) -> None:
-    """In evenings that the rule keeps from it: backwards, with the joint bent to the other side."""
+    """In random runs that the rule keeps from it: backwards, with the joint bent to the other side."""
     climber = find(line)
     free = {"turns_round_deg": 80.0, "slow_deg": 80.0, "bound_deg": 85.0, "sensor_bound_deg": 90.0}
     joint = climber.geometry.joint.model_copy(update=free)
@@ -115,7 +119,7 @@ def test_a_climber_without_its_joints_rule_touches_the_stop(line: str) -> None:
 
 @pytest.mark.long(beside="test_an_emergency_stop_that_does_nothing_is_found")
 def test_an_arm_that_is_reported_too_much_loses_its_steps() -> None:
-    """With limits that its motors cannot follow: no one but the plant tells."""
+    """With limits that its motors cannot follow: only the plant shows it."""
     arm = find("ar2")
     limits = arm.geometry.limits.model_copy(update={"speed_mps": 0.04})
     geometry = arm.geometry.model_copy(update={"limits": limits})

@@ -1,4 +1,4 @@
-"""What the adversary judges by: figures of the plant, and what they are held against."""
+"""The adversary's criteria: figures of the plant, and their bounds."""
 
 import math
 from dataclasses import replace
@@ -23,7 +23,7 @@ from hil_tests.scenarios.ride import ARMED, STANDS, fault, ride, step, story
 
 RARS: Final[AnyRobot] = find("rars")
 CENTRE_M: Final = 0.220 * 70.0 / 70.6
-"""Of platform and rear wheels, ahead of the rear axle: thesis, Tab. 3.1."""
+"""Center of platform and rear wheels, ahead of the rear axle: thesis, Tab. 3.1."""
 HEIGHT_M: Final = 0.190
 
 
@@ -134,7 +134,7 @@ def test_a_bridge_that_drives_as_fast_as_ever_after_a_failure_is_found(
 ) -> None:
     steps = (step(3.5, mode="lift_failed"), step(4.0, arm=True), step(5.0, speed_mps=0.4))
     mission = story(STANDS, *steps, seconds=20)
-    # What the interlocks and the ramp have for this mode; the judge asks the robot file.
+    # What the interlocks and the ramp have for this mode; the judge takes the robot file.
     geometry = type(RARS.geometry)
     narrow = RARS.geometry.narrowed
     one = Life(RARS, rehearsal_of(RARS), mission, 0, invariants(RARS))
@@ -180,7 +180,7 @@ def rolling(robot: AnyRobot, **how: object) -> Look:
 
 
 def ahead(robot: AnyRobot, *faults: Fault) -> Life:
-    """It arms, and drives ahead."""
+    """Return a life in which it arms, and drives ahead."""
     steps = [{"at_s": 3.0, "title": "arm", "arm": True}, {"at_s": 3.5, "title": "go", "speed_mps": 0.3}]
     rehearsal = rehearsal_of(robot)
     does = tuple(map(rehearsal.step.model_validate, steps))

@@ -1,4 +1,4 @@
-"""What may never be, whatever is said and fails: judged by the plant and the drives, not by the bridge.
+"""Invariants under all commands and faults: judged by the plant and the drives, not by the bridge.
 
 Bounds are the robot file's own: the guard's sums and exclusive sides, the axes' travel. A row counts when it
 has lasted for its time; rows that a lying device may break for a moment have a second, longer one.
@@ -22,17 +22,20 @@ from hil_tests.adversary.own import OWN, ROUNDED, Own, gives, joint, mean_rate
 from hil_tests.adversary.reached import Reached
 
 GOES_M: Final = 0.020
-"""So far a robot may go that was let go at rest, before it is held again; docs/safety.md."""
+"""Allowed distance of a robot that was let go at rest, before it is held again; docs/safety.md."""
 RESTED_MPS: Final = 0.02
 OVERSHOOTS_S: Final = 0.1
 """A wheel may be quicker for a moment where its set-point jumps; the base may not."""
 STANDS: Final = 1.0 / 40.0
 """An axis moves above this share of its top speed."""
 MAY_NOT_S: Final = 2.0
-"""So long a stop may take in all. A board that was reset may not be spoken to for a time of its own, in which
-its shield goes on: that comes on top."""
+"""Longest time of a stop in all.
+
+A board that was reset may not receive a command for a time of its own, in which its shield goes on: that
+comes on top.
+"""
 FORGETS_S: Final = 0.1
-"""Beside a board's auto-stop: the word that it heard last is a cycle old, and its loop looks at 30 Hz."""
+"""Allowance beside a board's auto-stop: its last command is a cycle old, and its loop looks at 30 Hz."""
 ENDS_S: Final = 15.0
 """The longest end of a bridge; firmware_bridge/shell/runner.py waits so long."""
 
@@ -44,9 +47,9 @@ class Look:
     robot: AnyRobot
     row: Sample
     speeds: Mapping[str, float]
-    """Of the axes, in their units a second."""
+    """Speeds of the axes, in their units a second."""
     places: Mapping[str, float]
-    """Of the axes with travel, from where they truly are 0."""
+    """Positions of the axes with travel, from their true 0."""
     powered: frozenset[str]
     unwatched: frozenset[str]
     """The axes with power whose drives watch no one."""
@@ -55,17 +58,17 @@ class Look:
     gone: bool
     """The bridge is dead, or has ended, and there is no second one, which may have taken the robot over."""
     ending: bool
-    """It has been asked to end, and neither has nor holds the robot on a slope."""
+    """It has received a request to end, and neither has nor holds the robot on a slope."""
     rolled_m: float
-    """How far the base has gone since it was let go at rest, by no one's order and no fault."""
+    """Distance of the base since it was let go at rest, without an order or a fault."""
     stopped: bool
     """Its power shall go: by an emergency stop, on the flat, and no fault is in the way."""
     own: Mapping[str, float]
-    """How near the bounds of this kind of robot are."""
+    """Ratios to the bounds of this kind of robot."""
     unreached: frozenset[str] = frozenset()
     """The axes of boards that no word of any bridge can reach."""
     runs_on: frozenset[str] = frozenset()
-    """Those of them whose board goes on as commanded, until it is reached again: nothing can stop them."""
+    """Unreached axes whose board goes on as commanded, until it is reached again: nothing can stop them."""
     left_out: frozenset[str] = frozenset()
     """The axes that its mode does without, by an order, where this bridge alone gives power."""
     let_go: bool = False
@@ -81,7 +84,7 @@ class Look:
 
 
 Ratio = Callable[[Look], float]
-"""How near the bound; above 1 it is broken."""
+"""Ratio to the bound; above 1 it is violated."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +94,7 @@ class Invariant:
     name: str
     ratio: Ratio
     lasts_s: float = 0.0
-    """It counts when it is broken for so long."""
+    """Time for which it must be broken to count."""
     lying_s: float | None = None
     """The same where a device may lie or another master speaks; None: it is not judged there."""
 
@@ -106,7 +109,7 @@ class Violation:
 
 
 class Truth:
-    """How the truth of a robot is read from its rig."""
+    """Reader of a robot's truth from its rig."""
 
     def __init__(self, robot: AnyRobot) -> None:
         self.robot: Final = robot
@@ -117,9 +120,9 @@ class Truth:
         self._free: Final = {axis.name for axis in robot.axes if axis.unpowered is Unpowered.FREE}
         self._reached: Final = Reached(robot)
         self._counted: Final = {axis.name for axis in robot.axes if axis.link in robot.ar2_links}
-        """The axes without an encoder: the plant tells their joints' angles, and no motor's."""
+        """The axes without an encoder: the plant has their joints' angles, and no motor's."""
         self.let_go_at: tuple[float, float] | None = None
-        """Where the base rested when it last had power; None where it did not rest."""
+        """Pose in which the base rested when it last had power; None where it did not rest."""
 
     def look(self, rig: Rig, *, reported_to_stop: bool, stopped: bool, let_go: bool) -> Look:
         """Return the truth of now, which must be an instant of a sample.
@@ -233,7 +236,7 @@ def invariants(robot: AnyRobot) -> tuple[Invariant, ...]:
             "an emergency stop with power", lambda look: 2.0 * bool(look.stopped and look.powered), 5.0
         ),
         Invariant("an end without an end", lambda look: 2.0 * look.ending, ENDS_S),
-        # Who lies keeps its power: a row of the bridge says so, and keeps the robot where it is.
+        # A lying device keeps its power: a row of the bridge reports so, and keeps the robot where it is.
         Invariant("power for what is left out", left_out, MAY_NOT_S),
         Invariant("a word that the guard refuses", lambda look: 2.0 * look.refused),
         Invariant("let go, and rolls", lambda look: look.rolled_m / GOES_M),

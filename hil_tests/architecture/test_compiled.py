@@ -1,4 +1,4 @@
-"""What `setup.py` compiles is there, and does nothing that compiled code cannot do or rewind cannot see."""
+"""Modules compiled by `setup.py`: they exist, and use nothing that compiled code or rewind cannot handle."""
 
 import ast
 from pathlib import Path

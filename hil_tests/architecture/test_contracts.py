@@ -74,7 +74,7 @@ CONTRACTS = PROJECT["tool"]["importlinter"]["contracts"]
 
 
 def test_every_contract_has_an_id_of_its_own() -> None:
-    # import-linter takes two of one id, and whoever looks one up finds the last of them only.
+    # import-linter takes two of one id, and a search finds the last of them only.
     ids = [contract["id"] for contract in CONTRACTS]
     assert [name for name in ids if ids.count(name) > 1] == []
 

@@ -52,7 +52,7 @@ KNOWN: Final = {
         ("", 33, 33),
     ],
 }
-"""By source: the numbers of equations of which something is known."""
+"""Numbers of the equations of which something is known, by source."""
 
 
 def rows(section: str) -> list[tuple[str, str, str]]:

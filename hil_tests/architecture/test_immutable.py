@@ -1,4 +1,4 @@
-"""What is marked as immutable is: each slot is assigned in `__init__` as `Final`, which mypy then holds."""
+"""Immutable classes: each slot is assigned in `__init__` as `Final`, which mypy then enforces."""
 
 import ast
 from collections.abc import Iterator

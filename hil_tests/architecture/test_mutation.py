@@ -1,4 +1,4 @@
-"""How the mutation campaign breaks a program: each way on a line of source, and what it leaves alone."""
+"""Changes of the mutation campaign to a program: each way on a line of source, and the lines left alone."""
 
 import ast
 from pathlib import Path

@@ -1,6 +1,6 @@
-"""What stops a robot, or must not: orders and faults, a row each, and what has to come of each of them.
+"""Causes of a stop, or of none: orders and faults, a row each, and the required result of each.
 
-`drive.py` drives them, `outcomes.csv` keeps what came of them, and `docs/safety.md` shows both.
+`drive.py` drives them, `outcomes.csv` keeps the results, and `docs/safety.md` shows both.
 """
 
 from collections.abc import Callable, Mapping
@@ -22,24 +22,24 @@ LINES: Final[Mapping[str, tuple[str, ...]]] = {
     "climber": ("climber", "climber+serial"),
     **BOARDS,
 }
-"""How each robot is reached, as `driving.robot_of` reads it."""
+"""Links of each robot, as `driving.robot_of` reads them."""
 EVERY: Final = tuple(line for lines in LINES.values() for line in lines)
 ON_BOARDS: Final = tuple(line for lines in BOARDS.values() for line in lines)
 
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """What a robot does when the cause begins."""
+    """Motion of a robot when the cause begins."""
 
     name: str
     steps: Mapping[str, Any] = field(default_factory=dict)
     """Keys of a mission's step; none: straight ahead, as `driving` drives."""
     axis: str = ""
-    """Which axis a fault of one axis hits: one that moves; empty: the robot's own of `HIT`."""
+    """The moving axis hit by a fault of one axis; empty: the robot's own of `HIT`."""
     then: Mapping[str, Any] = field(default_factory=dict)
-    """What the operator asks for right after such a fault: at rest an axis shows little."""
+    """The operator's command right after such a fault: at rest an axis shows little."""
     lifts: bool = False
-    """Whether the way that counts is the lift's."""
+    """True if the stopping distance that counts is the lift's."""
 
 
 STRAIGHT: Final = Motion("straight ahead")
@@ -53,7 +53,7 @@ LIFTING: Final = Motion("lifting at 0.1 m/s", {"lift_rate_mps": 0.1}, "lift", li
 WORST_OF: Final = (AHEAD, BACK, TURNING, LIFTING)
 """RARS's: the worst of them is kept."""
 PHASES_MS: Final = (0, 17, 34)
-"""When in a cycle of 50 ms such a cause begins."""
+"""Instants in a cycle of 50 ms at which such a cause begins."""
 
 
 class Fault(NamedTuple):
@@ -62,7 +62,7 @@ class Fault(NamedTuple):
     kind: str
     keys: Mapping[str, Any]
     hits: bool = False
-    """Whether it hits one axis, the motion's."""
+    """True if it hits one axis, the motion's."""
 
 
 def fault(kind: str, **keys: Any) -> Fault:
@@ -81,9 +81,9 @@ class Cause:
 
     name: str
     order: Callable[[Hand], None] | None = None
-    """What the operator does."""
+    """The operator's action."""
     fault: Fault | Mapping[str, Fault] | None = None
-    """What fails; by how the robot is reached, where that differs: can, serial or board."""
+    """The fault; by the robot's link, where that differs: can, serial or board."""
     lines: tuple[str, ...] = ()
     """Driven straight ahead on these."""
     worst_of: tuple[Motion, ...] = ()
@@ -91,23 +91,23 @@ class Cause:
     on: tuple[str, ...] = RARS
     """On these lines."""
     lets_go: bool = False
-    """Whether the operator lets go at that instant: the fault shows by it."""
+    """True if the operator lets go at that instant: the fault shows by it."""
     reports: tuple[str, ...] = ()
     """One of these interlocks begins to hold, by how its name begins."""
     holds: tuple[str, ...] = ()
     """Each of these begins to hold."""
     only: bool = False
-    """Whether no other interlock begins to hold; with none in `holds` the robot drives on."""
+    """True if no other interlock becomes active; with none in `holds` the robot drives on."""
     codes: Mapping[str, tuple[int, ...]] | None = None
     """Each drive's error history (object 0x1003), newest first; a drive that is not named has none."""
     again: bool = False
-    """Whether the operator can arm and drive it again afterwards."""
+    """True if the operator can arm and drive it again afterwards."""
     category: int | None = None
-    """Of the stop (EN 60204-1), where it is one that someone asks for."""
+    """Stop category (EN 60204-1), where the stop is requested."""
     answer: str = ""
-    """What the bridge, or the drives, do."""
+    """Reaction of the bridge, or of the drives."""
     remains: str = "-"
-    """What is left to the user."""
+    """Remaining task of the user."""
 
 
 _RAMP: Final = "ramp"
@@ -147,7 +147,7 @@ REQUESTED: Final = (
     ),
     _requested("end of the program", None, 1, _POWER_OFF, lines=EVERY, fault=fault("bridge_ends")),
 )
-"""Someone asks for it."""
+"""Requested stops."""
 
 LINK_DEAD: Final = Cause(
     name="operator's link dead",

@@ -1,4 +1,4 @@
-"""Drives a robot into one cause of a stop, and measures by the plant's truth what comes of it."""
+"""Drive of a robot into one cause of a stop; the result is measured by the plant's truth."""
 
 import math
 from collections.abc import Iterator
@@ -34,35 +34,35 @@ STILL_S: Final = 3.0
 """A robot that has not moved for so long has come to rest: no step of a stop takes longer."""
 SLOWER_MPS: Final = 0.005
 TURNS_AT_M: Final = 0.15
-"""Where turning counts as motion: ROME's wheels."""
+"""Distance in m at which turning counts as motion: ROME's wheels."""
 LOOKS: Final = 10
 """Samples over which motion is the mean where there are steppers: their rotors swing with each step."""
 AGAIN: Final = 0.5
-"""How fast it is driven again, of what it was."""
+"""Speed of the drive afterwards, as a share of the earlier one."""
 NO_ONE: Final = "no one"
 ALONE: Final = "the devices by themselves"
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What came of one cause, begun in one way, by the plant's truth."""
+    """Result of one cause, begun in one way, by the plant's truth."""
 
     cause: str
     line: str
     motion: str
     phase_ms: int
     way_mm: int
-    """How far the base, the tool or the lift went at most until it stood, or until the end of the look."""
+    """Largest distance of base, tool or lift until standstill, or until the end of the look."""
     rest_ms: int
-    """When it stood; -1 where it never did."""
+    """Time of standstill; -1 where it never came."""
     noticed_ms: int | None
     """Until the first of the interlocks that notice it; None where none did."""
     by: str
-    """Who stopped it."""
+    """Name of what stopped it: an interlock, or the devices."""
 
     @property
     def case(self) -> "Case":
-        """How it was begun."""
+        """Its case, as it was begun."""
         cause = CAUSES[self.cause]
         motion = next(one for one in (STRAIGHT, *cause.worst_of) if one.name == self.motion)
         return Case(cause, self.line, motion, self.phase_ms)
@@ -87,7 +87,7 @@ class Case(NamedTuple):
 
 
 class Found(NamedTuple):
-    """What came of it, what began to hold, what the drives recorded, and how it is driven again."""
+    """The result, the active interlocks, the drives' error codes, and the speed of a drive afterwards."""
 
     outcome: Outcome
     holds: frozenset[str]

@@ -1,4 +1,4 @@
-"""What an encoder that is off does to a base whose board regulates by it: measured."""
+"""Effect of a disconnected encoder on a base whose board regulates by it: measured."""
 
 import math
 from collections.abc import Iterator
@@ -28,7 +28,7 @@ to turn yet, for as long as the robot file lets it lag."""
 
 @dataclass(frozen=True, slots=True)
 class Off:
-    """What came of it at one speed."""
+    """Result at one speed."""
 
     line: str
     when: str
@@ -36,7 +36,7 @@ class Off:
     worst_mm_s: int
     yaw_mrad_s: int
     above_twice_ms: int
-    """For how long the base was faster than twice what it was told."""
+    """Time for which the base was faster than twice its command."""
     rest_ms: int
 
 
@@ -44,7 +44,7 @@ KEPT: Final = Kept(Off, "encoders")
 
 
 def wanted() -> Iterator[tuple[str, str, float]]:
-    """Yield each line, with when the encoder goes, and how fast the base is told to drive."""
+    """Yield each line, the time at which the encoder goes, and the commanded speed of the base."""
     for lines in LINES.values():
         for line in lines:
             for when in (TURNING, STARTING):

@@ -1,4 +1,4 @@
-"""What stops a robot and how far it goes on, as tables for a page."""
+"""Tables for a page: the causes of a stop, and the stopping distance of each."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final, TypeAlias
@@ -112,7 +112,7 @@ def _cell(row: Outcome) -> str:
 
 
 def requested() -> Iterator[Cells]:
-    """Yield the stops that someone asks for."""
+    """Yield the requested stops."""
     rows = KEPT.read()
     for cause in REQUESTED:
         ways = [way for line in RARS for way in _ways(cause, line, rows)]

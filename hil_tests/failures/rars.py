@@ -1,4 +1,4 @@
-"""What fails on RARS, at one axis that moves or for all, a row each, and what other tests show."""
+"""Faults of RARS, at one axis that moves or for all, a row each, and those that other tests show."""
 
 from dataclasses import dataclass
 from typing import Any, Final
@@ -130,7 +130,7 @@ FAILS: Final = (
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """What else goes wrong, where no distance says what matters: a test of its own shows it."""
+    """A fault for which no distance is meaningful: a test of its own shows its effect."""
 
     name: str
     noticed: str

@@ -1,4 +1,4 @@
-"""A wheel whose encoder is off: not long is the base faster than twice what it was told; the page is true."""
+"""A wheel whose encoder is off: the base is not long faster than twice its command; the page is true."""
 
 import pytest
 

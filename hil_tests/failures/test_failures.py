@@ -1,4 +1,4 @@
-"""What stops a robot does so within what `docs/safety.md` says, and what has to notice it does."""
+"""Causes of a stop: each stops the robot within the bounds of `docs/safety.md`, and is noticed in time."""
 
 from pathlib import Path
 from typing import Final
@@ -75,7 +75,7 @@ def test_only_a_board_without_a_watchdog_drives_on() -> None:
 
 
 def test_the_longest_that_a_board_runs_on_is_the_boot_of_firmata() -> None:
-    """It blinks its version for 2 s before it listens; a line that stays cut no one can mend."""
+    """It blinks its version for 2 s before it listens; a line that stays cut cannot be repaired."""
     boots = [
         row for row in ROWS if row.cause in {"board or drive reset", "board hangs"} and "rome:" in row.line
     ]

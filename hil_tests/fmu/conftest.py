@@ -16,8 +16,10 @@ from hil_tests.fmu.instance import Instance, Maker
 from hil_tests.fmu.pendulum import pendulum
 
 FINE: Final = 50_000
-"""A step in ns for closed forms in their limits, where tyres are stiffer or nothing damps: the plant takes
-no larger step than it is asked for, nor than 0.1 ms."""
+"""A step in ns for closed forms in their limits, where tyres are stiffer or nothing damps.
+
+The plant takes no larger step than the requested one, nor than 0.1 ms.
+"""
 
 NOTHING: Mapping[str, float] = MappingProxyType({})
 
@@ -59,7 +61,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def pendulums(tmp_path_factory: pytest.TempPathFactory) -> Callable[[int], Path]:
-    """Return the FMU of a model that is no robot, for FMI 2 or 3, exported for who asks first."""
+    """Return the FMU of a model that is no robot, for FMI 2 or 3, exported at the first request."""
     folder = tmp_path_factory.mktemp("pendulums")
 
     @cache

@@ -106,7 +106,7 @@ class Instance:
         return self.vector("getNominalsOfContinuousStates", len(self.description.derivatives))
 
     def vector(self, name: str, count: int) -> list[float]:
-        """What a function with an array and its length writes."""
+        """Return the values that a function with an array and its length writes."""
         array = (c_double * count)()
         function = getattr(self.fmu, f"fmi{self.fmi}{name[0].upper()}{name[1:]}")
         function(self.fmu.component, array, c_size_t(count))
@@ -138,5 +138,5 @@ class Instance:
 
 
 Maker = Callable[..., Instance]
-"""Makes an instance of a version of FMI, and of a kind."""
+"""Constructor of an instance of a version of FMI, and of a kind."""
 VERSIONS = pytest.mark.parametrize("fmi", [2, 3])

@@ -70,7 +70,7 @@ OWN = {
 
 
 _RATES: dict[str, Callable[..., list[float]]] = {}
-"""By the model's name: one function serves all parameters."""
+"""Functions by the model's name: one function serves all parameters."""
 
 
 def evaluator(model: Model, expressions: Mapping[str, Any]) -> Callable[..., list[float]]:

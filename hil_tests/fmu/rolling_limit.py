@@ -39,7 +39,7 @@ def rolling(parameters: Mapping[str, float]) -> Rates:
     def limit(**given: float) -> dict[str, float]:
         wheels = [radius * given.get(f"speed_{side}", 0.0) / p[f"gear_{side}"] for side in ("left", "right")]
         moving = {"speed": sum(wheels) / 2, "yaw_rate": (wheels[1] - wheels[0]) / (2 * half)} | given
-        # Accelerations are linear in the pulls: three unit pulls tell which ones leave no slip.
+        # Accelerations are linear in the pulls: three unit pulls show which ones leave no slip.
         free = slipping(function(**moving))
         unit = 1e-4
         pulled = [slipping(function(**moving, **{name: unit})) - free for name in REAR]

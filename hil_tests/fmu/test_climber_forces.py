@@ -31,7 +31,7 @@ READ = (
 )
 FREE = {"gear_friction": 0.0, "coulomb_wheel": 0.0, "viscous_wheel": 0.0, "torque_constant_wheel": 0.0}
 CEILING = {"axis_tilt": 0.0, "start_arc": math.pi * NUMBERS["tank_radius"], "start_heading": 0.0}
-"""Below a tank that lies: all of the weight pulls it off."""
+"""Start below a tank that lies: all of the weight pulls it off."""
 
 
 class Bench:
@@ -96,7 +96,7 @@ def test_a_magnet_holds_up_to_its_pull_off_force(side: str, share: float, falls:
         later = bench.runs(0.3)
     assert now["fallen"] == later["fallen"] == float(falls)
     if falls:
-        # Free fall, and where it left the wall stays told.
+        # Free fall, and the place where it left the wall stays reported.
         root = math.sqrt(2 / NUMBERS["gravity"])
         fallen_for = root * (math.sqrt(later["fall"]) - math.sqrt(now["fall"]))
         assert fallen_for == pytest.approx(0.3, abs=1e-6)
@@ -139,7 +139,7 @@ def test_the_joint_meets_its_stop_and_goes_no_further(heading: float) -> None:
         now = bench.runs(0.0)
         assert now["fallen"] == 0.0
         assert max(bench.reads(*(f"slide_{side}" for side in WHEELS))) > 0.0
-    # What slides stays joined: left wheel, body, joint and swivel tell where the other wheels touch.
+    # A sliding robot stays joined: left wheel, body, joint and swivel give the other wheels' contacts.
     robot = Robot.behind_left(NUMBERS, now)
     assert [each.gap for each in robot.touches()] == pytest.approx([0.0] * 3, abs=1e-7)
     for name, value in robot.readings().items():
@@ -182,7 +182,7 @@ def test_without_losses_energy_stays(more: dict[str, float]) -> None:
 @pytest.mark.long(keeps=["0"])
 @pytest.mark.parametrize("seed", range(3))
 def test_energy_never_grows(seed: int) -> None:
-    """Whatever slides, falls, or meets a stop."""
+    """In sliding, in a fall, and at a stop."""
     draw = np.random.default_rng(seed).uniform
     given: dict[str, Any] = {f"speed_{axis}": draw(-300, 300) for axis in ("left", "right")}
     given |= {"axis_tilt": draw(-1.5, 1.5), "start_heading": draw(-3, 3), "wall_friction": draw(0.05, 0.5)}

@@ -289,7 +289,7 @@ def test_an_fmu_brings_its_version_licence_and_equations(pendulums: Callable[[in
     assert "WITHOUT WARRANTY OF ANY KIND" in licence
     for word in ("lift_payload", "tunable", "voltage_steer", "N_front = ", "<h2>Parameters</h2>"):
         assert word in page
-    # Equations of no one's package are told as they are written.
+    # Equations without a package are documented as they are written.
     with ZipFile(pendulums(fmi)) as archive:
         page = archive.read("documentation/index.html").decode()
         assert not [name for name in archive.namelist() if "licenses" in name]

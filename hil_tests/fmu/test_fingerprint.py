@@ -1,4 +1,4 @@
-"""The fingerprint: right in our own builds, and it tells a plant that was compiled to give other bits."""
+"""The fingerprint: right in our own builds, and it detects a plant that was compiled to give other bits."""
 
 import ctypes
 import math

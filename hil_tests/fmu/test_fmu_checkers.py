@@ -1,4 +1,4 @@
-"""Third parties' checkers, and what the description says to people: categories, interfaces, sources."""
+"""Third parties' checkers, and the description for people: categories, interfaces, sources."""
 
 import subprocess
 import sys
@@ -123,7 +123,7 @@ def test_messages_come_in_the_categories_that_are_switched_on(
     plant.fmu.reset()
     switch(plant, [], on=False)
     assert len(plant.logged) == 1
-    # An error is told whatever is switched off.
+    # An error is logged even with all categories switched off.
     with pytest.raises(FMICallException):
         plant.step(0.0)
     assert plant.logged[-1][:2] == (3, "logStatusError")

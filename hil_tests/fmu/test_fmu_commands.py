@@ -234,7 +234,7 @@ def test_problems_are_named_and_make_status_1(
 
 
 def requested_of_a_plant(name: str) -> list[str]:
-    """Return what the bench asks of an installed robot's plant: its axes, their supply, what is drawn."""
+    """Return the bench's needs of an installed robot's plant: axes, supply, and columns to draw."""
     robot = kinds.find(name)
     motors = [axis.name for axis in robot.axes if axis.link not in robot.ar2_links]
     axes = [f"{quantity}_{axis}" for quantity in ("voltage", "current", "angle", "speed") for axis in motors]

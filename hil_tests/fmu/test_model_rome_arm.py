@@ -34,7 +34,7 @@ def at(degrees: tuple[float, ...]) -> dict[str, float]:
 
 
 def middles(angles: Matrix) -> Matrix:
-    """Where the links' masses are, in the base's frame, by the bridge's kinematics."""
+    """Return the places of the links' masses, in the base's frame, by the bridge's kinematics."""
     places = np.array([frame[:3, 3] for frame in AR2.frames(angles)])
     between: Matrix = (places[1:] + places[:-1]) / 2.0
     return between

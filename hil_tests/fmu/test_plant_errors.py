@@ -1,4 +1,4 @@
-"""Whatever is wrong with an FMU, the plant says so in one message; and it leaves nothing behind."""
+"""Errors of an FMU: the plant reports each in one message, and leaves nothing behind."""
 
 import ctypes
 import gc

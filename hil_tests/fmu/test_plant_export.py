@@ -190,7 +190,7 @@ def test_parameters_are_complete() -> None:
 
 @pytest.fixture
 def none_came(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """What is installed brings its plants; here they are built."""
+    """Hide the plants of an installation, so that they are built here."""
     monkeypatch.setattr(ready, "FOLDER", tmp_path)
 
 
@@ -241,7 +241,7 @@ def test_without_sympy_a_plant_states_how_to_have_it(monkeypatch: pytest.MonkeyP
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(metadata, "version", version)
-    build._libraries.cache_clear()  # noqa: SLF001 - it asks once for all
+    build._libraries.cache_clear()  # noqa: SLF001 - it looks up the compiler only once
     with pytest.raises(PlantError, match=r"built with sympy, .*pip install 'firmware-bridge\[plants\]'"):
         build.ensure("rars", 3)
 

@@ -104,7 +104,7 @@ def test_straight_line_follows_the_linear_motor_exactly() -> None:
 def test_straight_line_on_springs_follows_the_linear_system(
     bench: Any, stiffness: float, damping: float
 ) -> None:
-    """Where nothing slips the tyres are springs: motor, rear tyre, half the robot, front tyre and wheel."""
+    """Without slip the tyres are springs: motor, rear tyre, half the robot, front tyre and wheel."""
     tyres = GRIPPING | {"floor_friction": 1e12, "tyre_stiffness": stiffness, "tyre_damping": damping}
     plant = bench(tyres | {"coulomb_left": 0.0, "coulomb_right": 0.0}, step=FINE)
     constant, inductance, per_turn = P["torque_constant_left"], P["inductance_left"], RADIUS / 26

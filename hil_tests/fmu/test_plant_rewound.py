@@ -1,4 +1,4 @@
-"""A plant goes back to its own states, and says clearly when it cannot."""
+"""A plant goes back to its own states, and reports clearly when it cannot."""
 
 import gc
 from collections.abc import Callable

@@ -27,7 +27,7 @@ PLANTS: Final = ("rars", "single_axis")
 
 @dataclass(frozen=True)
 class Machine:
-    """How a program for one platform is run on this one, and what Debian calls what runs it."""
+    """Runner of one platform's programs on this machine, and its package in Debian."""
 
     runner: tuple[str, ...]
     package: str
@@ -70,7 +70,7 @@ def fixed_run(folder: Path, plant: str, fmi: int, name: str, machine: Machine) -
 @VERSIONS
 @pytest.mark.parametrize("plant", PLANTS)
 def test_the_run_in_c_is_the_fixed_run(tmp_path: Path, plant: str, fmi: int) -> None:
-    """What the other machines are judged by, on this one."""
+    """The reference for the other machines, on this one."""
     wanted = recorded(ensure(plant, fmi))
     assert wanted is not None
     assert fixed_run(tmp_path / "own", plant, fmi, here().name, OWN) == wanted.sha256
@@ -136,14 +136,14 @@ LIBRARY: Final = {
         int vsnprintf(char *, size_t, const char *, va_list);
     """,
 }
-"""What our sources may take of Microsoft's C library, whose headers no one has outside Windows."""
+"""Declarations that our sources use of Microsoft's C library, whose headers exist only in Windows."""
 
 
 @pytest.mark.platforms
 @VERSIONS
 @pytest.mark.parametrize("plant", PLANTS)
 def test_the_sources_are_what_microsofts_compiler_reads(tmp_path: Path, plant: str, fmi: int) -> None:
-    """By clang in its manner: its keywords, macros and command line, no word of C99 promised."""
+    """Checked by clang in its manner: its keywords, macros and command line, no word of C99 promised."""
     with ZipFile(ensure(plant, fmi)) as archive:
         archive.extractall(tmp_path)
     for name, text in LIBRARY.items():

@@ -1,4 +1,4 @@
-"""What a master does wrong, or asks in vain, is told to it: NULLs, changed bytes, modes it has not."""
+"""Wrong and vain calls of a master, each of which is reported to it: NULLs, changed bytes, missing modes."""
 
 from collections.abc import Callable
 from ctypes import byref, c_bool, c_char_p, c_double, c_size_t, c_uint32, c_void_p, create_string_buffer
@@ -45,7 +45,7 @@ CONTINUOUS: Final[dict[int, tuple[Call, ...]]] = {
         ("GetDirectionalDerivative", (REFERENCES, ONE, REFERENCES, ONE, VALUES, ONE, None, ONE)),
     ),
 }
-"""In continuous time, with a NULL in each place in turn."""
+"""Calls in continuous time, with a NULL in each place in turn."""
 STEPPING: Final[dict[int, tuple[Call, ...]]] = {
     2: (
         ("SetReal", (None, ONE, VALUES)),
@@ -78,7 +78,7 @@ STEPPING: Final[dict[int, tuple[Call, ...]]] = {
         ("DeserializeFMUState", (VALUES, ONE, None)),
     ),
 }
-"""In a step's pause, likewise."""
+"""Calls in a step's pause, likewise."""
 
 
 def refused(instance: Instance, name: str, arguments: tuple[Any, ...]) -> None:
@@ -154,7 +154,7 @@ def test_nothing_hangs_on_the_time(made: Maker, fmi: int, kind: str) -> None:
 
 
 def reported(path: Path, folder: Path, **requested: bool) -> tuple[bool, list[tuple[int, str]]]:
-    """Instantiate for co-simulation in FMI 3.0; return whether that went well, and what was said."""
+    """Instantiate for co-simulation in FMI 3.0; return the success, and the logged messages."""
     instance = Instance(path, folder, logging=True)
     instance.logged.clear()
     logged: list[tuple[int, str]] = []

@@ -1,4 +1,4 @@
-"""What equations call shared or named is computed once, as it is written; to all else it is its value."""
+"""Shared and named terms of equations: each is computed once, as written; to all else it is its value."""
 
 import math
 from typing import Any

@@ -1,4 +1,4 @@
-"""What `make installed` has made, as someone has it who has no checkout, no compiler and no extras."""
+"""The result of `make installed`, for a user without checkout, compiler and extras."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""What `make wheels` has made, to be published."""
+"""The result of `make wheels`, to be published."""
 
 import json
 import re

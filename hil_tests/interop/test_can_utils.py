@@ -1,4 +1,4 @@
-"""can-utils against a drive that `emulate epos2` has put on a SocketCAN bus: cansend asks, candump hears.
+"""The program can-utils against a drive of `emulate epos2` on a SocketCAN bus: cansend sends, candump logs.
 
 And the drive's own configuration file, which the program reads back over the same bus.
 """

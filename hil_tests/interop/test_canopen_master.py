@@ -1,7 +1,7 @@
 """A third party as master: the `canopen` library from PyPI talks to one emulated drive, in virtual time.
 
-Its frames are carried by the virtual bus: whoever sends lets the world run until the answers are there, so
-the library's own time-outs, which read the real clock, never come into play.
+Its frames are carried by the virtual bus: each send lets the world run until the answers are there, so the
+library's own time-outs, which read the real clock, never come into play.
 """
 
 from collections.abc import Iterator

@@ -28,7 +28,7 @@ STEP_S: Final = 0.005
 PLACE: Final = number_of("192.0.2.9", 14550)
 """MAVSDK's, as the bridge sees it."""
 WATCHED_S: Final = 3.5
-"""3 s after its start Offboard stops sending set-points if no heartbeat tells of its mode."""
+"""3 s after its start Offboard stops sending set-points if no heartbeat reports its mode."""
 
 pytestmark = pytest.mark.timeout(240)
 
@@ -47,7 +47,7 @@ class Station:
     stick: float = 0.0
 
     async def newest(self, stream: Callable[[], AsyncGenerator[T, None]]) -> T:
-        """Return the next thing that a stream tells."""
+        """Return the next item of a stream."""
         async with asyncio.timeout(WITHIN_S):
             return await anext(aiter(stream()))
 
@@ -57,7 +57,7 @@ class Station:
         met: Callable[[T], bool],
         within_s: float = WITHIN_S,
     ) -> T:
-        """Return the first thing that a stream tells and that is as wanted."""
+        """Return the first item of a stream that is as wanted."""
         async with asyncio.timeout(within_s):
             async for one in stream():
                 if met(one):
@@ -78,7 +78,7 @@ class Station:
                 return
 
     async def moves(self) -> Any:
-        """Push the stick forward until the robot drives, letting it go in between, as the robot asks for."""
+        """Push the stick forward until the robot drives, with neutral in between, as the robot requires."""
         for _ in range(20):
             self.stick = 0.0
             await asyncio.sleep(0.5)
@@ -101,7 +101,7 @@ class Station:
 @asynccontextmanager
 async def connected(port: int) -> AsyncIterator[Station]:
     try:
-        import mavsdk.asyncio as sdk  # noqa: PLC0415 - where it cannot be loaded this test fails, and says so
+        import mavsdk.asyncio as sdk  # noqa: PLC0415 - where it cannot be loaded this test fails
         from mavsdk.asyncio.plugins import action, info, manual_control, offboard, telemetry  # noqa: PLC0415
     except Exception as error:  # noqa: BLE001 - whatever keeps it from being loaded
         pytest.fail(f"MAVSDK's library cannot be loaded here: {error}")

@@ -22,7 +22,7 @@ FIRST_WHEEL = 0
 
 @contextmanager
 def emulated(link: Path, *words: str) -> Iterator[None]:
-    """Run a board until the block is left; it is there when it has said so."""
+    """Run a board until the block is left; it is there once it has printed so."""
     stated = [str(PROGRAM), "emulate", "board", "--serial-link", str(link), *words]
     with subprocess.Popen(stated, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as running:
         assert running.stdout is not None
@@ -38,7 +38,7 @@ def pairs(*data: int) -> list[int]:
 
 
 class Client:
-    """Someone's program: the library, and what it has been told."""
+    """A user's program: the library, and the messages that it has received."""
 
     def __init__(self, port: Path) -> None:
         self.board = pyfirmata2.ArduinoMega(str(port), timeout=10)
@@ -76,7 +76,7 @@ class Client:
 def test_it_turns_a_wheel_forwards_and_back_and_stops_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(pyfirmata2.pyfirmata2, "BOARD_SETUP_WAIT_TIME", 0)  # it hears when the board is there
+    monkeypatch.setattr(pyfirmata2.pyfirmata2, "BOARD_SETUP_WAIT_TIME", 0)  # it awaits the board
     link = tmp_path / "board"
     with emulated(link, "--firmware", "firmata", "--encoders", "2", "--reset-on-open"):
         it = Client(link)

@@ -1,7 +1,7 @@
-"""A python-can bus and an ear for the `canopen` library, above the virtual bus.
+"""A python-can bus and a receiver for the `canopen` library, above the virtual bus.
 
-Whoever sends lets the world run until the answers are there, so the library's own time-outs, which read the
-real clock, never come into play. Where the library waits for a PDO, in one thread as it does on any bus, the
+Each send lets the world run until the answers are there, so the library's own time-outs, which read the real
+clock, never come into play. Where the library waits for a PDO, in one thread as it does on any bus, the
 world's time goes on in another. Nothing of the library is replaced.
 """
 
@@ -44,12 +44,12 @@ class Listener:
 
 
 class VirtualBus:
-    """What `canopen` takes for a python-can bus."""
+    """Stand-in for a python-can bus in `canopen`."""
 
     def __init__(self, world: World, wire: CanWire, station: Any) -> None:
         self.world, self.wire, self.station = world, wire, station
         self.turns = threading.RLock()
-        """Held by whoever moves the world."""
+        """Lock of the thread that moves the world."""
 
     def send(self, message: can.Message) -> None:
         address = message.arbitration_id | (REMOTE if message.is_remote_frame else 0)
@@ -63,7 +63,7 @@ class VirtualBus:
 
 
 class Master:
-    """A `canopen` network with one CiA 402 node on a virtual bus; it has been heard booting."""
+    """A `canopen` network with one CiA 402 node on a virtual bus; its boot-up was received."""
 
     def __init__(self, world: World, wire: CanWire, node: int, objects: Any) -> None:
         self.world, self.wire = world, wire
@@ -77,7 +77,7 @@ class Master:
 
 
 class PdoMaster(Master):
-    """Knows the drive by our data sheet, and hears its statusword with every SYNC."""
+    """Master that knows the drive by our data sheet, and receives its statusword with every SYNC."""
 
     def __init__(self, world: World, wire: CanWire, sheet: Path) -> None:
         super().__init__(world, wire, 1, canopen.import_od(str(sheet), node_id=1))
@@ -88,7 +88,7 @@ class PdoMaster(Master):
         self._clock.start()
 
     def ready(self) -> None:
-        """Have `canopen` read the PDO settings, and start the node, which then tells its statusword."""
+        """Have `canopen` read the PDO settings, and start the node, which then sends its statusword."""
         self.node.nmt.state = "PRE-OPERATIONAL"
         self.node.setup_402_state_machine(read_pdos=True)
         reported = self.node.tpdo[1]
@@ -108,6 +108,6 @@ class PdoMaster(Master):
         """Let the world run while the library waits for a PDO, and only then."""
         waits = [pdo.receive_condition for pdo in self.node.tpdo.values()]
         while not self._over.wait(0.0005):
-            # Who waits on a condition is not told in public; it is looked at, and left as it is.
+            # There is no public notice of a waiting thread; the condition is looked at, and left as it is.
             while any(each._waiters for each in waits) and not self._over.is_set():  # noqa: SLF001 - looked at
                 self.bus.runs(0.005)

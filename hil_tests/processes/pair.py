@@ -1,7 +1,7 @@
-"""Two processes, as a user starts them, and a station: what a robot does when one of them ends.
+"""Two processes, as a user starts them, and a station: the robot's motion when one of them ends.
 
-The emulator's plant tells in a file how far each axis has turned: what is judged is what moved, and not what
-anybody said of it.
+The emulator's plant writes to a file how far each axis has turned: the motion itself is judged, not any
+report of it.
 """
 
 import os
@@ -77,7 +77,7 @@ if os.isatty(1):
 from firmware_bridge.cli import main
 main()
 """
-"""No one has told it to ignore a hang-up, whoever runs the tests; its terminal is its own."""
+"""It does not inherit an ignored hang-up from the test runner; its terminal is its own."""
 STARTS_WITHIN_S: Final = 90.0
 """On a busy machine; what is awaited comes within seconds else."""
 WINDOW_S: Final = 0.1
@@ -89,13 +89,13 @@ class Row:
 
     name: str
     words: tuple[str, ...] = ()
-    """For both commands."""
+    """Options for both commands."""
     bridge: tuple[str, ...] = ()
-    """For the bridge alone."""
+    """Options for the bridge alone."""
     lines: tuple[str, ...] = ()
     """Its links on pseudo-terminals; none: on a bus."""
     stick: int = 600
-    """In thousandths."""
+    """Stick position in thousandths."""
     turns_rad_s: float = 2.0
     """A motor that is slower stands; an arm is known by its joints."""
 
@@ -166,7 +166,7 @@ class Pair:
         return ("-i", "loopback_multicast", "-c", "239.74.163.2")
 
     def _places(self) -> tuple[str, ...]:
-        """Wait until the emulator says where it is; return the bridge's words for that."""
+        """Wait until the emulator prints its places; return the bridge's words for them."""
 
         def stated() -> list[str]:
             return re.findall(r"/dev/pts/\d+", (self.folder / "emulator.log").read_text())
@@ -199,12 +199,12 @@ class Pair:
 
     @property
     def stated(self) -> str:
-        """What the bridge has said in its log."""
+        """Log of the bridge so far."""
         return self.log.read_text() if self.log.exists() else ""
 
     @property
     def samples(self) -> list[tuple[float, list[float]]]:
-        """When, and how far each axis had turned then."""
+        """Times, and the angle of each axis then."""
         rows = [
             line.split() for line in self.truth.read_text().splitlines(keepends=True) if line.endswith("\n")
         ]
@@ -212,7 +212,7 @@ class Pair:
 
     @property
     def fastest(self) -> float:
-        """How fast the fastest axis turns now, in rad/s."""
+        """Present speed of the fastest axis, in rad/s."""
         return max((speed for _, speed in _speeds(self.samples[-20:])), default=0.0)
 
     def moved_until(self, since: float) -> float:

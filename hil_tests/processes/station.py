@@ -1,4 +1,4 @@
-"""A station of pymavlink's in a thread: it shows that it lives, holds its stick, and hears."""
+"""A station of pymavlink's in a thread: it sends heartbeats, holds its stick, and receives."""
 
 import socket
 import threading
@@ -15,7 +15,7 @@ STOP: Final = 21196
 
 
 class _Wire:
-    """Where pymavlink writes to."""
+    """Output of pymavlink."""
 
     def __init__(self, outside: socket.socket, place: tuple[str, int]) -> None:
         self._outside = outside
@@ -27,7 +27,7 @@ class _Wire:
 
 
 class Station:
-    """It speaks to a bridge that waits on `port`."""
+    """Station for a bridge that waits on `port`."""
 
     def __init__(self, port: int | None = None, system: int = 255) -> None:
         """Speak to a bridge at a port of its own, or at this one."""
@@ -42,10 +42,10 @@ class Station:
         self._ends = threading.Event()
         self.stick = 0
         self.throttle = 0
-        """Where its z rests."""
+        """Rest position of its z."""
         self.armed = False
         self.x_m = 0.0
-        """Of the newest odometry."""
+        """Position in the newest odometry."""
         self.texts: list[str] = []
         self._thread = threading.Thread(target=self._work, daemon=True)
 

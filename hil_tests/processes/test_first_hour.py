@@ -21,7 +21,7 @@ pytestmark = pytest.mark.alone
 BUS: Final = ("-i", "loopback_multicast", "-c", "239.74.163.3")
 PROGRAM: Final = "from firmware_bridge.cli import main; main()"
 THROTTLE: Final = 500
-"""Where a gamepad's throttle rests that springs to its middle."""
+"""Rest position of a gamepad's throttle that springs to its middle."""
 AHEAD: Final = 700
 WAY_M: Final = 2.0
 PICTURES: Final = {"path", "speeds", "currents", "holds"}
@@ -40,7 +40,7 @@ class Desk:
         (packages / "beside.pth").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
     def does(self, *words: str) -> str:
-        """Run the program, and return what it says; it must end well."""
+        """Run the program, and return its output; it must end well."""
         return self._run(str(self._python), "-c", PROGRAM, *words)
 
     def installs(self, name: str) -> None:

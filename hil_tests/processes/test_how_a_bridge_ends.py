@@ -25,7 +25,7 @@ AT_A_TIME: Final = 4
 """Pairs of processes: mostly they wait."""
 ONE_BUS: Final = Lock()
 JOINT_6: Final = 9
-"""The number by which the robot's file knows it: its place is written when it is told again."""
+"""The number by which the robot's file knows it: its place is written when it is confirmed again."""
 JOINTS: Final = zeros(j1=0, j2=-90, j3=90, j4=0, j5=60, j6=0)
 UNWATCHED: Final = ("--accept-no-watchdog",)
 MW: Final = Row("rome", ("--protocol", "mw", "--encoders", "3"), UNWATCHED, ("board",))
@@ -50,10 +50,10 @@ ROBOTS: Final = {
 
 @dataclass
 class Reported:
-    """What came of it."""
+    """Result of a story."""
 
     moved_s: float
-    """So long after the begin something turned."""
+    """Time from the begin up to which a motor turned."""
     status: int | None
     """The bridge's exit status; None where it goes on."""
     stated: str
@@ -68,7 +68,7 @@ def story(
     """Let a robot drive, attack its bridge, and look what comes of it."""
 
     def reported(row: Row, folder: Path) -> Reported:
-        # Whoever is in a group hears all groups of its port: one robot at a time is on a bus.
+        # A member of a group receives all groups of its port: one robot at a time is on a bus.
         with nullcontext() if row.lines else ONE_BUS:
             return carried(row, folder)
 
@@ -185,7 +185,7 @@ def closed_terminal(row: Row, folder: Path) -> Reported:
 
 
 def gone_terminal(row: Row, folder: Path) -> Reported:
-    """Its terminal is gone, and it was told to ignore that; then a stop is ordered."""
+    """Its terminal is gone, and it ignores the hang-up; then a stop is ordered."""
     with terminal() as (master, slave):
 
         def close(pair: Pair) -> float:
@@ -207,7 +207,7 @@ def terminal() -> Iterator[tuple[int, int]]:
 
 
 def unread(row: Row, folder: Path) -> Reported:
-    """A pager, or Ctrl-S: no one takes what it says; then the stick is let go, and a stop is ordered."""
+    """Its output is not read, as by a pager or Ctrl-S; then the stick is let go, and a stop is ordered."""
     reader, writer = os.pipe()
     fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, 4096)
 

@@ -1,4 +1,4 @@
-"""What every robot gets because it is installed: the tests that the product brings for it."""
+"""Tests that the product brings for every installed robot."""
 
 from typing import Final
 
@@ -8,7 +8,7 @@ from emulators.testing.inherited import test_robot as inherited
 from firmware_bridge.kinds import names
 
 LONG: Final = {"rars": ("line",), "climber": ("vertical",)}
-"""Of robots whose missions are long those that are driven here; the others are in hil_tests/scenarios."""
+"""Missions driven here of robots with long ones; the others are in hil_tests/scenarios."""
 KEPT: Final = {
     "test_the_common_rows_stop_all_of_it_whatever_it_is_requested": ["ar2", "carrier", "rars", "rome"],
     "test_its_missions_drive_without_a_refusal_and_it_ends_without_power": ["carrier-line"],

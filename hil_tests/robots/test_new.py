@@ -164,7 +164,7 @@ def test_the_rule_for_gains_gives_those_that_rars_was_tuned_to() -> None:
 
 
 def test_the_friction_that_it_writes_is_more_than_its_plant_has_and_less_than_a_slope() -> None:
-    """What stands still on 3 degrees would move without power: that current must not pass for friction."""
+    """Check the current that holds the robot on 3 degrees: it must not pass for friction."""
     axis, motor = find("carrier").axis("left_wheel"), MOTORS["RE40"]
     plant = {parameter.name: parameter.start for parameter in PLANT.parameters}
     half = CARRIER.mass_kg * 9.81 / 2.0

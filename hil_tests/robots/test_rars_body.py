@@ -1,4 +1,4 @@
-"""What RARS's body makes of its axes, and its axes of a motion: each wheel its own, to both sides."""
+"""RARS's kinematic model, from its axes and to its axes: each wheel its own, to both sides."""
 
 from typing import Any, Final
 

@@ -1,4 +1,4 @@
-"""What is left of RARS's body in each mode after a failed actuator: demands, state, pose and limits."""
+"""RARS's kinematic model in each mode after a failed actuator: set-points, state, pose and limits."""
 
 import math
 from types import SimpleNamespace
@@ -100,7 +100,7 @@ def test_an_angle_or_a_height_is_unknown_where_the_dead_drive_has_lost_its_zero(
 
 
 def clipped(mode: str, command: Motion) -> tuple[Motion, list[str]]:
-    """The command behind the mode's limits, and the names of those that told something."""
+    """Return the command behind the mode's limits, and the names of those that reported something."""
     facts = SimpleNamespace(age_limit=USUAL_AGE_LIMIT)
     seen: Any = SimpleNamespace(
         body=State(0.1, 0.0, 0.0, 0.0, 0.0), demanded=Motion(), facts=facts, command=command

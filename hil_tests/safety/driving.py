@@ -87,7 +87,7 @@ def runs(rig: VirtualRig, seconds: float) -> float:
 
 
 def check(stop: AxisStop, now: Nanoseconds, cycle: Nanoseconds) -> None:
-    """Check that a step lasts what its row says, and that the power is taken in time, whatever came."""
+    """Check that a step lasts as long as its row allows, and that the power is off in time, in any case."""
     if stop.progress is not Progress.UNDER_WAY:
         return
     axis, step = stop.driver.axis, stop.step
@@ -119,7 +119,7 @@ def changed(rig: VirtualRig, name: str, change: Callable[[Packet], tuple[Packet,
 
 
 def with_payload(packet: Packet, payload: bytes) -> Packet:
-    """Return a packet that says something else."""
+    """Return a packet with another payload."""
     return Packet(packet.link, packet.address, payload)
 
 

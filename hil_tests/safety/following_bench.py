@@ -18,7 +18,7 @@ STEERING: Final = next(axis for axis in RARS.axes if axis.name == "steer")
 SLACK: Final = 0.4
 """rad/s: a 40th of the wheels' top speed."""
 GIVES: Final = 0.02
-"""Beside it: of the speed that it was told."""
+"""Share of the commanded speed, beside it."""
 
 
 class Axle:
@@ -54,13 +54,13 @@ class Axle:
         return self.known(speed)
 
     def deviates(self, speed: float, **changed: Any) -> bool:
-        """Whether one more cycle with this speed is beside its range."""
+        """Return True if one more cycle with this speed is beside its range."""
         known = self.does(speed, **changed)
         return known.obeyed_at != known.sampled_at
 
 
 def rested(demand: Demand, axis: Axis = WHEEL, **belief: Any) -> Axle:
-    """Return an axis that stood for two seconds and was then told this, long ago."""
+    """Return an axis that stood for two seconds and then received this set-point, long ago."""
     one = Axle(axis, **belief)
     one.does(0.0, 40)
     one.commanded(demand)

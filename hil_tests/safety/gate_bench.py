@@ -33,7 +33,7 @@ def above(value: float) -> float:
 
 
 def gate_of(robot: Rars) -> Gate:
-    """Return RARS's gate; its drives tell everything."""
+    """Return RARS's gate; its drives report everything."""
     return gate.Gate(robot, KIND.rules(robot), {axis.name: frozenset(Reports) for axis in robot.axes})
 
 
@@ -106,7 +106,7 @@ def with_facts(seen: Snapshot, **changes: Any) -> Snapshot:
 
 
 def shifted(seen: Snapshot, by: Nanoseconds) -> Snapshot:
-    """Return the same snapshot at a later instant, everything that was heard as much later."""
+    """Return the same snapshot at a later instant, with every time of arrival as much later."""
 
     def later(at: Nanoseconds) -> Nanoseconds:
         return at if at == NEVER_RECEIVED else at + by

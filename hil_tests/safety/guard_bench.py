@@ -1,4 +1,4 @@
-"""A node that says what the test wrote down, behind a guard; and the frames that it says."""
+"""A node that sends the test's frames, behind a guard; and those frames."""
 
 import struct
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ LINK: Final = "drives"
 
 @dataclass
 class ScriptedNode:
-    """A node that says what the test wrote down."""
+    """A node that sends the test's frames."""
 
     states: tuple[Packet, ...] = ()
     wake_at: Nanoseconds = NEVER
@@ -48,7 +48,7 @@ class Stopping(ScriptedNode):
 
 
 class Bench:
-    """A puppet behind a guard."""
+    """A scripted node behind a guard."""
 
     def __init__(self, robot: AnyRobot, scripted: ScriptedNode | None = None) -> None:
         self.scripted = scripted or ScriptedNode()
@@ -102,7 +102,7 @@ def raw(value: int, size: int) -> bytes:
 
 
 def status(node: int, statusword: int) -> Packet:
-    """The first transmit PDO, which tells the statusword when it changes."""
+    """Return the first transmit PDO, which reports the statusword when it changes."""
     return Packet(LINK, 0x180 + node, struct.pack("<H", statusword))
 
 

@@ -17,7 +17,7 @@ class Nothing(Table):
 
 @dataclass(frozen=True)
 class AnAxis:
-    """What differs from RARS's left wheel: ratio 26, 500 lines."""
+    """Differences from RARS's left wheel: ratio 26, 500 lines."""
 
     name: str
     node: int

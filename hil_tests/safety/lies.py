@@ -1,4 +1,4 @@
-"""What a drive, its twin, or the gateway of a serial line may say that is not so: a row each."""
+"""False reports of a drive, of a second node with its number, or of a serial line's gateway: a row each."""
 
 import struct
 from collections.abc import Callable, Mapping
@@ -33,7 +33,7 @@ def states(word: int, *, every: int = 1) -> Change:
 
 
 def beside(word: int, *, first: bool = False) -> Change:
-    """Say beside each sample another one, of a drive that stands at 0."""
+    """Send beside each sample another one, of a drive that stands at 0."""
     sample = struct.pack("<Hih", word, 0, 0)
 
     def change(packet: Packet) -> tuple[Packet, ...]:
@@ -63,7 +63,7 @@ def stale() -> Change:
 
 
 def on_the_line(change: Change) -> Change:
-    """Leave what a gateway says on the bus behind it as it is."""
+    """Leave the gateway's frames on the bus behind it as they are."""
     return lambda packet: change(packet) if packet.link != CAN and packet.payload else (packet,)
 
 
@@ -116,7 +116,7 @@ OF_A_DRIVE: Final[Mapping[str, tuple[str, Callable[[], Change]]]] = {
     "a twin is off, and speaks first": ("", lambda: beside(OFF, first=True)),
     "each 2nd position is stale; ignores": (IGNORES, stale),
 }
-"""A fault, or none, and what is said beside it."""
+"""Lies of a drive: a fault, or none, and the report beside it."""
 OF_A_GATEWAY: Final[Mapping[str, Callable[[], Change]]] = {
     "each 2nd check sum is wrong": lambda: each(2, damaged),
     "each 3rd check sum is wrong": lambda: each(3, damaged),

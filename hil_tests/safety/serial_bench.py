@@ -1,4 +1,4 @@
-"""The guard on a serial line: RARS's rules, its commands in short, and a node that says what a test wants."""
+"""The guard on a serial line: RARS's rules, its commands in short, and a node with a test's commands."""
 
 from typing import Final
 
@@ -66,7 +66,7 @@ def done(packet: Packet) -> Packet:
 
 
 def value(packet: Packet, raw: bytes, error: int = 0) -> Packet:
-    """What a read has brought."""
+    """Return the result of a read."""
     request = request_of(packet)
     assert request is not None
     answer = encode_answer(request, ObjectRead(error, raw.ljust(4, b"\0")))
@@ -84,7 +84,7 @@ class SerialBench:
         return self.guard.wake(now).sent
 
     def receives(self, packet: Packet, now: Nanoseconds = 0) -> bool:
-        """Whether the node is shown a packet."""
+        """Return True if the guard shows the node a packet."""
         before = len([received for received, _ in self.node.received if received is not None])
         self.guard.receive(packet, now)
         return len([received for received, _ in self.node.received if received is not None]) > before

@@ -42,7 +42,7 @@ def intent(**fields: Any) -> dict[str, Any]:
 
 
 def dated(age: Nanoseconds) -> dict[str, Any]:
-    """A motion command that was said so long ago, counted from the look."""
+    """Return the fields of a motion command that was sent so long ago, counted from the look."""
     return {"sent_at": START - age, "dated": True}
 
 
@@ -51,7 +51,7 @@ def drive(name: str, **fields: Any) -> dict[str, Any]:
 
 
 def follows(name: str, **fields: Any) -> dict[str, Any]:
-    """One axis that does all that it is told, but for these fields."""
+    """Return the fields of one axis that follows all its commands, but for these fields."""
     known = Following(Speed(1.5), START, START, START, START, START, position=0.125, velocity=0.25)
     return {"following": {name: replace(known, **fields)}}
 
@@ -276,7 +276,7 @@ CASES: Final = (
         LINK,
     ),
     Case(
-        # It owes its way since it strays.
+        # Its backlog exists since it deviates.
         "tracking error: left",
         follows(
             "left",
@@ -290,7 +290,7 @@ CASES: Final = (
         also=("position not changing: left",),
     ),
     Case(
-        # It owes its way since 100 ms.
+        # Its backlog exists since 100 ms.
         "tracking error: left",
         follows("left", obeyed_at=START - DRIVE_LIMIT, settled_at=START - BACKLOG, place_at=START - BACKLOG),
         follows(

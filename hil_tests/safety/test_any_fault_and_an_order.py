@@ -1,4 +1,4 @@
-"""Each fault that an evening may bring, then an order to stop: the robot stands, and the end comes."""
+"""Each fault of a random run, then an order to stop: the robot stands, and the end comes."""
 
 from collections.abc import Iterator
 from contextlib import suppress
@@ -21,12 +21,12 @@ OTHERS: Final = {
     "bridge_ends", "second_bridge", "second_station", "datagram_loss", "datagram_late", "datagram_doubled",
     "nmt_foreign_node", "stray_frames",
 }  # fmt: skip
-"""Not of the robot: they end the bridge, or speak in the operator's name."""
+"""Faults that are not the robot's: they end the bridge, or send in the operator's name."""
 KINDS: Final = sorted(FAILING.keys() - OTHERS)
 BEYOND_REACH: Final = {"rome:mw:3": {"serial_unplugged"}, ARM: {"serial_unplugged"}}
-"""Nothing reaches the board: without a watchdog it drives on, as its page says; an arm ends its move."""
+"""Faults by which nothing reaches the board: without a watchdog it drives on; an arm ends its move."""
 OF_ONE: Final = {"rome:mw:3": "two"}
-"""Whose fault it is, where it is one axis's; else the left wheel's."""
+"""Axis of a fault of one axis; else it is the left wheel."""
 
 
 def faults(rig: VirtualRig, kind: str) -> None:

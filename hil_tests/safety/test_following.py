@@ -15,7 +15,7 @@ from hil_tests.safety.following_bench import CYCLE, GIVES, RARS, SLACK, STEERING
 from hil_tests.safety.gate_bench import above
 
 AT_THREE: Final = SLACK + 3.0 * GIVES
-"""The slack of a wheel that was told 3 rad/s, one way or the other."""
+"""The slack of a wheel that is commanded to 3 rad/s, one way or the other."""
 
 # What follows from axis, drive and link
 

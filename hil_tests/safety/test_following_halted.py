@@ -69,7 +69,7 @@ def test_a_wheel_that_has_not_begun_to_turn_has_not_halted() -> None:
 @pytest.mark.parametrize("speed", [0.5, 2.9])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_while_it_need_not_move_it_does_not_turn(sign: float, speed: float) -> None:
-    """Blocked it owes its way; then it is commanded to stand, and shows a speed without a way."""
+    """Blocked, it has a backlog; then it is commanded to stand, and shows a speed without a way."""
     one = rested(Speed(sign * 3.0))
     one.does(0.0, 8)
     one.commanded(Speed(0.0))

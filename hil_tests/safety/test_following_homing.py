@@ -1,4 +1,4 @@
-"""What is believed of an axis that finds its zero: as fast as commanded, either way, and then at rest."""
+"""Plausible motion of an axis that homes: as fast as commanded, either way, and then at rest."""
 
 from typing import Final
 

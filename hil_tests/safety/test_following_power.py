@@ -1,4 +1,4 @@
-"""What is known of an axis when its power goes and comes, and when a sample is old or the first one."""
+"""Plausibility of an axis when its power goes and comes, and when a sample is old or the first one."""
 
 from dataclasses import replace
 
@@ -81,7 +81,7 @@ def test_a_device_that_has_stopped_by_itself_is_to_stand_whatever_it_is_reported
 
 @pytest.mark.parametrize("speed", [3.0, 0.0])
 def test_a_sample_that_was_seen_changes_nothing(speed: float) -> None:
-    """An axis that follows, and one that owes its way."""
+    """An axis that follows, and one that has a backlog."""
     one = settled(Speed(3.0), 3.0)
     known = one.does(speed, 4)
     assert (known.settled_at == known.sampled_at) is (speed != 0.0)

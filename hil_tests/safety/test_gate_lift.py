@@ -1,4 +1,4 @@
-"""Lift and wheels never together, whoever asks first; and the gate's deadlines."""
+"""Lift and wheels never together, in either order of the commands; and the gate's deadlines."""
 
 import math
 from collections.abc import Callable

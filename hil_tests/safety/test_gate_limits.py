@@ -1,4 +1,4 @@
-"""Limits at both edges, how long they are told, and what is held while stopped."""
+"""Limits at both edges, the duration of their reports, and the limits kept while stopped."""
 
 import math
 from collections.abc import Callable

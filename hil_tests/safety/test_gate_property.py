@@ -1,4 +1,4 @@
-"""Whatever snapshots come in whatever order: no speed under a stop, no limit passed, always a reason."""
+"""Any snapshots in any order: no speed under a stop, no limit passed, always a reason."""
 
 import math
 from typing import TYPE_CHECKING, Any, Final

@@ -75,7 +75,7 @@ def test_at_its_threshold_it_stops_the_robot_and_states_why(
         gate.rule(well(START - 10 + n))
     command = {"speed_mps": 0.3, "steer_rad": 0.1, "lift_rate_mps": 0.0} | case.trips.get("intent", {})
     ruling = gate.rule(tripped(well, case, intent=command, demanded_speed_mps=0.3))
-    # A command that is no number asks to move the lift as well, and the robot drives.
+    # A command that is no number moves the lift as well, and the robot drives.
     assert set(names(ruling)) - {"lift refused"} == {case.hold, *case.also}
     hold = next(hold for hold in ruling.holds if hold.name == case.hold)
     assert hold == Hold(case.hold, case.reason, hold.row, START)

@@ -1,4 +1,4 @@
-"""Whatever is sent, whenever: sums stay within their bounds, sides apart; and honesty is not punished."""
+"""Any commands at any time: sums stay within their bounds, sides apart; and honesty is not punished."""
 
 import struct
 from typing import Final
@@ -72,7 +72,7 @@ WORDS: Final = st.sampled_from([OFF, SHUTDOWN, ENABLE, ENABLE, GO, HALT, 0x000B]
 
 
 class NeverBoth(RuleBasedStateMachine):
-    """A bridge that says anything to three drives, of which either two or one may be told to move."""
+    """A bridge that sends anything to three drives, of which either two or one may be commanded to move."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""The guard's rules over several axes, asked directly: who counts, who is stopped, and until when."""
+"""The guard's rules over several axes, called directly: axes that count, axes stopped, and until when."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def test_a_sum_that_stands_beyond_ends_after_a_cycle_from_when_it_was_passed_las
 
 
 def test_no_one_goes_on_from_mixture_to_mixture() -> None:
-    """Of each cycle 15 ms are beyond, and each time the other axis could mend it: the integral ends that."""
+    """Of each cycle 15 ms are beyond, and each time the other axis could correct it: the integral ends it."""
     trio = pair()
     for name, speed in (("a", 50.0), ("b", -50.0), ("a", 100.0), ("b", -100.0)):
         assert trio.sent(name, 0, speed) == NEVER

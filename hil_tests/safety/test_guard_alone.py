@@ -1,4 +1,4 @@
-"""What the guard refuses by itself, with no bridge before it, over CAN and serial: the worst for RARS."""
+"""Refusals of the guard by itself, with no bridge before it, over CAN and serial: the worst for RARS."""
 
 from typing import Final
 

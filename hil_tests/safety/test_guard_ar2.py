@@ -1,4 +1,4 @@
-"""What the guard lets through to an arm: one short move at a time, in its travel, from a place said."""
+"""Moves of an arm that the guard lets through: one short one at a time, in its travel, from a known place."""
 
 from collections.abc import Callable
 
@@ -33,11 +33,11 @@ class OnTheLine:
         self.bench = Bench(ROBOT)
 
     def states(self, data: bytes) -> bool:
-        """Say a line; return whether it has left as it is."""
+        """Send a line; return True if it has left as it is."""
         return self.bench.states(line(data)) == (line(data),)
 
     def refused(self, data: bytes) -> str:
-        """Say a line that does not leave, and return why; a question leaves in its place."""
+        """Send a line that does not leave, and return the reason; a query leaves in its place."""
         before = len(self.bench.refusals)
         assert self.bench.states(line(data)) == (line(HALT),)
         assert len(self.bench.refusals) == before + 1
@@ -47,7 +47,7 @@ class OnTheLine:
         self.bench.receives(line(data))
 
     def reported(self, steps: tuple[int, ...] = MIDDLE) -> "OnTheLine":
-        """Have it told where all joints stand."""
+        """Send it the places of all joints."""
         for joint, place in enumerate(steps, 1):
             assert self.states(words.test(words.place(joint, place)))
         return self
@@ -139,7 +139,7 @@ stated = st.one_of(
 @settings(max_examples=examples(60))
 @given(lines=st.lists(stated, max_size=30), begin=st.tuples(*(st.integers(0, axis.steps) for axis in JOINTS)))
 def test_whatever_is_stated_the_arm_stays_in_its_travel(lines: list[bytes], begin: tuple[int, ...]) -> None:
-    """By the emulated board, which does what has left, and answers at once."""
+    """Check it by the emulated board, which executes the moves that have left, and answers at once."""
     one, arm = OnTheLine().reported(begin), Arm()
     arm.joints.places[:6] = begin
     for data in lines:

@@ -20,7 +20,7 @@ ROBOT = find("ar2")
 
 
 def rules_of(robot: AnyRobot = ROBOT, places: int | None = 100) -> Ar2Rules:
-    """The rules; all joints have been said to stand there."""
+    """Return the rules, with all joints' places confirmed there."""
     rules = Ar2Rules(robot, ARM)
     for joint in rules.axes:
         assert isinstance(joint, GuardedJoint)

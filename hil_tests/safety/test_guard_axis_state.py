@@ -1,4 +1,4 @@
-"""What the guard knows of one drive after each word, report and restart, asked directly."""
+"""The guard's state of one drive after each command, report and restart, called directly."""
 
 from __future__ import annotations
 

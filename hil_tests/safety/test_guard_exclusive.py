@@ -133,7 +133,7 @@ def test_what_may_be_older_than_the_target_or_is_not_enabled_is_no_arrival(
 
 @pytest.mark.parametrize("again", [GO, ENABLE])
 def test_a_lift_that_goes_on_after_a_halt_has_to_arrive_again(pair: Bench, again: int) -> None:
-    """While it is halted the same bit says that it stands."""
+    """While it is halted the same bit means that it stands."""
     pair.states(position(4, GO, 500), position(4, HALT, 500))
     pair.receives(status(4, REACHED), now=CYCLE)
     pair.states(position(4, again, 500), now=CYCLE)

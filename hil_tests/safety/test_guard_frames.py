@@ -117,7 +117,7 @@ def test_a_set_point_out_of_bounds_is_replaced_by_its_axis_at_rest(
 ) -> None:
     node = packet.address & 0x7F
     make = wheel if node < 3 else position
-    # Never told anything: it has no power, and gets none.
+    # Without any command so far: it has no power, and gets none.
     assert bench.refuses(packet) == (reason, (make(node, 0, 0),))
     bench.states(make(node, 0x000F, 77))
     rest = wheel(node, 0x000F, 0) if node < 3 else position(node, 0x010F, 77)

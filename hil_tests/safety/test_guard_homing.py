@@ -1,4 +1,4 @@
-"""What the guard lets pass of a homing that moves: no more than the file says, and one axis at a time."""
+"""Steps of a moving homing that the guard lets pass: within the file's values, and one axis at a time."""
 
 from collections.abc import Callable
 from typing import Final, TypeAlias
@@ -55,7 +55,7 @@ class OverCan(ZeroOverCan):
         super().__init__()
         self.bench = guard_bench.Bench(robot)
         self.far = False
-        """Whether the lift is on a link of its own."""
+        """True if the lift is on a link of its own."""
 
     def _states(self, packet: Packet) -> str | None:
         """Let it leave on the link of its node."""
@@ -78,7 +78,7 @@ class OverCan(ZeroOverCan):
         return self._states(guard_bench.position(node, NEW_POSITION, target))
 
     def rests(self, cycles: int) -> None:
-        """Let every axis but the lift be told to rest for so many cycles."""
+        """Let every axis but the lift be commanded to rest for so many cycles."""
         for _ in range(cycles):
             self.now += 50 * MILLISECOND
             wheels = (guard_bench.wheel(node, ENABLE, 0) for node in (LEFT, 2))
@@ -234,7 +234,7 @@ def test_to_confirm_is_as_good_as_ever(made: Made) -> None:
 
 @BOTH
 def test_a_place_elsewhere_belongs_to_its_file(made: Made) -> None:
-    """By the file's method the home position must be the file's; by 35 it may be any within travel."""
+    """Check the home position: by the file's method it must be the file's; by 35 any within travel."""
     kind = type(made())
     line = prepared(kind(PLACED))
     assert line.writes(LIFT, at.CONTROLWORD, START) == NO_WORD

@@ -1,4 +1,4 @@
-"""What the guard remembers of each drive: power and motion, and what it then refuses."""
+"""The guard's memory of each drive: power and motion, and the refusals that follow."""
 
 from typing import Final
 
@@ -53,7 +53,7 @@ def test_a_drive_that_left_the_bus_counts_as_without_power(bench: Bench, address
 
 
 PATIENCE: Final = 200 * MILLISECOND
-"""How long a drive may take to confirm a word: RARS's file leaves `stop_confirmed_ms.by_object` to CAN."""
+"""Time for a drive to confirm a word: RARS's file leaves `stop_confirmed_ms.by_object` to CAN."""
 OFF: Final = tuple(make(node, 0x0000, 0) for node, make in enumerate((wheel, wheel, position, position), 1))
 
 

@@ -1,4 +1,4 @@
-"""Whatever a bridge says, at whatever time: only admissible frames leave, and never power by a safe frame."""
+"""Any frames of a bridge at any time: only admissible ones leave, and never power by a safe frame."""
 
 import struct
 from typing import Final
@@ -55,7 +55,7 @@ COMMAND_OF: Final = {axis.epos2.node: axis.command for axis in ROBOT.axes}
 
 
 class AnySpeech(RuleBasedStateMachine):
-    """A bridge that says anything, and four drives that only remember whether they have power and move."""
+    """A bridge that sends anything, and four drives that only remember if they have power and move."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -67,7 +67,7 @@ class AnySpeech(RuleBasedStateMachine):
         self.off_since = dict.fromkeys(COMMAND_OF, NEVER)
         """Since when the word in force has been the one that takes the power."""
         self.goal = dict.fromkeys(COMMAND_OF, False)
-        """Whether a position was sent since the power came on."""
+        """True if a position was sent since the power came on."""
 
     @rule(stated=SPEECH, ms=st.sampled_from([0, 1, 49, 50, 149, 150, 400]))
     def the_bridge_speaks(self, stated: list[Packet], ms: int) -> None:
@@ -95,7 +95,7 @@ class AnySpeech(RuleBasedStateMachine):
             if packet.link == OPERATOR:
                 continue
             assert packet.link == LINK
-            # What a drive must have confirmed is judged by the guard that hears it; here none says a word.
+            # A drive's confirmations are judged by the guard that receives them; here no drive answers.
             assert packet.payload[:1] == b"\x81" or RULES.refuses(packet, self.now) is None
             if packet.address in NODE_OF:
                 self.obey(packet, stated)
@@ -105,7 +105,7 @@ class AnySpeech(RuleBasedStateMachine):
                 self.write(packet.address & 0x7F, packet.payload)
 
     def leave(self, command: int, addressed: int) -> None:
-        """Take a network command: all but the start make a drive deaf."""
+        """Take a network command: after all but the start a drive receives nothing."""
         for node in COMMAND_OF if addressed == 0 else (addressed,):
             if command != 1:
                 assert not self.moves[node]

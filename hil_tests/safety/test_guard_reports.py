@@ -1,4 +1,4 @@
-"""What the drives report of their power, and what the guard makes of it: in doubt a drive has it."""
+"""The drives' reports of their power, and the guard's conclusion: in doubt a drive has it."""
 
 from typing import Final
 
@@ -84,7 +84,7 @@ def test_what_is_no_statusword_of_the_drive_sends_nothing_of_its_power(bench: Be
 def test_a_drive_that_has_power_though_it_was_sent_none_counts_as_powered(
     bench: Bench, reported: int
 ) -> None:
-    """Whatever is refused, it is sent again what it did not obey; and it stays watched."""
+    """After any refusal, the command that was not obeyed is sent again; and the drive stays watched."""
     bench.states(
         wheel(1, 0x000F, 500), wheel(1, reported, 0), position(3, 0x003F, 70), position(3, reported, 70)
     )

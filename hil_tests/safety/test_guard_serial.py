@@ -65,7 +65,7 @@ def test_what_is_listed_leaves_as_it_is(desk: SerialBench, packet: Packet) -> No
 
 
 def confirms_no_power(desk: SerialBench, node: int) -> None:
-    """Let a drive answer that it is switched off; what was asked for before is answered first."""
+    """Let a drive answer that it is switched off; earlier requests are answered first."""
     requested = reading(node, at.STATUSWORD)
     desk.guard.receive(Packet(LINK, LINE_BACK, b""), 0)
     desk.states(requested)
@@ -186,7 +186,7 @@ def test_the_watch_of_a_drive_with_power_is_not_ended(desk: SerialBench) -> None
 def test_a_drive_that_was_reset_is_without_power(
     desk: SerialBench, network: NmtCommand, after: int, node: int
 ) -> None:
-    """In pre-operational it still hears serial commands, and keeps its power."""
+    """In pre-operational it still receives serial commands, and keeps its power."""
     desk.states(word(STEER, HALT))
     reported = states(SendNmtService(node, network))
     assert desk.states(reported) == (reported,)
@@ -246,7 +246,7 @@ def test_whatever_the_node_states_no_target_beyond_its_bounds_leaves(stated: lis
         for packet in desk.states(states(request)):
             left = request_of(packet)
             assert left is not None
-            # What hangs on the drives' own words is for a guard that hears them.
+            # Rules on the drives' own reports are for a guard that receives them.
             assert RULES.refuses(packet, 0) is None
             if isinstance(left, messages.WriteObject) and left.index == at.TARGET_VELOCITY.index:
                 assert abs(int.from_bytes(left.raw, "little", signed=True)) <= TOP

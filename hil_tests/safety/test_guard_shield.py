@@ -1,4 +1,4 @@
-"""What the guard lets through to a board with a motor shield, at both edges of each bound."""
+"""Commands to a board with a motor shield that the guard lets through, at both edges of each bound."""
 
 from typing import Any, Final
 
@@ -21,7 +21,7 @@ CYCLE: Final[Nanoseconds] = 50 * MILLISECOND
 
 
 class Talker:
-    """A bridge that says what it was given."""
+    """A bridge that sends the given commands."""
 
     def __init__(self) -> None:
         self.states: tuple[Packet, ...] = ()
@@ -49,7 +49,7 @@ class Bench:
         self.now: Nanoseconds = SECOND
 
     def say(self, *words: bytes, later: Nanoseconds = 0) -> list[bytes]:
-        """Say words; return what has left."""
+        """Send words; return what has left."""
         self.now += later
         self.talker.states = tuple(Packet("board", 0, word) for word in words)
         return [packet.payload for packet in self.guard.wake(self.now).sent if packet.address == 0]
@@ -61,7 +61,7 @@ class Bench:
 
     @property
     def reason(self) -> str:
-        """Why the newest was refused."""
+        """Reason of the newest refusal."""
         return self.guard.refusals[-1].reason
 
 
@@ -266,7 +266,7 @@ def test_the_guard_speaks_for_a_bridge_that_is_silent(
 
 @pytest.mark.parametrize("robot", SHIELDS)
 def test_the_guard_s_words_stop_every_motor_of_a_board(robot: str) -> None:
-    """The bridge says nothing more: each of the guard's words must come to the board."""
+    """The bridge sends nothing more: each of the guard's commands must come to the board."""
     with driving(robot) as rig:
         station: Any = rig.bench.world._stations[BRIDGE]  # noqa: SLF001 - no fault of a mission does it
         guard = station.node.node

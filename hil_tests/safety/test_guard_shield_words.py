@@ -1,4 +1,4 @@
-"""What each firmware's words mean to the guard, and what is none of them."""
+"""Meaning of each firmware's commands to the guard, and packets that are no command."""
 
 from typing import Final
 

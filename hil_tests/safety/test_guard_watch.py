@@ -34,7 +34,7 @@ def test_a_silent_bridge_is_spoken_for_after_three_cycles_and_then_each_cycle(be
     assert bench.guard.wake(due) == Reaction(SAFE, due + CYCLE)
     assert bench.guard.wake(due + CYCLE - 1) == Reaction((), due + CYCLE)
     assert bench.guard.wake(due + CYCLE) == Reaction(SAFE, due + 2 * CYCLE)
-    # Late is late: the next one is a cycle after it was said.
+    # Late is late: the next one is a cycle after it was sent.
     assert bench.guard.wake(due + 9 * CYCLE) == Reaction(SAFE, due + 10 * CYCLE)
     assert bench.guard.refused == 1
     reported = bench.guard.refusals[0]

@@ -1,4 +1,4 @@
-"""What a bridge may write over SDO, each bound crossed by one, and the abort that leaves instead."""
+"""SDO writes that a bridge may send, each bound crossed by one, and the abort that leaves instead."""
 
 import math
 from collections.abc import Sequence
@@ -101,7 +101,7 @@ def test_an_object_may_be_written_within_its_bounds(
     may: Sequence[int],
     beyond: Sequence[int],
 ) -> None:
-    # What is written last here, the end of the watch, needs a drive that has said that it has no power.
+    # The last write here, the end of the watch, needs a drive that has reported that it has no power.
     bench.receives(status(node, 0x0140))
     for value in may:
         packet = write(node, index, subindex, raw(value, size))

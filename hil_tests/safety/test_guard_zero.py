@@ -1,4 +1,4 @@
-"""What the guard lets pass of a homing by method 35: in its order, by the drive's own word, no more."""
+"""Steps of a homing by method 35 that the guard lets pass: in their order, by the drive's own report."""
 
 from collections.abc import Callable
 from typing import Final, Protocol, TypeAlias
@@ -35,13 +35,13 @@ class Line(Protocol):
         """Let the bridge write; return why it was refused."""
 
     def reports(self, node: int, address: Address, value: int) -> None:
-        """Let a drive tell what it was asked for."""
+        """Let a drive report a requested value."""
 
     def wheel(self, rpm: int) -> None:
-        """Let the left wheel be told a speed."""
+        """Command a speed to the left wheel."""
 
     def position(self, word: int, target: int) -> str | None:
-        """Let the lift be told a position in the ordinary way."""
+        """Command a position to the lift in the ordinary way."""
 
     def resets(self) -> None:
         """Let the lift's drive be reset when nothing else stops it."""
@@ -237,7 +237,7 @@ def test_no_new_position_in_homing_mode_and_no_other_mode_while_bit_4_is_up(made
 
 @pytest.mark.parametrize("unused", [b"\0\0\0", b"\x01\0\0", b"\xff\xff\xff"])
 def test_bytes_of_a_write_that_are_not_used_do_not_count(unused: bytes) -> None:
-    """CiA 301: an expedited download says how many of its four bytes contain no data."""
+    """CiA 301: an expedited download gives the number of its four bytes that contain no data."""
     line = OverCan()
     prepared(line)
     assert line.writes(LIFT, at.CONTROLWORD, START) is None
@@ -302,7 +302,7 @@ def test_a_start_by_process_data_is_never_listed() -> None:
 
 @BOTH
 def test_after_it_the_lift_rests_where_the_drive_states_now(made: Made) -> None:
-    """What was far before is near now: to hold it there is no motion, so the wheels may go."""
+    """A far position before is near now: to hold it there is no motion, so the wheels may go."""
     line = prepared(made())
     for word in (START, HALT):
         assert line.writes(LIFT, at.CONTROLWORD, word) is None

@@ -1,4 +1,4 @@
-"""What the guard knows of one drive's homing, object by object, asked directly."""
+"""The guard's state of one drive's homing, object by object, called directly."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A drive, its twin or a gateway that says what is not so: an order to stop stops the robot all the same."""
+"""A drive, a second node with its number, or a gateway with false reports: a stop order stops the robot."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""No order to stop is slower than a weaker one, whatever the drive does or says meanwhile."""
+"""No order to stop is slower than a weaker one, for any behavior or report of the drive meanwhile."""
 
 import struct
 from collections.abc import Callable
@@ -20,7 +20,7 @@ STRONGER: Final = ("emergency stop", "forced disarm")
 
 
 def states(statusword: int, every_nth: int = 1) -> Callable[[Packet], tuple[Packet, ...]]:
-    """Return what makes each so-manieth sample of a drive tell a state."""
+    """Return the change that makes each so-manieth sample of a drive report a state."""
     count = 0
 
     def change(packet: Packet) -> tuple[Packet, ...]:

@@ -1,4 +1,4 @@
-"""An operator who has fallen silent is told that he is silent, and not that his last word has grown old."""
+"""A silent operator link is reported as a timeout, and not as a command that has become stale."""
 
 from typing import Any, Final
 

@@ -1,4 +1,4 @@
-"""After an emergency stop all axes lose their power, whatever one of them tells of itself."""
+"""After an emergency stop all axes lose their power, for any report of one of them."""
 
 import struct
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""When a robot rests, by its body and by each axis that carries it, and what a mode's body senses."""
+"""Standstill of a robot, by its kinematic model and by each axis that carries it, and a mode's state."""
 
 from collections.abc import Mapping
 from typing import Any, Final
@@ -49,7 +49,7 @@ def rules_of(*without: str) -> Rules[Any, Any, Any]:
 def seen(
     left: float = 0.0, age: Nanoseconds = 0, *, demanded: float = 0.0, place: float = 0.0
 ) -> Snapshot[Any, Any]:
-    """Return a snapshot; the left axis was heard so long ago."""
+    """Return a snapshot; the left axis was last received so long ago."""
     axes = {
         "left": Feedback("left", received_at=NOW - age, velocity=left),
         "right": Feedback("right", received_at=NOW),
@@ -90,7 +90,7 @@ def test_a_robot_rests_while_it_is_where_it_is_to_be(demanded: float, place: flo
 def test_an_axis_in_use_must_stand_however_long_it_is_silent(
     without: tuple[str, ...], left: float, age: Nanoseconds, *, stands: bool
 ) -> None:
-    """An axis that the mode does without is asked until it was silent for 250 ms."""
+    """An axis that the mode does without is polled until it was silent for 250 ms."""
     assert rules_of(*without).stands(seen(left, age)) is stands
 
 

@@ -1,4 +1,4 @@
-"""What is known before anything is: an axis that is not judged, and a robot of which no one complains."""
+"""Initial knowledge: an axis that is not judged, and a robot without a complaint."""
 
 from dataclasses import replace
 from typing import Any
@@ -43,7 +43,7 @@ def test_a_robot_is_whole_and_its_operator_there_where_nothing_else_is_stated() 
 
 @pytest.mark.parametrize(("change", "same"), [({"axis": "lift"}, True), ({"since": 1}, False)])
 def test_a_hold_is_the_same_whosever_it_is(change: dict[str, Any], *, same: bool) -> None:
-    """Its name says whose it is already."""
+    """Its name contains the axis already."""
     row = Row(name="axis timeout: lift", remedy="check its cable")
     hold = Hold("axis timeout: lift", "silent", row, 0)
     assert hold.axis == ""
@@ -67,7 +67,7 @@ def test_a_hold_is_the_same_whosever_it_is(change: dict[str, Any], *, same: bool
 def test_a_command_counts_until_it_is_as_old_as_one_may_be(
     age_ms: int | None, silent_ms: int, lives_ms: int, *, dated: bool
 ) -> None:
-    """500 ms; whoever is older is judged by its age, and what nothing dates lives as long as silence may."""
+    """Limit of 500 ms; an older one is judged by its age, and an undated one lives as long as silence may."""
     needed: dict[str, Any] = {"axes": {}, "sensors": {}, "links_lost": {}}
     facts = Facts(
         now=SECOND,

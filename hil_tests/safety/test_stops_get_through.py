@@ -1,4 +1,4 @@
-"""A stop gets through in every state of a driver and on every link, and each step lasts what its row says."""
+"""A stop gets through in every state of a driver and on every link; each step lasts as its row allows."""
 
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
@@ -39,7 +39,7 @@ each_order = every("order", ORDERS.items(), ids=lambda it: it[0])
 
 
 def whole_stop_s(rig: VirtualRig) -> float:
-    """How long a stop lasts at most, every step of it."""
+    """Return the longest duration of a stop, every step of it."""
     robot = rig.robot
     whole = [
         sums(way(STOP_STEPS[robot.links[axis.link].driver](robot, axis), off=False), axis.top_speed)[1]
@@ -49,7 +49,7 @@ def whole_stop_s(rig: VirtualRig) -> float:
 
 
 def ended(rig: VirtualRig) -> bool:
-    """Whether every stop is confirmed, or given up."""
+    """Return True if every stop is confirmed, or given up."""
     over = (Progress.CONFIRMED, Progress.GIVEN_UP, Progress.NOT_REQUESTED)
     return all(stop.progress in over for stop in rig.bench.bridge.stops.values())
 
@@ -114,7 +114,7 @@ def test_a_drive_that_hangs_loses_its_power_in_time(
 def test_a_drive_that_receives_nothing_at_standstill_loses_its_power_as_its_rows_say(
     robot: str, order: tuple[str, float]
 ) -> None:
-    """By PDO 150 ms, by SDO 200 ms, silence 350 ms; emergency stop and end look for half a second before."""
+    """Delays: PDO 150 ms, SDO 200 ms, timeout 350 ms; emergency stop and end first look for half a second."""
     with driving(robot) as rig:
         rig.operator.lets_go()
         runs(rig, 2.0)
@@ -165,7 +165,7 @@ def test_the_power_is_taken_within_five_seconds_by_the_rows(robot: str) -> None:
 
 
 Behaviors: TypeAlias = dict[str, tuple[str, dict[str, object]]]
-"""How a link, or what is on it, may behave: a fault and its keys; an empty kind for what is none."""
+"""Behavior of a link, or of a device on it: a fault and its keys; an empty kind for none."""
 ON_A_LINE: Final[Behaviors] = {
     "as it should be": ("", {}),
     "silent": ("board_silent", {}),
@@ -190,7 +190,7 @@ ON_A_BUS: Final[Behaviors] = {
 INSTANTS: Final = {"board_reset", "board_hangs"}
 ON_CAN: Final = {"stray_frames", "frame_loss"}
 HELPLESS = {"silent", "garbage", "hangs", "bus stuck"}
-"""Where a board without a watchdog may run on, and every step is tried in vain."""
+"""Behaviors in which a board without a watchdog may run on, and every step is tried in vain."""
 
 
 def behave(rig: VirtualRig, what: str, seconds: float, stack: ExitStack) -> None:
@@ -207,7 +207,7 @@ def behave(rig: VirtualRig, what: str, seconds: float, stack: ExitStack) -> None
 
 
 def half(packet: Packet) -> tuple[Packet, ...]:
-    """Lose the second half of what a board says at once."""
+    """Lose the second half of each chunk from a board."""
     return (with_payload(packet, packet.payload[: len(packet.payload) // 2]),)
 
 

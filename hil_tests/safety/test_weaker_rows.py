@@ -1,4 +1,4 @@
-"""What a driver can tell decides which rows judge its axis: the strong one, a weaker one, or none at all."""
+"""A driver's reports decide which rows judge its axis: the strong one, a weaker one, or none at all."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -25,7 +25,7 @@ Well: TypeAlias = Callable[..., Snapshot]
 
 EVERYTHING: Final = frozenset(Reports)
 SILENT: Final = EVERYTHING - {Reports.POWER}
-"""What a device tells that has no word for its power."""
+"""Reports of a device that has none for its power."""
 STRONG, WEAK = "axis not enabled", "late answer"
 KNOWN: Final = "reference lost"
 ALWAYS: Final = ("axis timeout", "axis fault", "axis reconfigured")
@@ -44,12 +44,12 @@ def reports_of(robot: Rars, **others: frozenset[Reports]) -> dict[str, frozenset
 
 
 def silent(robot: Rars) -> Gate:
-    """A gate whose lift has a driver that does not tell its power."""
+    """Return a gate whose lift has a driver that does not report its power."""
     return gate.Gate(robot, KIND.rules(robot), reports_of(robot, lift=SILENT))
 
 
 def received(seen: Snapshot, axis: str, at: Nanoseconds) -> Snapshot:
-    """The same, one axis without a word for its power and heard last at this instant."""
+    """Return the same, one axis without a report of its power and last received at this instant."""
     axes = dict(seen.facts.axes)
     axes[axis] = Feedback(axis, Power.UNKNOWN, received_at=at, sampled_at=at)
     return with_facts(seen, axes=axes)
@@ -79,7 +79,7 @@ def test_the_first_weaker_row_for_which_it_is_enough_stands_in() -> None:
 
 
 def weaker(axis: Axis, link: AnyLink) -> list[str]:
-    """The rows that stand in for others, by what the driver of a link says that it tells."""
+    """Return the rows that stand in for others, by the reports of a link's driver."""
     rows = [(row, row.fitting(REPORTS[link.driver](axis, link))) for row in common.AXIS_ROWS]
     return [fitting.name for row, fitting in rows if fitting is not None and fitting is not row]
 

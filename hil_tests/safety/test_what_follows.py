@@ -1,4 +1,4 @@
-"""What each row of the safety tables says of its hold: what stops, and what of the leave to move it takes."""
+"""Effects of each row of the safety tables: the axes that stop, and the loss of the motion permission."""
 
 from collections.abc import Callable
 from typing import Any, Final, TypeAlias

@@ -15,7 +15,7 @@ from hil_tests.scenarios.real_bus import MULTICAST, SDO_ANSWERS, SOCKETCAN, Benc
 from hil_tests.scenarios.ride import Armed, Ridden, Ride, ride
 
 KEPT: Final = 3
-"""So many robots stand by, armed."""
+"""Number of robots that stand by, armed."""
 
 
 @pytest.fixture(scope="session")

@@ -1,4 +1,4 @@
-"""A second ground station on the operator's link: it says what it is told to, and keeps the answers."""
+"""A second ground station on the operator's link: it sends the given messages, and keeps the answers."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ ARM, CLEAR, CONTROL = 400, 5300, 32100
 
 
 class ForeignNode:
-    """Speaks 20 times a second from `talks_from` on; `x` is its stick, and `orders` go out once."""
+    """Station that sends 20 times a second from `talks_from` on; `x` is its stick, `orders` go out once."""
 
     def __init__(
         self, system: int = 254, component: int = 190, source: int = number_of("192.0.2.7", 14550)

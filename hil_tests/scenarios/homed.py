@@ -30,7 +30,7 @@ after = ["lift"]
 
 
 def text_of(lift: str | None = LIFT, steer: str | None = None) -> str:
-    """RARS's file with these tables `[axes.zero.homing]`; None: told where it stands, as ever."""
+    """Return RARS's file with these tables `[axes.zero.homing]`; None: confirmed by the operator, as ever."""
     head, steering, lifting = TEXT.split(CONFIRMED)
     return head + _zero(steer) + steering + _zero(lift) + lifting
 

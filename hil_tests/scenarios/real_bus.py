@@ -1,7 +1,7 @@
-"""The chain in two processes on a real bus, of SocketCAN or of datagrams, and who looks at it.
+"""The chain in two processes on a real bus, of SocketCAN or of datagrams, and its observer.
 
-A test drives as others would, with pymavlink over UDP, and looks at the bus with a socket of its own: it asks
-the drives by SDO where they are, and believes neither the bridge nor the emulator.
+A test drives as others would, with pymavlink over UDP, and looks at the bus with a socket of its own: it
+reads the drives' positions by SDO, and believes neither the bridge nor the emulator.
 """
 
 import signal
@@ -24,7 +24,7 @@ MULTICAST: Final = ("loopback_multicast", "239.74.163.2")
 PLAIN: Final = "udp_multicast"
 """python-can's own, which is no true bus."""
 SDO_ANSWERS: Final = [can.typechecking.CanFilter(can_id=0x580, can_mask=0x780)]
-"""All that the test's own socket hears: to skip all others takes longer than an operator may be silent."""
+"""Filter of the test's own socket: to skip all other frames takes longer than the operator's timeout."""
 QC_PER_M: Final = 2000 * 26 / (2 * 3.141592653589793 * 0.05)
 DISABLED: Final = (0x0140, 0x0121)
 STATE_BITS: Final = 0x417F
@@ -32,7 +32,7 @@ START_WITHIN_S: Final = 40.0
 ARM: Final = 400
 ACTUATOR: Final = 187
 ACCEPTED: Final = 0
-"""Of MAV_RESULT."""
+"""Value of MAV_RESULT."""
 T = TypeVar("T")
 
 
@@ -186,12 +186,12 @@ class Bench:
     robot: str = "rars"
     last_node: int = 4
     zeros: tuple[str, ...] = ("lift", "steer")
-    """The axes that a person tells the bridge to stand at 0."""
+    """The axes that a person confirms to the bridge to stand at 0."""
     client: Client | None = None
 
     @property
     def where(self) -> tuple[str, ...]:
-        """Return how the program is told its bus."""
+        """Return the program's options for its bus."""
         return ("-i", self.bus[0], "-c", self.bus[1])
 
     def finish(self) -> None:

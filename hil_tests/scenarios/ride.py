@@ -20,7 +20,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import from_seconds, to_seconds
 
 READY_S: Final = 3.0
-"""By then the drives are set up, and the operator may arm."""
+"""Time by which the drives are set up, and the operator may arm."""
 SETTLED_S: Final = 3.9
 FIRST_S: Final = 4.0
 """The first step of a story that goes on from the armed robot; the operator has spoken once since then."""
@@ -43,7 +43,7 @@ class Ride:
         self.rig.run(from_seconds(second))
 
     def ends(self) -> None:
-        """Ask the bridge to end in good order, as Ctrl-C does."""
+        """Request the bridge to end in good order, as Ctrl-C does."""
         self.rig.world.stop(BRIDGE)
 
     @property
@@ -135,7 +135,7 @@ class Armed:
 
     @staticmethod
     def suits(steps: tuple[Step, ...], how: Mapping[str, object]) -> bool:
-        """Whether a ride with these steps and options is the same until then."""
+        """Return True if a ride with these steps and options is the same until then."""
         faults = how.get("faults", ())
         assert isinstance(faults, Sequence)
         later = [*(step for step in steps if step is not ARMED), *faults]

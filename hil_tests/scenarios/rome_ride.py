@@ -1,4 +1,4 @@
-"""ROME's base on the bench with one thing to do: its operator arms, and says it."""
+"""ROME's base on the bench with one thing to do: its operator arms, and sends one command."""
 
 import math
 from collections.abc import Iterator
@@ -32,14 +32,14 @@ title = "{title}"
 def driven(
     protocol: str, word: str, duration: float, faults: str = "", encoders: int | None = None
 ) -> Iterator[Rig]:
-    """A rig on which the operator arms, and says one thing after it."""
+    """Yield a rig on which the operator arms, and sends one command after it."""
     text = AHEAD.format(duration=duration, faults=faults, title="go", word=word)
     with scripted(over_protocol(find("rome"), protocol, encoders), text) as rig:
         yield rig
 
 
 def speed(rig: Rig) -> float:
-    """How fast the base is, m/s."""
+    """Return the speed of the base, m/s."""
     row = rig.samples[-1]
     return math.hypot(row["speed_mps"], row["speed_left_mps"])
 

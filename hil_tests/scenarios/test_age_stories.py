@@ -1,4 +1,4 @@
-"""How old a word is when it is obeyed: slow links, a go behind a stop, replays, clocks that are set."""
+"""Age of a command when it is obeyed: slow links, a go behind a stop, replays, clocks that are set."""
 
 import pytest
 
@@ -125,7 +125,7 @@ def test_a_go_that_comes_a_quarter_of_a_second_after_the_stop_moves_nothing(
 
 
 class Tape:
-    """Whoever has recorded what the operator sent, and sends it again as it came."""
+    """A node that records the operator's messages, and sends them again as they came."""
 
     def __init__(self, ride: Ride, begin_s: float, end_s: float) -> None:
         self.taken: list[tuple[Nanoseconds, Packet]] = []
@@ -217,7 +217,7 @@ def test_a_lost_share_of_the_operators_frames_is_reported(rides: Ridden) -> None
 
 
 def test_the_longest_that_a_word_is_obeyed_is_its_age(rides: Ridden) -> None:
-    """On a link of 0.3 s that falls silent, what was said last counts for 0.2 s more, not for 0.5 s."""
+    """On a link of 0.3 s that falls silent, the last command counts for 0.2 s more, not for 0.5 s."""
     ride = rides(BY_SET_POINT, ARMED, step(5.0, speed_mps=0.3), step(8.0, silent_s=4.0), **on_a_link(300))
     ride.runs_until(10.0)
     [hold] = [one for one in ride.rig.holds if one.name == "operator link timeout" and one.began > 6 * SECOND]

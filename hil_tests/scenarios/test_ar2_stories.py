@@ -39,7 +39,7 @@ up_mps = 0.012
 
 @contextmanager
 def driven(later: str = "", faults: str = "") -> Iterator[Rig]:
-    """A rig whose operator says where the arm stands, arms, and lifts the tool with 12 mm/s from 3.5 s on."""
+    """Yield a rig whose operator confirms the arm's pose, arms, and lifts the tool at 12 mm/s from 3.5 s."""
     with scripted(find("ar2"), GOES.format(later=later, faults=faults)) as rig:
         yield rig
 
@@ -53,7 +53,7 @@ def fault(at_s: float, kind: str, more: str = "") -> str:
 
 
 def moved(rig: Rig, begin: float, end: float) -> float:
-    """How far the tool was up and down by truth in this time, m."""
+    """Return the tool's distance up and down by truth in this time, m."""
     seconds = rig.samples.seconds
     heights = rig.samples.column("y_m")[(seconds >= begin) & (seconds <= end)]
     return float(np.ptp(heights))

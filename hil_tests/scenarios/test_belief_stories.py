@@ -1,4 +1,4 @@
-"""Stories of axes that do not do what they were told, on the whole bench: what is noticed, and when."""
+"""Stories of axes that do not follow their commands, on the whole bench: detection, and its time."""
 
 from collections.abc import Mapping
 from typing import Final
@@ -38,7 +38,7 @@ def noticed(ride: Ride, name: str, after: float) -> float:
 @pytest.mark.long(keeps=["can"])
 @LINKS
 def test_a_drive_that_ignores_its_set_points_moves_uncommanded(rides: Ridden, robot: AnyRobot | None) -> None:
-    """It says that it is enabled; demanded 0, measured 0.15 m/s."""
+    """It reports that it is enabled; demanded 0, measured 0.15 m/s."""
     ride = rides(
         ARMED,
         step(4.0, speed_mps=0.15),

@@ -1,4 +1,4 @@
-"""The carrier under cameras, on the whole bench: seen, hidden, mistaken, and where it is said to be."""
+"""The carrier under cameras, on the whole bench: seen, hidden, mistaken, and its reported pose."""
 
 import math
 from collections.abc import Iterator

@@ -23,7 +23,7 @@ SYNC: Final = "TIMESYNC alone"
 
 
 class Station:
-    """It drives by set-points with its time, and answers TIMESYNC; its words may be under way for long."""
+    """Station that drives by set-points with its time, and answers TIMESYNC; its messages may be delayed."""
 
     def __init__(self) -> None:
         self._codec = Codec(255, 190)
@@ -87,7 +87,7 @@ def test_no_word_that_is_too_old_moves_it(which: str, jump_s: float) -> None:
         else:
             station.sync_jumped = from_seconds(jump_s)
         runs(4.0)
-        # He lets go, and what he says from now on comes late: by then nothing is under way.
+        # The stick is let go, and later commands come late: by then nothing is under way.
         station.late, station.speed_mps = LATE, 0.0
         runs(7.0)
         station.speed_mps = SPEED_MPS

@@ -28,7 +28,7 @@ def test_a_second_station_takes_nothing_from_who_drives(rides: Ridden, who: dict
     ride.runs_until(10.0)
     slowest = min(row["speed_mps"] for row in ride.rows(6.0, 10.0))
     assert slowest == pytest.approx(0.3, rel=0.02)
-    # On this wire everybody hears everything: of the same ids it is taken for the first one's answer.
+    # All nodes on this wire receive everything: of the same ids it is taken for the first one's answer.
     other.results.pop(STANDS, None)
     assert other.results == {ARM: DENIED, 193: DENIED, 176: DENIED, 181: DENIED, CONTROL: FAILED}
     assert ride.now["armed"]

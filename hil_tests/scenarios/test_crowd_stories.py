@@ -1,4 +1,4 @@
-"""Many stations at once: who drives hears the robot, and third parties gain nothing."""
+"""Many stations at once: the station in control receives from the robot, and third parties gain nothing."""
 
 import pytest
 

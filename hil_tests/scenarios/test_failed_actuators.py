@@ -33,7 +33,7 @@ DEAD: Final = {
 
 
 def unpowered(node: str, at_s: float = DIES_AT_S, **how: float) -> Fault:
-    """The power stage's gate drivers have no supply any more: a motor that no one can switch on, told."""
+    """Return a fault of the gate drivers' supply: a motor that cannot be switched on, and is reported."""
     return fault("gate_supply_sag", at_s, node=node, to_v=0.0, **how)
 
 
@@ -43,7 +43,7 @@ def silenced(node: str, at_s: float = DIES_AT_S, **how: float) -> Fault:
 
 
 def goes_on(mode: str, *more: Step, steer_deg: float = 0.0) -> tuple[Step, ...]:
-    """What an operator does: drives, finds himself stopped, orders the mode, arms, and drives on."""
+    """Return the operator's steps: drive, be stopped, order the mode, arm, and drive on."""
     return (
         ARMED,
         step(4.0, speed_mps=0.3, steer_deg=steer_deg),
@@ -59,13 +59,13 @@ def drives(seconds: float, speed_mps: float = 0.2) -> tuple[Step, Step]:
 
 
 def reached(ride: Ride, since_s: float) -> float:
-    """How far the robot came since then, in m along its way, by the plant."""
+    """Return the robot's distance since then, in m along its way, by the plant."""
     places = [(row["x_m"], row["y_m"]) for row in ride.rows(since_s, 1e6)]
     return sum(math.dist(before, after) for before, after in pairwise(places))
 
 
 def odometry_error(ride: Ride) -> float:
-    """How far the bridge's pose is from where the robot has come since the mode was entered, in m."""
+    """Return the error of the bridge's pose in the motion since the mode was entered, in m."""
     rows = ride.rows(MODE_AT_S + 2.0, 1e6)
     first, last = rows[0], rows[-1]
     reported = ride.operator.diary.odometry

@@ -1,4 +1,4 @@
-"""What a fault leaves behind: a lift whose drive has restarted, late datagrams, the record of a run."""
+"""Effects after a fault: a lift whose drive has restarted, late datagrams, the record of a run."""
 
 import pytest
 
@@ -30,7 +30,7 @@ def test_a_lift_whose_drive_has_restarted_is_not_taken_for_retracted(rides: Ridd
 
 
 def test_a_lift_that_states_it_is_not_where_it_was_sent_is_not_armed(rides: Ridden) -> None:
-    """Its target is still 50 mm, and its drive says 0: to arm now would move it."""
+    """Its target is still 50 mm, and its drive reports 0: to arm now would move it."""
     ride = with_a_restarted_lift(rides, step(10.0, arm=True), step(11.0, arm=True))
     ride.runs_until(14.0)
     answers = [

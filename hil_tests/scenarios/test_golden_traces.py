@@ -17,7 +17,7 @@ from emulators.servo import kernel
 ROOT = Path(__file__).parents[2]
 MEANT = "\nmeant? then `make golden`"
 MOST_BYTES = 1 << 20
-"""Of all kept packets: they travel with every clone."""
+"""Limit of all kept packets: they travel with every clone."""
 
 
 def tool() -> ModuleType:

@@ -27,7 +27,7 @@ EITHER: Final = pytest.mark.parametrize(
 LIFT_ERROR_M: Final = 2e-3
 """A stop is found late, by the way that the drive goes on until its current is high enough."""
 END_DEG: Final = 59.8
-"""Where the steering stands at 2.65 rad of its pinion."""
+"""Angle of the steering at 2.65 rad of its pinion."""
 HOME: Final = step(2.0, home=["steering"])
 
 
@@ -36,7 +36,7 @@ def steer_deg(one: Ride) -> float:
 
 
 def kept_back(one: Ride) -> list[str]:
-    """What the guard has refused."""
+    """Return the guard's refusals."""
     return [refusal.reason for refusal in one.rig.guard.refusals if refusal.packet is not None]
 
 

@@ -1,4 +1,4 @@
-"""Many drives on one bus, as the benchmarks put them there: what is measured does what its table says."""
+"""Many drives on one bus, as the benchmarks put them there: the measured tasks are those in the tables."""
 
 import ctypes
 from collections import Counter

@@ -1,4 +1,4 @@
-"""A motor that is mounted the other way round, as the robot file says it, moves the robot as before."""
+"""A motor that is mounted the other way round, as declared in the robot file, moves the robot as before."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

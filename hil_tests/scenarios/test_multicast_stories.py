@@ -16,7 +16,7 @@ from hil_tests.scenarios.real_bus import DISABLED, MULTICAST, PLAIN, Bench, unti
 PORT: Final = 43113
 """python-can's own for this interface."""
 IP_RECVTTL: Final = 12
-"""Of Linux, ip(7); Python has no name for it."""
+"""Option of Linux, ip(7); Python has no name for it."""
 NODES: Final = (1, 2, 3, 4)
 
 pytestmark = [pytest.mark.alone, pytest.mark.timeout(120)]
@@ -24,7 +24,7 @@ pytestmark = [pytest.mark.alone, pytest.mark.timeout(120)]
 
 @pytest.fixture
 def listener() -> Iterator[socket.socket]:
-    """Whoever has joined the group, with the hop limit of what arrives."""
+    """Yield a socket that has joined the group, with the hop limit of received datagrams."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as made:
         made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)

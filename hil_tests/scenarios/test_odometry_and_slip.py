@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 BOUND_M: Final = 0.01
-"""What the odometry may err by where wheels roll, at the mission's end."""
+"""Limit of the odometry's error where wheels roll, at the mission's end."""
 GRIPS: Final = (("floor_friction", 1e4), ("rolling_resistance", 0.0))
 P: Final = {row.name: row.start for row in PARAMETERS}
 STEP_S: Final = to_seconds(SAMPLE_EVERY)
@@ -107,7 +107,7 @@ def test_on_the_thesis_own_floor_it_errs_by_what_the_tyres_slip() -> None:
 
 
 def test_the_ramp_leaves_room_for_slip() -> None:
-    """A steady slip s brakes the robot by the ramp over 1 - s: 0.138 at the limit, so 0.862 may be asked."""
+    """A steady slip s brakes the robot by the ramp over 1 - s: 0.138 at the limit, so 0.862 is allowed."""
     limit = find("rars").geometry.limits.acceleration_mps2
     assert slip(limit) == pytest.approx(0.138, abs=1e-3)
     assert pytest.approx((1 - slip(limit)) * 0.93, abs=5e-3) == MARGIN

@@ -1,4 +1,4 @@
-"""What the thesis's station shows (Fig. 4.3) and says (Fig. 4.2), at its rate, through the whole chain."""
+"""Display (Fig. 4.3) and commands (Fig. 4.2) of the thesis's station, at its rate, in the whole chain."""
 
 from collections import Counter
 from typing import Final

@@ -1,4 +1,4 @@
-"""Which plant is below the drives: a named set of parameters, or single values of the robot file."""
+"""Choice of the plant below the drives: a named set of parameters, or single values of the robot file."""
 
 import pytest
 

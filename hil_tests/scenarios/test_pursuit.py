@@ -28,7 +28,7 @@ SWING_S: Final = 2.9
 
 
 class Watched:
-    """A driver, and what he said and saw, each time he said something."""
+    """A driver with its commands and the headings seen, each time that it sent a command."""
 
     def __init__(self, driver: Driver) -> None:
         self._driver = driver
@@ -47,13 +47,13 @@ class Watched:
 
 @dataclass(frozen=True)
 class Driven:
-    """What became of a run."""
+    """Result of a run."""
 
     swings: tuple[float, ...]
     """Half of peak to peak of the distance to the path in each swing's time since it drove, m, by the plant;
     without its drift, which is the odometry's."""
     lag_s: float
-    """From what is said to what is seen of it, of the heading."""
+    """Delay from a command to its visible effect on the heading."""
     radial_error_m: float | None
     station: Station
     error_m: float | None
@@ -96,7 +96,7 @@ def _bent(part: Floats) -> float:
 
 
 def _lag(rows: Floats, began: float) -> float:
-    """Return by how much the heading that is seen is behind the yaw rate that was said, summed up."""
+    """Return the lag of the seen heading behind the commanded yaw rate, summed up."""
     at, stated, seen = rows.T
     part = (at > began + 2.0) & (at < began + 9.0)
     grid = np.arange(0.0, at[-1], 0.005)

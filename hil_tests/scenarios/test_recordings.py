@@ -1,4 +1,4 @@
-"""Every recording in `hil_tests/recordings` plays again without a difference; the README there says how."""
+"""Every recording in `hil_tests/recordings` plays again without a difference; its README has the commands."""
 
 import tomllib
 from collections.abc import Iterator

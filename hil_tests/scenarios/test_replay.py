@@ -23,7 +23,7 @@ FOREIGN_NODE = GOLDEN.parent / "recordings" / "rars" / "canopen-master.log.xz"
 RARS = find("rars")
 SHORT = SECOND
 LISTENS = 200 * MILLISECOND
-"""A bridge that starts hears the bus for so long before its first frame."""
+"""Time for which a starting bridge listens to the bus before its first frame."""
 
 
 class Session:
@@ -145,7 +145,7 @@ def test_a_frame_that_is_missing_in_the_recording_is_shown_as_the_one_that_came(
 
 
 def test_a_frame_that_does_not_come_is_stated_to_be_missing(line: Session, tmp_path: Path) -> None:
-    # A heartbeat of the first drive, after which it says nothing more in this recording.
+    # A heartbeat of the first drive, after which it sends nothing more in this recording.
     last = last_of(line, lambda sender: sender == "left")
 
     def edit(all_: list[str]) -> list[str]:

@@ -146,7 +146,7 @@ def test_one_changed_bit_of_what_the_bridge_has_sent_is_named_by_its_line(title:
 @pytest.mark.long(beside="test_one_changed_bit_of_what_the_bridge_has_sent_is_named_by_its_line")
 @pytest.mark.parametrize("title", ["firmata", "mw"])
 def test_one_changed_bit_of_what_it_has_received_is_another_run(title: str, tmp_path: Path) -> None:
-    """Of Firmata a count is another one; an MWProtocol frame is damaged, and the bridge asks again."""
+    """Of Firmata a count is another one; an MWProtocol frame is damaged, and the bridge sends it again."""
     lines = read(folder_of(title))
     place = next(
         place
@@ -206,7 +206,7 @@ class Late:
 def test_a_machine_that_was_late_is_late_again(
     title: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Its telemetry tells its own instants, and what it reckons hangs on them: all of it comes again."""
+    """Its telemetry carries its own instants, and its odometry depends on them: all of it comes again."""
     run = RUNS.get(title, BUS)
     lines: list[str] = []
     words: list[bytes] = []

@@ -21,7 +21,7 @@ SECONDS: Final = 20.0
 EVERY: Final = 1000
 INSTANTS: Final = examples(EVERY)
 GRID: Final[Nanoseconds] = 200 * MILLISECOND
-"""Where the straight run is compared with the others."""
+"""Instants at which the straight run is compared with the others."""
 AHEAD: Final[Nanoseconds] = 60 * MILLISECOND
 """Each continued run goes on for so long at least: more than a cycle of the bus."""
 
@@ -47,7 +47,7 @@ ACTS: Final[tuple[tuple[float, Act], ...]] = (
     (9.6, lambda one: one.rig.world.silence("steer", NEVER)),
     (18.5, lambda one: one.ends()),
 )
-"""What comes from outside: a drive is lost, and faults by itself; it is found again; the bridge ends."""
+"""Outside events: a drive is lost, and faults by itself; it is found again; the bridge ends."""
 
 
 def eventful() -> Ride:
@@ -75,7 +75,7 @@ def eventful() -> Ride:
 
 
 def go(one: Ride, until: Nanoseconds) -> None:
-    """Run to an instant; what comes from outside comes in time, whoever runs."""
+    """Run to an instant; outside events come in time, in every kind of run."""
     for second, act in ACTS:
         if one.rig.world.now < from_seconds(second) <= until:
             one.rig.run(from_seconds(second))
@@ -102,7 +102,7 @@ def straight() -> Iterator[Straight]:
 
 
 def instants(count: int) -> list[Nanoseconds]:
-    """Wholly random instants, to the nanosecond."""
+    """Return wholly random instants, to the nanosecond."""
     chance = np.random.default_rng(SEED)
     return sorted(int(at) for at in chance.integers(1, from_seconds(SECONDS) - 2 * GRID, count))
 
@@ -114,7 +114,7 @@ class Kept:
     one: Ride
     moments: list[tuple[Nanoseconds, Checkpoint]] = field(default_factory=list)
     digests: dict[Nanoseconds, str] = field(default_factory=dict)
-    """Of the first time through; two rigs differ in addresses, so this rig is compared with itself."""
+    """Digests of the first time through; this rig is compared with itself, as two differ in addresses."""
 
     def moment(self, number: int) -> tuple[Nanoseconds, Checkpoint]:
         """Return one of them by its place among `EVERY`."""
@@ -176,7 +176,7 @@ def test_from_any_instant_the_run_goes_on_as_it_went(straight: Straight, kept: K
 @pytest.mark.long(keeps=["4.7", "9.31"])
 @pytest.mark.parametrize("second", [0.0, 0.4, 1.13, 2.9, 4.7, 9.31, 11.2, 14.05, 16.9, 18.7])
 def test_nothing_that_can_change_is_left_out(kept: Kept, second: float) -> None:
-    """What a moment puts back is judged by someone who does not know how moments are taken."""
+    """The restored state is judged by a reader that does not know how moments are taken."""
     _, nearest = min(kept.moments, key=lambda pair: abs(pair[0] - from_seconds(second)))
     rig = kept.one.rig
     rig.restore(nearest)

@@ -66,7 +66,7 @@ def flown(
 
 
 def off(rig: Rig, script: missions.Mission) -> float:
-    """How far base and tool were from where they should be, once they had settled, m."""
+    """Return the distance of base and tool from their reference, once they had settled, m."""
     path = rehearsal_of(rig.robot).paths["orbit"](rig.robot)
     error = path_error(rig.samples, [Followed(3.5, path)], script.settled_after_s)
     assert error.same_instant is not None
@@ -74,7 +74,7 @@ def off(rig: Rig, script: missions.Mission) -> float:
 
 
 def gone(rig: Rig, begin: float, end: float) -> tuple[float, float]:
-    """How far the base went in this time, and the tool up and down, by truth, m."""
+    """Return the base's distance in this time, and the tool's up and down, by truth, m."""
     rows = (rig.samples.seconds >= begin) & (rig.samples.seconds <= end)
     x, y, up = (rig.samples.column(name)[rows] for name in ("x_m", "y_m", "height_m"))
     return float(np.hypot(np.ptp(x), np.ptp(y))), float(np.ptp(up))

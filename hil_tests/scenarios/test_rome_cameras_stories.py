@@ -43,14 +43,14 @@ def circling(name: str, more: str = "", protocol: str | None = None) -> Iterator
 
 
 def source(rig: Rig) -> Source:
-    """By what the base's place is known."""
+    """Return the source of the base's pose."""
     located = rig.bridge.seen.located
     assert located is not None
     return located.source
 
 
 def off_m(rig: Rig) -> float:
-    """How far the bridge's pose is from the truth; at the circle's speed it is 55 ms old at most."""
+    """Return the error of the bridge's pose; at the circle's speed it is 55 ms old at most."""
     pose, row = rig.bridge.seen.pose, rig.samples[-1]
     return math.hypot(pose.x_m - row["x_m"], pose.y_m - row["y_m"])
 

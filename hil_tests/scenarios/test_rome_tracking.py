@@ -22,14 +22,14 @@ KP, KI = 2.0, 0.5
 RAMP: Final = 0.8 * 0.6
 CYCLE, FRAME, STEP = 0.05, 0.033, 0.0005
 REQUESTED, REPORTED = 0.010, 0.012
-"""From the begin of a cycle to its command, at which the path's clock begins; and from there to the board."""
+"""Delays from a cycle's begin to its command, when the path's clock begins; and from there to the board."""
 SECONDS: Final = 7.0
 ANGLES: Final = np.array([0.0, 2.0, 4.0]) * math.pi / 3.0
 P: Final[Vector] = np.stack([-np.sin(ANGLES), np.cos(ANGLES), np.full(3, L)], axis=1)
 
 
 def circle(t: float) -> tuple[Vector, Vector]:
-    """Where (2.20) is, from where it begins, and its rate."""
+    """Return the point of (2.20), from its begin, and its rate."""
     angle = 0.25 * t
     place = np.array([math.cos(angle) - 1.0, math.sin(angle), 0.0])
     return place, 0.25 * np.array([-math.sin(angle), math.cos(angle), 0.0])

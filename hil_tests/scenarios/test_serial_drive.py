@@ -35,7 +35,7 @@ USB: Final = over_serial(RARS, Generation.V2)
 DRIVING: Final = (ARMED, step(3.5, speed_mps=0.3))
 CUT_S: Final = 5.0
 WATCH_S: Final = 0.2
-"""What the drives allow the bridge to be silent."""
+"""Timeout of the drives' watch on the bridge."""
 BRAKED_S: Final = 0.45
 """The watch, one heartbeat that had just come, and the quick stop from 0.3 m/s."""
 
@@ -47,7 +47,7 @@ def line_of(one: Ride) -> Line:
 
 
 def states(one: Ride) -> list[State | None]:
-    """What the drives themselves say, whoever hears it."""
+    """Return the drives' own states, whether reported or not."""
     return [state_of(device.store.get(at.STATUSWORD)) for device in one.rig.devices.drives.values()]
 
 
@@ -145,7 +145,7 @@ def test_steering_and_lift_reach_their_targets_through_the_gateway(rides: Ridden
 
 @pytest.mark.long(beside="test_killed_it_leaves_the_drives_to_their_own_watch")
 def test_when_the_bridge_dies_all_four_drives_stop_by_their_own_watch(rides: Ridden) -> None:
-    """The gateway, too, which hears no heartbeat of the bridge: it misses the guarding of node 2."""
+    """The gateway, too, which receives no heartbeat of the bridge: it misses the guarding of node 2."""
     one = rides(*DRIVING, seconds=8, robot=USB)
     one.runs_until(CUT_S)
     assert one.now["speed_mps"] == pytest.approx(0.3, abs=0.005)
@@ -220,7 +220,7 @@ def test_a_drive_behind_the_gateway_that_falls_silent_stops_the_robot(rides: Rid
 
 @pytest.mark.long(beside="test_a_cause_has_the_outcome_that_was_measured")
 def test_a_drive_that_restarts_behind_the_gateway_is_noticed_and_set_up_again(rides: Ridden) -> None:
-    """Its target is 0 again then: the one that it was told before must be written again."""
+    """Its target is 0 again then: the earlier one must be written again."""
     one = rides(
         ARMED,
         step(3.5, speed_mps=0.1, steer_deg=10),

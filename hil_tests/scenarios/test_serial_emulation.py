@@ -32,7 +32,7 @@ def emulate(*words: str) -> subprocess.Popen[str]:
 
 
 class Line(NamedTuple):
-    """What is on the line, and which process."""
+    """A serial line: its protocol, its path, and the emulator's process."""
 
     generation: Generation
     path: Path
@@ -112,7 +112,7 @@ def stands_still(program: subprocess.Popen[str], at: int) -> Callable[[int], Non
 
 @pytest.mark.parametrize("line", [Generation.V1], indirect=True)
 def test_a_process_that_stands_still_for_a_while_invents_no_time_out(line: Line) -> None:
-    """Whatever step of a command it misses: what lies in the port has arrived in time."""
+    """For every step of a command that it misses: bytes in the port have arrived in time."""
     generation, path, program = line
     with serial.Serial(str(path), 115_200, timeout=0) as client:
         for node, step in ((0, 1), (0, 2), (2, 1), (2, 2)):

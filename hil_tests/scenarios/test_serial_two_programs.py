@@ -26,7 +26,7 @@ pytestmark = pytest.mark.timeout(120)
 
 
 class Program:
-    """One run of the program, and everything that it has said."""
+    """One run of the program, and its whole output."""
 
     def __init__(self, log: Path, *words: str) -> None:
         self._log = log
@@ -76,7 +76,7 @@ def start(tmp_path: Path) -> Iterator[Callable[..., Program]]:
 
 
 class Operator:
-    """A ground station that says the same again and again."""
+    """A ground station that repeats its messages."""
 
     def __init__(self, port: int) -> None:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -98,7 +98,7 @@ class Operator:
         self._states(mavlink.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
 
     def stands(self) -> None:
-        """Say where steering and lift stand."""
+        """Confirm the positions of steering and lift."""
         self.holds_the_stick()
         for axis in (3.0, 4.0):
             self._states(mavlink.MAVLink_command_long_message(1, 1, 31010, 0, axis, 0, 0, 0, 0, 0, 0))

@@ -43,7 +43,7 @@ def on_level(*, serial: bool) -> AnyRobot:
 
 
 def states(one: Ride) -> set[State | None]:
-    """What the drives themselves say, whoever hears it."""
+    """Return the drives' own states, whether reported or not."""
     return {state_of(device.store.get(at.STATUSWORD)) for device in one.rig.devices.drives.values()}
 
 
@@ -98,7 +98,7 @@ SPEEDS: Final = (0.02, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5)
 def test_an_emergency_stop_on_the_level_is_not_taken_for_a_slope(
     rides: Ridden, speed: float, steered: int, *, serial: bool
 ) -> None:
-    """What flows of the ramp, or was read before the standstill, holds nothing."""
+    """Current that is left of the ramp, or was read before the standstill, holds nothing."""
     steers = (step(3.2, steer_deg=steered),) if steered else ()
     drives = step(5.2 if steered else 4.0, speed_mps=speed)
     at_s = drives.at_s + 3.0
@@ -138,7 +138,7 @@ def test_all_axes_let_go_together_and_steering_and_lift_not_before(rides: Ridden
         seen.append((sum(powered(one)), abs(one.now["speed_mps"])))
         one.runs(0.01)
     assert {count for count, speed in seen if speed > 0.01} == {4}
-    # One after the other a serial line tells them.
+    # A serial line reports them one after the other.
     assert sum(count < 4 for count, _ in seen) <= (15 if serial else 0)
 
 

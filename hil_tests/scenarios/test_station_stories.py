@@ -21,7 +21,7 @@ KEPT = 0xFFFF
 
 
 class Station:
-    """Says its word 20 times a second, a heartbeat each second, and orders once; in MAVLink 1 or 2."""
+    """Station with a command 20 times a second, a heartbeat each second, and orders once; MAVLink 1 or 2."""
 
     def __init__(self, *, old: bool = False) -> None:
         self.codec = Codec(254, 190)
@@ -85,7 +85,7 @@ def velocity(vx: float, mask: int = 1479) -> Callable[[], Any]:
 
 
 def armed(rides: Ridden, word: Callable[[], Any], *, old: bool = False, **how: Any) -> tuple[Ride, Station]:
-    """Return a ride at 4 s whose robot this station has armed; its operator only says where it stands."""
+    """Return a ride at 4 s whose robot this station has armed; its operator only confirms its pose."""
     ride = rides(step(59.0, speed_mps=0.0), **{**ALONE, **how})
     station = Station(old=old).joins(ride)
     ride.runs_until(3.0)

@@ -45,7 +45,7 @@ def driven(rides: Ridden, link: str, *steps: Step, command: str | None = None, f
 
 
 def states(one: Ride) -> list[State | None]:
-    """What the drives themselves say, whoever hears it."""
+    """Return the drives' own states, whether reported or not."""
     return [state_of(device.store.get(at.STATUSWORD)) for device in one.rig.devices.drives.values()]
 
 
@@ -58,7 +58,7 @@ def unpowered(one: Ride) -> bool:
 
 
 def receives_only(one: Ride, *addresses: int) -> None:
-    """From now on the left wheel's drive takes only frames with these identifiers."""
+    """Let the left wheel's drive receive only frames with these identifiers from now on."""
     station = one.rig.world._stations["left"]  # noqa: SLF001 - no fault of a mission is as selective
     listens = station.listens
     assert listens is not None

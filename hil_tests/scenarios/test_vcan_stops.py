@@ -1,4 +1,4 @@
-"""What another one on a real SocketCAN bus can do to the robot, and what stops it: in two processes."""
+"""Effects of a foreign node on a real SocketCAN bus on the robot, and its stop: in two processes."""
 
 import signal
 from typing import Final
@@ -16,12 +16,12 @@ SET_POINT: Final = 0x500
 WHEELS: Final = (1, 2)
 LIFT: Final = 4
 RAISED: Final = -0.7
-"""As a share of its travel, from -1 to 1."""
+"""Height of the lift, as a share of its travel, from -1 to 1."""
 
 
 @pytest.fixture
 def client(bench: Bench) -> Client:
-    """Whoever drives; the robot is armed."""
+    """Return the station in control; the robot is armed."""
     bench.emulates()
     bench.drives()
     made = bench.joins()

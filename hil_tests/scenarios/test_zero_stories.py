@@ -1,6 +1,6 @@
-"""A drive that has restarted counts from 0 wherever its axis stands; nothing moves before someone looked.
+"""A drive that has restarted counts from 0 in any position of its axis; nothing moves before a check.
 
-The truth is the plant's. Each story is told over CAN and over the serial line.
+The truth is the plant's. Each story runs over CAN and over the serial line.
 """
 
 import math
@@ -30,13 +30,13 @@ def steer_deg(one: Ride) -> float:
 
 
 def answers(one: Ride, since: float) -> list[str]:
-    """What became of the operator's commands."""
+    """Return the results of the operator's commands."""
     entries = one.operator.diary.entries
     return [entry.text for entry in entries if entry.kind == "answered" and entry.at >= from_seconds(since)]
 
 
 def kept_back(one: Ride) -> list[str]:
-    """What the guard has refused; that it spoke for a bridge whose line was held up is another matter."""
+    """Return the guard's refusals, except its own commands for a bridge whose line was held up."""
     return [refusal.reason for refusal in one.rig.guard.refusals if refusal.packet is not None]
 
 
@@ -132,7 +132,7 @@ def test_a_lift_that_restarts_on_its_way_is_disarmed_and_stays(rides: Ridden, ro
 @pytest.mark.long(keeps=["can"])
 @LINKS
 def test_a_robot_that_starts_with_its_lift_up_is_not_armed_unseen(rides: Ridden, robot: AnyRobot) -> None:
-    """Its bridge has never seen it before; an operator who says nothing drives nothing."""
+    """Its bridge has never seen it before; an operator who sends nothing drives nothing."""
     one = rides(ARMED, step(4.0, speed_mps=0.2), seconds=8, robot=robot, stands=False)
     one.runs_until(7.0)
     assert {"reference lost: steer", "reference lost: lift"} <= one.holding
@@ -183,7 +183,7 @@ def test_a_wheel_that_restarts_needs_no_one(rides: Ridden) -> None:
 def test_a_drive_that_restarts_before_it_is_armed_has_no_power_without_its_watch(
     rides: Ridden, robot: AnyRobot, node: str, for_s: float
 ) -> None:
-    """Over a serial line no one hears it boot; `left` is the drive on the line, `right` one behind it."""
+    """Over a serial line its boot-up is not seen; `left` is the drive on the line, `right` one behind it."""
     one = rides(
         step(6.0, arm=True),
         step(8.0, arm=True),

@@ -1,4 +1,4 @@
-"""What a study leaves behind, and what happens where a number is not within its bound."""
+"""Output of a study, and its reaction to a number that is not within its bound."""
 
 import csv
 import sys

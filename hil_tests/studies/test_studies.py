@@ -10,7 +10,7 @@ from validation.studies.study import Study
 
 STUDIES: Final = {study.name: study for study in studies()}
 SHORT: Final = ("tipping", "torques", "sizing", "pivot", "polar_law")
-"""Those that `make test` has time for; `make long` makes all of them, quick and whole."""
+"""Studies that `make test` has time for; `make long` makes all of them, quick and whole."""
 
 
 @pytest.mark.parametrize("study", [STUDIES[name] for name in SHORT], ids=SHORT)
@@ -31,7 +31,7 @@ def holds(study: Study, *, quick: bool) -> None:
     assert findings.out_of_bounds == ()
     assert all(row.within > 0.0 for row in findings.compared)
     for row in findings.compared:
-        # Where the print is not what the independent way gives, a reader is told why.
+        # Where the print differs from the independent way, the reader finds the reason.
         assert row.printed is None or abs(row.printed - row.independent) <= row.within or row.why
     for plot in findings.plots:
         assert plot.caption

@@ -1,4 +1,4 @@
-"""Whether devices are there: what is asked, when, and what counts as an answer. The test is the device."""
+"""Presence checks of devices: the requests, their times, and the valid answers. The test is the device."""
 
 import os
 import tty

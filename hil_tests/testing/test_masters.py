@@ -15,7 +15,7 @@ EXAMPLES: Final = Path(__file__).parents[2] / "examples" / "masters"
 
 
 Changes = dict[str, str]
-"""What stands in the good master, and what in its place in another."""
+"""Passages of the good master, and their replacements in another."""
 
 
 Judge = Callable[..., None]
@@ -30,7 +30,7 @@ class Planted(NamedTuple):
 
 
 HURRIED: Final = {"ANSWERS_S = 10.0": "ANSWERS_S = 0.5", "ENABLES_S = 10.0": "ENABLES_S = 0.5"}
-"""What has the mistake waits for what never comes, and need not do so for long."""
+"""Shorter time-outs: a master with the mistake waits for an event that never comes."""
 C: Final = Planted(
     "cia402.c", {"if (status & FAULT) {": "if (0) {"}, "test_it_gives_up_where_the_load_is_too_heavy"
 )

@@ -17,7 +17,7 @@ FAILED = Outcome(
 
 
 class Seen(HTMLParser):
-    """What a browser would make of it: which elements are open, and the text in them."""
+    """A browser's view of it: the elements that are open, and the text in them."""
 
     VOID = ("meta", "img")
 

@@ -23,7 +23,7 @@ BLOCKS = {
         r"^```python\n(.*?)^```", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE
     )
 }
-"""By the name of the first test in each."""
+"""Examples by the name of the first test in each."""
 IN_REAL_TIME = ("test_a_master_of_my_own", "test_both_are_found", "test_a_client_in_ros_manner")
 
 STORIES = """

@@ -1,6 +1,6 @@
-"""Real drives in a test's hands: what is asked of them, and what is never done to them.
+"""Real drives in a test's hands: requests to them, and actions that never happen to them.
 
-The drives of the long test are emulated ones that the plugin is told are real.
+The drives of the long test are emulated ones that the plugin takes for real.
 """
 
 import json
@@ -56,7 +56,7 @@ STORIES = f"""
 
 
 class Program:
-    """What stands for `firmware-bridge`: it notes its words, and says what drives do."""
+    """Stand-in for `firmware-bridge`: it notes its words, and answers as drives do."""
 
     def __init__(self, folder: Path) -> None:
         self.commands: list[tuple[str, ...]] = []

@@ -1,4 +1,4 @@
-"""A rig in a test's hands: what it says of the robot, what it refuses, and that it goes back whole."""
+"""A rig in a test's hands: its reports on the robot, its refusals, and its complete restoration."""
 
 from collections.abc import Iterator
 

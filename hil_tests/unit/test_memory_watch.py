@@ -1,4 +1,4 @@
-"""What the memory benchmark empties before each look: caches that have a bound, and no other."""
+"""Caches that the memory benchmark empties before each look: those that have a bound, and no other."""
 
 from benchmarks.memory import bounded_caches
 from emulators.servo import kernel, scaling

@@ -1,4 +1,4 @@
-"""The golden exchanges as dialogues, who says what, and the ways in which they are cut into pieces."""
+"""The golden exchanges as dialogues with their senders, and the ways in which they are cut into pieces."""
 
 from collections.abc import Callable
 
@@ -21,7 +21,7 @@ def golden(exchange: Exchange, generation: Generation) -> tuple[bytes, bytes]:
 
 
 def dialogue(exchange: Exchange, generation: Generation) -> list[tuple[str, bytes]]:
-    """Write down who says what: H the host, D the device."""
+    """Write down the senders: H the host, D the device."""
     requested, answered = golden(exchange, generation)
     if generation is Generation.V2:
         return [("H", requested), ("D", answered)]

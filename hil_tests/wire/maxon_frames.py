@@ -1,8 +1,8 @@
-"""Whole exchanges of the serial protocols, as bytes on the line and as what they mean.
+"""Complete exchanges of the serial protocols, as bytes on the line and with their meaning.
 
 Recorded: maxon's EPOS2 Application Notes Collection, April 2013, p. 11-164 and 11-166; EPOS Communication
 Guide, October 2006; a driver for an EPOS2 on USB; EPOS4 Communication Guide, p. 2-17 to 2-19. The others are
-computed by the rules of those documents with values that no device has said.
+computed by the rules of those documents with values that no device has sent.
 """
 
 from dataclasses import dataclass

@@ -98,7 +98,7 @@ def test_what_is_too_short_is_nothing_and_what_is_too_long_is_cut(
         assert decode_request(Frame(opcode, bytes.fromhex(requested)[:-2])) is None
         assert decode_request(Frame(opcode, bytes.fromhex(requested) + b"xy")) == request_
     assert decode_answer(request_, bytes.fromhex(answered)[:2]) is None
-    # An error code alone is what a line says to any frame that it does not take.
+    # An error code alone is a line's answer to any frame that it does not take.
     assert decode_answer(request_, bytes.fromhex("04000405")) == Done(0x0504_0004)
     del answer
 

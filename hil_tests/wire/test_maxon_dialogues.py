@@ -15,7 +15,7 @@ from hil_tests.wire.maxon_frames import Exchange
 def serve(
     end: DeviceEnd, exchange: Exchange, generation: Generation, chunk: bytes, now: Nanoseconds
 ) -> bytes:
-    """Give the device bytes and answer what comes out; return what it says."""
+    """Give the device bytes and answer its requests; return its bytes."""
     frame = end.receive(chunk, now)
     while frame is not None:
         assert frame == encode_request(exchange.request)
@@ -97,7 +97,7 @@ def test_garbage_before_and_between_commands(exchange: Exchange, generation: Gen
 def join(
     host: HostEnd, drive: DeviceEnd, body: bytes | None, spoil: Callable[[bytes], bytes] = lambda raw: raw
 ) -> Outcome | None:
-    """Carry bytes between the two ends until no one says anything."""
+    """Carry bytes between the two ends until neither sends any more."""
     outcome = None
     for _ in range(1000):
         requested = host.taken()

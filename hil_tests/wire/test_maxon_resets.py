@@ -1,4 +1,4 @@
-"""A drive that is reset, or whose communication is, says no end: the host takes the silence for success.
+"""A drive that is reset, or whose communication is, sends no end: the host takes the silence for success.
 
 Source: comments in maxon's own library for PCs, for both protocols.
 """
@@ -54,7 +54,7 @@ def test_a_damaged_reset_is_refused_on_rs232() -> None:
 
 
 def requested(generation: Generation, command: int) -> tuple[Outcome | None, int]:
-    """Ask a host for a command that no one ends; return the outcome, and when it came."""
+    """Request of a host a command without an end; return the outcome, and its time."""
     host = host_end(generation, TIMEOUT)
     host.ask(nmt(command), 0, answered=generation is Generation.V2)
     if generation is Generation.V1:

@@ -1,4 +1,4 @@
-"""The arm's studies: what its thesis says of it, made again beside an independent way.
+"""The arm's studies: its thesis' results, made again beside an independent way.
 
 A. Seleit, "Rapid Orbital Motion Emulator (ROME)", MSc thesis, UCF, 2020.
 """

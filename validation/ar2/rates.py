@@ -1,7 +1,7 @@
-"""How an error dies away under the law of resolved rates, and ramp and sine of 80 mm through the whole chain.
+"""Decay of an error under the law of resolved rates, and ramp and sine of 80 mm through the whole chain.
 
-Ours are the bridge's law, and the plant's truth of the missions `ramp` and `sine`. The independent way is
-what the law promises, e' = - K e, and the courses' own formulas.
+Ours are the bridge's law, and the plant's truth of the missions `ramp` and `sine`. The independent way is the
+law's own promise, e' = - K e, and the courses' own formulas.
 """
 
 import math
@@ -21,9 +21,9 @@ from validation.studies.study import Compared, Curve, Findings, Plot, Sheet
 
 HIGH_M: Final = 0.080
 LASTS_S: Final = 60.0
-"""As printed, (3.24) and (3.25)."""
+"""Duration as printed, (3.24) and (3.25)."""
 BEGINS_S: Final = 5.0
-"""When the mission lets its guide move the tool."""
+"""Time at which the mission lets its path follower move the tool."""
 SETTLED_S: Final = 2.0
 QUICK_S: Final = 30.0
 WANTED_MM: Final = 1.5
@@ -142,7 +142,7 @@ def resolved_rate(quick: bool) -> Findings:  # noqa: FBT001 - every study takes 
 
 
 def _decays() -> Floats:
-    """Return the error in m, step by step, of a tool that is asked to be elsewhere at once."""
+    """Return the error in m, step by step, of a tool whose set-point steps to another place."""
     angles = np.radians(STANDS)
     desired = AR2.pose(angles).copy()
     desired[:3, 3] += OFF_M

@@ -1,7 +1,8 @@
-"""Triangle, square and diamond through the whole chain: guide, gate, guard, CANopen, two drives, the plant.
+"""Triangle, square and diamond through the whole chain: from the path follower to CANopen and the plant.
 
-What is asked for is the path itself, as geometry draws it, at the same instant. And where the robot went is
-compared with the constraints' solution under the speeds at which the plant's motors turned.
+The chain is path follower, gate, guard, CANopen, two drives, the plant. The reference is the path itself, as
+geometry draws it, at the same instant. And the robot's true path is compared with the constraints' solution
+under the speeds at which the plant's motors turned.
 """
 
 import math
@@ -31,7 +32,7 @@ PATH_MM: Final = 20.0
 CLOSURE_MM: Final = 1.0
 STEP_S: Final = 0.05
 ROLLED_MM: Final = 2.0
-"""So far the plant, which carries weight, may be from the constraints' solution at its end."""
+"""Allowed distance of the plant, which carries weight, from the constraints' solution at its end."""
 JOINT_DEG: Final = 0.02
 FIGURES: Final = (
     "The source's figures of its loops are not at hand; it prints no size, speed or gain: 1 m of side and "

@@ -27,7 +27,7 @@ FOUND: Final = 1e-14
 
 @dataclass(frozen=True)
 class Touch:
-    """Where a wheel is nearest to the cylinder: its middle and axle, the point, the normal, the distance."""
+    """Point of a wheel nearest to the cylinder: its middle and axle, the point, the normal, the distance."""
 
     middle: Vector
     axle: Vector
@@ -37,7 +37,7 @@ class Touch:
 
     @property
     def tube(self) -> float:
-        """How far the axle leans off the surface, rad."""
+        """Angle of the axle off the surface, rad."""
         return math.asin(-float(self.normal @ self.axle))
 
     def psi(self) -> float:
@@ -61,7 +61,7 @@ def touch(middle: Vector, axle: Vector, crown: float, wheel: float, tank: float)
 
 @dataclass
 class Robot:
-    """Where it is: middle, its three directions as rows (ahead, left, up), joint, swivel."""
+    """Pose of the robot: middle, its three directions as rows (ahead, left, up), joint, swivel."""
 
     p: Mapping[str, float]
     middle: Vector

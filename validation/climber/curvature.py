@@ -28,9 +28,9 @@ RADII: Final = (
 )
 QUICK: Final = (13.3, 20.0, 500.0)
 LEAST_M: Final = 1e-6
-"""No one asks for agreement below it."""
+"""Limit in m below which agreement is not required."""
 SHARE: Final = 0.01
-"""Of the deviation, that both ways may differ."""
+"""Share of the deviation by which both ways may differ."""
 
 
 def curvature(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it

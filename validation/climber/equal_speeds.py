@@ -19,7 +19,7 @@ SPIN: Final = 2.0
 SHORT_M: Final = 0.2
 """A way on which the caster may trail without the joint's reaching its stop."""
 DRIFT: Final = 0.01
-"""Of the drift, that both ways may differ; and m at least."""
+"""Share of the drift by which both ways may differ; and the least difference in m."""
 LEAST_M: Final = 2e-8
 ANGLE_DEG: Final = 0.001
 SLANT: Final = math.pi / 4.0

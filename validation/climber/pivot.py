@@ -1,4 +1,4 @@
-"""It turns about one wheel that stands: the reduced solution (33), as printed and corrected, and the plant.
+"""Turn about one wheel that stands: the reduced solution (33), as printed and corrected, and the plant.
 
 (33) gives how high the turning wheel is over the standing one, for wheels like balls and a fixed pivot point.
 So the plant's wheels are as round across as along; its standing wheel rolls a little aside all the same.
@@ -16,9 +16,9 @@ from validation.studies.study import Compared, Curve, Findings, Plot
 SECONDS: Final = 4.0
 SPINS: Final = 0.0, 1.0
 SHARES: Final = {20.0: 0.04, 200.0: 0.005}
-"""Of the track, that the plant may be off (33) on these ratios, as its standing wheel shifts."""
+"""Shares of the track by which the plant may differ from (33) on these ratios: its standing wheel shifts."""
 LOOKED_AT: Final = 0.75
-"""Of the track: so high the turning wheel is where it is compared."""
+"""Height of the turning wheel at the comparison, as a share of the track."""
 KEPT_MM: Final = 0.001
 WHY: Final = "the print lacks a factor of 2 and has the sign of a wheel inside the cylinder"
 

@@ -40,7 +40,7 @@ def sizes(kind: str, **more: float) -> Mapping[str, float]:
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """Where it was, instant by instant: the middle of both contacts on the unrolled surface."""
+    """Path of the robot, instant by instant: the middle of both contacts on the unrolled surface."""
 
     arc: Floats
     """m, to the right of who looks up."""
@@ -53,7 +53,7 @@ class Way:
 
     @classmethod
     def of(cls, rows: list[Mapping[str, float]], tank: float) -> Self:
-        """Make it from readings by name; arcs may be told within half a turn of the tank."""
+        """Make it from readings by name; arcs may be given within half a turn of the tank."""
         table = {name: np.array([row[name] for row in rows]) for name in NAMES}
         turns = {side: tank * np.unwrap(table[f"arc_{side}"] / tank) for side in ("left", "right")}
         psi = {side: np.unwrap(table[f"psi_{side}"]) for side in ("left", "right")}

@@ -1,8 +1,8 @@
 """The polar law (27) to (29), as printed and corrected.
 
-Ours is the guide that drives the robot, over a robot that does at once what it is told, pushed off its path;
-the independent way is the corrected law's linear equation in closed form. To poses that stand, both forms of
-the law are integrated.
+Ours is the path follower that drives the robot, over a robot that follows each command at once, pushed off
+its path; the independent way is the corrected law's linear equation in closed form. To poses that stand, both
+forms of the law are integrated.
 """
 
 import cmath
@@ -25,20 +25,20 @@ from validation.studies.solve import Floats, integrate
 from validation.studies.study import Compared, Curve, Findings, Plot, Sheet
 
 CYCLE: Final[Nanoseconds] = MILLISECOND
-"""So short that neither a held demand nor a ramp is seen: what is looked at is the law."""
+"""Cycle so short that neither a held set-point nor a ramp is seen: the law alone is looked at."""
 SETTLED_S: Final = 6.0
 PUSH_M: Final = 0.001
 LOOKED_AT_S: Final = (0.5, 1.0, 1.5, 2.0)
 WITHIN: Final = 0.01
-"""Of the push."""
+"""Tolerance as a share of the push."""
 AROUND: Final = 8
 RADIUS_M: Final = 0.5
 APPROACH_S: Final = 15.0
 SEEN_M: Final = 1.2
-"""From the aim: a way is drawn so far."""
+"""Distance from the aim up to which a path is drawn."""
 
 Turn: TypeAlias = Callable[[float, float], tuple[float, float]]
-"""Gives alpha and beta for where the aim lies, seen in the surface's axes, and the heading; rad."""
+"""Function from the aim's direction, in the surface's axes, and the heading to alpha and beta; rad."""
 
 
 def polar_law(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it

@@ -1,4 +1,4 @@
-"""What of the emulated Arduino board is a guess: from its protocols' rows, and its modules' texts."""
+"""Guesses in the emulated Arduino board: from its protocols' rows, and its modules' texts."""
 
 from collections.abc import Iterator
 from pathlib import Path

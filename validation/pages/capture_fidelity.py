@@ -1,4 +1,4 @@
-"""How far the emulated motion capture system is known, and from where."""
+"""Provenance of the emulated motion capture system, aspect by aspect."""
 
 from collections.abc import Callable, Iterable, Sequence
 from typing import Final, TypeAlias

@@ -11,7 +11,7 @@ from emulators.cli.faults import COMMON
 
 HEADINGS: Final = ("key", "what it reports", "values", "without it")
 _SIGNS: Final = MappingProxyType({"ge": ">=", "gt": ">", "le": "<=", "lt": "<"})
-"""How pydantic calls a bound."""
+"""Pydantic's names of a bound."""
 
 
 def target(kind: Kind) -> str:
@@ -33,7 +33,7 @@ def parameters(kind: Kind) -> Iterator[tuple[str, str, str, str]]:
 
 
 def values(field: FieldInfo) -> str:
-    """Return the values that a key takes, as far as its type says so."""
+    """Return the values that a key takes, as far as its type gives them."""
     choices = _choices(field.annotation)
     if choices:
         return ", ".join(f"`{choice}`" for choice in choices)

@@ -1,4 +1,4 @@
-"""The pages of `docs/` that are made from the tables, so that they say what the code says."""
+"""The pages of `docs/` that are made from the tables, so that they agree with the code."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
@@ -115,8 +115,8 @@ def pages(
 ) -> Mapping[str, str]:
     """Return every page by its file name.
 
-    `tests` tells which tests reach which emergency, `commands` which go through which serial command,
-    `measured` what else there is to say of a robot's safety.
+    `tests` has the tests that reach each emergency, `commands` those that go through each serial command,
+    `measured` further measurements of a robot's safety.
     """
     return {
         "objects.md": _objects(),

@@ -1,4 +1,4 @@
-"""What holds each shipped robot back, and what its guard lets pass: the rows as they stand in the code."""
+"""Interlocks of each shipped robot, and the frames that its guard lets pass: the rows of the code."""
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -99,7 +99,7 @@ def axis_rows() -> Iterator[Cells]:
 
 
 def ages() -> Iterator[Cells]:
-    """Yield the ways to tell how old a word is, the best first."""
+    """Yield the methods to determine the age of a command, the best first."""
     for row in AGES:
         yield (row.name, _yes(row.dated), "its age" if row.dated else "how old it is at least")
 
@@ -178,7 +178,7 @@ def stops(robot: AnyRobot, link: str) -> Iterator[Cells]:
 
 
 def sums_of_stops(robot: AnyRobot, link: str) -> str:
-    """Say how long a stop lasts at most: until the power is taken, and in all."""
+    """Return the longest time of a stop: until the power is off, and in all."""
     driver, axes = robot.links[link].driver, robot.axes_on(link)
     ways = [(way(STOP_STEPS[driver](robot, axis), off=False), axis.top_speed) for axis in axes]
     longest = [max(seconds) for seconds in zip(*(sums(*one) for one in ways), strict=True)]

@@ -1,4 +1,4 @@
-"""What the page on safety says beside its tables."""
+"""Texts of the page on safety beside its tables."""
 
 from collections.abc import Mapping
 from typing import Final
@@ -86,7 +86,7 @@ GUARDED: Final[Mapping[str, str]] = {
     ShieldDriver.MOTOR_SHIELD: " It lets no reset of a board pass while one of its motors may move.",
     Ar2Driver.AR2: " It lets one move pass at a time, and none from a place that was not confirmed.",
 }
-"""What the guard of a link does beside that, by the link's driver."""
+"""Further functions of a link's guard, by the link's driver."""
 AGE_TEXT: Final = """\
 No motion command is obeyed that was said longer ago than `operator.max_age_ms`, counted to the instant at
 which it is obeyed. It is as old as the oldest of these rows says; the first that dates it is off by half the
@@ -154,7 +154,7 @@ def _drivers(robot: AnyRobot) -> list[str]:
 
 
 def dead_text(robot: AnyRobot) -> str:
-    """Return what comes of a bridge that is dead, link by link, as its driver says it."""
+    """Return the effect of a dead bridge, link by link, from the link's driver."""
     lines = ["* **A bridge that is dead**, killed or cut off, stops nothing; what does, is:"]
     for name, link in robot.links.items():
         if isinstance(link, ShieldLink):

@@ -1,4 +1,4 @@
-"""What ground stations hear and may say: the operator's link, from its tables."""
+"""Messages that ground stations receive and may send: the operator's link, from its tables."""
 
 from collections.abc import Iterator
 from typing import Final, TypeAlias
@@ -23,7 +23,7 @@ WAYS: Final = {
     (StickAxis.TURN, 1): "counter-clockwise",
     (StickAxis.TURN, -1): "clockwise",
 }
-"""Where an axis goes with more microseconds, by its sign."""
+"""Direction of an axis for more microseconds, by its sign."""
 Cells: TypeAlias = tuple[str, ...]
 RADIO_BIT_S: Final = 57_600
 MODE_HEADINGS: Final = ("mode", "number", "in PX4's numbers: main, sub", "also requested by")
@@ -34,7 +34,7 @@ CHANNEL_HEADINGS: Final = ("channel", "is", "2000 us is")
 
 
 def modes() -> Iterator[Cells]:
-    """Yield the ways to be driven, and how they are asked for."""
+    """Yield the modes of control, and the requests for them."""
     for row in MODES:
         also = "; ".join(map(_in_parts, row.also)) or "-"
         yield (row.way.value, str(row.number), _in_parts(row.px4), also)
@@ -81,7 +81,7 @@ def _buttons(station: AnyStation) -> Iterator[tuple[int, str]]:
 
 
 def streams() -> Iterator[Cells]:
-    """Yield what is told and how often, of the first robot that is shipped."""
+    """Yield the telemetry messages and their periods, of the first robot that is shipped."""
     usual, slow = streams_of(_robot(None), _station()), streams_of(_robot(RADIO_BIT_S), _station())
     narrow = {(row.number, row.title): row.period for row in slow}
     for row in usual:
@@ -116,7 +116,7 @@ def _each(period: Nanoseconds) -> str:
 
 
 def _talker() -> tuple[AnyKind, AnyRobot]:
-    """Return the shipped robot whose station has most to tell: the page shows its own rows."""
+    """Return the shipped robot whose station has the most values: the page shows its own rows."""
     return max(shipped(), key=lambda one: len(one[0].station.values) + len(one[0].station.switches))
 
 

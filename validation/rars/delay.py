@@ -1,4 +1,4 @@
-"""From which delay on pure pursuit swings about its path, [R] 5.2 to 5.4, 6.1 and App. B.
+"""Least delay at which pure pursuit swings about its path, [R] 5.2 to 5.4, 6.1 and App. B.
 
 Ours is the pilot's own pursuit, and its critical delay. The independent ways are the eigenvalues of the
 delayed equation, its delay cut into pieces, and a pursuit in closed form on a circle.

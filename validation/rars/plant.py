@@ -17,7 +17,7 @@ PLAIN: Final[Mapping[str, float]] = MappingProxyType(
     {f"{part}_{axis}": 0.0 for part in ("coulomb", "viscous") for axis in WHEELS}
     | {"rolling_resistance": 0.0}
 )
-"""Wheels without friction in motor and bearing: the torque at the rim is what the study asks for."""
+"""Wheels without friction in motor and bearing: the study is about the torque at the rim."""
 STEP: Final[Nanoseconds] = 100_000
 
 
@@ -36,7 +36,7 @@ class Plant:
         self._plant.close()
 
     def __getitem__(self, name: str) -> float:
-        """Return an output of the last step, or anything else that the plant can tell."""
+        """Return an output of the last step, or any other variable of the plant."""
         if name in OUTPUTS:
             return float(self._plant.outputs[self._names.index(name)])
         return self._plant.read(name)

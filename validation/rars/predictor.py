@@ -41,7 +41,7 @@ NOTE: Final = (
 
 @dataclass(frozen=True, slots=True)
 class _Case:
-    """What is driven: delay there and back, s; a lag of the hand that no model knows, s."""
+    """One drive: delay there and back, s; a lag of the hand that no model knows, s."""
 
     delay_s: float
     predictor: bool

@@ -1,7 +1,7 @@
-"""Line and circles of section 4.2.2, driven through the whole chain: what was asked, driven, and believed.
+"""Line and circles of section 4.2.2, driven through the whole chain: command, motion, and odometry.
 
-Ours is the plant's truth. The independent way is what follows from the profile alone: way and speed of a
-trapezium, and of a circle its radius. By what the odometry is off no one has printed: it stands in a table.
+Ours is the plant's truth. The independent way follows from the profile alone: distance and speed of a
+trapezium, and of a circle its radius. No print has the odometry's error: it stands in a table.
 """
 
 import math
@@ -20,17 +20,17 @@ from validation.studies.solve import Floats
 from validation.studies.study import Compared, Curve, Findings, Plot, Sheet
 
 LINE_MPS: Final = 0.240
-"""As printed, and 24 mm/s2."""
+"""Speed as printed, and 24 mm/s2."""
 FROM_TO: Final = (0.1, 0.9)
 """Shares of its speed between which its acceleration is taken."""
 BRAKES_S: Final = 15.0
-"""After it has begun to accelerate; the thesis's hold is not printed, ASSUME 5 s at full speed."""
+"""Time from its acceleration to braking; the thesis's hold is not printed, ASSUME 5 s at full speed."""
 CIRCLE_MPS: Final = 0.300
 CHANGES_S: Final = 125.0
-"""As printed; the radii are not, ASSUME."""
+"""Time as printed; the radii are not, ASSUME."""
 RADII_M: Final = (1.0, 1.5)
 SETTLED_S: Final = ((15.0, 120.0), (140.0, 240.0))
-"""In which each circle is driven at its speed."""
+"""Times in which each circle is driven at its speed."""
 QUICK_S: Final = 60.0
 DRIFTS: Final = (
     "The thesis shows odometry beside measurement in Fig. 4.18 and 4.19 without a number for what it is off. "
@@ -45,7 +45,7 @@ class _Run:
     seconds: Floats
     speed: Floats
     away_m: Floats
-    """Of the believed place from the true one."""
+    """Distance of the odometry's place from the true one."""
     way_m: Floats
 
     def off(self) -> tuple[str, float, float, float, float]:

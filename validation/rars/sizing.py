@@ -1,4 +1,4 @@
-"""What RARS's motors must give: traction, steering, screw, [R] 2.3.2, 2.4.2 and 2.5.
+"""Required torque of RARS's motors: traction, steering, screw, [R] 2.3.2, 2.4.2 and 2.5.
 
 Ours is the plant: the current that each motor takes in slow motion, without its own friction. The independent
 way is statics, by virtual work or by the inclined plane of a thread.

@@ -1,4 +1,4 @@
-"""How steep a slope RARS climbs, and how much its wheels slip on it, [R] 2.3.2, 3.3.4 and 3.4.
+"""Steepest slope that RARS climbs, and its wheels' slip on it, [R] 2.3.2, 3.3.4 and 3.4.
 
 Ours is the plant, driven uphill by its rear wheels; the independent way is the balance of force and moment
 with the corrected (3.83).

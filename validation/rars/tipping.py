@@ -1,4 +1,4 @@
-"""How fast RARS may speed up, and how fast it may turn, before it tips, [R] 2.3.1.
+"""Limits of RARS's acceleration and turn rate before it tips, [R] 2.3.1.
 
 Ours are the plant's own wheel loads, and the interlock of the turn; the independent way is a sum of moments.
 """

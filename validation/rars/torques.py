@@ -32,7 +32,7 @@ STEP: Final = 1e-3
 """s, of the differences."""
 SIDES: Final = {"left": 1.0, "right": -1.0}
 PRINTED: Final = ("ramp of 10°",)
-"""Floors of which (3.44) says something that it should not."""
+"""Floors for which the printed (3.44) is wrong."""
 PRINT: Final = (
     "(3.44) as printed lacks the mass, so its ramp is flat; 3.3.2 leaves out the platform's convective term."
 )

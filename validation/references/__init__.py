@@ -1,1 +1,1 @@
-"""Runs of each plant that are kept: inputs over time, and what it answered."""
+"""Kept reference runs of each plant: inputs over time, and its outputs."""

@@ -24,7 +24,7 @@ COURSE: Final = (
     (0.8, -0.02, 0.0, 0.03, 0.01, 0.0, -0.02, 1.0),
     (1.1, -0.02, 0.0, 0.03, 0.01, 0.0, -0.02, 0.0),
 )
-"""Some steps of every motor, and a fall without current."""
+"""Inputs with some steps of every motor, and a fall without current."""
 
 
 def rows(path: Path) -> list[list[float]]:

@@ -32,7 +32,7 @@ MU_KM3_S2: Final = 398600.4418
 USED: Final = 0.9
 """Share of the base's speed and acceleration that a path may ask for, as the bridge has it."""
 BEGINS_S: Final = 5.0
-"""When the mission lets its guide fly."""
+"""Time at which the mission lets its path follower fly."""
 SETTLES_S: Final = 8.0
 WITHIN_MM: Final = 10.0
 DEG: Final = math.degrees(1.0)
@@ -58,7 +58,7 @@ class _Flown:
 
     @property
     def off_mm(self) -> Floats:
-        """How far from where it should be at the same instant."""
+        """Distance from the reference at the same instant."""
         apart: Floats = 1e3 * np.linalg.norm(self.true - self.meant, axis=1)
         return apart
 

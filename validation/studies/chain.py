@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from firmware_bridge.node import Node
 
 HAND_STREAM: Final = 0
-"""Which stream of random numbers the hand draws from, beside the seed: that of `emulators.run`."""
+"""Stream of random numbers for the hand, beside the seed: that of `emulators.run`."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""What studies leave behind: a folder of tables and pictures for each, and one page of HTML for all."""
+"""Output of studies: a folder of tables and pictures for each, and one page of HTML for all."""
 
 import csv
 import html

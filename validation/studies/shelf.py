@@ -1,4 +1,4 @@
-"""Which studies there are: those of every package that is installed and brings some."""
+"""Registry of studies: those of every package that is installed and brings some."""
 
 from collections.abc import Mapping
 from importlib.metadata import entry_points

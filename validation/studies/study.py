@@ -1,7 +1,6 @@
-"""What a study consists of: rows that a terminal, CSV files, pictures and the report are made from.
+"""A study: rows from which terminal output, CSV files, pictures and the report are made.
 
-A robot's studies are a tuple of rows, which an entry point names. What a study needs is imported when it is
-made.
+A robot's studies are a tuple of rows, which an entry point names. A study's imports happen when it is made.
 """
 
 import importlib
@@ -29,17 +28,17 @@ class Compared:
     unit: str
     printed: float | None
     independent: float
-    """Another way: a closed form, or an integration that is written apart from what is judged."""
+    """Independent value: a closed form, or an integration that is written apart from the judged code."""
     ours: float
     """The project's own: its plant, its motion code, its whole chain."""
     within: float
-    """So far `ours` may be from `independent`, in the unit; a test checks it."""
+    """Allowed difference of `ours` from `independent`, in the unit; a test checks it."""
     why: str = ""
-    """Why they differ, or why the print does."""
+    """Reason why they differ, or why the print does."""
 
     @property
     def holds(self) -> bool:
-        """Whether ours is where the independent way is."""
+        """True if ours agrees with the independent way."""
         return math.isfinite(self.ours) and abs(self.ours - self.independent) <= self.within
 
 
@@ -48,7 +47,7 @@ class Curve:
     """One curve of a plot."""
 
     label: str
-    """Nothing for one that needs no line in the legend."""
+    """Text in the legend; empty for a curve that needs none."""
     x: Numbers
     y: Numbers
     style: Style = "line"
@@ -60,13 +59,13 @@ class Plot:
 
     title: str
     x: str
-    """What the axis is, with its unit: "time [s]"."""
+    """Quantity of the axis, with its unit: "time [s]"."""
     y: str
     curves: tuple[Curve, ...]
     caption: str
-    """What is to be seen, and from which place of the source."""
+    """Content of the plot, with its place in the source."""
     equal: bool = False
-    """Both axes on one scale, as for a path."""
+    """True for both axes on one scale, as for a path."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,19 +74,19 @@ class Sheet:
 
     title: str
     columns: tuple[str, ...]
-    """With their units."""
+    """Headings, with their units."""
     rows: tuple[tuple[Cell, ...], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """What came of a study."""
+    """Results of a study."""
 
     compared: tuple[Compared, ...]
     plots: tuple[Plot, ...] = ()
     sheets: tuple[Sheet, ...] = ()
     remarks: tuple[str, ...] = ()
-    """Whole sentences: what is assumed, and what the study does not show."""
+    """Remarks in whole sentences: the assumptions, and the limits of the study."""
 
     @property
     def out_of_bounds(self) -> tuple[Compared, ...]:

@@ -17,7 +17,7 @@ from typing import Final
 OVERDRIVE: Final = 21
 """Pulses after a switch was reached."""
 STEPS_PER_TURN: Final = 400
-"""Of a motor: half steps."""
+"""Half steps of a motor per turn."""
 HALF_STEPS: Final = 2
 EFFICIENCY: Final = 0.7
 NO_TORQUE_AT: Final = 1_500.0
@@ -34,22 +34,22 @@ class Axis:
     """mm for the track, as is all that is in degrees."""
     most_deg: float
     steps: int
-    """From one end to the other."""
+    """Number of steps from one end to the other."""
     rest: int
-    """Where the GUI leaves it after a calibration, in steps from the least."""
+    """Position after the GUI's calibration, in steps from the lower end."""
     step_pin: int
     direction_pin: int
     ahead_digit: int
     """The sketch's `rotdir`: the direction's digit for which it makes the direction's pin LOW."""
     switch_pin: int | None = None
     switch_at_most: bool = False
-    """Whether the switch is at the upper end."""
+    """True if the limit switch is at the upper end."""
     torque_nm: float = math.inf
-    """Of the motor, at rest."""
+    """Torque of the motor, at rest."""
 
     @property
     def per_step_deg(self) -> float:
-        """How far one step goes."""
+        """Angle of one step."""
         return (self.most_deg - self.least_deg) / self.steps
 
     @property

@@ -1,6 +1,6 @@
 """The arm's board, whole: a Mega on USB with a generation of its sketch, and the arm on its drivers.
 
-It refuses to know who is on the other end of the USB. No shield is on this board; no one asks for one.
+It does not depend on the host at the other end of the USB. This board carries no motor shield.
 """
 
 from typing import Final
@@ -30,12 +30,12 @@ class Ar2Board:
 
     @property
     def moves(self) -> bool:
-        """Whether its sketch is in the middle of a move."""
+        """True while the sketch executes a move."""
         sketch = self.mega.sketch
         return isinstance(sketch, Ar2Sketch) and sketch.moves
 
     def reset(self, now: Nanoseconds) -> None:
-        """Press the board's button: a move ends where it is."""
+        """Reset the board by its button: a move ends where it is."""
         self._usb.reset(now)
 
     def hang(self, now: Nanoseconds) -> None:
@@ -43,7 +43,7 @@ class Ar2Board:
         self._usb.hang(now)
 
     def advance(self, now: Nanoseconds) -> None:
-        """Be as it is at `now`, for those who look at the arm; what it says it keeps."""
+        """Advance to `now`, for observers of the arm; bytes that the board sends stay queued."""
         self._usb.advance(now)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:

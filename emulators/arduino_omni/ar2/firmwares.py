@@ -19,17 +19,17 @@ COMMANDS: Final = frozenset(ar2.COMMANDS)
 
 @dataclass(frozen=True, slots=True)
 class Firmware:
-    """What can be flashed."""
+    """One generation of the firmware, as it can be flashed."""
 
     title: str
     baud: int
     reached: tuple[bytes, bytes]
-    """What it says after LL: all joints are at their switches, or not."""
+    """Answers to LL: all joints are at their switches, or not."""
     input: tuple[bytes, bytes]
-    """What it says of an input: high, or low."""
+    """Answers for an input: high, or low."""
     commands: frozenset[str] = COMMANDS
     multiplier: float = 200.0
-    """us a pulse of MJ at full speed."""
+    """Pulse time of MJ at full speed, in us."""
 
 
 FIRMWARES: Final[Mapping[str, Firmware]] = MappingProxyType(

@@ -1,4 +1,4 @@
-"""What the arm's own weight does at its joints.
+"""Joint torques from the arm's own weight.
 
 It shares nothing with the bridge's kinematics, so that a fault in one shows beside the other.
 
@@ -22,7 +22,7 @@ LINKS: Final[tuple[tuple[float, float, float, float, float], ...]] = (
     (90.0, 0.0, 0.0, 0.0, 0.5),
     (0.0, 0.0, -0.03625, 180.0, 0.3),
 )
-"""Of each joint: alpha in degrees, a and d in m, its angle's offset in degrees, the link's mass in kg."""
+"""Data of each joint: alpha in degrees, a and d in m, its angle's offset in degrees, link mass in kg."""
 Vector = tuple[float, float, float]
 
 

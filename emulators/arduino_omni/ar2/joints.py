@@ -1,7 +1,7 @@
-"""Where the arm truly is: what became of each pulse, and what its switches say of it.
+"""The arm's true position: the effect of each pulse, and the state of its switches.
 
-A motor that has to give more than it has at that speed stays where it is, and so does one at its stop: the
-step is lost, and no one tells the board. Without current none moves.
+A motor that needs more torque than it has at that speed stays where it is, and so does one at its stop: the
+step is lost, and the board has no feedback of it. Without current none moves.
 
 Where the sources are silent:
 * a step is lost when the weight at the joint alone is more than the motor's torque at its mean speed over 8
@@ -33,28 +33,29 @@ class Joints(Shafts):
         places: Sequence[int] | None = None,
         on_count: Callable[[int, int, Nanoseconds], None] | None = None,
     ) -> None:
-        """Stand at `places`, in steps from the least, or at rest; `load` in N m by angles in degrees.
+        """Begin at `places`, in steps from the lower end; by default at the rest positions.
 
-        `on_count` hears of each pulse: which axis, 1 for ahead or -1, and when.
+        `load` is in N m by angles in degrees. `on_count` is called for each pulse with the axis, the
+        direction (1 for ahead, or -1) and the time.
         """
         super().__init__(())
         self.places: Final = [axis.rest for axis in AXES] if places is None else list(places)
         self.pulses: Final = [0] * len(AXES)
-        """That each driver has got."""
+        """Pulses that each driver has received."""
         self.lost: Final = [0] * len(AXES)
         self.open_switches: Final[set[int]] = set()
         """Joints, from 0, whose switch's wire is broken: such a one reads as reached."""
         self.swings = False
-        """Whether the arm moves between two pulses, too."""
+        """True if the arm moves between two pulses, too."""
         self.powered = True
-        """Whether the drivers have their current."""
+        """True if the drivers have their current."""
         self._load: Final = load
         self._on_count: Final = on_count
         self._pulsed_at: Final = [deque([-SECOND], FIELD) for _ in AXES]
 
     @property
     def angles(self) -> tuple[float, ...]:
-        """Of the six joints, in degrees."""
+        """Angles of the six joints, in degrees."""
         return tuple(axis.angle(place) for axis, place in zip(JOINTS, self.places, strict=False))
 
     def reached(self, joint: int) -> bool:

@@ -1,7 +1,7 @@
-"""What the sketch's loops do to the step pins: which of them rise, and how long after one another.
+"""Pulse patterns of the sketch's loops: the step pins that rise, and the time between them.
 
-They refuse to know pins, time and what follows. A move gives one turn of its loop after the other, as beats:
-microseconds that pass, and the axes whose pins rise then. No beats: it is over.
+They do not depend on pins or time. A move yields one turn of its loop after the other, as beats: microseconds
+that pass, and the axes whose pins rise then. No beats: it is over.
 
 Sources: Chris-Annin/AR2, AR2_2.0, its sketch: MJ, LL and ML. ints have 16 bits there, and floats 32.
 ArduinoCore-avr, wiring.c: delayMicroseconds() takes its argument four times in 16 bits.
@@ -21,11 +21,11 @@ from emulators.arduino_omni.ar2.axes import AXES, JOINTS, OVERDRIVE
 from emulators.arduino_omni.mega.arithmetic import divided, int16, quotient, single, truncated
 
 TURN_US: Final = 70
-"""What a turn of a loop takes beside its delays."""
+"""Time of one turn of a loop beside its delays."""
 HUNDRED: Final = 100.0
 SWITCH_PULSE_US: Final = 5
 SETTLING_US: Final = 500_000
-"""After an overdrive."""
+"""Pause after an overdrive."""
 WAYPOINT_MULTIPLE: Final = 2.0
 """ML and LL are slower than MJ by this."""
 WAYPOINT_PARTS: Final = 6
@@ -46,7 +46,7 @@ class Move(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class MoveRequest:
-    """What a line asks for: a direction's digit and steps for each axis, and percentages."""
+    """The motion requested by a line: a direction's digit and steps for each axis, and percentages."""
 
     steps: tuple[int, ...]
     speed: float
@@ -57,7 +57,7 @@ class MoveRequest:
 
     @property
     def moving(self) -> tuple[int, ...]:
-        """Which axes have steps."""
+        """The axes that have steps."""
         return tuple(axis for axis, steps in enumerate(self.steps) if steps > 0)
 
 
@@ -73,7 +73,7 @@ def pulse_us(multiplier: float, speed: float) -> int:
 
 
 class Pace:
-    """How long MJ waits in each turn: faster, steady, slower; it slows down from the steady pace by `+=`."""
+    """Delays of MJ in each turn: faster, steady, slower; it slows down from the steady pace by `+=`."""
 
     def __init__(self, requested: MoveRequest, multiplier: float) -> None:
         self._active: Final = len(requested.moving)
@@ -121,7 +121,7 @@ class Thinned:
 
     @property
     def over(self) -> bool:
-        """Whether all its steps are done."""
+        """True once all its steps are done."""
         return self._left <= 0
 
     def steps_now(self) -> bool:

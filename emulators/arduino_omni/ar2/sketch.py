@@ -1,7 +1,8 @@
-"""The arm's sketch: a line, what it does, the next line; meanwhile bytes go into its ring alone.
+"""The arm's sketch: it executes one line after the other; meanwhile received bytes only enter its ring.
 
 Sources: Chris-Annin/AR2, AR2_2.0. A move is answered before it begins. Fields are found by their letters in
-the whole line, a line with an unknown word is passed over in silence, and nothing says that a move has ended.
+the whole line, a line with an unknown word is ignored without an answer, and the end of a move is not
+reported.
 
 Where they are silent:
 * while points are read it waits for each without an end; a point is kept without the end of its line.
@@ -56,7 +57,7 @@ class Ar2Sketch:
         self._joints: Final = joints
         self._firmware: Final = firmware
         self.servos: Final[dict[int, int]] = {}
-        """Each servo's pulse in us, once it was told one."""
+        """Pulse of each servo in us, once one was commanded."""
         self._now: Nanoseconds = 0
         self._line = bytearray()
         self._points = [b""] * POINTS
@@ -64,7 +65,7 @@ class Ar2Sketch:
         """Points that are still to come."""
         self._point = 0
         self._last_point = 0
-        """The last that is gone to: one more than was said."""
+        """The last point of the move: one more than the line requested."""
         self._searched: tuple[int, ...] = ()
         self._move: Move | None = None
         self._after: Callable[[Nanoseconds], None] = self._ended
@@ -88,7 +89,7 @@ class Ar2Sketch:
 
     @property
     def moves(self) -> bool:
-        """Whether a move is under way."""
+        """True while a move is under way."""
         return self._move is not None
 
     def setup(self) -> None:
@@ -135,7 +136,7 @@ class Ar2Sketch:
     # Pins
 
     def _write(self, pin: int, level: int, at: Nanoseconds) -> None:
-        """Be digitalWrite(); a driver takes a rise of its step pin, whoever makes it."""
+        """Write a pin as digitalWrite() does; the driver of an axis takes each rise of its step pin."""
         pins = self._mega.pins
         axis = _STEP_PINS.get(pin)
         rises = axis is not None and level and not pins.read(pin)
@@ -209,10 +210,10 @@ class Ar2Sketch:
         self._say(passed if all(reached[joint] for joint in self._searched) else failed)
 
     def _ended(self, _: Nanoseconds) -> None:
-        """Say nothing."""
+        """Send nothing."""
 
     def _requested(self, line: bytes, after_speed: str, letters: str = LETTERS) -> MoveRequest:
-        """Turn the direction pins, and return what is asked for beside them."""
+        """Set the direction pins, and return the steps and percentages requested beside them."""
         found = []
         for letter, following, axis in zip(letters, letters[1:] + "S", AXES, strict=False):
             digit, count = steps(line, letter, following)

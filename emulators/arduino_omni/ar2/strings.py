@@ -1,6 +1,6 @@
 """A line as the core's String has it: where a letter stands, what is between two of them, and its number.
 
-It refuses to know what a line asks for.
+It does not interpret the line's command.
 
 Sources: ArduinoCore-avr, WString.cpp: indexOf() ends at a zero byte, substring() takes unsigned places of 16
 bits and exchanges them where the first is larger; toInt() is atol(), toFloat() is atof().

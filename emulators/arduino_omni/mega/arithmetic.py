@@ -40,7 +40,7 @@ def float32(value: float) -> float:
 def quotient(dividend: int, divisor: int) -> int:
     """Return a long divided, towards zero.
 
-    By zero, where C says nothing, libgcc's loop gives all ones, with the dividend's sign: so does the
+    By zero, which C leaves undefined, libgcc's loop gives all ones, with the dividend's sign: so does the
     sketch's binary in simavr.
     """
     if divisor == 0:
@@ -80,7 +80,7 @@ def divided(dividend: float, divisor: float) -> float:
 def truncated(value: float) -> int:
     """Return the long that a float becomes, towards zero.
 
-    Beyond a long, where C says nothing, it is 0 here.
+    Beyond a long, which C leaves undefined, it is 0 here.
     """
     if not -(2.0**31) <= value < 2.0**31:
         return 0

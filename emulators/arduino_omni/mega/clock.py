@@ -1,4 +1,4 @@
-"""What the board takes for the time: millis() that skips, micros() in fours.
+"""The board's own time: millis() that skips, micros() in fours.
 
 Source: ArduinoCore-avr, wiring.c: timer 0 overflows every 1024 us; each adds 1 ms, and 3/125 that are
 carried, so that about every 42 ms one value is never seen.
@@ -16,7 +16,7 @@ WORD: Final = 1 << 32
 
 
 class Clock:
-    """Counts from when the sketch's processor has set up its timer."""
+    """Clock that runs from the setup of the timer by the sketch's processor."""
 
     def __init__(self, started_at: Nanoseconds) -> None:
         self.started_at: Final = started_at

@@ -1,4 +1,4 @@
-"""What a sketch does that takes time, one thing after the other: a list, so that it can stop anywhere."""
+"""Timed actions of a sketch, one after the other: a list, so that it can stop anywhere."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ class Say:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """Something that takes no time, after what stands before it."""
+    """Action that takes no time, after the jobs before it."""
 
     action: Callable[[Nanoseconds], None]
 

@@ -28,12 +28,12 @@ from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, Nanoseconds, 
 
 BOOT: Final[Nanoseconds] = 1_100 * MILLISECOND
 KEPT: Final[Nanoseconds] = 9_000 * MILLISECOND
-"""After its last byte a loader that has heard one starts the sketch."""
+"""Time from the last byte that the boot loader received to the start of the sketch."""
 CONVERSION: Final[Nanoseconds] = 112 * MICROSECOND
 """One analogRead."""
 _NOT_REQUESTED: Final = -1
 STEPS_AT_ONCE: Final = 10_000
-"""Things done at one instant. Rings that are full of commands give some hundreds, before they take time."""
+"""Limit of actions at one instant. Full rings of commands give some hundreds, before they take time."""
 
 
 class SketchError(Exception):
@@ -70,9 +70,9 @@ class Mega:
         others: tuple[Chip, ...] = (),
         boot: Nanoseconds = BOOT,
     ) -> None:
-        """Flash a sketch; `others` are further chips on the bus, `boot` is how long the loader takes.
+        """Flash a sketch; `others` are further chips on the bus, `boot` is the loader's time.
 
-        `shafts` are told each instant at which the board does something.
+        `shafts` are advanced to each instant at which the board does something.
         """
         self.shield: Final = MotorShield() if shield is None else shield
         self.shafts: Final = Shafts() if shafts is None else shafts
@@ -86,24 +86,24 @@ class Mega:
         self._sketch: Sketch | None = None
         self._boot: Final = boot
         self.kept: Callable[[], None] = _nothing
-        """Is called at each byte that keeps the boot loader."""
+        """Callback for each byte that keeps the boot loader."""
         self._starts_at: Nanoseconds = NEVER
         self._jobs: deque[Job] = deque()
         self._running: OnBus | None = None
         self._free_at: Nanoseconds = 0
         self._wakes_at: Nanoseconds = _NOT_REQUESTED
-        """When the sketch wants to be called, where nothing arrives; asked for when it has done something."""
+        """Next call requested by the sketch for when nothing arrives; read after it has done something."""
         self._powered = False
         self._held = False
 
     @property
     def baud(self) -> int:
-        """Bits a second on its serial pins, truly."""
+        """Actual bit rate on its serial pins."""
         return self.serial.baud
 
     @property
     def sketch(self) -> Sketch | None:
-        """What runs; None in the boot loader."""
+        """The running sketch; None in the boot loader."""
         return self._sketch
 
     # For sketches
@@ -133,7 +133,7 @@ class Mega:
         self.resets += 1
 
     def brown_out(self, now: Nanoseconds, *, low: bool) -> None:
-        """Be held in reset while the supply is too low, and start again when it is back."""
+        """Hold it in reset while the supply is too low, and start it again when it is back."""
         self._held = low
         self.reset(now)
 
@@ -146,7 +146,7 @@ class Mega:
 
     @property
     def hung(self) -> bool:
-        """Whether the sketch waits for what never comes: it does nothing more until the board is reset."""
+        """True if the sketch waits for an event that never comes: only a reset of the board ends this."""
         waits = self._running is not None and self.bus.due == NEVER
         return self._sketch is not None and (waits or self._free_at == NEVER)
 
@@ -163,7 +163,7 @@ class Mega:
 
     @property
     def clock(self) -> Clock:
-        """What the sketch sees of the time."""
+        """The sketch's view of the time."""
         return self._clock
 
     @clock.setter
@@ -185,7 +185,7 @@ class Mega:
 
     @property
     def due(self) -> Nanoseconds:
-        """When to call `advance`; in the past where the sketch has something to do at once."""
+        """Next time to call `advance`; in the past where the sketch has something to do at once."""
         if self._sketch is None:
             return self._starts_at
         if self._running is not None:
@@ -272,7 +272,7 @@ class MegaOnPins:
 
     @property
     def baud(self) -> int:
-        """Bits a second, truly."""
+        """Actual bit rate."""
         return self.mega.baud
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
@@ -290,6 +290,6 @@ class MegaOnPins:
         return self._reaction(now)
 
     def _reaction(self, now: Nanoseconds) -> Reaction:
-        # The wire spaces the bytes, at the rate that the board says: all that was written may go.
+        # The wire spaces the bytes, at the board's own bit rate: all that was written may go.
         written = self.mega.serial.taken(NEVER)
         return Reaction((Packet(SERIAL, 0, written),) if written else (), max(now, self.mega.due))

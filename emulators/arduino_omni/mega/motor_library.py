@@ -1,4 +1,4 @@
-"""What Adafruit's Motor Shield V2 library writes on the I2C bus, call by call, byte for byte.
+"""I2C transfers of Adafruit's Motor Shield V2 library, call by call, byte for byte.
 
 Source: Adafruit_Motor_Shield_V2_Library and its Adafruit_MS_PWMServoDriver, as of 2018; BusIO since
 2021-09-21.
@@ -31,7 +31,7 @@ from firmware_bridge.units import MILLISECOND
 
 DEFAULT_HZ: Final = 1_600
 CORRECTION: Final = float32(0.9)
-"""Of the frequency, since 2015-09-12."""
+"""Correction of the frequency, since 2015-09-12."""
 WAKES_IN: Final = 5 * MILLISECOND
 FULL_ON: Final = 4_096
 BYTE: Final = 255
@@ -117,7 +117,7 @@ def begin(address: int, frequency: int = DEFAULT_HZ, *, repeated_start: bool = F
 
 
 def release_all(address: int) -> Job:
-    """Return what releases all motors at once, whatever the shield has been told before."""
+    """Return the transfer that releases all motors at once, whatever their state on the shield."""
     return OnBus(write(address, bytes((ALL_LED + 3, FULL))))
 
 

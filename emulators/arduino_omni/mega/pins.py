@@ -24,7 +24,7 @@ PWM_PINS: Final = frozenset({*range(2, 14), *range(44, 47)})
 BUSY_PINS: Final = frozenset({0, 1, 20, 21})
 """Serial and I2C."""
 HALF: Final = 128
-"""From here on analogWrite() makes a pin without PWM high."""
+"""Least value of analogWrite() that makes a pin without PWM high."""
 EXTERNAL_INTERRUPTS: Final = frozenset({2, 3, 18, 19, 20, 21})
 ENCODER_PINS: Final = ((2, 3), (18, 19), (10, 11))
 """The pins of channels A and B, motor by motor."""
@@ -42,7 +42,7 @@ class Pins:
         self.driven: dict[int, bool] = dict.fromkeys(BUSY_PINS, True)
         """Inputs that someone outside drives; it outlives a reset."""
         self.analog = [0] * ANALOG
-        """What an analogRead gives, 0 to 1023; it outlives a reset."""
+        """Result of analogRead for each pin, 0 to 1023; it outlives a reset."""
         self.modes = bytearray(PINS)
         self.duties: dict[int, int] = {}
         """Pins with analogWrite on them, 1 to 254."""
@@ -55,20 +55,20 @@ class Pins:
         self.duties.clear()
 
     def configure(self, pin: int, mode: int) -> None:
-        """Be pinMode(): whatever is neither input has the pin driven."""
+        """Configure a pin as pinMode() does: any mode that is neither input has the pin driven."""
         if pin < PINS:
             self.modes[pin] = mode if mode in {INPUT, INPUT_PULLUP} else OUTPUT
             if mode in {INPUT, INPUT_PULLUP}:
                 self._latches[pin] = int(mode == INPUT_PULLUP)
 
     def write(self, pin: int, level: int) -> None:
-        """Be digitalWrite(): it ends a PWM, and on an input switches the pull-up."""
+        """Write a pin as digitalWrite() does: it ends a PWM, and on an input switches the pull-up."""
         if pin < PINS:
             self.duties.pop(pin, None)
             self._latches[pin] = int(level != 0)
 
     def write_analog(self, pin: int, value: int) -> None:
-        """Be analogWrite(): the pin is an output; at both ends a level."""
+        """Write a pin as analogWrite() does: it becomes an output; at both ends a level."""
         self.configure(pin, OUTPUT)
         if pin < PINS:
             if value in {0, 255} or pin not in PWM_PINS:
@@ -77,7 +77,7 @@ class Pins:
                 self.duties[pin] = value & 0xFF
 
     def read(self, pin: int) -> int:
-        """Be digitalRead()."""
+        """Read a pin as digitalRead() does."""
         if pin >= PINS:
             return 0
         self.duties.pop(pin, None)
@@ -87,12 +87,12 @@ class Pins:
         return self._latches[pin] if level is None else int(level)
 
     def read_analog(self, pin: int) -> int:
-        """Be analogRead(): a pin's number or a channel's; the multiplexer has sixteen."""
+        """Read as analogRead() does: a pin's number or a channel's; the multiplexer has sixteen."""
         return self.analog[(pin - FIRST_ANALOG if pin >= FIRST_ANALOG else pin) % ANALOG]
 
 
 class Shafts:
-    """How far the motors' encoders have come, in edges of both channels, since the world began."""
+    """Positions of the motors' encoders, in edges of both channels, since the start of the simulation."""
 
     def __init__(self, wiring: tuple[tuple[int, int], ...] = ENCODER_PINS) -> None:
         self._edges = [0] * len(wiring)
@@ -104,7 +104,7 @@ class Shafts:
         return self._edges
 
     def reach(self, now: Nanoseconds) -> None:
-        """Be on at `now`, before anything is done then; these are turned by no one."""
+        """Advance to `now`, before anything is done then; these shafts are not turned."""
 
     def level(self, pin: int) -> bool | None:
         """Return what an encoder puts on a pin; None where none is: here on no pin."""
@@ -130,7 +130,7 @@ class Counter:
     pin_b: int
     bits: int
     any_pin: bool = False
-    """Whether pin-change interrupts are used as well as external ones."""
+    """True if pin-change interrupts are used as well as external ones."""
     _zero: int = 0
 
     def __post_init__(self) -> None:
@@ -150,5 +150,5 @@ class Counter:
         return wrapped(self.total(), self.bits)
 
     def set(self, count: int) -> None:
-        """Be at a count now."""
+        """Set the present count."""
         self._zero += count - self.total()

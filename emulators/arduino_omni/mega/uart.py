@@ -12,25 +12,25 @@ from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 CLOCK_HZ: Final = 16_000_000
 RING: Final = 63
-"""Bytes of 64 that can be used."""
+"""Usable size of the receive ring, in bytes of its 64."""
 BITS_PER_BYTE: Final = 10
 LARGEST_DIVIDER: Final = 4_095
 WITHOUT_DOUBLE_SPEED: Final = 57_600
 """The core takes the coarser divider for this rate, as older boot loaders did."""
 ON_ITS_WAY: Final = 2
-"""Bytes beyond the transmit ring: in the data register, and in the shift register."""
+"""Number of bytes beyond the transmit ring: in the data register, and in the shift register."""
 
 
 @dataclass(frozen=True, slots=True)
 class Divider:
-    """What Serial.begin() writes into UBRR, and whether U2X is set."""
+    """Register values that Serial.begin() writes: UBRR, and U2X set or not."""
 
     ubrr: int
     double_speed: bool
 
     @property
     def rate(self) -> int:
-        """Bits a second that come out of it, rounded."""
+        """Resulting bit rate, rounded."""
         bit = (8 if self.double_speed else 16) * (self.ubrr + 1)
         return (2 * CLOCK_HZ + bit) // (2 * bit)
 
@@ -49,7 +49,7 @@ class Uart:
     def __init__(self, baud: int) -> None:
         self.baud: Final = divider(baud).rate
         self.lost = 0
-        """Bytes that found the ring full since the last reset."""
+        """Number of bytes lost since the last reset because the ring was full."""
         self._ring: deque[int] = deque()
         self._sent: deque[tuple[Nanoseconds, int]] = deque()
         self._burst_at: Nanoseconds = 0
@@ -57,7 +57,7 @@ class Uart:
 
     @property
     def available(self) -> int:
-        """Bytes that wait to be read."""
+        """Number of bytes that wait to be read."""
         return len(self._ring)
 
     def arrived(self, byte: int) -> None:
@@ -76,7 +76,7 @@ class Uart:
         self._ring.clear()
 
     def reset(self, now: Nanoseconds) -> None:
-        """Be as after a reset of the processor; a byte that has not wholly left never does."""
+        """Reset it with the processor; a byte that has not wholly left never does."""
         self._ring.clear()
         self.lost = 0
         while self._sent and self._sent[-1][0] > now:

@@ -1,9 +1,9 @@
 """The I2C bus between the board, its only master, and the chips on it: byte by byte, in bus time.
 
-Sources: UM10204 (START, STOP, acknowledge); ArduinoCore-avr's Wire library, 100 kHz unless told otherwise
-(TWBR 72 at 16 MHz, exactly); it waits for ever for a stuck bus, for its time-out is off by default. ASSUME:
-a START, a repeated START and a STOP take one bit time each; the processor's own time between two bytes is
-left out.
+Sources: UM10204 (START, STOP, acknowledge); ArduinoCore-avr's Wire library, 100 kHz unless set otherwise
+(TWBR 72 at 16 MHz, exactly); it waits for ever for a stuck bus, for its time-out is off by default. ASSUME: a
+START, a repeated START and a STOP take one bit time each; the processor's own time between two bytes is left
+out.
 """
 
 from collections.abc import Sequence
@@ -13,17 +13,17 @@ from typing import Final, Protocol
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 STANDARD_RATE: Final = 100_000
-"""Bits a second: Wire's default."""
+"""Bit rate by default in Wire, in bits per second."""
 BITS_PER_BYTE: Final = 9
 """Eight, and the acknowledge."""
 GENERAL_CALL: Final = 0x00
 NO_ANSWER: Final = 0xFF
-"""What a master reads where no one pulls the line."""
+"""Result of a read where no device pulls the line."""
 
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """What follows one START: bytes to a 7-bit address, or a number of bytes to be read from it."""
+    """Part of a transfer after one START: bytes to a 7-bit address, or a number of bytes to read from it."""
 
     address: int
     written: bytes = b""
@@ -31,20 +31,20 @@ class Segment:
 
     @property
     def length(self) -> int:
-        """Bytes on the bus, the address among them."""
+        """Number of bytes on the bus, the address among them."""
         return 1 + (self.to_read or len(self.written))
 
 
 @dataclass(frozen=True, slots=True)
 class Transfer:
-    """From START to STOP. Between two segments stands a repeated START."""
+    """One transfer from START to STOP, with a repeated START between two segments."""
 
     segments: tuple[Segment, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """How a transfer ended: whether each byte was acknowledged, and what was read."""
+    """Result of a transfer: the acknowledge of each byte, and the bytes read."""
 
     acknowledged: bool
     read: bytes
@@ -55,7 +55,7 @@ class Chip(Protocol):
 
     @property
     def hasty(self) -> bool:
-        """Whether something may change outside with every byte, and not with the STOP alone."""
+        """True if outputs may change with every byte, and not with the STOP alone."""
 
     def acknowledges(self, address: int, *, reading: bool) -> bool:
         """Return whether the chip answers to this 7-bit address; it changes nothing."""
@@ -70,7 +70,7 @@ class Chip(Protocol):
         """Give the next byte."""
 
     def stopped(self, at: Nanoseconds) -> None:
-        """Take a STOP, whoever was addressed."""
+        """Take a STOP, also one of a transfer to another address."""
 
 
 def write(address: int, data: bytes) -> Transfer:
@@ -91,9 +91,9 @@ class I2cBus:
         self.bytes = 0
         """Carried so far, addresses among them."""
         self.busy: Nanoseconds = 0
-        """From START to STOP, all transfers together."""
+        """Bus time from START to STOP, all transfers together."""
         self.stuck = False
-        """Whether a line is held low, or nothing pulls it up: no START gets out, and Wire waits for ever."""
+        """True if a line is held low, or nothing pulls it up: no START gets out, and Wire waits for ever."""
         self._chips: Final = tuple(chips)
         self._transfer: Transfer | None = None
         self._begun_at: Nanoseconds = 0
@@ -109,7 +109,7 @@ class I2cBus:
 
     @property
     def due(self) -> Nanoseconds:
-        """When to call `advance`: the STOP, or each byte where one may matter by itself."""
+        """Next time to call `advance`: the STOP, or each byte where one may matter by itself."""
         return self._next_at if self._fine else self._stop_at
 
     def begin(self, transfer: Transfer, now: Nanoseconds) -> None:
@@ -155,7 +155,7 @@ class I2cBus:
         self._forget()
 
     def _shows_each_byte(self, transfer: Transfer) -> bool:
-        """Whether someone may notice a byte before the STOP."""
+        """Return True if a chip or the master may notice a byte before the STOP."""
         for chip in self._chips:
             if chip.hasty:
                 return True

@@ -45,7 +45,7 @@ def share(pwm: Wave, in1: Wave, in2: Wave) -> Output:
     return Output(counts[Bridge.CW], counts[Bridge.CCW], counts[Bridge.BRAKE], counts[Bridge.OPEN])
 
 
-# Asked for in every tick that something happens in, and there are few answers: a sign and 256 duties.
+# Called in every tick that something happens in, and there are few answers: a sign and 256 duties.
 @lru_cache(maxsize=4_096)
 def _shared(pwm: bytes, in1: bytes, in2: bytes, mode2: int, runs: bool) -> Output:  # noqa: FBT001 - a cache's key
     return share(driven(pwm, mode2, runs=runs), driven(in1, mode2, runs=runs), driven(in2, mode2, runs=runs))

@@ -2,7 +2,7 @@
 
 Source: NXP, PCA9685 product data sheet: addresses, registers, sleep and restart, software reset.
 Where it is silent:
-* a RESTART asked for earlier than 500 us after SLEEP ended, or with SLEEP, is not obeyed and stays pending.
+* a RESTART requested earlier than 500 us after SLEEP ended, or with SLEEP, is not obeyed and stays pending.
 * while asleep, or held until RESTART, all outputs are low.
 * no clock comes in at the EXTCLK pin of the shield, so after EXTCLK outputs are as in sleep.
 * the reserved registers 0x46 to 0xF9 read 0, take nothing, and the pointer goes on through them.
@@ -19,7 +19,7 @@ CHANNELS: Final = 16
 PERIOD_COUNTS: Final = 4_096
 OSCILLATOR_HZ: Final = 25_000_000
 STARTS_IN: Final[Nanoseconds] = 500 * MICROSECOND
-"""From the end of SLEEP until the oscillator runs."""
+"""Time from the end of SLEEP until the oscillator runs."""
 
 MODE1: Final = 0x00
 MODE2: Final = 0x01
@@ -46,7 +46,7 @@ MODE2_BITS: Final = 0x1F
 LAST: Final = frozenset({LED_END - 1, PRE_SCALE, TEST_MODE})
 """Registers after which the pointer begins again."""
 FULL: Final = 0x10
-"""In ON_H: always on. In OFF_H: always off, which wins."""
+"""Bit of ON_H: always on; and of OFF_H: always off, which wins."""
 HIGH_BITS: Final = 0x1F
 LOWEST_PRE_SCALE: Final = 3
 SOFTWARE_RESET: Final = 0x06
@@ -101,7 +101,7 @@ class Pca9685:
         self.address: Final = address
         self._registers = bytearray(256)
         self._latched = bytearray(LED_END)
-        """What the outputs go by: MODE2 and the channels as they were at the last STOP, or byte (OCH)."""
+        """Registers that the outputs follow: MODE2 and the channels as of the last STOP, or byte (OCH)."""
         self._pointer = 0
         self._selecting = False
         self._general = False
@@ -115,7 +115,7 @@ class Pca9685:
         self.power_on()
 
     def power_on(self) -> None:
-        """Be as at power-on."""
+        """Reset it to its power-on state."""
         self._registers[:] = bytes(256)
         for register, value in POWER_ON.items():
             self._registers[register] = value
@@ -130,7 +130,7 @@ class Pca9685:
 
     @property
     def hasty(self) -> bool:
-        """Whether outputs change with each acknowledge."""
+        """True if outputs change with each acknowledge."""
         return bool(self._registers[MODE2] & OCH)
 
     @property
@@ -165,7 +165,7 @@ class Pca9685:
 
     @property
     def latched_mode2(self) -> int:
-        """How the pins are driven."""
+        """Drive mode of the pins."""
         return self._latched[MODE2]
 
     def output(self, channel: int, now: Nanoseconds) -> Wave:

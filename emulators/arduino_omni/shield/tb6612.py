@@ -8,7 +8,7 @@ Where it is silent:
 * with both inputs low PWM does not matter.
 * thermal shutdown is at 175 degrees C, and ends at 155.
 * ASSUME: the outputs are off below 2.5 V of motor supply, the least that it names to work, and on again
-  from 2.8 V: it says that a low voltage is detected, and not at which, nor with what hysteresis.
+  from 2.8 V: the sheet has detection of a low voltage, but neither its threshold nor its hysteresis.
 * ASSUME: below 5 V, where it gives 0.5 Ohm, the resistance grows as the supply falls.
 * the chip warms by 130 K for each watt, with a time constant of 10 s, from 25 degrees C.
 """
@@ -38,7 +38,7 @@ COUNTS: Final = 4_096
 
 
 class Bridge(Enum):
-    """What the two outputs of a channel do."""
+    """State of the two outputs of a channel."""
 
     CW = "O1 high, O2 low"
     CCW = "O1 low, O2 high"
@@ -57,7 +57,7 @@ def bridge(*, in1: bool, in2: bool, pwm: bool, standby: bool = False) -> Bridge:
 
 @dataclass(frozen=True, slots=True)
 class Output:
-    """How a PWM period of 4096 counts is shared out; the four add up to it."""
+    """Shares of a PWM period of 4096 counts; the four add up to it."""
 
     cw: int = 0
     ccw: int = 0
@@ -108,13 +108,13 @@ class Thermal:
         self.begin(0)
 
     def begin(self, now: Nanoseconds) -> None:
-        """Be as warm as what is around it."""
+        """Begin at the ambient temperature."""
         self.celsius = AMBIENT_C
         self.shut_down = False
         self._at: Nanoseconds = now
 
     def advance(self, currents: tuple[float, ...], now: Nanoseconds) -> None:
-        """Go on to `now` with these currents, in A, since the last call."""
+        """Advance to `now` with these currents, in A, since the last call."""
         watts = sum(ON_RESISTANCE * current * current for current in currents)
         settled = AMBIENT_C + KELVIN_PER_WATT * watts
         left = math.exp(-to_seconds(now - self._at) / WARMS_IN_S)

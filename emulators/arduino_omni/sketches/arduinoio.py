@@ -22,7 +22,7 @@ from firmware_bridge.wire.arduino import arduinoio as words
 
 COUNTER_BITS: Final = 16
 STOCK_ENCODERS: Final = 2
-"""That count: the third has pins of its own, and no interrupt at them."""
+"""Number of encoders in the stock sketch: the third has pins of its own, and no interrupt at them."""
 MIDDLE: Final = 90
 LARGEST_ANGLE: Final = 180
 RUNS: Final[Mapping[int, library.Run]] = {

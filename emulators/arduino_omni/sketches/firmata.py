@@ -38,7 +38,7 @@ VERSION: Final = b"\x02\x05"
 STANDARD: Final = "StandardFirmata.ino"
 CONFIGURABLE: Final = "ConfigurableFirmata.ino"
 BLINKS: Final[Nanoseconds] = 2_100 * MILLISECOND
-"""The version on the lamp, before it says anything."""
+"""Time of the version on the lamp, before the sketch sends anything."""
 SAMPLING: Final = 19
 SHORTEST_SAMPLING: Final = 10
 LOOKS: Final[Nanoseconds] = MILLISECOND
@@ -66,7 +66,7 @@ class FirmataSketch:
     """One run of the sketch."""
 
     def __init__(self, mega: Mega, *, encoders: bool = False) -> None:
-        """Be StandardFirmata, or with `encoders` ConfigurableFirmata."""
+        """Begin as StandardFirmata, or with `encoders` as ConfigurableFirmata."""
         self._mega: Final = mega
         self._has_encoders: Final = encoders
         self._parser: Final = words.Parser()
@@ -342,7 +342,7 @@ class FirmataSketch:
                 return
 
     def _read(self, query: _Query) -> None:
-        """Ask for bytes; the answer is made when they are there."""
+        """Request bytes; the answer is made when they are there."""
         count = min(query.count, WIRE_BUFFER)
         if not count:
             return

@@ -1,7 +1,7 @@
-"""What each pin of a Mega can be, in Firmata's numbers.
+"""Modes of each pin of a Mega, in Firmata's numbers.
 
 Sources: firmata/protocol, protocol.md; firmata/arduino, the Mega's part of Boards.h. ASSUME: modes are
-told in the order input, pull-up, output, analog, PWM, servo, I2C, encoder.
+reported in the order input, pull-up, output, analog, PWM, servo, I2C, encoder.
 """
 
 from typing import Final

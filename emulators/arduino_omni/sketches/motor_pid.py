@@ -14,7 +14,7 @@ MAX_PWM: Final = 255
 
 @dataclass(slots=True)
 class Gains:
-    """Of all motors; int."""
+    """Gains of all motors; int."""
 
     kp: int = 20
     kd: int = 12
@@ -28,7 +28,7 @@ class MotorPid:
 
     gains: Gains
     target: int = 0
-    """Ticks a frame."""
+    """Target speed in ticks per frame."""
     output: int = 0
     encoder: int = 0
     _before: int = field(default=0)
@@ -37,7 +37,7 @@ class MotorPid:
 
     @property
     def turned(self) -> bool:
-        """Whether it moved in the frame before."""
+        """True if it moved in the frame before."""
         return self._input_before != 0
 
     def reset(self, encoder: int) -> None:

@@ -1,4 +1,4 @@
-"""What MATLAB's Arduino package flashes: MWProtocol, motor shield, rotary encoders; no loop on the board.
+"""The sketch of MATLAB's Arduino package: MWProtocol, motor shield, rotary encoders; no loop on the board.
 
 Source: as of `firmware_bridge.wire.arduino.mw`. A damaged frame and an unknown command have no answer. Each
 byte of a frame has a second to come; what waits when an answer has gone is thrown away.
@@ -7,7 +7,7 @@ Where it is silent:
 * the banner has no line end.
 * a frame shorter than its command needs, or larger than 800 bytes, is not answered.
 * a motor, a shield or an encoder that was not made takes nothing, and is answered all the same.
-* a count's overflow says how often 32 bits were not enough.
+* a count's overflow is the number of times that 32 bits were not enough.
 * 5000 bytes are free; version 17.1, as in the worked frames.
 * steppers, and the libraries I2C and Servo, are named and stay silent.
 """
@@ -81,7 +81,7 @@ class MwSketch:
         }
 
     def setup(self) -> None:
-        """Say who is there."""
+        """Send the banner."""
         self._mega.do(Say(mw.BANNER))
 
     def due(self, now: Nanoseconds) -> Nanoseconds:

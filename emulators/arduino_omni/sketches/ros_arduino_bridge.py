@@ -3,8 +3,8 @@
 Sources: hbrobotics/ros_arduino_bridge, indigo-devel: the sketch and its headers; the shield and the third
 motor are ours, as `emulators/arduino_omni/sketch` has them for a real board.
 
-Ours does two things otherwise than the stock sketch. It obeys one command a turn, so that who floods it holds
-up neither loop nor auto-stop. And a loop begins from where the motors are, however they came there.
+Ours differs from the stock sketch in two points. It executes one command per turn, so that a flood of
+commands holds up neither loop nor auto-stop. And a loop begins from the motors' present positions.
 
 Where it is silent:
 * setup() releases the motors and sets the shield up, before it listens.
@@ -13,7 +13,7 @@ Where it is silent:
 * the auto-stop writes to the shield once, and not again and again.
 * characters of an argument beyond its 15 are lost; the sketch would write past its end.
 * arguments beyond the last are lost, up to the end of the line.
-* servos are not compiled: their commands are invalid; a ping finds nothing for a second, and says 0.
+* servos are not compiled: their commands are invalid; a ping finds nothing for a second, and returns 0.
 * the third encoder counts by pin-change interrupts.
 """
 
@@ -69,9 +69,9 @@ class RosSketch:
         self._words: list[bytearray] = []
         self._moving = False
         self._obeyed = False
-        """Whether a command was, in the turn before: then loop and auto-stop come first."""
+        """True if a command was executed in the turn before: then loop and auto-stop come first."""
         self._driven = False
-        """Whether a motor may run that the auto-stop has to stop."""
+        """True if a motor may run that the auto-stop has to stop."""
         self._commanded_at = 0
         self._next_frame = PID_INTERVAL
         self._now: Nanoseconds = 0
@@ -274,4 +274,4 @@ _HANDLERS: Final[Mapping[str, _Handler]] = {
     "w": RosSketch.write_pin,
     "x": RosSketch.write_analog,
 }
-"""What the sketch has compiled, by its letter."""
+"""Commands that the sketch has compiled, by their letters."""

@@ -19,9 +19,9 @@ from firmware_bridge.units import MILLISECOND, NEVER
 
 One = Annotated[Node, Field(description="which motor")]
 BURST: Final = 8
-"""Bytes of a disturbance."""
+"""Length of a disturbance, in bytes."""
 PRINTED: Final = b"t=21\r\n"
-"""What a debug print says."""
+"""Example of a debug print."""
 
 
 class _OfBoards(Fault, ABC):
@@ -41,7 +41,7 @@ class _OfBoards(Fault, ABC):
             yield "link", f"no {self.needed} is on '{self.link}'; {near(self.link, known)}"
 
     needed: ClassVar = "Arduino"
-    """What a robot lacks that it is not possible on."""
+    """The device without which the fault is not possible on a robot."""
 
     @staticmethod
     def possible(robot: AnyRobot) -> list[str]:
@@ -67,7 +67,7 @@ class _OfShields(_OfBoards, ABC):
 
 
 class _Switched(_OfBoards, Lasting, ABC):
-    """What is so from its beginning to its end."""
+    """A state that lasts from the fault's beginning to its end."""
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Let it begin."""
@@ -80,11 +80,11 @@ class _Switched(_OfBoards, Lasting, ABC):
 
     @abstractmethod
     def _have(self, site: Site, *, on: bool) -> None:
-        """Have it so, or not."""
+        """Set the state, or reset it."""
 
 
 class BoardSilent(_OfBoards, Lasting):
-    """The board is heard no more, and hears nothing."""
+    """The board neither sends nor receives."""
 
     kind: ClassVar = "board_silent"
 
@@ -95,7 +95,7 @@ class BoardSilent(_OfBoards, Lasting):
             site.world.silence(name, site.world.now)
 
     def take_off(self, site: Site) -> None:
-        """Let it hear and be heard again."""
+        """Let it send and receive again."""
         for name in self.on(site.robot):
             site.world.silence(name, NEVER)
 
@@ -192,7 +192,7 @@ class ShieldAbsent(_BusStuck):
 
 
 class LineGarbage(_OfBoards, Lasting):
-    """Bytes that no one has said are on the line between bridge and board."""
+    """Foreign bytes, sent by neither end, are on the line between bridge and board."""
 
     kind: ClassVar = "line_garbage"
     every_ms: Annotated[int, Field(ge=1, le=10_000, description="between two bursts, in ms")] = 20
@@ -220,7 +220,7 @@ class _OnMotor(Lasting, ABC):
 
 
 class ShaftBlocked(_OnMotor):
-    """Something holds a motor's shaft."""
+    """A motor's shaft is blocked."""
 
     kind: ClassVar = "shaft_blocked"
 
@@ -237,7 +237,7 @@ class ShaftBlocked(_OnMotor):
 
 
 class LoadLifted(_OnMotor):
-    """What a motor turns is in the air: it spins free, and moves nothing."""
+    """The load of a motor is in the air: it spins free, and moves nothing."""
 
     kind: ClassVar = "load_lifted"
 

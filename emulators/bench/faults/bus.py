@@ -174,7 +174,7 @@ class CanCut(OnBus, Lasting):
         site.cans[self.on(site.robot)].cut(cable[far:])
 
     def take_off(self, site: Site) -> None:
-        """Mend it, and send what waited."""
+        """Repair it, and send the frames that waited."""
         site.cans[self.on(site.robot)].repair()
 
 

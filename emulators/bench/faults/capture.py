@@ -45,7 +45,7 @@ class MarkersSwapped(_Seen):
     turn_deg: Annotated[float, Field(ge=-180, le=180, description="and so far turned to the left")] = 180.0
 
     def put_on(self, site: Site, chance: Generator) -> None:
-        """Have all bodies of all systems seen elsewhere."""
+        """Let all bodies of all systems be seen elsewhere."""
         del chance
         turn = math.radians(self.turn_deg)
         for system in site.captures.values():

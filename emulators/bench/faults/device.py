@@ -78,7 +78,7 @@ class _OnAxes(Lasting, ABC):
 
 
 class _Supply(_OnAxes):
-    """Another voltage at the drives than the battery's."""
+    """The voltage at the drives differs from the battery's."""
 
     node: Any = None
     to_v: Annotated[float, Field(gt=0, le=1000, description="voltage at the drive, in V")]
@@ -167,7 +167,7 @@ class Overheating(_OnAxes):
 
 
 class _Wires(_OnAxes):
-    """Something is wrong with the wires of the encoder."""
+    """A fault in the wires of the encoder."""
 
     node: One
     wrong: ClassVar[int]
@@ -178,7 +178,7 @@ class _Wires(_OnAxes):
         axis.sensor_faults |= self.wrong
 
     def end_at(self, axis: ServoAxis) -> None:
-        """Mend them."""
+        """Repair them."""
         axis.sensor_faults &= ~self.wrong
 
 
@@ -231,7 +231,7 @@ class IndexSpurious(_Wires):
 
 
 class EncoderCountsLost(_OnAxes):
-    """Counts of the encoder do not arrive."""
+    """Some counts of the encoder are lost."""
 
     kind: ClassVar = "encoder_counts_lost"
     node: One

@@ -1,4 +1,4 @@
-"""Which failures a robot can have: every kind of fault, as bad as it gets, at every place."""
+"""All failures that a robot can have: every kind of fault, at its worst, at every place."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -19,9 +19,9 @@ class Failure:
     place: str
     """An axis, a link, or the bridge; empty where it has no place."""
     keys: Mapping[str, Any]
-    """Of the fault's table, beside when and how long."""
+    """Keys of the fault's table, beside its time."""
     lasts: bool
-    """Whether it has an end."""
+    """True if it has an end."""
 
     @property
     def title(self) -> str:

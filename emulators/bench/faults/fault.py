@@ -1,4 +1,4 @@
-"""What all faults share: when they begin and end, whom they meet, and how they are put on and taken off."""
+"""Common base of all faults: begin and end, the stations concerned, and how they are put on and taken off."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
@@ -25,7 +25,7 @@ Problem: TypeAlias = tuple[str, str]
 
 
 class Stations(Enum):
-    """Among whom `node` chooses."""
+    """Group of stations from which `node` chooses."""
 
     DRIVES = "a drive"
     ON_THE_BUS = "a node on the CAN bus"
@@ -55,19 +55,19 @@ class Fault(Table, ABC):
     kind: ClassVar[str]
     """The field's name for it."""
     among: ClassVar[Stations] = Stations.DRIVES
-    """Whom its `node` may name, where it has one."""
+    """Stations that its `node` may name, where it has one."""
 
     at_s: NonNegative
     title: Annotated[str, Field(max_length=100)] = ""
 
     @property
     def begin(self) -> Nanoseconds:
-        """When it is put on."""
+        """Time at which it is put on."""
         return from_seconds(self.at_s)
 
     @property
     def end(self) -> Nanoseconds:
-        """When it is taken off; NEVER: not in this run."""
+        """Time at which it is taken off; NEVER: not in this run."""
         return self.begin
 
     def targets(self, robot: AnyRobot) -> frozenset[str]:
@@ -109,7 +109,7 @@ class Lasting(Fault, ABC):
 
     @property
     def end(self) -> Nanoseconds:
-        """When it is taken off; NEVER: not in this run."""
+        """Time at which it is taken off; NEVER: not in this run."""
         if self.for_s is not None:
             return self.begin + from_seconds(self.for_s)
         return NEVER if self.until_s is None else from_seconds(self.until_s)
@@ -162,4 +162,4 @@ def absent(key: str, node: str | int, among: Stations, robot: AnyRobot) -> Itera
 
 
 CABLE_ORDER: Final = "the bridge, then the axes as the robot file lists them"
-"""How the stations lie on the CAN cable (ASSUME)."""
+"""Order of the stations along the CAN cable (ASSUME)."""

@@ -1,4 +1,4 @@
-"""What is said of a kind of fault: what happens physically, and what the emulated device makes of it."""
+"""Description of a kind of fault: the physical event, and the emulated device's reaction."""
 
 from dataclasses import dataclass
 
@@ -11,11 +11,11 @@ class Kind:
 
     fault: type[Fault]
     happens: str
-    """What happens physically."""
+    """The physical event."""
     does: str
-    """What the emulated device does."""
+    """The emulated device's reaction."""
     acts_on: str = ""
-    """Of two faults that act on the same thing of the same node one must end before the other begins."""
+    """Target: of two faults with one target on one node one must end before the other begins."""
 
     @property
     def name(self) -> str:
@@ -24,5 +24,5 @@ class Kind:
 
     @property
     def lasts(self) -> bool:
-        """Whether it has an end; else it is an instant."""
+        """True if it has an end; else it is an instant."""
         return issubclass(self.fault, Lasting)

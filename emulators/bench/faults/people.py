@@ -1,4 +1,4 @@
-"""What people do: end the bridge, or its process dies; start a second one; join with a second station."""
+"""Actions of people: end the bridge, or its process dies; start a second one; join with a second station."""
 
 from collections.abc import Iterator
 from typing import Annotated, ClassVar, Literal, Self
@@ -14,7 +14,7 @@ from firmware_bridge.units import from_seconds
 
 
 class BridgeEnds(Lasting):
-    """The bridge is asked to end, or its process is killed; at the end of the fault one is started."""
+    """The bridge receives a request to end, or its process is killed; at the fault's end one is started."""
 
     kind: ClassVar = "bridge_ends"
     among: ClassVar = Stations.NONE
@@ -37,7 +37,7 @@ class BridgeEnds(Lasting):
         return frozenset({BRIDGE})
 
     def put_on(self, site: Site, chance: Generator) -> None:
-        """Ask it, or kill it."""
+        """Request its end, or kill it."""
         del chance
         if self.how == "killed":
             site.world.detach(BRIDGE)
@@ -72,7 +72,7 @@ class SecondBridge(Lasting):
         site.bridges.start_second()
 
     def take_off(self, site: Site) -> None:
-        """Ask it to end."""
+        """Request its end."""
         site.world.stop(SECOND_BRIDGE)
 
 

@@ -15,13 +15,13 @@ from fmu.plants import find, names
 
 
 class GripLost(Lasting):
-    """What holds an axis on the surface lets go: a magnet, a sucker."""
+    """An axis loses its grip on the surface: of a magnet, or a sucker."""
 
     kind: ClassVar = "grip_lost"
     node: Annotated[Node, Field(description="whose")]
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
-        """Give what this robot lacks for it; a plant that no one has installed is asked when it is there."""
+        """Give the parts that this robot lacks for it; the check of a plant waits until it is installed."""
         yield from super().problems(robot)
         if robot.plant.fmu in names() and not find(robot.plant.fmu).grips:
             yield "kind", f"nothing holds {robot.name} on a wall: its plant has no input {GRIP_LOST}AXIS"

@@ -14,7 +14,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near
 
 WRONG: Final = "fault"
-"""Type of pydantic's error where the message says all."""
+"""Type of pydantic's error where the message is complete by itself."""
 _ENDS: Final = frozenset({"until_s", "for_s"})
 
 
@@ -69,7 +69,7 @@ def _collision(one: Fault, other: Fault, robot: AnyRobot) -> str | None:
 
 
 def _text_of(kind: Kind, error: ErrorDetails) -> InitErrorDetails:
-    """Say in one sentence what pydantic found, with a near name for a key that is not there."""
+    """Return pydantic's finding in one sentence, with a near name for a key that is not there."""
     location = error["loc"]
     key = str(location[0]) if location else ""
     problem = error["msg"].removeprefix("Value error, ")

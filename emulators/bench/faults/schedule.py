@@ -1,7 +1,4 @@
-"""Puts faults on a bench and takes them off, at their instants of the world's clock, and keeps a record.
-
-All of its state hangs on the world's agenda and on itself, so a run can be rewound across faults.
-"""
+"""Schedule that puts faults on a bench and takes them off, at their instants, and keeps a record."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -26,12 +23,12 @@ class FaultError(Exception):
         self.problems = tuple(problems)
 
     def __str__(self) -> str:
-        """Say it, a line for each."""
+        """Return the problems, a line for each."""
         return "\n".join(f"{key}: {problem}" for key, problem in self.problems)
 
 
 class Faults:
-    """The faults of one bench; `records` tells which of them were on, and when."""
+    """The faults of one bench; `records` lists those that were on, with their times."""
 
     def __init__(self, site: Site, seed: int = 0) -> None:
         self.records: Final[list[FaultRecord]] = []
@@ -41,7 +38,7 @@ class Faults:
         self._record_of: dict[int, int] = {}
 
     def plan(self, faults: Sequence[Fault]) -> None:
-        """Have these faults happen, beside those that were planned before; FaultError for any that cannot."""
+        """Plan these faults, beside those that were planned before; FaultError for any that cannot happen."""
         now, first = self._site.world.now, len(self._planned)
         everything = [*self._planned, *faults]
         problems = [

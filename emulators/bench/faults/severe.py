@@ -1,7 +1,7 @@
-"""How bad each kind of fault is made: keys beside when, where and how long. What is not here has none.
+"""Severity of each kind of fault: keys beside time, place and duration. Kinds not listed here have none.
 
 Beyond the limits of the device where it has one, so that it must be noticed; where a fault can be small
-enough to be taken for the world, it is as large as someone would call broken. All figures are ASSUME.
+enough to be taken for the world, it is as large as an engineer would call broken. All figures are ASSUME.
 """
 
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ _STATIONS: Final = ("take", "arm", "disarm", "emergency stop", "garbage")
 SEVERE: Final[Mapping[str, tuple[Keys, ...]]] = MappingProxyType(
     {
         "nmt_foreign_node": tuple({"command": command} for command in _NMT),
-        # A SYNC, and the heartbeat of a node that says that it is stopped.
+        # A SYNC, and the heartbeat of a node in the NMT state stopped.
         "stray_frames": ({"identifier": 0x080, "every_ms": 5}, {"identifier": 0x701, "data": "04"}),
         "supply_sag": ({"to_v": 8.0}, {"to_v": 13.0}),
         "supply_surge": ({"to_v": 80.0},),

@@ -1,6 +1,6 @@
-"""Where faults are put on: the parts of one bench, by the names in its robot file.
+"""Places of faults: the parts of one bench, by the names in its robot file.
 
-It refuses to know which faults there are.
+It does not know the individual faults.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,11 +30,11 @@ SECOND_STATION: Final = "second station"
 
 
 class Bridges(Protocol):
-    """Where processes of the bridge come from, and what they have in their hands."""
+    """Source of the bridge's processes, with the adapters that they use."""
 
     @property
     def adapters(self) -> Sequence[Adapter]:
-        """What the newest has at its ends of the serial lines."""
+        """Adapters of the newest process at its ends of the serial lines."""
 
     def start(self) -> None:
         """Start one in the place of the one that was; it is killed where it still runs."""
@@ -44,7 +44,7 @@ class Bridges(Protocol):
 
 
 class ForeignNode:
-    """A node on the CAN bus that hears nothing, and sends what a fault has it send."""
+    """A node on the CAN bus that receives nothing, and sends the frames of a fault."""
 
     def listens(self, packet: Packet) -> bool:
         """Return that it listens to nothing."""
@@ -76,16 +76,16 @@ class Site:
     captures: Mapping[str, MotionCapture] = field(default_factory=dict)
     """The capture systems by link."""
     capture_wires: Mapping[str, DatagramWire] = field(default_factory=dict)
-    """What they send on, by link."""
+    """Their outgoing datagrams, by link."""
     lines: Mapping[str, Wire] = field(default_factory=dict)
     """The serial lines by link."""
     boards: Mapping[str, Board | Ar2Board] = field(default_factory=dict)
     """Arduinos, with a motor shield or an arm, by the link."""
     plant: FmuPlant | None = None
     stations: list[SecondStation] = field(default_factory=list)
-    """All that have joined the operator's link, the newest last."""
+    """All stations that have joined the operator's link, the newest last."""
     _foreign_nodes: dict[str, Station] = field(default_factory=dict)
-    """By the link on whose bus or line they are."""
+    """Foreign nodes by the link on whose bus or line they are."""
     _unplugged: dict[str, Mapping[str, Wire]] = field(default_factory=dict)
 
     def shield(self, link: str) -> Board:
@@ -96,13 +96,13 @@ class Site:
         return board
 
     def send(self, link: str, address: int, payload: bytes) -> None:
-        """Have a foreign node queue a frame on a link's bus; he is there from the first one on."""
+        """Queue a frame of a foreign node on a link's bus; the node is there from the first one on."""
         name = FOREIGN_NODE if len(self.cans) == 1 else f"{FOREIGN_NODE} on {link}"
         wire = self.cans[link]
         wire.carry(self._foreign_node(link, name, {CAN: wire}), Packet(CAN, address, payload))
 
     def disturb(self, link: str, data: bytes) -> None:
-        """Let both ends of a serial line hear bytes that neither has said."""
+        """Put bytes that neither end has sent on a serial line, so that both receive them."""
         wire = self.lines[link]
         wire.carry(
             self._foreign_node(link, f"{FOREIGN_NODE} on {link}", {SERIAL: wire}), Packet(SERIAL, 0, data)

@@ -1,6 +1,6 @@
-"""Which report of the CAN controller is which emergency of the drive.
+"""Map from the CAN controller's reports to the drive's emergencies.
 
-Source: EPOS Firmware Specification, error handling (by analogy). ASSUME: which of the two overruns is which,
+Source: EPOS Firmware Specification, error handling (by analogy). ASSUME: the assignment of the two overruns,
 and that the receive queue is the one between controller and firmware.
 """
 

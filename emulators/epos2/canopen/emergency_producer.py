@@ -31,7 +31,7 @@ _FORBIDDEN: Final = (
 
 
 class EmergencyProducer:
-    """Keeps the errors of one drive and writes its emergency messages."""
+    """Emergency producer of one drive: it keeps the errors and writes the emergency messages."""
 
     def __init__(self, store: ObjectStore, *, reports_reset: bool) -> None:
         self._store = store

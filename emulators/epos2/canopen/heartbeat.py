@@ -23,7 +23,7 @@ TIME_MASK: Final = 0xFFFF
 
 
 class Producer:
-    """Says at equal intervals that the drive lives."""
+    """Heartbeat producer of the drive."""
 
     def __init__(self, *, toggles: bool) -> None:
         self._toggles = toggles
@@ -33,7 +33,7 @@ class Producer:
 
     @property
     def active(self) -> bool:
-        """Whether heartbeats are produced; node guarding rests meanwhile."""
+        """True if heartbeats are produced; node guarding rests meanwhile."""
         return self._period > 0
 
     def configure(self, period_ms: int) -> None:
@@ -57,7 +57,7 @@ class Producer:
 
 
 class Consumer:
-    """Watches the heartbeat of one other node."""
+    """Heartbeat consumer for one other node."""
 
     def __init__(self) -> None:
         self.node = 0
@@ -78,7 +78,7 @@ class Consumer:
 
 
 class Guard:
-    """Answers the master's guarding requests, and watches that they come."""
+    """Node guarding: it answers the master's requests, and supervises that they come."""
 
     def __init__(self) -> None:
         self._flip = 0
@@ -160,7 +160,7 @@ class ErrorControl:
                 consumer.receive(payload, now)
 
     def lost(self, now: Nanoseconds) -> bool:
-        """Whether a watch has just ended in silence; each silence is reported once."""
+        """Return True if a supervision has just timed out; each timeout is reported once."""
         if self.due > now:
             return False
         silent = [watch for watch in (*self.consumers, self.guard) if watch.due <= now]

@@ -1,4 +1,4 @@
-"""The drive's high-resolution clock 0x1013: microseconds at the last SYNC, corrected by whoever writes it.
+"""The drive's high-resolution clock 0x1013: microseconds at the last SYNC, corrected by each write.
 
 Source: application note Interpolation Position Mode, December 2008, p. 11 and 21. Its real resolution is one
 bit time of the bus; here it is 1 us. ASSUME: the emulated drive's own clock does not drift, so that a
@@ -15,7 +15,7 @@ TIME_STAMP: Final = Address(0x1013)
 
 
 class HighResolutionClock:
-    """Counts microseconds from power-on and wraps after 2^32."""
+    """Counter of microseconds from power-on that wraps after 2^32."""
 
     def __init__(self, store: ObjectStore) -> None:
         self._latched = 0

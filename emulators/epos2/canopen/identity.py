@@ -1,10 +1,4 @@
-"""Under which number and at which bit rate the drive is on the bus; both may change with a restart.
-
-Sources: EPOS Firmware Specification (by analogy): 0x2000 counts while the DIP switch is 0, 0x2000 and 0x2001
-take effect after save and restart; CiA 305 for the change of the bit rate at run time. Where they are silent:
-a drive whose switch is 0 and that has saved no number is node 1; a drive at another bit rate than the bus is
-not receiving and silent (a real one would also disturb the others with error frames).
-"""
+"""Node number and bit rate of the drive on the bus; both may change with a restart."""
 
 from typing import Final
 
@@ -15,7 +9,7 @@ from emulators.epos2.objects.store import ObjectStore
 from firmware_bridge.units import NEVER, Nanoseconds
 
 FIRST_NUMBER: Final = 1
-"""Of a drive whose DIP switch is 0 and that has saved none."""
+"""Number of a drive whose DIP switch is 0 and that has saved none."""
 
 
 class Identity:
@@ -26,7 +20,7 @@ class Identity:
         self.dip_switch: Final = dip_switch
         self.node = dip_switch or FIRST_NUMBER
         self.due: Nanoseconds = NEVER
-        """When the bit rate changes, or the silence after that ends."""
+        """Time at which the bit rate changes, or the silence after that ends."""
         self._bus_rate: Final = bus_rate
         self._rate: int | None = bus_rate
         self._next: int | None = None
@@ -35,7 +29,7 @@ class Identity:
 
     @property
     def on_bus(self) -> bool:
-        """Whether the drive hears the bus and is heard."""
+        """True if the drive receives from the bus and is received there."""
         return not self._quiet and (self._bus_rate is None or self._rate == self._bus_rate)
 
     def restart(self, store: ObjectStore, memory: SavedParameters, lss: LssSlave) -> None:
@@ -57,7 +51,7 @@ class Identity:
         self.due = now + delay
 
     def wake(self, store: ObjectStore, now: Nanoseconds) -> bool:
-        """Do what is due; whether the drive is on the bus, or off it, since then."""
+        """Do what is due; return True if that may have put the drive on the bus, or off it."""
         if now < self.due:
             return False
         if self._next is not None:

@@ -2,9 +2,9 @@
 
 Sources: CiA 305; EPOS Firmware Specification and Communication Guide, by analogy: all of it only while the
 network state is Stopped. Where they are silent: a frame that is not eight bytes long is no request; a node
-number is taken whatever the DIP switch says, and counts while the switch is 0, with the next reset of node or
-communication; without 'store' it is forgotten at the next reset of the node. A drive always has a number, so
-the question for slaves without one is never answered.
+number is accepted for every setting of the DIP switch, and counts while the switch is 0, with the next reset
+of node or communication; without 'store' it is forgotten at the next reset of the node. A drive always has a
+number, so the request for slaves without one is never answered.
 """
 
 from collections.abc import Callable
@@ -48,7 +48,10 @@ class LssSlave:
         node: Callable[[], int],
         switch: Callable[[int, Nanoseconds], None],
     ) -> None:
-        """`node` tells the number in use; `switch` changes to a bit rate's code, after and for a delay."""
+        """Keep the services' context: `node` returns the number in use, `switch` changes the bit rate.
+
+        `switch` takes a bit rate's code, after and for a delay.
+        """
         self._store = store
         self._memory = memory
         self._node = node

@@ -1,4 +1,4 @@
-"""What the drive's node needs of motion control, so that either can stand alone in a test."""
+"""Interface of motion control to the drive's node, so that either can stand alone in a test."""
 
 from collections.abc import Callable
 from typing import Protocol, TypeAlias
@@ -9,10 +9,10 @@ from firmware_bridge.units import Nanoseconds
 
 
 class MotionProtocol(Protocol):
-    """What the node needs of motion control."""
+    """Motion control as the node uses it."""
 
     hung: bool
-    """Whether set-points and controlwords are taken and not carried out."""
+    """True if set-points and controlwords are received and not carried out."""
 
     def nmt_changed(self, operational: bool) -> None:  # noqa: FBT001 - as MotionControl has it
         """Follow the network state."""

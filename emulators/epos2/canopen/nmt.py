@@ -12,7 +12,7 @@ from firmware_bridge.wire.canopen import ALL_NODES, NmtCommand, NmtState, decode
 
 
 class NodeService(Enum):
-    """What a node does in some states only. Network commands are taken in all of them."""
+    """Services that a node has in some states only; network commands are taken in all of them."""
 
     SDO = "service data"
     PDO = "process data"

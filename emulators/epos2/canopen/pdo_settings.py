@@ -35,7 +35,7 @@ INHIBIT_UNIT: Final[Nanoseconds] = 100 * MICROSECOND
 
 @dataclass(frozen=True, slots=True)
 class PdoDirection:
-    """What is common to the four PDOs of one direction."""
+    """Common properties of the four PDOs of one direction."""
 
     parameter: int
     mapping: int
@@ -97,7 +97,7 @@ class PdoSettings:
 
     @property
     def valid(self) -> bool:
-        """Whether the PDO exists on the bus."""
+        """True if the PDO exists on the bus."""
         return not self._store.get(self._cob_id) & COB_ID_INVALID
 
     @property
@@ -107,7 +107,7 @@ class PdoSettings:
 
     @property
     def answers_remote(self) -> bool:
-        """Whether a remote request is answered."""
+        """True if a remote request is answered."""
         return not self._store.get(self._cob_id) & COB_ID_NO_REMOTE
 
     @property

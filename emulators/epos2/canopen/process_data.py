@@ -128,11 +128,11 @@ class TransmitPdo:
 
 
 FrameHandler: TypeAlias = Callable[[bytes, Nanoseconds], None]
-"""Takes a frame's payload, and when it came."""
+"""Handler of a frame's payload and its time of arrival."""
 
 
 class ProcessData:
-    """What `PdoSettings` describe, made ready again whenever they were touched."""
+    """The PDOs that `PdoSettings` describe, built again after each change of those."""
 
     def __init__(self, store: ObjectStore, profile: DeviceProfile, state: Callable[[], NmtState]) -> None:
         self._store = store
@@ -158,7 +158,7 @@ class ProcessData:
         self.transmit: tuple[TransmitPdo, ...] = ()
         """Valid transmit PDOs that carry something."""
         self.waits_for_sync = False
-        """Whether some receive PDO is taken over at SYNC."""
+        """True if some receive PDO takes effect at SYNC."""
         self._at_sync: tuple[TransmitPdo, ...] = ()
         self._on_change: tuple[TransmitPdo, ...] = ()
         self.touch_all()
@@ -168,7 +168,7 @@ class ProcessData:
         return lambda: self._touched.append(place)
 
     def touch_all(self) -> None:
-        """Have every PDO made ready again: its objects changed without hooks."""
+        """Mark every PDO to be built again: its objects changed without hooks."""
         self._touched.extend(range(2 * PDOS))
 
     def renew(self) -> bool:
@@ -208,7 +208,7 @@ class ProcessData:
         request: Callable[[TransmitPdo, bytes, Nanoseconds], None],
         received: Callable[[tuple[ReceivePdo, ...], bytes, Nanoseconds], None],
     ) -> dict[int, FrameHandler]:
-        """Say which identifiers count in Operational, and who takes their frames; PDOs may share one."""
+        """Return the identifiers that count in Operational, with their handlers; PDOs may share one."""
         routes: dict[int, FrameHandler] = {}
         for sent in self.transmit:
             routes[sent.address] = collision

@@ -54,7 +54,7 @@ class Services:
 
     @property
     def due(self) -> Nanoseconds:
-        """When some service has to speak or to look, whatever the bus brings."""
+        """Next time at which a service has to send or to check, independent of the bus."""
         return min(self.errors.due, self.pdo.due, self._transmit.answer_due)
 
     def enter(self, state: NmtState) -> None:
@@ -71,7 +71,7 @@ class Services:
                 self.pdo.rest()
 
     def begin(self, now: Nanoseconds) -> None:
-        """Say that the drive is there, and start error control with what the objects hold."""
+        """Send the boot-up message, and start error control with the objects' values."""
         self._send(canopen.ERROR_CONTROL + self._identity.node, canopen.encode_heartbeat(NmtState.BOOT_UP))
         self.errors.begin(now)
 
@@ -91,7 +91,7 @@ class Services:
         return others
 
     def routes(self) -> dict[int, FrameHandler]:
-        """Say which identifiers count in this state, and who takes their frames."""
+        """Return the identifiers that count in this state, with their handlers."""
         services, node = SERVICES[self.state], self._identity.node
         routes: dict[int, FrameHandler] = {}
         if NodeService.PDO in services:
@@ -131,7 +131,7 @@ class Services:
                 self.motion.refresh(now)
 
     def _receive_request(self, pdo: TransmitPdo, _payload: bytes, _now: Nanoseconds) -> None:
-        # The answer has the PDO's own length whatever the request says (recorded from an EPOS2).
+        # The answer has the PDO's own length, whatever the request's (recorded from an EPOS2).
         self._send(pdo.address, pdo.requested())
 
     def _receive_collision(self, _payload: bytes, _now: Nanoseconds) -> None:
@@ -140,7 +140,7 @@ class Services:
     # Errors
 
     def watch(self, until: Nanoseconds) -> None:
-        """Look whether the others have been heard in time."""
+        """Check that the other nodes' messages were received in time."""
         if self.errors.lost(until):
             self.motion.connection_lost()
 
@@ -160,7 +160,7 @@ class Services:
             self.motion.communication_fault(code)
 
     def _report(self, code: int) -> None:
-        """Note an error of motion control, or with code 0 the end of all, and tell the bus."""
+        """Record an error of motion control, or with code 0 the end of all, and send it on the bus."""
         message = self.emergency.message(code)
         address = self.emergency.cob_id
         allowed = NodeService.EMERGENCY in SERVICES[self.state]

@@ -1,4 +1,4 @@
-"""What leaves a drive: frames of this instant, and SDO answers whose latency has not passed yet."""
+"""Transmit queue of a drive: frames of this instant, and SDO answers whose latency has not passed yet."""
 
 from collections import deque
 from typing import Final
@@ -19,7 +19,7 @@ class TransmitQueue:
         self._sent: list[Packet] = []
         self._answers: deque[tuple[Nanoseconds, bytes]] = deque()
         self.answer_due: Nanoseconds = NEVER
-        """When the next SDO answer leaves."""
+        """Time at which the next SDO answer leaves."""
         self.idle = Reaction()
         """The reaction to what concerns the drive in nothing: it sends nothing and is woken as before."""
 

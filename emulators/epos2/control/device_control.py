@@ -25,7 +25,7 @@ _NEW_SETPOINT: Final = int(Control.NEW_SETPOINT)
 
 
 class DeviceControl:
-    """What commands the state of one drive."""
+    """Device control of one drive: commands and faults that change its state."""
 
     def __init__(
         self,
@@ -144,7 +144,7 @@ class DeviceControl:
     # Errors
 
     def fail(self, code: int, reaction: ErrorReaction | None = None) -> None:
-        """Report an error and bring the motor to rest; without a reaction given, as the table says."""
+        """Report an error and stop the motor; without a reaction given, as in the emergency table."""
         self._report(code)
         if reaction is None:
             reaction = self.errors.reaction_to(code)
@@ -165,7 +165,7 @@ class DeviceControl:
             self.fail(shaft.take_error())
 
     def _heed_limits(self) -> None:
-        """Stop at a limit switch; asked when every set-point is taken, for it may lead into one."""
+        """Stop at a limit switch; called with every new set-point, for it may lead into one."""
         inputs, modes = self._inputs, self._modes
         if not self._axis.powered or self._power.state is State.FAULT_REACTION_ENABLED:
             return

@@ -1,4 +1,4 @@
-"""Settings that contradict each other: the drive refuses to be enabled with them, and says which emergency.
+"""Settings that contradict each other: the drive refuses to be enabled with them, by an emergency.
 
 ASSUME: no document gives the conditions of FF0F and FF10, only their names. A dual loop (0x2220) divides by
 the gear ratio 0x2230, which must be one; and it multiplies the gains of the position regulator with it, which
@@ -38,7 +38,7 @@ def _dual(store: ObjectStore) -> bool:
 CHECKS: Final[Mapping[int, Callable[[ObjectStore], bool]]] = MappingProxyType(
     {emergency.GEAR_SCALING: _no_ratio, emergency.CONTROLLER_GAIN: _gains_too_large}
 )
-"""Whether the settings contradict each other, by the emergency that this is."""
+"""Checks for contradicting settings, by the emergency that each of them causes."""
 
 
 def found(store: ObjectStore) -> int | None:

@@ -1,6 +1,6 @@
 """Motion control of one drive: the objects on one side, the servo axis on the other, CiA 402 between them.
 
-It refuses to know frames and protocols: writes reach it through the store, and it says "report this error".
+It is independent of frames and protocols: writes reach it through the store, and errors leave by a callback.
 """
 
 from collections.abc import Callable
@@ -86,13 +86,13 @@ class MotionControl:
         self._publish()
 
     def connection_lost(self) -> None:
-        """Heartbeat or guarding failed: report it, and react as 0x6007 says."""
+        """Report a failure of heartbeat or guarding, and react by 0x6007."""
         option = self._store.get(at.ABORT_CONNECTION_OPTION)
         self._control.fail(emergency.CONNECTION_LOST, ABORT_OPTIONS.get(option))
         self._publish()
 
     def communication_fault(self, code: int) -> None:
-        """Report an error that the bus side found, and react as the emergency table says."""
+        """Report an error found on the bus side, and react by the emergency table."""
         self._control.fail(code)
         self._publish()
 

@@ -51,24 +51,24 @@ class PowerSequence:
         """The holding brake is on its way to be released."""
         self._ways_out = LEAVING[self.state]
         self._due: Nanoseconds = NEVER
-        """When the present state ends by itself."""
+        """Time at which the present state ends by itself."""
         self._completing: Transition | None = None
         """A transition whose slow-down ramp runs."""
 
     @property
     def due(self) -> Nanoseconds:
-        """When something ends by itself."""
+        """Time at which a state or the brake's action ends by itself."""
         return min(self._due, self._brake.due)
 
     @property
     def free(self) -> bool:
-        """Enabled, and neither on the way in nor out: the modes may move the shaft."""
+        """True if it is enabled, and no transition is under way: the modes may move the shaft."""
         enabled = self.state is State.OPERATION_ENABLED
         return enabled and self._completing is None and not self.releasing
 
     @property
     def under_way(self) -> bool:
-        """Whether a slow-down ramp or the brake holds up what was commanded."""
+        """True if a slow-down ramp or the brake holds up a command."""
         return self._completing is not None or self.releasing
 
     def heeds(self, trigger: Trigger) -> bool:
@@ -98,7 +98,7 @@ class PowerSequence:
             self.go(trigger)
 
     def fault(self, deceleration: at.Address | None) -> None:
-        """Transitions 13 and 17: brake with what an object says, or without one switch off at once."""
+        """Execute transitions 13 and 17: brake with the object's deceleration, or without one power off."""
         self._completing = None
         self.give_up_release()
         self.go(Happening.FAULT)

@@ -15,7 +15,7 @@ from firmware_bridge.wire.cia402 import Command, State
 
 
 class Happening(Enum):
-    """What moves the drive beside the controlword's commands."""
+    """Events that change the drive's state beside the controlword's commands."""
 
     STARTED = "firmware started"
     OFFSET_MEASURED = "current offset measured"
@@ -27,7 +27,7 @@ class Happening(Enum):
 
 
 class Stage(Enum):
-    """What a transition does to the power stage."""
+    """Effect of a transition on the power stage."""
 
     KEEP = "as it was"
     ON = "on"
@@ -123,7 +123,7 @@ BRUSHED_DC: Final = 1
 
 @dataclass(frozen=True, slots=True)
 class Delays:
-    """How long the states last that end by themselves. ASSUME: no document gives them.
+    """Durations of the states that end by themselves. ASSUME: no document gives them.
 
     A recorded enable sequence of a maxon drive shows 0x0723 and then 0x0737 with nothing between, so for a
     brushed motor Refresh and Measure init pass unseen; a brushless one needs time to find its commutation.

@@ -1,4 +1,4 @@
-"""Which sensors an axis has, what of them is supervised, and where its position ends: from the objects.
+"""Sensors of an axis by its objects: the fitted ones, their supervision, and the position's range.
 
 Sources: EPOS Firmware Specification (by analogy): index and hall sensors, 0x2008 bit 0 switches the
 supervision of the position sensor off; EDS and maxon's library for the codes in 0x2210 and 0x6402. Where they
@@ -26,11 +26,11 @@ POLE_PAIRS: Final = Address(0x6410, 3)
 ENCODER_INVERTED: Final = 1 << 0
 HALL_INVERTED: Final = 1 << 1
 UNSUPERVISED: Final = 1 << 0
-"""Of 0x2008."""
+"""Bit of 0x2008."""
 WITH_INDEX: Final = (1, 6)
 """0x2210:2, position sensors that have an index."""
 ABSOLUTE: Final = (4, 8)
-"""0x2210:2, SSI and sinus encoders: they tell a position, not steps."""
+"""Codes of 0x2210:2, SSI and sinus encoders: they report a position, not steps."""
 HALL_ONLY: Final = 3
 SINUS: Final = 10
 BRUSHLESS: Final = (10, 11)
@@ -50,7 +50,7 @@ _SHAPING: Final = (
 
 
 class Sensing:
-    """Keeps the axis' sensors as the objects describe them."""
+    """The axis' sensors as the objects describe them."""
 
     def __init__(self, store: ObjectStore, axis: ServoAxis) -> None:
         self._store = store

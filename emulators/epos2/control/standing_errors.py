@@ -47,6 +47,6 @@ class StandingErrors:
 
     @property
     def curable(self) -> bool:
-        """Whether a fault reset succeeds: no cause stands any more."""
+        """True if a fault reset succeeds: no cause is present any more."""
         contradicted = any(enable_checks.stands(self._store, code) for code in self.codes)
         return supervision.curable(self.codes) and not contradicted and not self._axis.flags & WATCHED

@@ -1,7 +1,7 @@
-"""Which finding of the servo axis is which emergency, and what the option codes make of a reaction.
+"""Map from the servo axis' findings to emergencies, and from option codes to reactions.
 
-Sources: EPOS Firmware Specification, error handling (by analogy); option codes per CiA 402. It refuses to
-know how a reaction is carried out.
+Sources: EPOS Firmware Specification, error handling (by analogy); option codes per CiA 402. It does not carry
+out a reaction.
 """
 
 from collections.abc import Collection, Mapping
@@ -31,7 +31,7 @@ class Watch:
     measuring: int = 0
     """The emergency in its place while the drive looks for its commutation, in Measure init."""
     absolute: int = 0
-    """The emergency in its place with a sensor that tells a position."""
+    """The emergency in its place with a sensor that reports a position."""
 
     def code_in(self, state: State, sensor_type: int) -> int:
         """Return the emergency in this state, with this position sensor (0x2210:2)."""
@@ -57,9 +57,12 @@ WATCHES: Final = (
     Watch(servo.AUXILIARY_AGAINST_MAIN, emergency.AUXILIARY_SENSOR_DIRECTION),
     Watch(servo.POSITION_LIMIT_PASSED, emergency.POSITION_LIMIT),
 )
-"""ASSUME: a cut cable is a position sensor breach (FF0A) with an incremental encoder, and a position that is
-no longer valid (7320) with one that tells a position; three hall sensors that all show the same are FF04
-while the drive looks for its commutation and FF01 later."""
+"""Watched findings of the axis, with their emergencies.
+
+ASSUME: a cut cable is a position sensor breach (FF0A) with an incremental encoder, and a position that is no
+longer valid (7320) with one that reports a position; three hall sensors that all show the same are FF04 while
+the drive looks for its commutation and FF01 later.
+"""
 
 POSITION_LOST: Final = frozenset(
     {emergency.SENSOR_POSITION, emergency.INDEX, emergency.ENCODER_RESOLUTION, emergency.SENSOR_BREACH}
@@ -93,12 +96,11 @@ ASSUME: the drive answers as one whose identification of the motor, or whose dow
 at its beginning. Nothing moves: an identification would send a current through the motor.
 """
 SETPOINTS_IN_A_MILLISECOND: Final = 8
-"""More new target values than these within one ms overload the drive, which lacks the resources for them.
-ASSUME: the number."""
+"""Limit of new target values within one ms, above which the drive lacks the resources for them."""
 
 
 class ErrorReaction(Enum):
-    """How the motor is brought to rest before the fault state."""
+    """Reactions by which the motor is stopped before the fault state."""
 
     NONE = "only reported"
     DISABLE = "power stage off at once"
@@ -109,11 +111,11 @@ class ErrorReaction(Enum):
 RAMP_OPTIONS: Final[Mapping[RampOption, Address]] = MappingProxyType(
     {RampOption.SHUTDOWN: at.SHUTDOWN_OPTION, RampOption.DISABLE: at.DISABLE_OPTION}
 )
-"""Where it stands whether the way out slows down first: 1."""
+"""Objects that select a slow-down before the power stage is switched off: 1."""
 DECELERATIONS: Final[Mapping[ErrorReaction, Address]] = MappingProxyType(
     {ErrorReaction.SLOW_DOWN: at.PROFILE_DECELERATION, ErrorReaction.QUICK_STOP: at.QUICK_STOP_DECELERATION}
 )
-"""What a ramp brakes with."""
+"""Objects with the deceleration of a ramp."""
 
 FAULT_OPTIONS: Final[Mapping[int, ErrorReaction]] = MappingProxyType(
     {
@@ -132,7 +134,7 @@ ABORT_OPTIONS: Final[Mapping[int, ErrorReaction]] = MappingProxyType(
         3: ErrorReaction.QUICK_STOP,
     }
 )
-"""0x6007 for a lost connection; 1, and others, react as 0x605E says. Each but 0 ends in Fault."""
+"""0x6007 for a lost connection; 1, and others, react by 0x605E. Each but 0 ends in Fault."""
 
 
 def reaction_to(code: int, fault_option: int) -> ErrorReaction:

@@ -58,7 +58,7 @@ RECORDABLE: Final[Mapping[Address, tuple[str, ...]]] = MappingProxyType(
         SENSOR_RESOLUTION: ("resolution",),
     }
 )
-"""What can be recorded (ASSUME: the actual values), and the axis' fields that its value is made from."""
+"""Objects that can be recorded (ASSUME: the actual values), each with the axis' fields of its value."""
 
 _VALUES: Final = dict(ACTUAL_VALUES)
 
@@ -70,7 +70,7 @@ class DataRecorder:
         self._store = store
         self._axis = axis
         self._recorded: tuple[Address, ...] = ()
-        """What the memory holds; empty before the first start."""
+        """Objects in the memory; empty before the first start."""
         self._scale = (0, 0)
         """Resolution and fraction of the axis when it began."""
         store.on_write(CONTROL, self._command)
@@ -87,7 +87,7 @@ class DataRecorder:
         recorder.triggered = recorder.filled = recorder.next = 0
 
     def error(self) -> None:
-        """Take an emergency as the trigger, where 0x2011 says so."""
+        """Take an emergency as the trigger, where 0x2011 selects it."""
         if self._axis.recording and self._axis.recorder.triggers & ERROR:
             self._axis.recorder.trigger()
 

@@ -1,8 +1,8 @@
-"""The digital inputs: which functions are active, which of them count, and what they forbid.
+"""The digital inputs: functions that are active, those that count, and the motions that they forbid.
 
 Sources: EPOS Firmware Specification, digital inputs (by analogy). A pin has one function (0x2070); the
-polarity turns its sense round. The mask filters what a client reads; the execution mask says which functions
-act by themselves. ASSUME: two pins of one function act as if wired together.
+polarity turns its sense round. The mask filters what a client reads; the execution mask selects the functions
+that act by themselves. ASSUME: two pins of one function act as if wired together.
 """
 
 from collections.abc import Mapping
@@ -31,7 +31,7 @@ LIMITS: Final[Mapping[int, tuple[int, int]]] = MappingProxyType(
 """The limit switches: the direction that each of them ends, and the emergency that it is."""
 LIMIT_BITS: Final = sum(1 << function for function in LIMITS)
 WATCHED: Final = range(6)
-"""Functions whose edges wake the drive; a general purpose input is looked at when someone asks."""
+"""Functions whose edges wake the drive; a general purpose input is looked at on request."""
 
 
 class DigitalInputs:
@@ -43,7 +43,7 @@ class DigitalInputs:
         self.active = 0
         """Functions whose signal is there."""
         self.executed = 0
-        """Those of them that act by themselves."""
+        """Active functions that act by themselves."""
         self.risen = 0
         """Functions that have begun to act since the refresh before the last one."""
         self.restriction: Command | None = None

@@ -12,7 +12,7 @@ from emulators.servo.axis import ServoAxis
 
 
 class Pins:
-    """What is wired to a drive beside bus, motor and encoder."""
+    """Wiring of a drive beside bus, motor and encoder."""
 
     def __init__(self, store: ObjectStore, axis: ServoAxis) -> None:
         self.inputs: Final = DigitalInputs(store, axis)

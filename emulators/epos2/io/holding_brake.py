@@ -30,13 +30,13 @@ class HoldingBrake:
         self._outputs = outputs
         self._released = False
         self._begun: Nanoseconds = NEVER
-        """When the way out began: the shaft is being brought to rest."""
+        """Begin of the sequence to power off, in which the shaft is stopped first."""
         self.due: Nanoseconds = NEVER
-        """When to look again."""
+        """Next time to check."""
 
     @property
     def fitted(self) -> bool:
-        """Whether an output pin is configured for a brake."""
+        """True if an output pin is configured for a brake."""
         return self._outputs.has(OutputFunction.HOLDING_BRAKE)
 
     def release(self) -> bool:
@@ -65,7 +65,7 @@ class HoldingBrake:
         self._show(released=False)
 
     def closes(self) -> bool:
-        """Go on with closing the brake, shaft at rest first; say whether it holds, or there is none."""
+        """Continue to close the brake, shaft at rest first; return True if it holds, or there is none."""
         if not self.fitted:
             return True
         if self._begun == NEVER:

@@ -29,7 +29,7 @@ SIDES: Final = ((-1, 0), (0, 1), (-1, 1))
 """First and last interval of a sequence, in repetitions."""
 DIRECTIONS: Final = (DOWNWARDS, UPWARDS, DOWNWARDS | UPWARDS)
 MICROSECONDS: Final = 1000
-"""In one ms."""
+"""Microseconds in one ms."""
 _OUTPUT: Final = OutputFunction.POSITION_COMPARE.bit
 
 
@@ -41,7 +41,7 @@ class PositionCompare:
         self._axis = axis
         self._outputs = outputs
         self._used = False
-        """Whether it has ever been enabled; until then the axis finds nothing."""
+        """True once it has been enabled; until then the axis finds nothing."""
         for address in (CONFIGURATION, REFERENCE, WIDTH, REPETITIONS, PULSE_WIDTH):
             store.on_write(address, partial(self._take, address))
 

@@ -26,7 +26,7 @@ BOTH_EDGES: Final = 0
 RISING: Final = 1
 FALLING: Final = 2
 MOST: Final[Mapping[int, int]] = MappingProxyType({1: 1, 2: 3})
-"""How many edges count in the modes single and multiple; in the other one, continuous, all do."""
+"""Number of edges that count in the modes single and multiple; in the other one, continuous, all do."""
 _INPUT: Final = InputFunction.POSITION_MARKER.bit
 
 

@@ -1,5 +1,5 @@
-"""What the shaft does in each mode of operation, once the drive is enabled: one module for each kind of mode.
+"""Modes of operation: the shaft's motion once the drive is enabled; one module for each kind of mode.
 
-`table` says which modes there are, `mode` what a mode is, `motion` gives one of them the shaft. Source: EPOS
+`table` lists the modes, `mode` has their base class, `motion` gives one of them the shaft. Source: EPOS
 Firmware Specification, chapters of the modes (by analogy).
 """

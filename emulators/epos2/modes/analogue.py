@@ -47,7 +47,7 @@ class AnalogueSetpoint:
 
     @property
     def value(self) -> Address:
-        """What it says now."""
+        """Object with the present value."""
         return Address(self.index, 4)
 
     @property

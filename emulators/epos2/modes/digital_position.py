@@ -25,7 +25,7 @@ OFFSET: Final = Address(0x2300, 5)
 
 
 class DigitalPosition(ModeOfOperation):
-    """Follows a second encoder or steps, from standstill on."""
+    """Mode that follows a second encoder or steps, from standstill on."""
 
     heeds: ClassVar[tuple[Address, ...]] = (NUMERATOR, DENOMINATOR, POLARITY, OFFSET)
 

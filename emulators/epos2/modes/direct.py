@@ -71,7 +71,7 @@ class DirectMode(ModeOfOperation, ABC):
 
 
 class PositionMode(DirectMode):
-    """Holds the position 0x2062, within 0x607D."""
+    """Mode that regulates to the position 0x2062, within 0x607D."""
 
     setting: ClassVar[Address] = at.POSITION_MODE_SETTING
     analogue: ClassVar[AnalogueSetpoint] = POSITION_SETPOINT
@@ -90,7 +90,7 @@ class PositionMode(DirectMode):
 
 
 class VelocityMode(DirectMode):
-    """Keeps the velocity 0x206B, within 0x607F and 0x6410:4."""
+    """Mode that regulates to the velocity 0x206B, within 0x607F and 0x6410:4."""
 
     setting: ClassVar[Address] = at.VELOCITY_MODE_SETTING
     analogue: ClassVar[AnalogueSetpoint] = VELOCITY_SETPOINT
@@ -107,7 +107,7 @@ class VelocityMode(DirectMode):
 
 
 class CurrentMode(DirectMode):
-    """Keeps the current 0x2030, within 0x6410."""
+    """Mode that regulates to the current 0x2030, within 0x6410."""
 
     setting: ClassVar[Address] = at.CURRENT_MODE_SETTING
     analogue: ClassVar[AnalogueSetpoint] = CURRENT_SETPOINT

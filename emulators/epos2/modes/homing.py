@@ -1,9 +1,9 @@
-"""Homing mode: goes the ways of a method, then the home offset, and says where that is.
+"""Homing mode: the moves of a method, then the home offset; that sets the position.
 
-The ways are rows in `homing_methods`. ASSUME: the next way begins with a ramp out of the last one; the offset
-0x607C is a signed way from the reference, gone at the speed of the switch search; a halt ends a homing for
-good; what a method needs and the drive has not got (a pin with the switch's function, a sensor with index) is
-a homing error at once.
+The moves are rows in `homing_methods`. ASSUME: the next move begins with a ramp out of the last one; the
+offset 0x607C is a signed distance from the reference, moved at the speed of the switch search; a halt ends a
+homing for good; what a method needs and the drive has not got (a pin with the switch's function, a sensor
+with index) is a homing error at once.
 """
 
 from typing import ClassVar, Final
@@ -25,18 +25,18 @@ SENSORS_WITH_INDEX: Final = frozenset({1, 6})
 
 
 class Homing(ModeOfOperation):
-    """Finds the reference of 0x6098."""
+    """Homing by the method in 0x6098."""
 
     heeds_halt: ClassVar[bool] = True
 
     def __init__(self, shaft: Shaft) -> None:
         super().__init__(shaft)
         self._ways: tuple[HomingWay, ...] = ()
-        """What is gone; empty while no homing runs."""
+        """Moves of the method; empty while no homing runs."""
         self._number = 0
-        """Which of them; past the last one it is the offset."""
+        """Index of the present move; past the last one it is the offset."""
         self._reference = 0
-        """Where the last way ended, qc."""
+        """Position at the end of the last move, qc."""
         self._left = 0
         """Index passes before this way, or whether its switch has been closed."""
         self._attained = False
@@ -140,10 +140,7 @@ class Homing(ModeOfOperation):
         shaft.move(cruise, at.HOMING_ACCELERATION, at.HOMING_ACCELERATION)
 
     def _reached(self, way: HomingWay) -> bool:
-        """Say whether a way has come to its end, and note where that is.
-
-        What happens before the ramp has turned round belongs to the way before: it is only taken note of.
-        """
+        """Return True if a move has come to its end, and note the position there."""
         axis = self.shaft.axis
         turned = axis.velocity_demand * way.direction > 0
         self._reference = axis.position
@@ -168,7 +165,7 @@ class Homing(ModeOfOperation):
         return 0 if way.switch is None else self.shaft.inputs.active >> way.switch & 1
 
     def _settle(self, place: int) -> None:
-        """Be home: `place`, in qc, has the home position from now on."""
+        """Complete the homing: `place`, in qc, has the home position from now on."""
         self.forget()
         displace(self.shaft.axis, self.shaft.store.get(at.HOME_POSITION) - place)
         self._attained = self.shaft.referenced = True

@@ -17,7 +17,7 @@ from firmware_bridge.wire.epos2.functions import InputFunction
 
 
 class Goal(Enum):
-    """What ends a way."""
+    """Event that ends a move."""
 
     CLOSED = "the switch is active; a way to it is left out where it is so already"
     OPEN = "the switch is left"

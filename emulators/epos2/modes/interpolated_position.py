@@ -32,7 +32,7 @@ _FEWEST: Final = 2
 
 
 class InterpolatedPosition(ModeOfOperation):
-    """Follows the records of 0x20C1."""
+    """Mode that follows the records of 0x20C1."""
 
     heeds_halt: ClassVar[bool] = True
     goes_by_writes: ClassVar[bool] = True
@@ -158,7 +158,7 @@ class InterpolatedPosition(ModeOfOperation):
         return BufferStatus(0)
 
     def _beyond(self, segment: Segment) -> bool:
-        """Whether a segment ends outside the software position limits."""
+        """Return True if a segment ends outside the software position limits."""
         low, high = self.shaft.limits()
         end = segment.start + segment.linear + segment.square + segment.cube
         return not low <= end >> self.shaft.axis.fraction <= high

@@ -8,7 +8,7 @@ Where they are silent:
 * an error clears the buffer and takes the access away; its status bit stays until 0x60C4:06 is written again;
 * the underflow warning stands while there are fewer records than 0x20C4:02, the overflow warning while there
   are more than 0x20C4:03, both only with access;
-* 0x60C4:04 tells how many records wait, and what is written there has no effect.
+* 0x60C4:04 is the number of records that wait; a write to it has no effect.
 """
 
 from collections.abc import Callable

@@ -1,7 +1,7 @@
-"""What a mode of operation is: what the drive asks it, and what happens where it says nothing.
+"""A mode of operation: the calls that the drive makes, and the default reaction to each.
 
-A mode that adds nothing takes the shaft to rest and holds its position, as a real drive does in a mode before
-its start signal.
+A mode that adds nothing brings the shaft to standstill and holds its position, as a real drive does in a mode
+before its start signal.
 """
 
 from typing import ClassVar, Final
@@ -14,12 +14,12 @@ _FOLLOWING_ERROR: Final = int(Status.FOLLOWING_ERROR)
 
 
 class ModeOfOperation:
-    """One mode. All but `forget` and the status are asked only while the drive is enabled and free."""
+    """One mode. All but `forget` and the status are called only while the drive is enabled and free."""
 
     heeds_halt: ClassVar[bool] = False
-    """Whether bit 8 of the controlword counts."""
+    """True if bit 8 of the controlword counts."""
     goes_by_writes: ClassVar[bool] = False
-    """Whether each controlword that is written with bit 4 is a set-point, not only one that raises it."""
+    """True if each write of a controlword with bit 4 is a set-point, not only one that raises it."""
     heeds: ClassVar[tuple[Address, ...]] = ()
     """Objects whose writes `written` takes."""
 
@@ -56,7 +56,7 @@ class ModeOfOperation:
         """Bit 8 has gone down."""
 
     def controls(self, word: int, before: int) -> bool:
-        """Heed the controlword's bits 4 to 6; say whether a set-point awaits `take_setpoint`."""
+        """Heed the controlword's bits 4 to 6; return True if a set-point awaits `take_setpoint`."""
         del word, before
         return False
 
@@ -69,7 +69,7 @@ class ModeOfOperation:
         """Take a new value of an object that the mode heeds; the store has not got it yet."""
 
     def advance(self) -> None:
-        """Go on with what has become due: asked after every event and every command."""
+        """Execute the actions that are due; called after every event and every command."""
 
     # Status
 
@@ -84,5 +84,5 @@ class ModeOfOperation:
         return self.shaft.arrived
 
     def status(self, *, failed: bool) -> int:
-        """Return bits 12 and 13; `failed` says that the following error stands."""
+        """Return bits 12 and 13; `failed`: the following error is present."""
         return _FOLLOWING_ERROR if failed else 0

@@ -1,4 +1,4 @@
-"""Which modes of operation an EPOS2 has, and which of them has the shaft.
+"""The modes of operation of an EPOS2, and the selection of the one that moves the shaft.
 
 ASSUME: in diagnostic mode, of which nothing is published, the drive holds its position and does nothing else.
 """
@@ -56,7 +56,7 @@ class ModeSelector:
         self.shaft: Final = Shaft(store, axis, inputs)
         self._modes: Final = {number: mode(self.shaft) for number, mode in MODES.items()}
         self._other: Final = ModeOfOperation(self.shaft)
-        """For a number that no mode has: it may come from saved parameters that someone has edited."""
+        """Mode for a number that no mode has: it may come from edited saved parameters."""
         self.number = int(Mode.PROFILE_POSITION)
         """The mode that is set, as in 0x6060."""
         self.mode = self._modes[self.number]

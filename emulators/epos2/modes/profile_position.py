@@ -27,7 +27,7 @@ HIGHEST: Final = (1 << 31) - 1
 
 
 class ProfilePosition(ModeOfOperation):
-    """Goes to the position 0x607A."""
+    """Mode that moves to the position 0x607A."""
 
     heeds_halt: ClassVar[bool] = True
     goes_by_writes: ClassVar[bool] = True

@@ -13,7 +13,7 @@ _SPEED_IS_ZERO: Final = int(Status.SPEED_IS_ZERO)
 
 
 class ProfileVelocity(ModeOfOperation):
-    """Keeps the velocity 0x60FF."""
+    """Mode that regulates to the velocity 0x60FF."""
 
     heeds_halt: ClassVar[bool] = True
     heeds: ClassVar[tuple[Address, ...]] = (at.TARGET_VELOCITY,)

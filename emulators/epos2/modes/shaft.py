@@ -45,7 +45,7 @@ class Shaft:
         self.referenced = False
         """Bit 15: a homing has found where the shaft is. ASSUME: by any method; a restart forgets it."""
         self.error = emergency.NO_ERROR
-        """What a mode cannot do, as an emergency's code; see `take_error`."""
+        """Emergency code for a request that a mode cannot carry out; see `take_error`."""
 
     @property
     def stopped(self) -> bool:
@@ -110,7 +110,7 @@ class Shaft:
     def move(self, cruise: int, acceleration: Address, deceleration: Address) -> None:
         """Go to the axis' target position with at most `cruise` (velocity units), unless it is too far.
 
-        ASSUME: too far is what the profile's clock, 31 bits of ms, cannot tell.
+        ASSUME: too far is a move beyond the profile's clock of 31 bits of ms.
         """
         axis = self.axis
         axis.cruise = min(cruise, self.fastest())
@@ -144,7 +144,7 @@ class Shaft:
         return axis.profile, axis.target_velocity, axis.acceleration, axis.deceleration, shape
 
     def _shape(self) -> None:
-        """Shape the ramp or move that begins as 0x6086 says."""
+        """Set the profile of the ramp or move that begins, by 0x6086."""
         if self.store.get(at.MOTION_PROFILE_TYPE) == SINE:
             sine.load(self.axis)
         else:

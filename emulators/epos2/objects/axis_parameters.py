@@ -1,6 +1,6 @@
-"""Which objects shape the servo axis, which report from it, and which rest while the power stage is on.
+"""Objects that parameterize the servo axis, that report from it, and that rest while it is powered.
 
-What the values do, `emulators.servo.scaling` says.
+The effect of the values is in `emulators.servo.scaling`.
 """
 
 from collections.abc import Callable

@@ -1,8 +1,8 @@
-"""The types of EPOS2 that can be emulated, and how far each of their figures is known.
+"""The types of EPOS2 that can be emulated, and the provenance of each of their figures.
 
-What no source tells of a type is marked, not invented: a hardware version that is not known is none, and the
-drive says 0. Limits that are assumed are there because a drive needs a limit, and say that they are assumed.
-Types without a row in `wire.epos2.differences` answer with the object dictionary of the 70/10.
+A figure without a source is marked, not invented: an unknown hardware version is none, and the drive returns
+0. Limits that are assumed are there because a drive needs a limit, and are marked as assumed. Types without a
+row in `wire.epos2.differences` answer with the object dictionary of the 70/10.
 """
 
 from collections.abc import Mapping
@@ -76,7 +76,7 @@ EPOS2_50_5_OTHER: Final = DeviceProfile(
     supply_v=50,
     marks=_marked(order_numbers=_UNKNOWN),
 )
-"""Another hardware version of it, of which names of firmware files and users' drivers tell."""
+"""Another hardware version of it, known from names of firmware files and users' drivers."""
 EPOS2_MODULE_36_2: Final = DeviceProfile(
     name=TYPES[0x6120],
     order_numbers=("360665",),

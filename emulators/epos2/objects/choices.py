@@ -1,4 +1,4 @@
-"""What the sources leave open, as a user may choose it: `--choice mapping-needs-invalid-pdo=yes`.
+"""Choices that the sources leave open, for the user to make: `--choice mapping-needs-invalid-pdo=yes`.
 
 Each is a field of the device profile with its provenance; the ledger lists them with default and evidence.
 """
@@ -32,12 +32,12 @@ RANGES: Final[Mapping[str, tuple[int, int]]] = MappingProxyType(
         "poll": (100 * MICROSECOND, SECOND),
     }
 )
-"""What a number may be, where it is not a word or a time as long as anybody waits."""
+"""Range of a number that is neither a word nor a time up to the longest reasonable one."""
 UNITS: Final[Mapping[str, int]] = MappingProxyType({"s": SECOND, "ms": MILLISECOND, "us": MICROSECOND})
 
 
 class ChoiceError(ValueError):
-    """No such choice, or no value of it: one line that says what there is."""
+    """No such choice, or no such value of it: one line that lists the valid ones."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class Choice:
         return _text(self, self.default)
 
     def read(self, text: str) -> Any:
-        """Return the value that a text says; ValueError or KeyError where it says none."""
+        """Return the value of a text; ValueError or KeyError where it has none."""
         if self.kind is not int:
             return READERS[self.kind](text)
         value = _nanoseconds(text) if self.field in TIMES else int(text, 0)
@@ -80,7 +80,7 @@ def _abort_code(text: str) -> AbortCode:
 
 def _four_bytes(text: str) -> bytes:
     value = bytes.fromhex(text)
-    if len(value) != 4:  # noqa: PLR2004 - as the profile says
+    if len(value) != 4:  # noqa: PLR2004 - as in the profile
         raise ValueError(text)
     return value
 

@@ -1,4 +1,4 @@
-"""What tells one drive type from another, and every choice that the sources leave open.
+"""Differences between the drive types, and every choice that the sources leave open.
 
 Each open choice is a field, annotated with its provenance and source, so that a document can list them and a
 user can change them.
@@ -37,11 +37,14 @@ BUFFER_FREE: Final = Address(0x60C4, 2)
 SERIAL_NUMBER_64: Final = Address(0x2004)
 
 ANSWER_TIME: Final[Nanoseconds] = 550 * MICROSECOND
-"""What an SDO transfer takes beside its two frames: 0.794 ms in all at 1 Mbit/s, 12.4 ms at 20 kbit/s, and
-five more between them (EPOS2 Application Notes, p. 168), less the frames with their stuff bits. ASSUME: all
-of it is the drive's; the figures were taken with a PC and its CAN card, whose part no one has published."""
+"""Time of an SDO transfer beside its two frames.
+
+It is 0.794 ms in all at 1 Mbit/s, 12.4 ms at 20 kbit/s, and five more between them (EPOS2 Application Notes,
+p. 168), less the frames with their stuff bits. ASSUME: all of it is the drive's; the figures were taken with
+a PC and its CAN card, whose share is not published.
+"""
 BOOT_TIME: Final[Nanoseconds] = 262_500 * MICROSECOND
-"""From a reset to the boot-up message, as recorded of an EPOS2 (reset node, over slcan)."""
+"""Time from a reset to the boot-up message, as recorded of an EPOS2 (reset node, over slcan)."""
 BIT_RATES: Final[Mapping[int, int]] = MappingProxyType(
     {0: 1_000_000, 1: 800_000, 2: 500_000, 3: 250_000, 4: 125_000, 6: 50_000, 7: 20_000}
 )
@@ -52,7 +55,7 @@ BAUDS: Final = (9_600, 14_400, 19_200, 38_400, 57_600, 115_200)
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """How far a field of the profile is known, and from where."""
+    """Provenance of a field of the profile, and its source."""
 
     provenance: Provenance
     source: str
@@ -68,9 +71,9 @@ class DeviceProfile:
 
     name: str
     order_numbers: tuple[str, ...] = ()
-    """What maxon sells it under; empty where no source tells."""
+    """Maxon's order numbers; empty where no source gives them."""
     hardware_version: int | None
-    """None where no source tells; the drive then says 0."""
+    """Hardware version; None where no source gives it: the drive then returns 0."""
     software_version: Annotated[int, Known(Provenance.PROVEN, EDS)] = 0x2126
     application_number: Annotated[int, _DEVICE] = 0
     application_version: Annotated[int, _DEVICE] = 0
@@ -81,9 +84,9 @@ class DeviceProfile:
     peak_current_ma: int
     """Default and upper bound of 0x6410:2."""
     supply_v: int
-    """The highest supply voltage that the type's name tells."""
+    """The highest supply voltage, by the type's name."""
     marks: Mapping[str, Known] = field(default_factory=lambda: MappingProxyType({}), repr=False)
-    """How far this type's own fields are known, by their names; it wins over the field's annotation."""
+    """Provenance of this type's own fields, by their names; it overrides the field's annotation."""
     bit_rate: Annotated[int, _ASSUMED] = 0
     """Coded as in 0x2001: 0 is 1 Mbit/s."""
     rs232_rate: Annotated[int, _DEVICE] = 5
@@ -95,20 +98,20 @@ class DeviceProfile:
     """Places for data records."""
 
     boot_time: Annotated[Nanoseconds, _ASSUMED] = 0
-    """From power-on or reset to the boot-up message: 0 is at once, `realistic` takes `BOOT_TIME`."""
+    """Time from power-on or reset to the boot-up message: 0 is at once, `realistic` takes `BOOT_TIME`."""
     sdo_latency: Annotated[
         Nanoseconds,
         Known(Provenance.ASSUMED, f"{APPLICATION_NOTES}, p. 168: the whole; the drive's part is assumed"),
     ] = 0
-    """From an SDO request to its answer: 0 answers at once, `realistic` takes the published time."""
+    """Time from an SDO request to its answer: 0 is at once, `realistic` takes the published time."""
     serial_latency: Annotated[Nanoseconds, _ASSUMED] = 0
-    """From the last byte of a serial command to the first of its answer, beside the time on the CAN bus."""
+    """Time from the last byte of a serial command to its answer's first, beside the time on the CAN bus."""
     gateway_latency: Annotated[Nanoseconds, Known(Provenance.DOCUMENTED, f"{APPLICATION_NOTES}, p. 168")] = (
         130_000
     )
-    """From a serial command for another drive to the SDO frame on the CAN bus."""
+    """Time from a serial command for another drive to the SDO frame on the CAN bus."""
     gateway_timeout: Annotated[Nanoseconds, _ASSUMED] = 500_000_000
-    """How long another node may take to answer; then the host gets 0x05040000."""
+    """Timeout for another node's answer; then the host receives 0x05040000."""
     gateway_segment: Annotated[
         int,
         Known(
@@ -127,7 +130,7 @@ class DeviceProfile:
     too_long_to_read: Annotated[AbortCode, _ASSUMED] = AbortCode.LENGTH
     """Answer to ReadObject for an object of more than four bytes."""
     poll: Annotated[Nanoseconds, _ASSUMED] = 1_000_000
-    """How often a transmit PDO on change looks at values that move by themselves; never more often."""
+    """Least interval at which a transmit PDO on change checks values that move by themselves."""
     mapping_needs_invalid_pdo: Annotated[
         bool,
         Known(
@@ -135,23 +138,25 @@ class DeviceProfile:
             f"a published driver that remaps real EPOS2s without; {FIRMWARE_SPECIFICATION}, demands it",
         ),
     ] = False
-    """Whether a mapping changes only while bit 31 of the PDO's COB-ID is set, not only with 0 entries."""
+    """True if a mapping changes only while bit 31 of the PDO's COB-ID is set, not only with 0 entries."""
     written_word_is_setpoint: Annotated[
         bool,
         Known(Provenance.DOCUMENTED, f"{LIBRARY}, which never lowers bit 4 and moves again: an inference"),
     ] = True
-    """Whether a controlword written by SDO or serial with bit 4 is a new set-point, edge or not. In a PDO,
-    which repeats its word with every cycle, the edge counts either way."""
+    """True if each controlword written by SDO or serial with bit 4 is a new set-point, edge or not.
+
+    In a PDO, which repeats its word with every cycle, the edge counts either way.
+    """
     accepts_long_pdo: Annotated[bool, Known(Provenance.ASSUMED, CIA_301)] = True
-    """Whether a receive PDO with more bytes than mapped is taken; its other bytes do not count."""
+    """True if a receive PDO with more bytes than mapped is accepted; its other bytes do not count."""
     sends_on_start: Annotated[bool, _ASSUMED] = True
-    """Whether a transmit PDO on change is sent once on entering Operational."""
+    """True if a transmit PDO on change is sent once on entering Operational."""
     reports_reset: Annotated[bool, Known(Provenance.ASSUMED, f"{CIA_301}, error reset")] = True
-    """Whether an emergency with code 0 is sent when the errors are gone."""
+    """True if an emergency with code 0 is sent when the errors are gone."""
     heartbeat_toggles: Annotated[
         bool, Known(Provenance.BY_ANALOGY, f"{FIRMWARE_SPECIFICATION}; {APPLICATION_NOTES}, p. 158, differ")
     ] = False
-    """Whether bit 7 of the heartbeat changes each time."""
+    """True if bit 7 of the heartbeat changes each time."""
     wrong_signature: Annotated[AbortCode, Known(Provenance.BY_ANALOGY, LIBRARY)] = AbortCode.WRONG_PASSWORD
     """Answer to a value that is not the signature of 0x1010 or 0x1011."""
 
@@ -166,7 +171,7 @@ class DeviceProfile:
         return self.supply_v * 15_000 // 14
 
     def known(self, name: str) -> Known:
-        """Return how far a field is known in this type; an own assumption where nothing is said."""
+        """Return the provenance of a field in this type; an own assumption where none is given."""
         mark = self.marks.get(name)
         if mark is not None:
             return mark

@@ -27,7 +27,7 @@ RESTORE_FACTORY: Final = Address(0x1011, 4)
 RESTORE_COB_IDS: Final = Address(0x1011, 5)
 COMMUNICATION: Final = range(0x1000, 0x2000)
 ON_COMMAND: Final = 1
-"""What 0x1010 and 0x1011 read, bit 0: stores, or restores, on command, and not by itself (CiA 301)."""
+"""Value of 0x1010 and 0x1011, bit 0: stores, or restores, on command, and not by itself (CiA 301)."""
 POWER_STAGE: Final = 1 << 4
 """Statusword bit."""
 
@@ -40,7 +40,7 @@ VOLATILE: Final = frozenset({Address(0x2074, 4), Address(0x2078, 1)})
 
 
 def is_parameter(row: ObjectRow) -> bool:
-    """Whether an object is stored by 'save'."""
+    """Return True if an object is stored by 'save'."""
     return row.access.writable and row.address.index not in VOLATILE_INDEXES and row.address not in VOLATILE
 
 
@@ -49,7 +49,7 @@ class StorageError(Exception):
 
 
 class Storage(Protocol):
-    """Where one drive keeps the copy of its parameters."""
+    """Storage of one drive for the copy of its parameters."""
 
     def read(self) -> Mapping[Address, int]:
         """Return what was written last; empty where nothing was. StorageError where it cannot be read."""
@@ -59,7 +59,7 @@ class Storage(Protocol):
 
 
 class Volatile:
-    """Keeps the copy as long as the emulated drive lives."""
+    """Storage that keeps the copy for the lifetime of the emulated drive."""
 
     def __init__(self) -> None:
         self._values: Mapping[Address, int] = {}
@@ -92,7 +92,7 @@ class SavedParameters:
             store.on_read(command, lambda: ON_COMMAND)
 
     def _fitting(self, values: Mapping[Address, int]) -> dict[Address, int]:
-        """Return the values that are parameters of this drive; whoever edits the copy may err."""
+        """Return the values that are parameters of this drive; refuse others, as of an edited copy."""
         parameters = {row.address: row.type for row, _ in self._store.numbers() if is_parameter(row)}
         for address, value in values.items():
             kind = parameters.get(address)

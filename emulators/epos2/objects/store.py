@@ -1,7 +1,7 @@
 """The object store of one drive: every object's value behind the checks that a bus client meets.
 
 Two doors: `read` and `write` for clients, with the table's access, size and range; `get` and `set` for the
-drive itself. It refuses to know what a value does; whoever does hangs a hook on it.
+drive itself. It does not interpret values; the code that does installs a hook.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -16,7 +16,7 @@ from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.epos2.rows import ObjectRow
 
 LARGEST_DOMAIN: Final = 4096
-"""Bytes that a domain takes (ASSUME: no limit is documented)."""
+"""Capacity of a domain in bytes (ASSUME: no limit is documented)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class Cell:
     live: Callable[[], int]
     """The value as a client sees it now."""
     accept: Callable[[int], None]
-    """Takes a client's value: range, hooks, then the store."""
+    """Check and store a client's value: range, hooks, then the store."""
 
 
 class ObjectStore:
@@ -54,11 +54,9 @@ class ObjectStore:
         own = {row.address: row.bounds for row in objects.values() if row.type.size}
         self._bounds = MappingProxyType({**own, **bounds})
         self.changes = 0
-        """How often the drive itself has given a number another value."""
+        """Number of times that the drive itself has changed a number."""
         self.requested = False
-        """Whether the value that is being taken was written by a request, by SDO or serial: no part of a
-        PDO.
-        """
+        """True if the value being taken was written by a request, by SDO or serial, not in a PDO."""
         self._numbers: dict[Address, int] = {}
         self._texts: dict[Address, bytes] = {}
         self._sources: dict[Address, Callable[[], int]] = {}

@@ -28,7 +28,7 @@ class DriveOnBus:
     send: Callable[[int, bytes], None]
     """Put a frame on the bus."""
     receive: Callable[[int, bytes], None]
-    """Let the drive hear a frame as if it came from the bus: a command to all is one to itself, too."""
+    """Deliver a frame to the drive as if it came from the bus: a command to all is one to itself, too."""
     written: Callable[[], None]
     """Inform the drive that an object has a new value."""
 
@@ -39,13 +39,13 @@ Result: TypeAlias = Answer | int | None
 
 
 class CanGateway:
-    """Carries out requests on the bus."""
+    """Gateway that executes requests on the bus."""
 
     def __init__(self, profile: DeviceProfile, drive: DriveOnBus) -> None:
         self.awaits = NO_NODE
         """The identifier of the frame that the request waits for."""
         self.due: Nanoseconds = NEVER
-        """When to call `wake`."""
+        """Next time to call `wake`."""
         self._profile = profile
         self._drive = drive
         self._remote = Remote(profile)
@@ -76,17 +76,17 @@ class CanGateway:
             raise SdoAbort(AbortCode.LENGTH)
         self._begin(request, request.identifier, now + self._profile.gateway_timeout)
         self._drive.send(request.identifier | REMOTE, bytes(request.length))
-        # What this very drive answers, it hears at once, through `receive`.
+        # This drive's own answer comes back at once, through `receive`.
         self._drive.receive(request.identifier | REMOTE, bytes(request.length))
         return None
 
     def send_lss(self, payload: bytes) -> None:
-        """Speak to the slaves of the layer setting services; forget what they said before."""
+        """Send a request to the LSS slaves; forget their earlier answers."""
         self._lss, self._receives_lss = None, True
         self._drive.send(canopen.LSS_REQUEST, payload)
 
     def read_lss(self, request: messages.ReadLssFrame, now: Nanoseconds) -> Result:
-        """Return what a slave has said since, or wait for it."""
+        """Return a slave's answer received since, or wait for it."""
         frame, self._lss = self._lss, None
         if frame is not None:
             return _frame(frame)

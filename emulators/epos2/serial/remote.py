@@ -38,7 +38,7 @@ class _RemoteTransfer:
     node: int
     address: Address
     length: int = 0
-    """Bytes that are still to be written."""
+    """Number of bytes that are still to be written."""
     kept: bytes | None = None
     """The whole object, where it was so short that it came at once."""
     toggle: bool = False
@@ -46,13 +46,13 @@ class _RemoteTransfer:
     host_toggle: bool = False
     """... and from the host."""
     rest: bytes = b""
-    """What a frame had no room for."""
+    """Remaining bytes that had no room in a frame."""
     leaves: bool = False
-    """Whether that is to leave now."""
+    """True if those bytes are to leave now."""
 
 
 class Remote:
-    """Speaks SDO as a client, and remembers the segmented transfer that is under way."""
+    """SDO client that remembers the segmented transfer under way."""
 
     def __init__(self, profile: DeviceProfile) -> None:
         self._profile = profile
@@ -113,7 +113,7 @@ class Remote:
         return self._next_part(transfer)
 
     def complaint(self, request: Request, response: sdo.Response) -> AbortCode | None:
-        """Return why an answer is of no use here, which the server must be told."""
+        """Return the abort code for an answer that is of no use here; the server receives it."""
         too_long = isinstance(response, sdo.UploadResponse) and response.raw is None
         if isinstance(request, messages.ReadObject) and too_long:
             return self._profile.too_long_to_read
@@ -124,7 +124,7 @@ class Remote:
             return (sdo.NOWHERE,) if self._transfer is None else (self._transfer.address, sdo.NOWHERE)
         return (address_of(request),) if isinstance(request, messages.ObjectRequest) else ()
 
-    # What is asked
+    # Requests
 
     def _upload(self, request: messages.ReadObject | messages.InitiateSegmentedRead) -> NodeFrame:
         self._transfer = None

@@ -36,7 +36,7 @@ class _SegmentedWrite:
 
 
 def payload_of(segment: SegmentWrite) -> bytes:
-    """Return what a segment carries; SdoAbort where it holds less than it tells."""
+    """Return a segment's payload; SdoAbort where it is shorter than its length field."""
     length = length_of(segment)
     if len(segment.raw) < length:
         raise SdoAbort(AbortCode.TOO_SHORT)
@@ -44,7 +44,7 @@ def payload_of(segment: SegmentWrite) -> bytes:
 
 
 class SegmentedTransfer:
-    """What the host reads or writes piece by piece."""
+    """An object that the host reads or writes piece by piece."""
 
     def __init__(self, store: ObjectStore) -> None:
         self._store = store

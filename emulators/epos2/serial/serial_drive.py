@@ -41,7 +41,7 @@ class SerialEpos2(Epos2):
 
     @property
     def baud(self) -> int:
-        """Bits a second on the serial line."""
+        """Bit rate on the serial line."""
         return self._port.baud
 
     def listens(self, packet: Packet) -> bool:
@@ -87,7 +87,7 @@ class SerialEpos2(Epos2):
 
     def _send(self, address: int, payload: bytes) -> None:
         super()._send(address, payload)
-        if self._port.listens(address):  # the host wants to know what this very drive says on the bus
+        if self._port.listens(address):  # the host reads this drive's own frames, too
             self._port.receive_frame(address, payload, self._now)
 
     def _boot(self, command: NmtCommand) -> None:

@@ -23,14 +23,14 @@ FRAME_TIMEOUTS: Final[Mapping[Generation, Address]] = {
     Generation.V1: Address(0x2005),
     Generation.V2: Address(0x2006),
 }
-"""In ms."""
+"""Objects with each protocol's timeout, in ms."""
 DEFAULT_TIMEOUT_MS: Final = 500
 
 
 class SerialPort:
     """One port with one protocol, or with the one that its host begins with.
 
-    A drive has two ports, RS232 for V1 and USB for V2; a line that may be either tells them apart by the
+    A drive has two ports, RS232 for V1 and USB for V2; a line that may be either distinguishes them by the
     first byte: no opcode is DLE. From V2 back to V1 it wants silence before: between frames there is noise.
     """
 
@@ -38,11 +38,11 @@ class SerialPort:
         self, store: ObjectStore, profile: DeviceProfile, generation: Generation | None, drive: DriveOnBus
     ) -> None:
         self.generation = generation or Generation.V1
-        """What is spoken; where that was left open, what the host was heard to speak."""
+        """Protocol in use; where that was left open, the one received from the host."""
         self._open: Final = generation is None
         self._received_at: Nanoseconds = 0
         self.baud = USB_BAUD
-        """Bits a second on the line; on RS232 as 0x2002 was at the last start."""
+        """Bit rate on the line; on RS232 as 0x2002 was at the last start."""
         self._store = store
         self._latency = profile.serial_latency
         self._server = SerialServer(store, profile, drive)
@@ -66,7 +66,7 @@ class SerialPort:
 
     @property
     def due(self) -> Nanoseconds:
-        """When to call `wake`."""
+        """Next time to call `wake`."""
         return min(self._line.due, self._server.gateway.due, self._held_until, self._baud_due)
 
     def listens(self, address: int) -> bool:

@@ -26,7 +26,7 @@ _Carried: TypeAlias = Mapping[type[Request], Callable[[Any, Nanoseconds], Result
 
 
 class SerialServer:
-    """Takes one command at a time; what it has to say comes from `begin`, `receive` or `wake`."""
+    """Server of one command at a time; its answers come from `begin`, `receive` or `wake`."""
 
     def __init__(self, store: ObjectStore, profile: DeviceProfile, drive: DriveOnBus) -> None:
         self.gateway = CanGateway(profile, drive)

@@ -1,7 +1,7 @@
-"""The arm AR2 on the bench: what a mission's step may ask of it, how a station says it, and what is drawn.
+"""The arm AR2 on the bench: the inputs of a mission's step, the station's messages, and the pictures.
 
 Signs, scales and courses are written here again, not taken from the bridge, so that a mistake there is not
-repeated. Seen from its left side: x_m is how far the tool is ahead, y_m how high.
+repeated. Seen from its left side: x_m is the tool's distance ahead, y_m its height.
 """
 
 import math
@@ -34,20 +34,20 @@ LOST_STEP: Final = 2.0
 """Full steps that a rotor is behind its field when it falls into another place: it has lost steps then."""
 STEP_RAD: Final = math.tau / 200.0
 HALVES: Final = ((1, 2, 3), (4, 5, 6))
-"""Of the joints: a panel has room for three curves."""
+"""Halves of the joints: a panel has room for three curves."""
 
 
 class Ar2Step(Step):
-    """What the arm's operator does at one instant. Speeds and turn stay until a later step."""
+    """The arm operator's input at one instant; speeds and turn stay until a later step."""
 
     speed_mps: Annotated[Finite | None, Holds("speed")] = None
-    """Of the tool, ahead positive; at once, or with `ramp_mps2`."""
+    """Speed of the tool, ahead positive; at once, or with `ramp_mps2`."""
     ramp_mps2: Annotated[Positive | None, Slope("speed")] = None
     left_mps: Annotated[Finite | None, Holds("left")] = None
     up_mps: Annotated[Finite | None, Holds("up")] = None
-    """By stick only."""
+    """Upward speed, by stick only."""
     turn_deg_s: Annotated[Finite | None, Holds("turn", lambda turn, _: math.radians(turn))] = None
-    """About the upright axis, to the left positive."""
+    """Turn rate about the upright axis, to the left positive."""
     press: Annotated[Literal["emergency_stop"] | None, Presses(BUTTONS)] = None
     """Tap a button of the stick."""
 
@@ -65,7 +65,7 @@ def _stick(values: Mapping[str, float], robot: Ar2) -> StickAxes:
 
 
 def _believed(axis: int) -> Callable[[Seen], float]:
-    """Return what tells where the tool is counted to be; NaN while no one has said where a joint stands."""
+    """Return a reader of the tool's counted position; NaN while a joint's reference is lost."""
 
     def read(seen: Seen) -> float:
         lost = any(it.zero_lost for it in seen.facts.axes.values())

@@ -18,7 +18,7 @@ JUST: Final = 1.0 + 1e-5
 STRAIGHT: Final = State(tuple(map(math.radians, (0.0, -90.0, 90.0, 0.0, 0.0, 0.0))), STILL)
 """Its wrist is: the fourth and sixth joint turn about one axis."""
 BENT: Final = State(tuple(map(math.radians, (0.0, -90.0, 90.0, 0.0, 60.0, 0.0))), STILL)
-"""As the arm begins on the bench: far from singular postures."""
+"""Posture of the arm as it begins on the bench: far from singular ones."""
 
 
 def cases(robot: Robot[Geometry]) -> Iterator[Case]:

@@ -1,4 +1,4 @@
-"""The climber on the bench: what a mission's step may ask of it, how a station says it, and what is drawn.
+"""The climber on the bench: the inputs of a mission's step, the station's messages, and the pictures.
 
 Signs, scales and paths are written here again, not taken from the bridge, so that a mistake there is not
 repeated.
@@ -42,7 +42,7 @@ BUTTONS: Final = {"emergency_stop": 4}
 
 
 class ClimberStep(DifferentialStep):
-    """What the climber's operator does at one instant. Speed and turn stay until a later step."""
+    """The climber operator's input at one instant; speed and turn stay until a later step."""
 
     press: Annotated[Literal["emergency_stop"] | None, Presses(BUTTONS)] = None
     """Tap a button of the stick."""

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MARGIN_M: Final = 0.5
-"""So much of the tank is drawn around the way."""
+"""Margin of the tank drawn around the path."""
 LINES: Final = 9
 
 

@@ -1,4 +1,4 @@
-"""RARS on the bench: what a mission's step may ask of it, how a station says it, and what is drawn.
+"""RARS on the bench: the inputs of a mission's step, the station's messages, and the pictures.
 
 Signs and scales are written here again, not taken from the bridge, so that a mistake there is not repeated.
 """
@@ -42,7 +42,7 @@ def lift_travel(robot: Rars) -> float:
 
 
 class RarsStep(Step):
-    """What RARS's operator does at one instant. Speed, steering and lift rate stay until a later step."""
+    """The RARS operator's input at one instant; speed, steering and lift rate stay until a later step."""
 
     speed_mps: Annotated[Finite | None, Holds("speed")] = None
     """Forward positive; at once, or with `ramp_mps2`."""
@@ -52,14 +52,14 @@ class RarsStep(Step):
     ] = None
     """Inner front wheel, left positive."""
     radius_m: Annotated[Finite | None, Holds("steer", steer_of_radius)] = None
-    """Of the rear axle's middle, left positive; another way to say `steer_deg`."""
+    """Radius of the rear axle's middle, left positive; another way to give `steer_deg`."""
     lift_m: Annotated[
         NonNegative | None,
         Sends(_ACTUATOR, lambda height, robot: (2.0 * height / lift_travel(robot) - 1.0,), -3),
     ] = None
     """Go to this height above collapsed."""
     lift_rate_mps: Annotated[Finite | None, Holds("lift rate")] = None
-    """Move the lift by stick, up positive, until a later step says otherwise."""
+    """Move the lift by stick, up positive, until a later step changes it."""
     headlamp: Annotated[bool | None, Sends(_ILLUMINATOR, lambda on, _: (float(on),), -1)] = None
     detector: Annotated[bool | None, Sends(_RELAY, lambda on, _: (0.0, float(on)), -2)] = None
     press: Annotated[Literal["detector", "headlamp", "emergency_stop"] | None, Presses(BUTTONS)] = None

@@ -1,4 +1,4 @@
-"""ROME's base on the bench: what a mission's step may ask of it, how a station says it, and what is drawn.
+"""ROME's base on the bench: the inputs of a mission's step, the station's messages, and the pictures.
 
 Signs, scales and paths are written here again, not taken from the bridge, so that a mistake there is not
 repeated.
@@ -29,14 +29,14 @@ BUTTONS: Final = {"emergency_stop": 4}
 
 
 class RomeStep(Step):
-    """What ROME's operator does at one instant. Speeds and turn stay until a later step."""
+    """The ROME operator's input at one instant; speeds and turn stay until a later step."""
 
     speed_mps: Annotated[Finite | None, Holds("speed")] = None
     """Ahead positive; at once, or with `ramp_mps2`."""
     ramp_mps2: Annotated[Positive | None, Slope("speed")] = None
     left_mps: Annotated[Finite | None, Holds("left")] = None
     turn_deg_s: Annotated[Finite | None, Holds("turn", lambda turn, _: math.radians(turn))] = None
-    """To the left positive."""
+    """Turn rate, to the left positive."""
     press: Annotated[Literal["emergency_stop"] | None, Presses(BUTTONS)] = None
     """Tap a button of the stick."""
 

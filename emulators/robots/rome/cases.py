@@ -69,7 +69,7 @@ def _lost() -> Iterator[Case]:
         ),
     ):
         yield Case("pose lost", trips=Situation(command=guided, located=trips), spares=spares, reason=reason)
-    # By hand, too, where only the cameras tell what a wheel does.
+    # By hand, too, where only the cameras measure a wheel's motion.
     yield Case(
         "pose lost",
         trips=Situation(located=lost),
@@ -77,7 +77,7 @@ def _lost() -> Iterator[Case]:
         reason=off + "do not see it",
         robot=over_protocol(find("rome+cameras"), "mw"),
     )
-    # Whoever drives it, and by its own robot file: one without cameras has no bound of slip.
+    # For every station in control, and by its own robot file: one without cameras has no bound of slip.
     under_cameras = find("rome+cameras")
     bound = under_cameras.located_by[1].slip_mps if under_cameras.located_by else math.nan
     yield Case(

@@ -28,7 +28,7 @@ from firmware_bridge.robots.rome_arm.halves import ARM, BASE, Half
 RomeArm: TypeAlias = Robot[Geometry]
 WHEELS: Final = ("one", "two", "three")
 OF_THE_ARM: Final = ("angle_", "lag_")
-"""How its columns begin: of its tool the plant has the place in the room."""
+"""Prefixes of the arm's columns: of its tool the plant has the place in the room."""
 USED: Final = 0.9
 """Share of the base's speed and acceleration that a path may ask for."""
 INSTANTS: Final = 4000
@@ -38,10 +38,10 @@ SHAKEN: Final = 10
 
 
 class RomeArmStep(RomeStep):
-    """What ROME's operator does at one instant."""
+    """The ROME operator's input at one instant."""
 
     up_mps: Annotated[Finite | None, Holds("up")] = None
-    """Of the tool; by stick only."""
+    """Upward speed of the tool; by stick only."""
 
 
 def _stick(values: Mapping[str, float], robot: RomeArm) -> StickAxes:

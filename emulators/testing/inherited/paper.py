@@ -22,13 +22,13 @@ WELL: Final[AnySituation] = Situation()
 
 
 def gate_of(robot: AnyRobot) -> Gate[Any, Any, Any]:
-    """Return the robot's gate; its drives tell everything."""
+    """Return the robot's gate; its drives report everything."""
     reports = {axis.name: frozenset(Reports) for axis in robot.axes}
     return Gate(robot, kind_of(robot).rules(robot), reports)
 
 
 def axes_of(robot: AnyRobot, now: Nanoseconds) -> dict[str, Feedback]:
-    """Return all axes where the bench begins with them, with power, heard now."""
+    """Return all axes where the bench begins with them, with power, received now."""
     gauges = {gauge.role: gauge for gauge in kind_of(robot).station.gauges}
     stands = rehearsal_of(robot).stands
 
@@ -45,7 +45,7 @@ def axes_of(robot: AnyRobot, now: Nanoseconds) -> dict[str, Feedback]:
 
 
 def well(robot: AnyRobot, now: Nanoseconds) -> dict[str, Reading]:
-    """Return what the sensors tell of a robot that is well."""
+    """Return the sensor values of a robot that is well."""
     return {name: Reading(value, now, now) for name, value in rehearsal_of(robot).well.items()}
 
 
@@ -56,7 +56,7 @@ def seen(
     axes: Mapping[str, Feedback] | None = None,
     **facts: Any,
 ) -> Snapshot[Any, Any]:
-    """Return the robot armed and well, but for what is told."""
+    """Return the robot armed and well, but for the given facts."""
     kind = kind_of(robot)
     feedback = dict(axes_of(robot, now) if axes is None else axes)
     body = kind.body(robot).sensed(feedback, well(robot, now)) if situation.body is None else situation.body
@@ -97,7 +97,7 @@ def full_motions(kind: AnyKind, robot: AnyRobot) -> list[Any]:
 
 
 class Paper:
-    """A robot without drives: each axis does in a cycle what it was asked for, no faster than it may."""
+    """A robot without drives: each axis follows its set-point of the cycle, within its top speed."""
 
     def __init__(self, robot: AnyRobot) -> None:
         self.robot: Final = robot

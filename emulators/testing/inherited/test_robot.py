@@ -1,4 +1,4 @@
-"""What every robot gets because it is installed: the safety tests, from its file, its rows and its cases."""
+"""Safety tests that every installed robot gets, from its file, its interlocks and its cases."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -41,7 +41,7 @@ from firmware_bridge.units import MILLISECOND, SECOND, from_seconds
 ROUNDING: Final = 1.0 + 1e-9
 CYCLES: Final = 200
 ORDERLY_S: Final = 5.0
-"""By then a robot that was told to end has come to rest and given up its power."""
+"""Limit by which a robot has stopped and powered down after the request to end."""
 MOVES: Final = 0.05
 """Share of its top speed that each mission of a robot reaches at least."""
 FULL: Final = 100
@@ -64,7 +64,7 @@ def generate(
     robots: Sequence[str],
     missions: Mapping[str, Sequence[str]] = MappingProxyType({}),
 ) -> None:
-    """Give each test these robots, and what it asks for of each; of some only these `missions`."""
+    """Parametrize each test with these robots, and its other arguments; some with these `missions` alone."""
     if "case" in metafunc.fixturenames:
         cases = [(name, case) for name in robots for case in cases_of(name)]
         ids = [f"{name}-{case.row}-{place}" for place, (name, case) in enumerate(cases)]
@@ -127,7 +127,7 @@ def test_a_row_lets_go_when_it_was_clear_for_its_clear_time(name: str, case: Any
     gate = gate_of(robot)
     gate.rule(seen(robot, START, case.trips))
     clear = START + SECOND
-    # "Told to move" reaches one ruling further: the first look clears what the one before has asked for.
+    # "Commanded motion" reaches one decision further: the first look clears the request before.
     gate.rule(seen(robot, clear - 1))
     if row.clear_after:
         assert case.row in held(gate.rule(seen(robot, clear - 1 + row.clear_after - 1)))
@@ -331,7 +331,7 @@ def test_nothing_moves_before_it_is_armed(name: str) -> None:
 
 
 def settled(paper: Paper, command: Any, **facts: Any) -> Ruling[Any]:
-    """Go on until a cycle asks the same as the one before, of axes that are as fast; return its ruling."""
+    """Go on until a cycle repeats the set-points and speeds of the one before; return its decision."""
     for _ in range(CYCLES):
         before = paper.demanded, turning(paper)
         ruling: Ruling[Any] = paper.cycle(command, **facts)

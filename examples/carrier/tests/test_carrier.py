@@ -1,4 +1,4 @@
-"""What the robot does on the bench; the safety tests come with firmware-bridge, for every robot."""
+"""The robot's missions on the bench; the safety tests come with firmware-bridge, for every robot."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Asks before something may move: on a terminal by a question, elsewhere by refusing."""
+"""Confirmation before a motion may start: on a terminal by a question, elsewhere by refusing."""
 
 import sys
 

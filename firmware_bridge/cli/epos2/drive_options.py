@@ -69,7 +69,7 @@ PERIOD: Final = "0.2"
 
 
 class NegativeValue(TyperCommand):
-    """Takes `-500qc` for a value, which is the last argument, and not for a row of short options."""
+    """A command that accepts `-500qc` as its last argument, and not as a row of short options."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Put values below zero behind everything else."""
@@ -81,7 +81,7 @@ class NegativeValue(TyperCommand):
 
 
 class OptionalPeriod(TyperCommand):
-    """Takes `--watch` or `-w` alone, too: what follows it is its value only where that is a number."""
+    """A command that accepts `--watch` or `-w` alone, too: the next word is its value only if a number."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Give a lonely option its value."""

@@ -1,4 +1,4 @@
-"""How objects look: one line for people, one record for programs."""
+"""Output of objects: one line for people, one record for programs."""
 
 import re
 from typing import Any, Final
@@ -16,16 +16,16 @@ from firmware_bridge.wire.epos2.differences import ANY_TYPE
 _SIMPLE: Final = re.compile(r"[A-Za-z/]+")
 """Units as people say them: rpm, mA, pulses/turn."""
 _PLAIN: Final = frozenset({at.MODE, at.MODE_DISPLAY})
-"""Objects with words whose numbers are no bits."""
+"""Objects whose numbers are decoded, and are no bits."""
 
 
 def object_line(reading: Reading, address: Address) -> str:
-    """Return one line: where, name, value with unit, words."""
+    """Return one line: address, name, value with unit, decoded text."""
     return f"{address!s:<9}  {name_of(address):<34}  {value_text(reading, address)}".rstrip()
 
 
 def value_text(reading: Reading, address: Address) -> str:
-    """Return a value with its unit, or in words with its bits, or why there is none."""
+    """Return a value with its unit, or decoded with its bits, or the reason why there is none."""
     raw = reading.found.get(address)
     if isinstance(raw, JobError):
         return f"- {raw.problem}"
@@ -40,7 +40,7 @@ def value_text(reading: Reading, address: Address) -> str:
 
 
 def object_record(reading: Reading, address: Address) -> dict[str, Any]:
-    """Return what `line` says as JSON can hold it; `value` or `error` is there, not both."""
+    """Return the content of `line` for JSON; `value` or `error` is there, not both."""
     row = ANY_TYPE.get(address)
     found: dict[str, Any] = {
         "index": f"0x{address.index:04X}",

@@ -43,14 +43,14 @@ class OneDrive:
     where: str
     """The bus or the line alone."""
     silence: str
-    """What to look at when no one answers."""
+    """The checks to make when there is no answer."""
     link: CanAccess | SerialAccess
     opener: Callable[[], Port]
     gateway: int | None = None
 
     @property
     def alone(self) -> bool:
-        """Whether the drive is asked on its own line, with no bus in between."""
+        """True where the drive is on its own line, with no bus in between."""
         return isinstance(self.link, SerialAccess) and self.link.node in {OWN, self.gateway}
 
     def converse(
@@ -133,7 +133,7 @@ def _title(node: int, where: str) -> str:
 
 
 def _only(link: str, instead: str, given: dict[str, object]) -> None:
-    """Refuse options of the link that was not asked for."""
+    """Refuse options of the link that is not in use."""
     wrong = [name for name, value in given.items() if value is not None]
     if wrong:
         raise refusal(f"{', '.join(wrong)}: only {link} has that; say {instead}")

@@ -58,10 +58,10 @@ def scan(
 ) -> None:
     """List who answers on a CAN bus, or behind a serial line: device, versions, serial number, states.
 
-    Nothing is written. Each node is asked by SDO what it is, one after the other, so a bus without any takes
-    127 time-outs, 7 s; a serial line waits as long as its drive does for each node that is not there. Beside
-    a master that speaks to the same node by SDO at that moment, either may get the other's answer. Exit
-    status 1 where no one answers.
+    Nothing is written. Each node's identity is read by SDO, one after the other, so a bus without any takes
+    127 timeouts, 7 s; a serial line waits as long as its drive does for each node that is not there. Beside a
+    master with an SDO transfer to the same node at that moment, either may get the other's answer. Exit
+    status 1 where no node answers.
     """
     nodes = numbers(node)
     if isinstance(drive.link, CanAccess):
@@ -91,7 +91,7 @@ def _row(found: Found) -> tuple[str, ...]:
 
 
 def _device(found: Found) -> str:
-    """Return who made which device, and what it says that it is."""
+    """Return the device's maker and type, as it reports them."""
     name, product, vendor = (found.value(one) for one in (at.DEVICE_NAME, at.PRODUCT_CODE, at.VENDOR_ID))
     known = type_of(product) if found.maxon and isinstance(product, int) else None
     if known is not None:

@@ -39,8 +39,8 @@ def state(
 ) -> None:
     """Show a drive's power state, mode, network state and errors; a command changes the power state first.
 
-    `enable` may start a motion, so it asks, or wants --yes. The drive is left in the state that it was
-    brought to: an enabled drive stays enabled when this program ends, and nothing watches over it.
+    `enable` may start a motion, so it needs a confirmation, or --yes. The drive is left in the state that it
+    was brought to: an enabled drive stays enabled when this program ends, and nothing watches over it.
     `quick-stop` and `disable` are sent before anything else.
     """
     overview = Overview(alone=drive.alone)

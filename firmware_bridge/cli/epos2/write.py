@@ -56,10 +56,10 @@ def write(
     yes: YesOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Write one object of a drive. What the drive refuses is told in its own words, with exit status 1.
+    """Write one object of a drive. A refusal is shown in the drive's own terms, with exit status 1.
 
-    What may start a motion is written only with --yes, or after a question. The drive keeps the value when
-    this program ends, and until its next restart; `write 0x1010:1 save` makes it keep all of them.
+    A write that may start a motion needs a confirmation, or --yes. The drive keeps the value when this
+    program ends, and until its next restart; `write 0x1010:1 save` makes it keep all of them.
     """
     with one_message(CommissioningError):
         address = find(wanted)

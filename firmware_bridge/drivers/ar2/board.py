@@ -1,9 +1,9 @@
-"""The board of an AR2 arm on its serial line, as a link of the robot: questions, moves, and what proves them.
+"""The board of an AR2 arm on its serial line, as a link of the robot: requests, moves, and their proofs.
 
-One move is under way at a time. Its end is known when the board has answered something that was said after
-it: it reads one line after the other, and nothing while it moves. No one knows where the arm stands when the
-bridge begins, nor after a silence longer than the link allows: a board that starts again ends its move
-somewhere. Where it stands is said on the line, too, so that guard and recordings know it.
+One move is under way at a time. Its end is known when the board has answered a line that was sent after it:
+it reads one line after the other, and nothing while it moves. The arm's position is unknown when the bridge
+begins, and after a silence longer than the link allows: a board that starts again ends its move somewhere.
+The position is sent on the line, too, so that guard and recordings know it.
 """
 
 from typing import Final, NamedTuple
@@ -24,7 +24,7 @@ BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
 FOUND_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
 TRIES: Final = 3
 KEPT: Final = 256
-"""Bytes that are looked through for an answer."""
+"""Newest bytes that are searched for an answer."""
 SILENT: Final = (
     "no answer to TM: is the board powered? is it this port? is it flashed with AR2 2.0? 1.5 has no such word"
 )
@@ -36,11 +36,11 @@ REQUESTS: Final = frozenset({Task.FIND, Task.IDENTIFY, Task.LEAVE, Task.DISABLE}
 
 
 class Question(NamedTuple):
-    """What the board shall echo."""
+    """A line that the board shall echo."""
 
     text: str
     joint: Ar2Joint | None = None
-    """Whose place it says."""
+    """The joint whose position it carries."""
 
 
 class Ar2Board:
@@ -76,14 +76,14 @@ class Ar2Board:
         self._move: Slice | None = None
         """The move whose end is not proved."""
         self._places: list[Question] = []
-        """Places that are to be said."""
+        """Positions to be sent."""
         self._placed = False
-        """Whether one was, since the last sample."""
+        """True where one was sent since the last sample."""
         self._begun: tuple[tuple[Task, ...], Nanoseconds] | None = None
         self._restores = False
-        """Whether no demand ends the tasks under way: no one has asked for them, or a stop has."""
+        """True where no set-point ends the tasks under way: a stop, or no command, has begun them."""
         self._speaks_at: Nanoseconds = 0
-        """Before this nothing is said: it may be booting."""
+        """Time before which nothing is sent: it may be booting."""
         self._found_until: Nanoseconds = 0
         self._starts_until: Nanoseconds = NEVER
         self._cycle_at: Nanoseconds = NEVER_RECEIVED
@@ -98,7 +98,7 @@ class Ar2Board:
 
     @property
     def lost(self) -> str | None:
-        """Why the board cannot be reached."""
+        """The reason why the board cannot be reached."""
         return LOST if self._gone else None
 
     def hint(self, now: Nanoseconds) -> str:
@@ -112,7 +112,7 @@ class Ar2Board:
 
     @property
     def wake_at(self) -> Nanoseconds:
-        """At once where something is to be said and the line is free; else when an answer is overdue."""
+        """At once where a line is to be sent and the port is free; else when an answer is overdue."""
         if self._question is not None:
             return self._until
         if self._gone:
@@ -122,13 +122,13 @@ class Ar2Board:
 
     @property
     def stops(self) -> bool:
-        """Whether the tasks under way are to stop the arm: no demand that does so ends them."""
+        """True where the tasks under way stop the arm: no set-point that does so ends them."""
         return self._restores or any(task in STOPPING for task in self.under_way)
 
     # For the joints
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do these tasks; each joint asks for them, and they are done once."""
+        """Begin these tasks; each joint requests them, and they are done once."""
         if self._begun == (tasks, now):
             return ()
         self._begun = (tasks, now)
@@ -156,7 +156,7 @@ class Ar2Board:
     # For the fleet
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Ask whether it is there, and has done its move, unless it is being asked."""
+        """Request proof that it is there, and has done its move, unless a request is under way."""
         if self.configured and now - self._received_at >= self._silent_after:
             self._forget(now)
         if self._question is not None:
@@ -167,7 +167,7 @@ class Ar2Board:
             self._cycle_at = now
             return (self._ask(Question(self._next_text()), now),)
         elif not self.under_way and self._found_once:
-            # Lost, and no one has asked for it: it is set up again when it answers, but not enabled.
+            # Lost, without a command: it is set up again when it answers, but not enabled.
             self.under_way, self._restores = FOUND, True
             return self._open_task(now) + self._go_on(now)
         return ()
@@ -204,7 +204,7 @@ class Ar2Board:
             self._fail(SILENT)
         return sent + self._go_on(now)
 
-    # What is said
+    # Sending
 
     @property
     def _boots(self) -> Nanoseconds:
@@ -212,7 +212,7 @@ class Ar2Board:
 
     @property
     def _requests(self) -> bool:
-        """Whether the task under way is a question that has not been said."""
+        """True where the task under way is a request that has not been sent."""
         return bool(self.under_way) and self.under_way[0] in REQUESTS
 
     @property
@@ -220,7 +220,7 @@ class Ar2Board:
         return self.configured and not self.under_way and self._move is None
 
     def _go_on(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Say what is to be said next, where the line is free: a task's question, a place, a move."""
+        """Send the next line, where the port is free: a task's request, a position, a move."""
         if self._question is not None or self._gone or now < self._speaks_at:
             return ()
         if self._requests:
@@ -290,7 +290,7 @@ class Ar2Board:
             self._close_task(now)
 
     def _unanswered(self, question: Question, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Ask once more what has no answer, or give it up: the next cycle asks again."""
+        """Repeat a request without an answer, or give it up: the next cycle repeats it."""
         self.busy += now - self._requested_at
         self._question = None
         if question.joint is not None:
@@ -306,7 +306,7 @@ class Ar2Board:
     # Tasks
 
     def _open_task(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Begin the first of the tasks that are left; return what goes before its words."""
+        """Begin the first of the tasks that are left; return the packets before its own."""
         while self.under_way:
             task, self._tries = self.under_way[0], 0
             if task is Task.RESET:

@@ -8,11 +8,11 @@ from firmware_bridge.robot import AnyLink, AnyRobot, Axis, Problem, RobotFileErr
 from firmware_bridge.units import MICROSECOND, MILLISECOND
 
 LINE_US = 12_000
-"""What the longest line, its question, and both chips take beside the move itself."""
+"""Time of the longest line, its request, and both chips beside the move itself."""
 
 
 def reports(_axis: Axis, _link: AnyLink) -> frozenset[Reports]:
-    """Return what is told of a joint."""
+    """Return the reports of a joint."""
     return REPORTS
 
 

@@ -1,8 +1,8 @@
 """One joint of the arm as the bridge sees it: a `firmware_bridge.drivers.driver.Driver`.
 
-It has no encoder, and the board has no word for power. Its position is counted: from where someone has seen
-it stand, by the steps of moves whose end the board has proved. A motor that has lost steps is not noticed.
-What leaves for all joints is the board's: a demand is noted here.
+It has no encoder, and the board reports no power. Its position is counted: from a confirmed one, by the steps
+of moves whose end the board has proved. A motor that has lost steps is not noticed. Commands to all joints
+are the board's: a set-point is noted here.
 """
 
 from typing import Final, Protocol
@@ -23,13 +23,13 @@ from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.units import NEVER, Nanoseconds, to_seconds
 
 REPORTS: Final = frozenset({Reports.STOP})
-"""The board's answer to what was said behind a move proves that its steps are done; more it does not tell."""
+"""The board's answer to a line behind a move proves that its steps are done; it reports nothing more."""
 MOVES_AT_ONCE: Final = 1
-"""Steps beside those of its top speed: what is told is rounded."""
+"""Steps beside those of its top speed, for the rounding of the command."""
 
 
 class Words(Protocol):
-    """What carries the joint's words: its board."""
+    """The carrier of the joint's commands: its board."""
 
     @property
     def under_way(self) -> tuple[Task, ...]:
@@ -37,15 +37,15 @@ class Words(Protocol):
 
     @property
     def stops(self) -> bool:
-        """Whether the tasks under way are to stop the arm."""
+        """True where the tasks under way stop the arm."""
 
     @property
     def configured(self) -> bool:
-        """Whether the board was found, and not lost since."""
+        """True where the board was found, and not lost since."""
 
     @property
     def problem(self) -> str | None:
-        """Why the last tasks failed."""
+        """The reason why the last tasks failed."""
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Do tasks, for all joints."""
@@ -75,13 +75,13 @@ class Ar2Joint:
         """Steps of one move."""
         self.demand: Demand = Stop.REST
         self.enabled = False
-        """Whether it may be moved."""
+        """True where it may be moved."""
         self.released = False
-        """Whether the board has proved that nothing moves since it may not."""
+        """True where the board has proved that nothing moves since it may not."""
         self.count: int | None = None
         """Steps from the end of its way; None while no one knows."""
         self.commanded: int | None = None
-        """The count that was said to the board, which has not answered."""
+        """The count that was sent to the board, which has not answered."""
         self._position = self._velocity = 0.0
         self._received_at: Nanoseconds = NEVER_RECEIVED
         self._sampled_at: Nanoseconds = NEVER_RECEIVED
@@ -93,12 +93,12 @@ class Ar2Joint:
 
     @property
     def reports(self) -> frozenset[Reports]:
-        """What it can tell."""
+        """Reports of its device."""
         return REPORTS
 
     @property
     def feedback(self) -> Feedback:
-        """What is known of it; the power is what was said here, and its current is never the bridge's."""
+        """Its known state; the power is as commanded here, and its current is never the bridge's."""
         power = Power.UNKNOWN
         if self._board.configured and self._received_at != NEVER_RECEIVED:
             power = Power.ON if self.enabled else Power.OFF
@@ -115,35 +115,35 @@ class Ar2Joint:
 
     @property
     def sampled_at(self) -> Nanoseconds:
-        """When its newest sample was taken."""
+        """Time of its newest sample."""
         return self._sampled_at
 
     @property
     def busy(self) -> bool:
-        """Whether the board has tasks to do, or is being told where the joint stands."""
+        """True while the board has tasks to do, or is receiving the joint's position."""
         return bool(self._board.under_way) or self.commanded is not None
 
     @property
     def stopping(self) -> bool:
-        """Whether the tasks under way stop the device, or were requested by no one."""
+        """True where the tasks under way stop the device, or were requested by no one."""
         return self._board.stops
 
     @property
     def failure(self) -> StartupError | None:
-        """Why the board's last tasks failed."""
+        """The failure of the board's last tasks."""
         problem = self._board.problem
         return None if problem is None else StartupError(self._axis, problem)
 
     @property
     def configured(self) -> bool:
-        """Whether the board was found, and not lost since."""
+        """True where the board was found, and not lost since."""
         return self._board.configured
 
     @property
     def unpowered(self) -> bool:
-        """Whether the board has proved that nothing moves, and nothing was sent since.
+        """True where the board has proved that nothing moves, and nothing was sent since.
 
-        The weaker word of a device that has none for its power: the motors keep their current, and hold.
+        A weaker proof than a power report, which the device lacks: the motors keep their current, and hold.
         """
         return self.released
 
@@ -157,11 +157,11 @@ class Ar2Joint:
         return self._board.begin(tasks, now)
 
     def set_zero(self, position: float, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Count from where someone saw it stand, in rad; it is said on the line, and counts once echoed."""
+        """Count from a confirmed position, in rad; it is sent on the line, and counts once echoed."""
         return self._board.placed(self, self.steps_at(position), now)
 
     def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing: someone has to look where it stands."""
+        """Do nothing: its position needs confirmation by sight."""
         del now
         return ()
 
@@ -178,7 +178,7 @@ class Ar2Joint:
         return ()
 
     def release(self) -> tuple[Packet, ...]:
-        """Do nothing: no word of the board has a handshake."""
+        """Do nothing: no command of the board has a handshake."""
         return ()
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
@@ -209,7 +209,7 @@ class Ar2Joint:
         self.demand = Stop.REST
 
     def sampled(self, cycle_at: Nanoseconds, now: Nanoseconds, *, placed: bool) -> None:
-        """Learn that the board has answered a cycle's question; `placed`: it was told its place since."""
+        """Take the board's answer to a cycle's request; `placed`: its position was sent since."""
         before, count = self._position, self.count
         if count is not None:
             self._position = self._axis.ar2.origin + self._axis.direction * count / self._per_unit

@@ -16,7 +16,7 @@ from firmware_bridge.wire.arduino import ar2 as words
 FULL_US: Final = 20_000.0
 """Of all pulses of a turn together at 1 %."""
 TURN_US: Final = 100.0
-"""What a turn takes beside its pulses, at most."""
+"""Most time of a turn beside its pulses."""
 TURNS: Final = 2
 """The longest joint's steps may take so many turns each."""
 LONGEST_US: Final = 15_000.0
@@ -34,7 +34,7 @@ class Slice(NamedTuple):
 
     @property
     def line(self) -> bytes:
-        """The line that asks for it: at one speed from the begin to the end."""
+        """The line that commands it: at one speed from the begin to the end."""
         return words.move(self.steps, self.speed)
 
 

@@ -1,8 +1,8 @@
-"""In which steps the arm is stopped, and which word of its board confirms each: the ladder of its driver.
+"""The stop stages of the arm, with the board's answer that confirms each.
 
 A move that was sent is driven to its end, and lasts as long as the robot file lets it; no ordinary stop is
-more than to send no further one. The board has no word for power: the motors keep their current, and hold the
-arm. It ends by a switch in their supply, and the arm falls then.
+more than to send no further one. The board reports no power: the motors keep their current, and hold the arm.
+It ends by a switch in their supply, and the arm falls then.
 """
 
 from typing import Final

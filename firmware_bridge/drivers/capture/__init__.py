@@ -1,1 +1,1 @@
-"""A motion capture system as the bridge hears it: registered, decoded, told as readings with their age."""
+"""A motion capture system as a source: registered, decoded, reported as readings with their age."""

@@ -1,7 +1,7 @@
 """The robot among the captured bodies; a `firmware_bridge.drivers.driver.SensorDriver`.
 
-It turns the stream's axes into the robot's plane: x, y and, upwards, z. It says nothing while the body is not
-tracked, and counts its jumps; whether a pose is believed is up to whoever has odometry.
+It turns the stream's axes into the robot's plane: x, y and, upwards, z. It reports nothing while the body is
+not tracked, and counts its jumps; the plausibility of a pose is judged with odometry.
 """
 
 import math
@@ -21,7 +21,7 @@ _TURNED: Final = 0.5
 
 
 class Sighting(Enum):
-    """What the newest frame said of the body."""
+    """State of the body in the newest frame."""
 
     UNKNOWN = "no frame was received"
     ABSENT = "the stream has no such body"
@@ -38,9 +38,9 @@ class SeenBody:
         self.sighting = Sighting.UNKNOWN
         self.jumps = 0
         self._last: tuple[Nanoseconds, Point, float] | None = None
-        """When and where it was seen last."""
+        """Time and position of its last sighting."""
         self._newest: tuple[float, Nanoseconds, Nanoseconds, Point, Quaternion, float] | None = None
-        """What `reading` is made of where someone asks: error, instants, position, attitude, heading."""
+        """Source of `reading`, made on request: error, instants, position, attitude, heading."""
         self._reading: Reading | None = None
         half, mount = -settings.mount.heading / 2.0, settings.mount
         self._turn: Final = (0.0, 0.0, math.sin(half), math.cos(half))
@@ -48,7 +48,7 @@ class SeenBody:
 
     @property
     def reading(self) -> Reading | None:
-        """What was seen in the newest frame; None where the body was not tracked in it."""
+        """The pose in the newest frame; None where the body was not tracked in it."""
         if self._reading is None and self._newest is not None:
             error_m, at, received_at, position, attitude, heading = self._newest
             self._reading = Reading(
@@ -57,7 +57,7 @@ class SeenBody:
         return self._reading
 
     def measure(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do nothing: it is told without being asked."""
+        """Do nothing: it is received without a request."""
         del now
         return ()
 
@@ -79,7 +79,7 @@ class SeenBody:
         """
         x, y, z, w = attitude
         length = math.sqrt(x * x + y * y + z * z + w * w)
-        # Said so that what is no number is no pose, too.
+        # Written so that NaN is no pose, too.
         if not (length > _TURNED and math.isfinite(length) and math.isfinite(sum(position))):
             self.missed(Sighting.LOST)
             return

@@ -1,8 +1,8 @@
-"""The clock of whoever stamps poses, as this machine's clock: from stamps and when they arrived.
+"""The clock that stamps poses, as this machine's clock: from stamps and their times of arrival.
 
-What arrives is never early. So the least that a packet seemed to travel is what the way takes at best, and
-what another took more was jitter. The other clock may run faster or slower, so what was least is forgotten
-slowly. The way's best time itself cannot be known, and counts as none: on a wire it is under 1 ms.
+No packet arrives early. So the least apparent travel time is the best possible one, and any excess of another
+packet was jitter. The other clock may run faster or slower, so the least is forgotten slowly. The best time
+itself cannot be known, and counts as none: on a wire it is under 1 ms.
 """
 
 from typing import Final
@@ -25,13 +25,13 @@ class StampClock:
         self._received_at: Nanoseconds = NEVER_RECEIVED
 
     def left_at(self, stamp: Nanoseconds, received_at: Nanoseconds) -> Nanoseconds:
-        """Return when something with this stamp left, by our clock; never after it was heard."""
+        """Return when a packet with this stamp left, by our clock; never after it was received."""
         apart = received_at - stamp
         least = self._least
         if least is None or abs(apart - least) > _RESTARTED:
             least = apart
         else:
-            # What was least creeps up with the time that passes, and no further than what is seen.
+            # The least creeps up with the time that passes, and no further than what is seen.
             least = min(least + (received_at - self._received_at) // _SKEW, apart)
         self._least, self._received_at = least, received_at
         return min(stamp + least, received_at)

@@ -1,4 +1,4 @@
-"""Poses in MAVLink as a link: whoever sends them is heard, and nothing is sent to him."""
+"""Poses in MAVLink as a link: received from any sender, with nothing sent to it."""
 
 from collections.abc import Iterable
 from typing import Final

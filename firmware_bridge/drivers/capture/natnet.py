@@ -1,7 +1,7 @@
-"""A NatNet server as a link: the bridge connects, is sent frames, and looks for its bodies in them.
+"""A NatNet server as a link: the bridge connects, receives frames, and looks for its bodies in them.
 
 It connects again and again until it is answered, and when no frame has come for the link's `silent_ms`: then
-the server was started again. It decodes by the version that the server tells. What is no packet of the
+the server was started again. It decodes by the version that the server reports. A packet that is not the
 server's, or cannot be read, is counted and left; nothing of it reaches the robot.
 """
 
@@ -23,7 +23,7 @@ from firmware_bridge.wire.natnet.messages import Connect, MessageId, ServerInfo,
 AGAIN: Final[Nanoseconds] = SECOND
 """So long an answer is waited for."""
 ALIVE_EVERY: Final[Nanoseconds] = 2 * SECOND
-"""So often the server hears that someone listens, as OptiTrack's own samples do it."""
+"""Period of the message that a listener is there, as OptiTrack's own samples send it."""
 CONNECT: Final = packet(
     MessageId.CONNECT,
     messages.connect_payload(Connect("firmware-bridge", (1, 0, 0, 0), (4, 4, 0, 0), (0, 0, 0, 0))),
@@ -51,9 +51,9 @@ class NatNetLink:
         self.refused = 0
         """Packets that could not be read."""
         self.problem = ""
-        """Why the newest of them was refused."""
+        """The reason why the newest of them was refused."""
         self.server: ServerInfo | None = None
-        """Who serves; None before it has answered."""
+        """The server; None before it has answered."""
         self._version: Version | None = None
         """In which version."""
         self._table: Final = table
@@ -63,7 +63,7 @@ class NatNetLink:
         """Of the bodies that are named in the robot file, by name."""
         self._silent: Final = table.silent_ms * MILLISECOND
         self._received_at: Nanoseconds = -self._silent
-        """When the newest frame was heard."""
+        """Time of the newest frame."""
         self._clock = StampClock()
 
     def hint(self, now: Nanoseconds) -> str:
@@ -82,12 +82,12 @@ class NatNetLink:
         return ()
 
     def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Show the server that someone listens."""
+        """Show the server that a listener is there."""
         del now
         return () if self.server is None else (self._sent(_ALIVE),)
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Connect where nothing is heard, and ask for names that are not known."""
+        """Connect where nothing is received, and request names that are not known."""
         self.wake_at = now + AGAIN
         if now - self._received_at >= self._silent:
             return (self._sent(CONNECT),)
@@ -139,7 +139,7 @@ class NatNetLink:
                 one.seen(body.position, body.attitude, body.mean_error_m, at, now)
 
     def _exposed_at(self, frame: Glance, ticks_per_s: int, now: Nanoseconds) -> Nanoseconds:
-        """Return the middle of the exposure by our clock; what no stamp tells is the robot file's."""
+        """Return the middle of the exposure by our clock; the robot file fills in for missing stamps."""
         if ticks_per_s > 0 and frame.sent:
             left = self._clock.left_at(frame.sent * SECOND // ticks_per_s, now)
             if 0 < frame.exposed <= frame.sent:
@@ -154,7 +154,7 @@ class NatNetLink:
         return tuple(one.settings.body for one in self._bodies if isinstance(one.settings.body, str))
 
     def _wanted(self) -> bool:
-        """Whether a body's name is not known yet."""
+        """Return whether a body's name is not known yet."""
         return self.server is not None and any(name not in self._numbers for name in self._names())
 
     def _sent(self, datagram: bytes) -> Packet:

@@ -45,7 +45,7 @@ class CanAccess:
 
     @property
     def wake_at(self) -> Nanoseconds:
-        """When the answer is late."""
+        """Time when the answer is late."""
         return self._client.wake_at
 
     def requests_once(self, timeout: Nanoseconds) -> None:
@@ -65,7 +65,7 @@ class CanAccess:
         return self._requests(self._client.start(Transfer(job.address, raw, attempts(job, self._tries)), now))
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Sent:
-        """Take a frame of the bus; all but those of the drive's SDO server are someone else's."""
+        """Take a frame of the bus; all but those of the drive's SDO server are foreign."""
         if (packet.link, packet.address) != (CAN, canopen.SDO_RESPONSE + self.node):
             return ()
         return self._requests(self._client.receive(packet.payload, now))

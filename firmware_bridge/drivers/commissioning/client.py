@@ -1,7 +1,7 @@
 """The engineer's side as a node: carries a script of jobs out on one link, and is finished with it.
 
-A script is a tuple of steps; a step may put further steps before the rest. It refuses to know what a script
-is for, and which link it goes over.
+A script is a tuple of steps; a step may put further steps before the rest. The purpose of a script and its
+link are not known here.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from firmware_bridge.units import NEVER, Nanoseconds
 
 
 class CommissioningError(Exception):
-    """What was wanted of the drive did not come about: what, where, what to do."""
+    """A failed command to the drive: the problem, its place, the remedy."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +42,7 @@ class Do:
 Step: TypeAlias = Union[Ask, Pause, Do]  # noqa: UP007 - `Script` is a name yet to come
 Script: TypeAlias = tuple[Step, ...]
 Overhear: TypeAlias = Callable[[Packet], None]
-"""Is told of every packet that arrives, whosever it is."""
+"""A listener for every packet that arrives, from any sender."""
 
 
 def need(then: Callable[[bytes], Script]) -> Callable[[Outcome], Script]:
@@ -57,7 +57,7 @@ def need(then: Callable[[bytes], Script]) -> Callable[[Outcome], Script]:
 
 
 class JobClient:
-    """One script on one link. `failure` says why it ended early, where it did."""
+    """One script on one link. `failure` is the reason of an early end."""
 
     def __init__(self, link: DriveAccess, script: Script, overhear: Overhear | None = None) -> None:
         self.failure: JobError | CommissioningError | None = None
@@ -71,7 +71,7 @@ class JobClient:
 
     @property
     def finished(self) -> bool:
-        """Whether the script has been done, or has failed."""
+        """True where the script has been done, or has failed."""
         return self._started and self._requested is None and self._paused_until == NEVER and not self._rest
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:

@@ -1,4 +1,4 @@
-"""What went wrong on a drive, in one line: what, where, and what to do."""
+"""One-line texts of a drive's errors: the problem, its place, and the remedy."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -43,7 +43,7 @@ REMEDIES: Final[Mapping[int, str]] = MappingProxyType(
         AbortCode.CHECKSUM: "the line was disturbed; try again",
     }
 )
-"""What to do about a refusal."""
+"""Remedies for a refusal."""
 
 
 def error_text(failure: JobError, where: str, silence: str) -> str:

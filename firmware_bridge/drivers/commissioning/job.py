@@ -1,4 +1,4 @@
-"""What can be asked of a drive over any link, how that can end, and what whoever carries it out offers."""
+"""Jobs for a drive over any link, their possible ends, and the interface of their carrier."""
 
 from dataclasses import dataclass
 from typing import Final, Protocol, TypeAlias
@@ -61,7 +61,7 @@ class JobError(Exception):
         self.job = job
         self.problem = problem
         self.unheard = False
-        """Whether the drive itself said nothing at all, so that asking for more is of no use."""
+        """True where the drive itself sent nothing at all, so that further requests are of no use."""
 
     def __str__(self) -> str:
         """Say it in one line."""
@@ -69,7 +69,7 @@ class JobError(Exception):
 
 
 class RefusedError(JobError):
-    """The drive, or the one on the line in its place, said no."""
+    """A refusal by the drive, or by the one on the line in its place."""
 
     def __init__(self, job: Job, code: int) -> None:
         super().__init__(job, f"refused with {meaning_of(code)}")
@@ -91,7 +91,7 @@ class BrokenAnswerError(JobError):
 
 
 Outcome: TypeAlias = bytes | JobError
-"""What was read (empty after anything else), or why not."""
+"""The bytes read (empty after any other job), or the failure."""
 
 
 def patience(job: Job, usual: Nanoseconds) -> Nanoseconds:
@@ -101,7 +101,7 @@ def patience(job: Job, usual: Nanoseconds) -> Nanoseconds:
 
 
 def attempts(job: Job, usual: int) -> int:
-    """Return how often to ask: what stores is not asked twice."""
+    """Return the number of attempts: a job that stores is sent only once."""
     return 1 if patience(job, 0) else usual
 
 
@@ -113,7 +113,7 @@ class DriveAccess(Protocol):
 
     @property
     def wake_at(self) -> Nanoseconds:
-        """When to call `wake`; `NEVER` while nothing is under way."""
+        """Time of the next call of `wake`; `NEVER` while nothing is under way."""
 
     def begin(self, job: Job, now: Nanoseconds) -> Sent:
         """Begin a job, and return what to send."""

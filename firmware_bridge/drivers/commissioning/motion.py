@@ -1,6 +1,6 @@
-"""Which writes may set a motor in motion, or let one go, so that someone must confirm first.
+"""The writes that may set a motor in motion, or release one, so that the user must confirm first.
 
-It refuses to know the drive's state, which can change between a look and the write.
+The drive's state is not considered: it can change between a look and the write.
 """
 
 from collections.abc import Mapping

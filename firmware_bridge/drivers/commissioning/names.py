@@ -1,6 +1,6 @@
-"""Which object someone means: by its name, however it is spelt, or by index and sub-index.
+"""Look-up of objects: by name, in any spelling, or by index and sub-index.
 
-It refuses to guess: a name that fits no object, or several, is answered with those that come near.
+It never guesses: a name that fits no object, or several, is answered with those that come near.
 """
 
 import re

@@ -1,7 +1,7 @@
-"""Network commands, and seeing that they had an effect: no one answers them.
+"""Network commands, and the check of their effect: they have no answer.
 
-After a reset the library of maxon waits 100 ms and then asks for the error register for up to 8 s; so does
-this. A node in Stopped answers no SDO, so nothing is looked at there.
+After a reset the library of maxon waits 100 ms and then reads the error register for up to 8 s; so does this.
+A node in Stopped answers no SDO, so nothing is checked there.
 """
 
 from functools import partial
@@ -25,13 +25,13 @@ _OPERATIONAL: Final = {NmtCommand.START: True, NmtCommand.ENTER_PRE_OPERATIONAL:
 
 
 class NetworkCommand:
-    """One command to one node, to all, or to the drive on a serial line whose number is yet to be asked."""
+    """One command to one node, to all, or to the drive on a serial line whose number is still unknown."""
 
     def __init__(self, command: NmtCommand, node: int | None) -> None:
         self.command: Final = command
         self.node = node
         self.seen = False
-        """Whether the effect was looked at, and was there."""
+        """True where the effect was checked, and was there."""
         self._time_left: Nanoseconds = RESET_WITHIN
 
     def script(self) -> Script:

@@ -1,4 +1,4 @@
-"""What a drive is and how it stands: identity, state, mode, errors, network state."""
+"""Overview of a drive: identity, state, mode, errors, network state."""
 
 from typing import Final
 
@@ -41,22 +41,22 @@ def network_states(statusword: int, *, alone: bool) -> tuple[NmtState, ...]:
 
 
 class Overview:
-    """How a drive stands. `readings` holds what was read, in order."""
+    """State of a drive. `readings` holds the values read, in order."""
 
     def __init__(self, *, alone: bool) -> None:
-        """`alone` tells that the drive was asked on its own line, which answers in every network state."""
+        """Take `alone`: the drive is on its own line, which answers in every network state."""
         self._alone = alone
         self._standing = Reading(STANDING)
         self._history = Reading(())
 
     @property
     def readings(self) -> tuple[Reading, Reading]:
-        """What was read: first how it stands, then its error history, the newest error first."""
+        """The values read: first the state, then the error history, the newest error first."""
         return self._standing, self._history
 
     @property
     def state(self) -> State | None:
-        """The state of the power machine; None where it was not read."""
+        """The state of the power state machine; None where it was not read."""
         word = self._standing.value(at.STATUSWORD)
         return state_of(word) if isinstance(word, int) else None
 

@@ -1,8 +1,8 @@
-"""Brings a drive into a state of CiA 402, controlword by controlword, and looks until it is there.
+"""Transition of a drive to a state of CiA 402, Controlword by Controlword, checked until it is reached.
 
-The words are those of maxon's command library; enabling ends with halt set, as its library does, so that in
-the profile modes nothing moves until the controlword is written without it. In the modes that follow a set
-value at once (position, velocity, current, and analogue or encoder set-points) halt does not count.
+The Controlwords are those of maxon's command library; enabling ends with halt set, as its library does, so
+that in the profile modes nothing moves until the Controlword is written without it. In the modes that follow
+a set value at once (position, velocity, current, and analog or encoder set-points) halt does not count.
 """
 
 from collections.abc import Mapping
@@ -45,7 +45,7 @@ _OFF: Final = frozenset({State.SWITCH_ON_DISABLED, State.FAULT})
 
 
 class Wanted(Enum):
-    """What an engineer asks of the drive."""
+    """The state that an engineer requests of the drive."""
 
     ENABLE = "enable"
     SHUTDOWN = "shutdown"
@@ -56,14 +56,14 @@ class Wanted(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Procedure:
-    """How to get there: the words to write in each state, and the states in which it is done."""
+    """Procedure for a state: the Controlwords to write in each state, and the states in which it is done."""
 
     words: Mapping[State, tuple[int, ...]]
     done: frozenset[State]
     leaves: str
-    """How the drive is left."""
+    """State in which it leaves the drive."""
     at_once: int | None = None
-    """A word that is written before anything is read: what stops must not wait."""
+    """A Controlword that is written before anything is read: a stop must not wait."""
     may_move: bool = False
 
 

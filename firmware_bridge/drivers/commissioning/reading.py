@@ -1,4 +1,4 @@
-"""Reads objects, once or again and again, and keeps what came of each."""
+"""Reading of objects, once or repeatedly, with the outcome of each."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -15,7 +15,7 @@ from firmware_bridge.wire.epos2.address import Address
 
 
 class Reading:
-    """Objects in the order in which they were asked for, each with the newest outcome."""
+    """Objects in the order of the request, each with the newest outcome."""
 
     def __init__(self, addresses: Sequence[Address]) -> None:
         self.addresses: Final = tuple(dict.fromkeys(addresses))
@@ -25,7 +25,7 @@ class Reading:
 
     @property
     def mode(self) -> Mode | None:
-        """The drive's mode, which some words depend on; None where it is not known."""
+        """The drive's mode, which some texts depend on; None where it is not known."""
         value = self.value(at.MODE_DISPLAY)
         return mode_of(value) if isinstance(value, int) else None
 

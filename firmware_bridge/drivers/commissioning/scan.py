@@ -1,7 +1,7 @@
-"""Who answers on a bus, or behind a serial line: each node is asked what it is, one after the other.
+"""Scan of a bus, or of the nodes behind a serial line: each node's identity is read, one after the other.
 
-It only reads. What a node says of itself meanwhile, its heartbeat or its answer to someone's node guarding,
-is heard, too; no one is asked for it, because a remote request begins a node's own watch over its master
+It only reads. A node's own frames meanwhile, its heartbeat or its answer to another master's node guarding,
+are received, too; the scan requests none, because a remote request begins a node's own watch over its master
 (CiA 301).
 """
 
@@ -37,20 +37,20 @@ _PROFILE_MASK: Final = 0xFFFF
 
 
 class Found:
-    """What one node has told."""
+    """The answers of one node."""
 
     def __init__(self, node: int, *, alone: bool) -> None:
-        """`alone` tells that it was asked on its own line, which answers in every network state."""
+        """Take `alone`: it is on its own line, which answers in every network state."""
         self.node: Final = node
         self._alone = alone
         self.outcomes: dict[Address, Outcome] = {}
-        """What came of each question, in the order of the questions."""
+        """Outcome of each request, in the order of the requests."""
         self.received: NmtState | None = None
-        """What it has said of its state without being asked, or asked by someone else."""
+        """The state that it has reported without a request of ours."""
 
     @property
     def answers(self) -> bool:
-        """Whether it has answered anything."""
+        """True where it has answered any request."""
         return bool(self.outcomes)
 
     def value(self, address: Address) -> int | str | None:
@@ -65,7 +65,7 @@ class Found:
 
     @property
     def maxon(self) -> bool:
-        """Whether maxon has made it."""
+        """True where maxon has made it."""
         return self.value(at.VENDOR_ID) == MAXON
 
     @property
@@ -76,20 +76,20 @@ class Found:
 
     @property
     def state(self) -> State | None:
-        """The state of a drive's power machine; None where no statusword tells one."""
+        """State of a drive's power state machine; None where no Statusword gives one."""
         word = self.number(at.STATUSWORD)
         return None if word is None else state_of(word)
 
     @property
     def network(self) -> tuple[NmtState, ...]:
-        """Network states that it may be in: the one that was heard, or, of an EPOS2, by its word."""
+        """Network states that it may be in: the reported one, or, of an EPOS2, those of its Statusword."""
         word = self.number(at.STATUSWORD)
         if self.received is not None:
             return (self.received,)
         return network_states(word, alone=self._alone) if self.maxon and word is not None else ()
 
     def next_question(self) -> Address | None:
-        """Return the first object that is of interest and was not asked for; None when all were."""
+        """Return the first object of interest that was not requested; None when all were."""
         wanted = (address for of, rows in _QUESTIONS if of(self) for address in rows)
         return next((address for address in wanted if address not in self.outcomes), None)
 
@@ -103,14 +103,14 @@ _QUESTIONS: Final[tuple[tuple[_Of, tuple[Address, ...]], ...]] = (
     (lambda found: found.maxon, (SOFTWARE, HARDWARE, SERIAL_NUMBER)),
     (lambda found: found.profile == DRIVES_PROFILE, (at.STATUSWORD,)),
 )
-"""What is asked of whom, by what it has answered so far."""
+"""The objects to request, by the node's answers so far."""
 
 
 class Scan:
     """The questions, and who has answered. Its script can be carried out once."""
 
     def __init__(self, link: CanAccess | SerialAccess, nodes: Sequence[int], listen: Nanoseconds = 0) -> None:
-        """`listen` is for how long no one is asked, so that heartbeats are heard."""
+        """Take `listen`: time without requests in which heartbeats are received."""
         self.requested: list[int] = []
         self.own: int | None = None
         """The number of the drive on a serial line."""
@@ -121,16 +121,16 @@ class Scan:
 
     @property
     def found(self) -> tuple[Found, ...]:
-        """Who has answered or was heard, by number."""
+        """The nodes that have answered or were received, by number."""
         return tuple(found for _, found in sorted(self._found.items()))
 
     @property
     def silent(self) -> tuple[int, ...]:
-        """Who was asked and has not answered, nor was heard."""
+        """The nodes that have not answered a request, nor were received."""
         return tuple(node for node in sorted(self.requested) if node not in self._found)
 
     def script(self) -> Script:
-        """Listen, and ask everybody. A drive on a serial line comes first; one that is silent ends it."""
+        """Listen, and query all nodes; on a serial line its drive first, without whose answer it ends."""
         if isinstance(self._link, SerialAccess):
             self._link.node = OWN
             return (Ask(ReadJob(SDO_SERVER), need(self._begin)),)

@@ -37,11 +37,11 @@ TIMEOUT: Final[Nanoseconds] = 2 * SECOND
 """For one step of the drive; its gateway gives another node up before (maxon's library: 1.5 s on USB)."""
 ATTEMPTS: Final = 2
 DIRECT: Final = 4
-"""Bytes that ReadObject brings."""
+"""Size in bytes of a ReadObject answer."""
 _NOT_TAKEN: Final = frozenset({Failure.REFUSED, Failure.DAMAGED})
-"""The drive has done nothing. It also says so when it took the command for the rest of an earlier one."""
+"""The drive has done nothing. This also follows where it took the command for the rest of an earlier one."""
 LARGEST_READ: Final = 64 * 1024
-"""Bytes after which an object that does not end is given up."""
+"""Size in bytes after which an object that does not end is given up."""
 
 
 class SerialAccess:
@@ -62,7 +62,7 @@ class SerialAccess:
 
     @property
     def wake_at(self) -> Nanoseconds:
-        """When a step is late, or the line is free again."""
+        """Time when a step is late, or the line is free again."""
         return min(self._begin_at, self._host.due)
 
     def begin(self, job: Job, now: Nanoseconds) -> Sent:

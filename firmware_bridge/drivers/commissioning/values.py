@@ -1,6 +1,6 @@
 """Values of objects as people write and read them: decimal, hexadecimal, with a unit, or by name.
 
-It refuses to know the drive's own bounds: whether a value is in range, the drive says.
+The bounds of a value are the drive's, which refuses one out of range.
 """
 
 import re
@@ -18,7 +18,7 @@ from firmware_bridge.wire.epos2.differences import ANY_TYPE
 from firmware_bridge.wire.epos2.rows import DataType, ObjectRow
 
 LONGEST_WRITE: Final = 4
-"""Bytes that are written in one go on every link."""
+"""Most bytes that are written in one go on every link."""
 _SIGNATURES: Final = {"save": 0x65766173, "load": 0x64616F6C}
 _WORDS: Final[Mapping[Address, Mapping[str, int]]] = MappingProxyType(
     {
@@ -27,7 +27,7 @@ _WORDS: Final[Mapping[Address, Mapping[str, int]]] = MappingProxyType(
         **{Address(0x1011, sub): {"load": _SIGNATURES["load"]} for sub in (1, 4, 5)},
     }
 )
-"""What may be written by name."""
+"""Values that may be written by name."""
 _UNITS: Final[Mapping[str, Mapping[str, Decimal]]] = {
     "mA": {"A": Decimal(1000)},
     "mV": {"V": Decimal(1000)},
@@ -47,7 +47,7 @@ class ValueTextError(CommissioningError):
 
 
 def size_of_write(address: Address, size: int | None) -> int:
-    """Return how many bytes to write: those asked for, or the object's own; ValueTextError."""
+    """Return how many bytes to write: the requested size, or the object's own; ValueTextError."""
     row = ANY_TYPE.get(address)
     own = LONGEST_WRITE if row is None else row.type.size
     if size is None and not 0 < own <= LONGEST_WRITE:

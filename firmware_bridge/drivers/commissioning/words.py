@@ -1,4 +1,4 @@
-"""What the bits of an object say, in words.
+"""The bits of an object's value, decoded.
 
 Sources: EPOS Firmware Specification (state machine, modes; by analogy), maxon's command library for the modes
 that are the maker's own.
@@ -127,6 +127,6 @@ BY_MODE: Final = frozenset({at.STATUSWORD, at.CONTROLWORD})
 
 
 def words(address: Address, value: int | str, mode: Mode | None = None) -> Words:
-    """Return what a value says in words; nothing where the number itself is all that there is."""
+    """Return the decoded text of a value; nothing where the number itself is all that there is."""
     decode = DECODED.get(address)
     return () if decode is None or isinstance(value, str) else decode(value, mode)

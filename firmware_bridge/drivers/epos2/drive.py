@@ -1,4 +1,4 @@
-"""What one EPOS2 shows of itself, and what it is made of, whichever way it is reached."""
+"""The state and parts of one EPOS2, common to both its links."""
 
 from collections.abc import Callable
 from typing import Final, Generic, TypeVar
@@ -16,7 +16,7 @@ F = TypeVar("F", bound=DriveFeedback)
 
 
 class Epos2Drive(Generic[F]):
-    """What a `firmware_bridge.drivers.driver.Driver` tells; what it does is its link's own."""
+    """The reports of a `firmware_bridge.drivers.driver.Driver`; its commands are its link's own."""
 
     __slots__ = ("_axis", "_feedback", "_scripts", "_set_point", "_tasks")
 
@@ -43,45 +43,45 @@ class Epos2Drive(Generic[F]):
 
     @property
     def reports(self) -> frozenset[Reports]:
-        """What it can tell."""
+        """Reports of its device."""
         return REPORTS
 
     @property
     def feedback(self) -> Feedback:
-        """What it has reported."""
+        """The state that it has reported."""
         return self._feedback.published()
 
     @property
     def sampled_at(self) -> Nanoseconds:
-        """When its newest sample was taken."""
+        """Time of its newest sample."""
         return self._feedback.sampled_at
 
     @property
     def busy(self) -> bool:
-        """Whether tasks are under way."""
+        """True while tasks are under way."""
         return self._tasks.busy
 
     @property
     def stopping(self) -> bool:
-        """Whether the tasks under way stop the device, or were requested by no one."""
+        """True where the tasks under way stop the device, or were requested by no one."""
         return self._tasks.stopping
 
     @property
     def failure(self) -> StartupError | None:
-        """Why the last tasks failed; None where they did not."""
+        """The failure of the last tasks; None without one."""
         return self._tasks.failure
 
     @property
     def unpowered(self) -> bool:
-        """Whether its newest statusword tells a state without torque; not once power was asked for."""
+        """True where its newest Statusword has a state without torque; not once power was requested."""
         return self._feedback.unpowered
 
     @property
     def configured(self) -> bool:
-        """Whether its set-up is in force and it listens to set-points."""
+        """True where its set-up is in force and it receives set-points."""
         return self._tasks.configured
 
     @property
     def set_ups(self) -> int:
-        """How often its set-up was written so far."""
+        """Number of times that its set-up was written so far."""
         return self._tasks.set_ups

@@ -1,4 +1,4 @@
-"""What one EPOS2 has sent, newest first thing only, and what the bridge makes of it: SI units, five powers.
+"""The newest data of one EPOS2, and their meaning for the bridge: SI units, five power states.
 
 CAN frames and serial answers fill it in; tasks and set-points look into it.
 """
@@ -16,7 +16,7 @@ from firmware_bridge.wire.cia402 import State, Status, state_of
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 
 REPORTS: Final = frozenset(Reports)
-"""An EPOS2 tells all that there is."""
+"""An EPOS2 has all reports that there are."""
 POWERED: Final = (
     State.REFRESH,
     State.MEASURE_INIT,
@@ -36,7 +36,7 @@ _SHOWN: Final[Mapping[State | None, tuple[Power, str]]] = {
     None: (Power.UNKNOWN, ""),
     **{state: (_POWERS[state], state.title) for state in State},
 }
-"""Power and words for each state."""
+"""Power and text of each state."""
 MILLIAMPERES: Final = 1000.0
 _REFERENCED: Final = int(Status.REFERENCED)
 _ATTAINED: Final = int(Status.HOMING_ATTAINED)
@@ -59,15 +59,15 @@ class DriveFeedback:
         """None while it is unknown, or the drive does not listen to set-points."""
         self.statusword = 0
         self.operational = False
-        """Whether the drive listens to set-points."""
+        """True while the drive receives set-points."""
         self.found_operational: bool | None = None
-        """Whether it listened to them when it was first found; None before that."""
+        """True where it received them when it was first found; None before that."""
         self.restarted = False
-        """Whether it booted since it was found: its set-up is lost."""
+        """True where it booted since it was found: its set-up is lost."""
         self.rewritten = ""
-        """What someone else has written to its objects since it was set up: its set-up may be lost."""
+        """Foreign writes to its objects since it was set up: its set-up may be lost."""
         self.expected = False
-        """What is sent in every cycle counts only once this bridge has said what it is."""
+        """True once this bridge has defined the data of a cycle, which count only from then on."""
         self.received_at: Nanoseconds = NEVER_RECEIVED
         self.sampled_at: Nanoseconds = NEVER_RECEIVED
         self.position_qc = 0
@@ -76,23 +76,23 @@ class DriveFeedback:
         """In the axis's unit a second, the mean between the last two samples."""
         self.current_ma = 0
         self.current_at: Nanoseconds = NEVER_RECEIVED
-        """When it arrived."""
+        """Time of its arrival."""
         self.fault = 0
         """Code of the newest emergency; 0 where there is none, or it was reset."""
         self.unpowered = False
-        """Whether the newest statusword tells a state without torque; False again when power is asked for."""
+        """True where the newest Statusword has a state without torque; False again after a power request."""
 
         self.zero_lost = False
-        """Whether a statusword has said so, or it restarted, since its zero was set."""
+        """True where a Statusword has reported this, or it restarted, since it was referenced."""
         self.zeroing = False
-        """Whether its counter is being set: what differs between two samples then is no motion."""
+        """True while its counter is being set: a difference between two samples then is no motion."""
         self.seeking = False
-        """Whether it moves to find its zero; its counter is set when it says that it has attained it."""
+        """True while it moves for homing; its counter is set when it reports homing attained."""
 
     def on_statusword(self, statusword: int) -> State | None:
-        """Take a statusword, by whatever way it came and whether the drive listens to set-points or not.
+        """Take a Statusword from any link, whether the drive receives set-points or not.
 
-        Return the state that it tells.
+        Return its state.
 
         ASSUME: switching off or a reset clears bit 15, homing by any method sets it.
         """
@@ -136,7 +136,7 @@ class DriveFeedback:
         self.forget_motion()
 
     def published(self) -> Feedback:
-        """Return what everybody may know of it."""
+        """Return its published state."""
         fault = self.fault
         power, text = _SHOWN[self.state]
         return Feedback(

@@ -1,6 +1,6 @@
 """Sensors and outputs at the pins of an EPOS2: its objects read and written beside the drive's tasks.
 
-It refuses to know the link: a drive takes an `ObjectRequest` and ends it.
+The link is not known here: a drive takes an `ObjectRequest` and ends it.
 """
 
 from collections.abc import Iterable, Mapping
@@ -39,7 +39,7 @@ class ObjectRequest:
 
 
 class Drive(Protocol):
-    """What an input or an output needs of its drive."""
+    """The view of a drive for its inputs and outputs."""
 
     @property
     def axis(self) -> Axis:
@@ -47,15 +47,15 @@ class Drive(Protocol):
 
     @property
     def busy(self) -> bool:
-        """Whether tasks are under way."""
+        """True while tasks are under way."""
 
     @property
     def configured(self) -> bool:
-        """Whether its set-up is in force."""
+        """True where its set-up is in force."""
 
     @property
     def set_ups(self) -> int:
-        """How often its set-up was written so far; before each one the drive may have restarted."""
+        """Number of times that its set-up was written; before each one the drive may have restarted."""
 
     def request(self, request: ObjectRequest, now: Nanoseconds) -> tuple[Packet, ...]:
         """Do this when nothing more urgent is to be done, or drop it."""
@@ -75,7 +75,7 @@ class AnalogueInput:
 
     @property
     def reading(self) -> Reading | None:
-        """What it has reported last; None where the drive has no such value."""
+        """Its last report; None where the drive has no such value."""
         self._take()
         return self._reading
 
@@ -112,7 +112,7 @@ class DigitalOutputs:
         self._bits: Final = {output.name: general_purpose(output.settings.output).bit for output in outputs}
         self._wanted = 0
         self._confirmed: int | None = None
-        """What the drive has taken last; None where that is not known."""
+        """The value that the drive has accepted last; None where that is not known."""
         self._set_up = 0
         """In which set-up of the drive that was."""
         self._request: ObjectRequest | None = None

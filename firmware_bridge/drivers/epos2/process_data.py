@@ -1,7 +1,7 @@
-"""Which process data the bridge and one EPOS2 exchange; the same for every robot.
+"""Process data between the bridge and one EPOS2; the same for every robot.
 
-A drive takes one set-point frame, sends its statusword when it changes, and answers each SYNC with its
-statusword, position and current, all sampled at that SYNC. The other PDOs are off.
+A drive takes one set-point frame, sends its Statusword when it changes, and answers each SYNC with its
+Statusword, position and current, all sampled at that SYNC. The other PDOs are off.
 """
 
 from dataclasses import dataclass

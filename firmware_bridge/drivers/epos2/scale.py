@@ -21,7 +21,7 @@ def wrapped(quadcounts: int) -> int:
 
 
 class Travel(NamedTuple):
-    """How far an axis may go, in quadcounts, both ends included."""
+    """Travel of an axis, in quadcounts, both ends included."""
 
     low_qc: int
     high_qc: int

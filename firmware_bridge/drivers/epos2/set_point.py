@@ -1,6 +1,6 @@
-"""Demands to one EPOS2's set-point frames: controlword and target, the handshake of positions included.
+"""Set-points of one EPOS2 as frames: Controlword and target, the handshake of positions included.
 
-It refuses to know whether a demand is wise, and when frames are sent. Controlwords: EPOS Firmware
+The safety of a set-point and the time of its frames are not known here. Controlwords: EPOS Firmware
 Specification, profile velocity and profile position mode; halt as maxon's command library writes it, quick
 stop as the EPOS2 Application Notes do.
 """
@@ -23,7 +23,7 @@ ENABLE: Final = word_of(cia402.Command.ENABLE_OPERATION)
 HALT: Final = int(ENABLE | Control.HALT)
 NEW_POSITION: Final = int(ENABLE | Control.NEW_SETPOINT | Control.CHANGE_IMMEDIATELY)
 QUICK_STOP: Final = int(ENABLE & ~Control.NO_QUICK_STOP)
-"""0x000B. Without power it asks for nothing that moves: it is the word for a drive that is not enabled."""
+"""0x000B, quick stop. Without power it commands no motion: it is the Controlword for a disabled drive."""
 FAULT_RESET: Final = int(Control.FAULT_RESET)
 
 _SPEED: Final = SET_POINT[Command.SPEED]
@@ -100,7 +100,7 @@ class PositionSetPoint:
         self._target_qc = 0
         self._bit_is_set = False
         self._under_way = False
-        """Whether the drive moves to, or holds, `_target_qc`."""
+        """True while the drive moves to, or holds, `_target_qc`."""
 
     def word(self, controlword: int) -> Packet:
         """Return a frame with this controlword and the actual position."""

@@ -1,4 +1,4 @@
-"""How one EPOS2 is set up before it may move: rows of (object, value, why, source) from the robot file.
+"""Set-up of one EPOS2 before it may move: rows of (object, value, why, source) from the robot file.
 
 It knows no time and no answers; `firmware_bridge.drivers.epos2.tasks` carries the rows to the drive.
 """
@@ -76,13 +76,13 @@ class Row:
 
 
 class Traffic(NamedTuple):
-    """What flows between bridge and drive beside reading and writing objects."""
+    """Traffic between bridge and drive beside reading and writing objects."""
 
     pdos: tuple[Pdo, ...]
     watched: int
     """The node whose silence stops the drive."""
     heartbeat_ms: int
-    """How often the drive says that it lives; 0: not at all."""
+    """Period of the drive's heartbeat in ms; 0: none."""
 
 
 def general_purpose(pin: int) -> OutputFunction:
@@ -96,10 +96,10 @@ def over_can(axis: Axis, link: Epos2Link) -> Traffic:
 
 
 def through_gateway(axis: Axis, link: Epos2Link, nodes: Sequence[int]) -> Traffic:
-    """Return what flows where the bridge is on the gateway's serial port: no process data, no heartbeat.
+    """Return the traffic where the bridge is on the gateway's serial port: no process data, no heartbeat.
 
-    No one there would hear either; and a drive with a heartbeat of its own does not answer node guarding,
-    which the gateway's watch hangs on.
+    No node there would receive either; and a drive with a heartbeat of its own does not answer node guarding,
+    which the gateway's watchdog depends on.
     """
     off = tuple(replace(pdo, layout=None) for pdo in pdos(axis.command))
     return Traffic(off, link.watched_by(axis.epos2.node, nodes), 0)

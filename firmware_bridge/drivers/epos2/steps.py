@@ -27,7 +27,7 @@ def nmt(axis: Axis, command: NmtCommand) -> Packet:
 
 @dataclass(frozen=True, slots=True)
 class _Expected:
-    """Judges what was read: the task fails unless it is the row's value."""
+    """A check of a read value: the task fails unless it is the row's value."""
 
     axis: Axis
     row: Row

@@ -1,10 +1,10 @@
-"""The steps in which one EPOS2 is stopped, over CAN and over a serial line: rows, the gentlest first.
+"""The stop stages of one EPOS2, over CAN and over a serial line: rows, the gentlest first.
 
-Sources: controlwords as in `firmware_bridge.drivers.epos2.set_point`; heartbeat consumer (0x1016), its
-reaction (0x6007) and reset node (transition 19, which takes the power): EPOS Firmware Specification, by
+Sources: Controlwords as in `firmware_bridge.drivers.epos2.set_point`; heartbeat consumer (0x1016), its
+reaction (0x6007) and reset node (transition 19, which disables the power): EPOS Firmware Specification, by
 analogy. In which network states the consumer lives is inferred: CiA 301 has error control in all of them,
-stopped included, SDO in all but stopped, PDO in operational only. Reset communication brings 0x1016 back to
-what was saved, by default no watch: then silence stops no one, and objects or the reset must.
+stopped included, SDO in all but stopped, PDO in operational only. Reset communication restores the saved
+0x1016, by default no heartbeat consumer: then silence stops no drive, and objects or the reset must.
 """
 
 from typing import Final

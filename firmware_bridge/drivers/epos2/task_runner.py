@@ -1,4 +1,4 @@
-"""The tasks of one EPOS2: which one is under way, and why one failed. It refuses to know the link."""
+"""The tasks of one EPOS2: the one under way, and the failure of one. The link is not known here."""
 
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -31,8 +31,11 @@ WITHIN: Final[Mapping[Task, Nanoseconds]] = {
     Task.RESET: 5 * SECOND,
     Task.SET_ZERO: 10 * SECOND,
 }
-"""How long a task may last in all: a drive that answers each question late, or changes its state again and
-again, does not keep the bridge waiting. A homing is bounded by `firmware_bridge.bridge.homing`."""
+"""Time limit of a task in all.
+
+A drive that answers each request late, or changes its state again and again, does not keep the bridge
+waiting. A homing is bounded by `firmware_bridge.bridge.homing`.
+"""
 
 
 class TaskRunner:
@@ -48,7 +51,7 @@ class TaskRunner:
         *,
         started: Callable[[], Script] = tuple,
     ) -> None:
-        """Take the drive's parts and its set-up; what the link wants done once it is started."""
+        """Take the drive's parts, its set-up, and the link's tasks after start-up."""
         self._axis = axis
         self._feedback = feedback
         self._set_point = set_point
@@ -71,32 +74,32 @@ class TaskRunner:
         self._tasks: deque[Task] = deque()
         self._task: Task | None = None
         self._until: Nanoseconds = NEVER
-        """When the one under way is given up."""
+        """Time when the one under way is given up."""
         self._position = 0.0
-        """Where the axis was seen to stand, in its unit."""
+        """Confirmed position of the axis, in its unit."""
         self._in_own_mode = True
-        """Whether its mode of operation is the set-up's; not while a zero is set, nor where that failed."""
+        """True where its mode of operation is the set-up's; not while homing, nor where that failed."""
         self.set_up = False
-        """Whether its set-up was written since it was found."""
+        """True where its set-up was written since it was found."""
         self.doubted = False
-        """Whether it was silent since, and has not told yet whether it has restarted."""
+        """True after a silence, until its reports show whether it has restarted."""
         self.set_ups = 0
-        """How often it was written so far."""
+        """Number of times that it was written so far."""
         self.failure: StartupError | None = None
-        """Why the last tasks failed; None where they did not."""
+        """The failure of the last tasks; None without one."""
 
     @property
     def busy(self) -> bool:
-        """Whether tasks are under way."""
+        """True while tasks are under way."""
         return self._task is not None
 
     @property
     def stopping(self) -> bool:
-        """Whether the one under way stops the drive itself."""
+        """True where the one under way stops the drive itself."""
         return self._task in STOPPING
 
     def lets(self, demand: Demand) -> bool:
-        """Whether a demand may be sent: while tasks are under way what stops, and rest where it homes."""
+        """Return whether a set-point may be sent: during tasks one that stops, during homing also rest."""
         if not self.busy or demand is Stop.QUICK_STOP or demand is Stop.POWER_OFF:
             return True
         return demand is Stop.REST and self._task is Task.HOME
@@ -107,7 +110,7 @@ class TaskRunner:
 
     @property
     def configured(self) -> bool:
-        """Whether the set-up is in force and the drive listens to set-points."""
+        """True where the set-up is in force and the drive receives set-points."""
         feedback = self._feedback
         kept = self.set_up and self._in_own_mode and not (feedback.rewritten or self.doubted)
         return kept and feedback.operational and not feedback.restarted
@@ -155,7 +158,7 @@ class TaskRunner:
         self.doubted = False
 
     def rewritten(self, what: str, now: Nanoseconds) -> None:
-        """Learn what someone else has written to the drive: no one knows what of its set-up still holds."""
+        """Note a foreign write to the drive: its set-up may no longer be in force."""
         self._feedback.rewritten = what
         if self._task in _NEEDS_SET_UP:
             self.fail(f"someone else has written to it: {what}", now)
@@ -202,7 +205,7 @@ class TaskRunner:
 
     def _zero_is_set(self) -> Script:
         self._in_own_mode = True
-        # What it was told by the zero of before is no target any more.
+        # A target in the counts of the old reference is no target any more.
         self._set_point.word(QUICK_STOP)
         return ()
 

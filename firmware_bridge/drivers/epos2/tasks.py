@@ -1,6 +1,6 @@
 """The tasks of one EPOS2 as scripts: tuples of steps, in the order of the procedure in the manual.
 
-`firmware_bridge.drivers.script_runner` carries them over bus and time. It refuses to know either. A script
+`firmware_bridge.drivers.script_runner` carries them over bus and time, which are not known here. A script
 keeps nothing but its steps, so that its place in the procedure is data.
 """
 
@@ -53,7 +53,7 @@ def find(axis: Axis, feedback: DriveFeedback) -> Script:
         nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL),
         expected(axis, row, attempts=FIND_WITHIN // TIMEOUT),
         Do(lambda: _found(feedback)),
-        # A node that booted meanwhile did not hear the first one.
+        # A node that booted meanwhile did not receive the first one.
         nmt(axis, NmtCommand.ENTER_PRE_OPERATIONAL),
     )
 
@@ -116,12 +116,12 @@ def leave(axis: Axis, feedback: DriveFeedback, set_point: SetPoint) -> Script:
 
 
 def listen(axis: Axis) -> Script:
-    """Take the node to operational, whoever has taken it elsewhere; its set-up is left as it is."""
+    """Take the node to operational, from any NMT state; its set-up is left as it is."""
     return (nmt(axis, NmtCommand.START),)
 
 
 def brake(axis: Axis) -> Script:
-    """Stop a drive object by object, as one that hears no set-points; where it answers, until it stands."""
+    """Stop a drive object by object, as one that receives no set-points; with answers, until standstill."""
     return (controlled(axis, QUICK_STOP, attempts=1), _standing(axis))
 
 
@@ -169,7 +169,7 @@ def _statusword(
 def _come_to_rest(axis: Axis, feedback: DriveFeedback, *, at_last: bool = False) -> Script:
     """Stop a drive that was left with power on: with power it refuses part of the set-up.
 
-    `at_last`: it is asked once, and what does not come to rest loses its power, too.
+    `at_last`: it is queried once, and a drive that does not come to standstill loses its power, too.
     """
     standing = _standing(axis, STATE_WITHIN // POLL, ()) if at_last else _standing(axis)
     power_off = (controlled(axis, DISABLE_VOLTAGE), _without_power(axis, feedback, STATE_WITHIN // POLL))

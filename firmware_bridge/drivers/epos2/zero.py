@@ -1,12 +1,13 @@
-"""How one EPOS2 comes to count from where its axis stands: homing, begun at rest and with power on.
+"""Referencing of one EPOS2's axis: homing, begun at standstill and with power on.
 
-By method 35 it is told: it takes the home position (0x2081) for the place where it is, and no shaft turns. By
-any other it moves to find out (EPOS Firmware Specification, homing mode, by analogy). ASSUME: the offset
-0x607C is a way that it goes from what it has found, with its sign, and the home position is where it is then.
+By method 35 the position is given: it takes the home position (0x2081) for its present one, and no shaft
+turns. By any other it moves to find its reference (EPOS Firmware Specification, homing mode, by analogy).
+ASSUME: the offset 0x607C is a distance that it goes from the found reference, with its sign, and the home
+position is its position then.
 
-What the start hangs on is read back before: by another method the same word would set the axis in motion. The
-halt of before stands until the mode is another, so that no position waits for its end. ASSUME: a mode may be
-changed with power on, as maxon's command library does.
+The objects that decide the start's effect are read back before: by another method the same Controlword would
+set the axis in motion. The earlier halt stays in force until the mode is another, so that no position waits
+for its end. ASSUME: a mode may be changed with power on, as maxon's command library does.
 """
 
 import math
@@ -47,7 +48,7 @@ def set_zero(axis: Axis, feedback: DriveFeedback, position: float) -> Script:
 
 
 def home(axis: Axis, feedback: DriveFeedback) -> Script:
-    """Let it seek its zero as the robot file says; it is halted where it does not find it in time."""
+    """Have it home by the robot file; it is halted where it does not finish in time."""
     homing = axis.zero.homing
     if homing is None:
         raise StartupError(axis, "the robot file does not say how it is homed")
@@ -155,14 +156,14 @@ def _is_enabled(axis: Axis, feedback: DriveFeedback) -> Script:
 
 
 def _mode(axis: Axis, mode: Mode) -> Script:
-    """Change the mode of operation, and wait for the drive's own word for it."""
+    """Change the mode of operation, and wait for the drive's own report of it."""
     raw = DataType.INTEGER8.encode(mode)
     display = Row(at.MODE_DISPLAY, DataType.INTEGER8, mode, "mode of operation", "it counts now")
     return (written(axis, Transfer(at.MODE, raw), f"writing mode {mode:d}"), expected(axis, display))
 
 
 def _attained(axis: Axis, feedback: DriveFeedback, polls: int) -> Ask:
-    """Wait until the drive says that its position is referenced; so many polls are left."""
+    """Wait until the drive reports its position as referenced; so many polls are left."""
 
     def judge(statusword: int) -> Script:
         feedback.on_statusword(statusword)

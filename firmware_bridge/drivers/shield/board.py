@@ -1,8 +1,8 @@
-"""A board on its serial line, as a link of the robot: what is said to it, in which order, what it answers.
+"""A board on its serial line, as a link of the robot: its commands, their order, its answers.
 
-One question is under way at a time. What the motors shall do goes first, then the questions of a cycle, then
-set-up. A board that was silent for longer than its link allows may have started again: it is told to release
-its motors until it answers, and then set up again, which begins with that; to drive it must be enabled.
+One request is under way at a time. The motors' commands go first, then the requests of a cycle, then set-up.
+A board that was silent for longer than its link allows may have started again: it is commanded to release its
+motors until it answers, and then set up again, which begins with that; to drive it must be enabled.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 LOST: Final = "the serial line to the board is gone"
 BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
-"""No firmware watches for one; what keeps a board from stopping is each speed that it is told."""
+"""Period of a heartbeat, which no firmware watches for; each speed command keeps a board from stopping."""
 RESTORING: Final = (Task.IDENTIFY, Task.CONFIGURE)
 FOUND: Final = (Task.FIND, *RESTORING)
 _LETTING_GO: Final = (Task.LEAVE, Task.DISABLE)
@@ -42,7 +42,7 @@ class Board:
         self.listens_for: Nanoseconds = 0
         self.late = 0
         self.longest_cycle: Nanoseconds = 0
-        """From the begin of a cycle to the end of its last word, where no tasks were under way."""
+        """From the begin of a cycle to the end of its last command, where no tasks were under way."""
         self.commands = 0
         """Commands so far."""
         self.busy: Nanoseconds = 0
@@ -66,11 +66,11 @@ class Board:
         self._waiting: Final = Waiting()
         self._begun: tuple[tuple[Task, ...], Nanoseconds] | None = None
         self._misses = 0
-        """Words of the task under way that were not answered."""
+        """Commands of the task under way that were not answered."""
         self._starts_until: Nanoseconds = NEVER
         self._cycle_at: Nanoseconds = NEVER_RECEIVED
         self._restores = False
-        """Whether no demand ends the tasks under way: no one has asked for them, or a stop has."""
+        """True where no set-point ends the tasks under way: a stop, or no command, has begun them."""
         self._scripts: Final[Mapping[Task, Callable[[], Iterator[Say] | None]]] = {
             Task.FIND: self._find,
             Task.IDENTIFY: self._identify,
@@ -80,12 +80,12 @@ class Board:
             Task.LEAVE: self._let_go,
             Task.DISABLE: self._let_go,
         }
-        """What is said for a task; None where it waits, or has failed. Others need no word."""
+        """The commands of a task; None where it waits, or has failed. Other tasks need none."""
         self._releasing: Final = Releasing()
 
     @property
     def lost(self) -> str | None:
-        """Why the board cannot be reached."""
+        """The reason why the board cannot be reached."""
         return LOST if self._gone else None
 
     def hint(self, now: Nanoseconds) -> str:
@@ -97,7 +97,7 @@ class Board:
 
     @property
     def wake_at(self) -> Nanoseconds:
-        """At once where something is to be said and the line is free; else when an answer is overdue."""
+        """At once where a command is to be sent and the line is free; else when an answer is overdue."""
         if self._question is None and not self._gone:
             wanted = self._dirty and not self.under_way
             if wanted or self._waiting.urgent:
@@ -108,13 +108,13 @@ class Board:
 
     @property
     def stops(self) -> bool:
-        """Whether the tasks under way take the motors' power: no demand that does so ends them."""
+        """True where the tasks under way disable the motors' power: no set-point that does so ends them."""
         return self._restores or any(task in STOPPING for task in self.under_way)
 
     # For the motors
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Do these tasks; each motor of the board asks for them, and they are done once."""
+        """Begin these tasks; each motor of the board requests them, and they are done once."""
         self.clock = now
         if self._begun == (tasks, now):
             return ()
@@ -197,7 +197,7 @@ class Board:
             self._fail("the encoders report nothing")
         return sent + self._go_on(now)
 
-    # What is said
+    # Sending
 
     def _go_on(self, now: Nanoseconds) -> tuple[Packet, ...]:
         sent: list[Packet] = []
@@ -211,7 +211,7 @@ class Board:
         return tuple(sent)
 
     def _taken(self) -> Say | None:
-        """Return what is to be said next."""
+        """Return the next command."""
         self._tries = 0
         say = self._waiting.take(quiet=self.clock < self._booting.quiet_until)
         if say is not None and say.reads is None and self._waiting.part is Part.TASK:
@@ -219,7 +219,7 @@ class Board:
         return say
 
     def _advance(self) -> None:
-        """Go on to the next word of the task under way, or to the next task."""
+        """Go on to the next command of the task under way, or to the next task."""
         if not self._waiting.advance():
             self._close_task()
         elif self._waiting.last and self.under_way[0] in _LETTING_GO:
@@ -234,12 +234,12 @@ class Board:
             self._until = now + (FOUND_EVERY if finding else self._patience)
             self._questions += 1
             if finding and self._restores and not self._dialect.on_board:
-                # Its shield drives on until it is told, and its answers may not come through.
+                # Its shield drives on until commanded, and its answers may not come through.
                 before = self._dialect.release_again(motor.number for motor in self.motors)
         return tuple([Packet(self.name, 0, word.data) for word in (*before, say)])
 
     def _express(self, now: Nanoseconds) -> None:
-        """Make words of what the motors want."""
+        """Make commands of the motors' set-points."""
         self._dirty = False
         words, released = expressed(self._dialect, self.motors, now, configured=self.configured)
         self._waiting.motion.extend(words)
@@ -293,14 +293,14 @@ class Board:
         self._tries += 1
         finding = self.under_way[:1] == (Task.FIND,)
         if self._waiting.part is not Part.TASK:
-            # The next cycle asks again; what was wanted of a motor is wanted then.
+            # The next cycle repeats the request; a motor's command is up to date then.
             self._waiting.samples.clear()
             return ()
         if finding and now < self._booting.found_until and self._tries >= TRIES:
             self._waiting.again(question)
             return self._booting.pulse(now)
         if self.under_way[0] in _LETTING_GO and self._misses < TRIES + len(self.motors):
-            # One motor after the other, so that each is told once before the first is told again.
+            # One motor after the other, so that each is commanded once before the first is again.
             self._misses += 1
             self._waiting.later(question)
             return ()
@@ -310,7 +310,7 @@ class Board:
         return ()
 
     def _open_task(self) -> tuple[Packet, ...]:
-        """Begin the first of the tasks that are left; return what goes before its words."""
+        """Begin the first of the tasks that are left; return the packets before its own."""
         if not self.under_way:
             return ()
         task, self._misses = self.under_way[0], 0
@@ -351,7 +351,7 @@ class Board:
         return iter(())
 
     def _let_go(self) -> Iterator[Say]:
-        """Yield what releases all motors, and a question whose answer says that it has come."""
+        """Yield the commands that release all motors, and a request whose answer proves their arrival."""
         for motor in self.motors:
             motor.enabled, motor.demand = False, Stop.POWER_OFF
         release = self._dialect.release if self.configured else self._dialect.release_again

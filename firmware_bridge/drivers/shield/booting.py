@@ -1,7 +1,7 @@
-"""When a board that may be starting again is spoken to, and when it is reset.
+"""Timing of commands to a board that may be starting again, and of its reset.
 
-A byte in the first second after a reset keeps the boot loader of a Mega, stk500v2, until it has heard none
-for 9 s: who asks again and again is never answered. So nothing is said until the firmware must run.
+A byte in the first second after a reset keeps the boot loader of a Mega, stk500v2, until it has received none
+for 9 s: a host that repeats its request is never answered. So nothing is sent until the firmware must run.
 """
 
 from typing import Final
@@ -12,25 +12,25 @@ from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 FOUND_EVERY: Final[Nanoseconds] = 250 * MILLISECOND
-"""How long a board that may be booting is waited for, before it is asked again."""
+"""Time for an answer of a board that may be booting, before the request is repeated."""
 TRIES: Final = 3
 """Questions without an answer until it is reset, or a task is given up."""
 QUIET: Final[Nanoseconds] = 60 * MILLISECOND
-"""A board that has been found answers first what it was asked while it booted; then it is set up."""
+"""Time for a found board to answer the requests sent while it booted; then it is set up."""
 QUIET_WITHIN: Final[Nanoseconds] = 300 * MILLISECOND
-"""Whatever it sends, its set-up is not put off for longer: a board may print without end."""
+"""Longest delay of its set-up, whatever it sends: a board may print without end."""
 MISSED: Final[Nanoseconds] = 2_900 * MILLISECOND
 """A board that has not answered by then is reported as missing, whatever time it is given to boot."""
 NO_BUS: Final = "is the shield on it, powered, and its I2C free? else the sketch hangs in AFMS.begin()"
 KEPT: Final = 64
-"""Bytes that are looked through for what a firmware says by itself."""
+"""Newest bytes that are searched for the firmware's banner."""
 
 
 class Booting:
     """Of one board on the link of this name."""
 
     def __init__(self, name: str, table: ShieldLink, begins: bytes) -> None:
-        """`begins` is what its firmware says when it has begun again."""
+        """Take `begins`, the banner that its firmware sends when it has begun again."""
         self._name: Final = name
         self._causes: Final = (
             f"is the board powered? is it this port, at {table.line_rate} Bd, and flashed with "
@@ -40,11 +40,11 @@ class Booting:
         self._boots: Final = table.boots * MILLISECOND
         self._within: Final = table.boots_within_ms * MILLISECOND
         self._shown = False
-        """Whether it has said that it began again."""
+        """True where it has sent its banner."""
         self.speaks_at: Nanoseconds = 0
-        """Before this nothing is said."""
+        """Time before which nothing is sent."""
         self.seeks_at: Nanoseconds = 0
-        """When a board that is lost is reset, whoever asks for it."""
+        """Time when a board that is lost is reset, for any task."""
         self._begins: Final = begins
         self._pulsed_at: Nanoseconds | None = None
         self._received = b""
@@ -52,9 +52,9 @@ class Booting:
         self._answers_after: Nanoseconds | None = None
         """From the first reset of the bridge's until its motors were released."""
         self.found_until: Nanoseconds = 0
-        """When a board that is looked for must have answered."""
+        """Time by which a board that is looked for must have answered."""
         self.quiet_until: Nanoseconds = 0
-        """When set-up goes on, unless the board sends something before."""
+        """Time when set-up goes on, unless the board sends a byte before."""
         self._quiet_at_most: Nanoseconds = 0
 
     def begun(self, now: Nanoseconds) -> None:
@@ -68,23 +68,23 @@ class Booting:
         return Packet(self._name, DTR_DOWN, b""), Packet(self._name, DTR_UP, b"")
 
     def identified(self, now: Nanoseconds) -> None:
-        """Learn that it is asked who it is: it may be answering older questions still."""
+        """Note a request for its identity: it may be answering older requests still."""
         self.quiet_until, self._quiet_at_most = now + QUIET, now + QUIET_WITHIN
 
     def receives(self, now: Nanoseconds) -> None:
-        """Learn that it has sent something; whoever never stops does not put off the set-up."""
+        """Note a received byte; endless output does not put off the set-up."""
         if now < self.quiet_until:
             self.quiet_until = min(now + QUIET, self._quiet_at_most)
 
     def take_bytes(self, data: bytes) -> None:
-        """Take what it says while it is not set up."""
+        """Take the bytes that it sends while it is not set up."""
         self._received = self._received[-KEPT:] + data
         self._shown = self._shown or (bool(self._begins) and self._begins in self._received)
 
     def released(self, now: Nanoseconds) -> str:
         """Learn that it has been set up, which begins by releasing its motors.
 
-        Return what its start has shown of its reset, in words; empty where that was not tried.
+        Return the result of its reset, as text; empty where that was not tried.
         """
         if self._answers_after is None and self._pulsed_at is not None:
             self._answers_after = now - self._pulsed_at

@@ -1,6 +1,6 @@
-"""What the bridge says to a board, protocol by protocol: find it, set it up, ask it, drive, release.
+"""The bridge's commands to a board, protocol by protocol: find, set up, query, drive, release.
 
-It refuses to know when something is said, and what a motor shall do.
+The time of a command and the set-point of a motor are not known here.
 """
 
 from abc import ABC, abstractmethod
@@ -36,9 +36,9 @@ class Say:
     reads: Reads | None = None
     """None: nothing answers."""
     answer: int = 0
-    """Bytes of its longest answer."""
+    """Size in bytes of its longest answer."""
     writes: int = 0
-    """How often the board writes to the shield for it."""
+    """Number of the board's writes to the shield for it."""
     counts: Numbers = ()
     """The motors whose counts the answer's numbers are, in their order."""
     wanted: Numbers | None = None
@@ -49,11 +49,11 @@ class Dialect(ABC):
     """One protocol, for one board and its motors."""
 
     on_board = False
-    """Whether the loop of speeds is on the board: `drive` takes ticks a frame, else PWM of 255."""
+    """True where the speed loop is on the board: `drive` takes ticks a frame, else PWM of 255."""
     bits = 32
     """Of its counters."""
     begins = b""
-    """What the firmware says by itself when it has begun again, and else never; empty: nothing."""
+    """The banner that the firmware sends when it has begun again, and else never; empty: none."""
 
     def __init__(self, link: ShieldLink, motors: Sequence[ShieldAxis]) -> None:
         self.link: Final = link
@@ -75,21 +75,21 @@ class Dialect(ABC):
 
     @abstractmethod
     def encoders(self) -> Iterator[Say]:
-        """Yield what asks for all counts."""
+        """Yield the requests for all counts."""
 
     @abstractmethod
     def drive(self, wanted: Mapping[int, int], ways: Mapping[int, int]) -> Iterator[Say]:
-        """Yield what drives motors, by their numbers, with a sign; `ways` is which way each was set.
+        """Yield the commands that drive motors, by their numbers, with a sign; `ways` holds each direction.
 
-        That is 1 or -1, and 0 where it is released; it changes only where a motor is told 0.
+        It is 1 or -1, and 0 where the motor is released; it changes only where a motor is commanded to 0.
         """
 
     @abstractmethod
     def release(self, motors: Iterable[int]) -> Iterator[Say]:
-        """Yield what takes the power of motors."""
+        """Yield the commands that disable motors' power."""
 
     def release_again(self, motors: Iterable[int]) -> Iterator[Say]:
-        """Yield what takes the power of motors of a board that may have forgotten its set-up."""
+        """Yield the commands that disable the motors' power at a board that may have lost its set-up."""
         return self.release(motors)
 
 
@@ -124,7 +124,7 @@ class Ros(Dialect):
         yield self._say("counts", "e", answer=12 * len(numbers) + 1, counts=numbers)
 
     def drive(self, wanted: Mapping[int, int], _ways: Mapping[int, int]) -> Iterator[Say]:
-        """Send all speeds, also where they are the same: the board stops when it hears nothing."""
+        """Send all speeds, also unchanged ones: the board stops when it receives nothing."""
         speeds = tuple(wanted[motor.port] for motor in self.motors)
         return iter((self._say("speeds", "m", speeds, answer=4, writes=CHANNELS * len(speeds)),))
 
@@ -242,7 +242,7 @@ class Mw(Dialect):
             yield self._ask(f"speed of M{number}", request, writes=CHANNELS)
 
     def release(self, motors: Iterable[int]) -> Iterator[Say]:
-        """Stop, which is the library's word for release."""
+        """Stop, which is the library's name for release."""
         for number in motors:
             request = messages.StopMotor(SHIELD, number - 1)
             yield self._ask(f"release of M{number}", request, writes=2)

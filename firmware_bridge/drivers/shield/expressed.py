@@ -1,4 +1,4 @@
-"""What the motors of a board want, as words to it."""
+"""The set-points of a board's motors, as commands to it."""
 
 from collections.abc import Sequence
 
@@ -11,9 +11,9 @@ from firmware_bridge.units import Nanoseconds
 def expressed(
     dialect: Dialect, motors: Sequence[ShieldMotor], now: Nanoseconds, *, configured: bool
 ) -> tuple[list[Say], Sequence[ShieldMotor] | None]:
-    """Return the words, and the motors that they release; None where they drive.
+    """Return the commands, and the motors that they release; None where they drive.
 
-    A board that is not set up is told nothing but to release.
+    A board that is not set up receives only commands to release.
     """
     if not configured:
         if all(motor.released for motor in motors):
@@ -23,7 +23,7 @@ def expressed(
     driven = outputs if dialect.on_board else {it.number: outputs[it.number] for it in motors if it.enabled}
     words = list(dialect.drive(driven, {motor.number: motor.way for motor in motors}))
     if dialect.on_board and not any(outputs.values()):
-        # Speed 0 for all releases them all: said again to motors that are released, it drives none.
+        # Speed 0 for all releases them all: sent again to motors that are released, it drives none.
         return words, motors
     for motor in motors:
         if motor.enabled:
@@ -33,6 +33,6 @@ def expressed(
     off = [motor for motor in motors if motor.demand is Stop.POWER_OFF]
     if not off:
         return words, None
-    # A word may come damaged, and no board says so: it is repeated while the wheel turns.
+    # A command may be damaged on the line without a report: it is repeated while the wheel turns.
     slow = [motor for motor in off if not motor.released or motor.turns]
     return [*words, *dialect.release(motor.number for motor in slow)], slow

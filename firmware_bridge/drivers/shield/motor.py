@@ -1,6 +1,6 @@
 """One motor at a shield as the bridge sees it: a `firmware_bridge.drivers.driver.Driver`.
 
-What leaves for all motors of a board is the board's: a demand is noted here, and the board says it when the
+Commands to all motors of a board are the board's: a set-point is noted here, and the board sends it when the
 line is free, at the same instant where it is.
 """
 
@@ -24,17 +24,17 @@ from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import NEVER, Nanoseconds, to_seconds
 
 COUNTED: Final = frozenset({Reports.POSITION, Reports.VELOCITY, Reports.STOP})
-"""What an encoder tells; a shield has no word for power or current."""
+"""Reports of an encoder; a shield reports no power and no current."""
 
 
 def reports(axis: Axis, link: AnyLink) -> frozenset[Reports]:
-    """Return what is told of a motor: nothing, where the firmware does not read its encoder."""
+    """Return the reports of a motor: none, where the firmware does not read its encoder."""
     counted = isinstance(link, ShieldLink) and axis.shield.port <= link.counted
     return COUNTED if counted else frozenset()
 
 
 class Words(Protocol):
-    """What carries the motor's words: its board."""
+    """The carrier of the motor's commands: its board."""
 
     clock: Nanoseconds
 
@@ -44,15 +44,15 @@ class Words(Protocol):
 
     @property
     def stops(self) -> bool:
-        """Whether the tasks under way take the motors' power."""
+        """True where the tasks under way disable the motors' power."""
 
     @property
     def configured(self) -> bool:
-        """Whether the set-up is in force."""
+        """True where the set-up is in force."""
 
     @property
     def problem(self) -> str | None:
-        """Why the last tasks failed."""
+        """The reason why the last tasks failed."""
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Do tasks, for all motors of the board."""
@@ -79,11 +79,11 @@ class ShieldMotor:
         self._per_count: Final = axis.direction / axis.shield.counts_per_unit(axis.ratio)
         self.demand: Demand = Stop.REST
         self.way = 0
-        """Which way its half bridge was set: 1 or -1; 0 where it was released."""
+        """Direction of its half bridge: 1 or -1; 0 where it was released."""
         self.enabled = False
-        """Whether it may be driven."""
+        """True where it may be driven."""
         self.released = False
-        """Whether the board has confirmed that it is released."""
+        """True where the board has confirmed that it is released."""
         self._regulated_at: Nanoseconds = NEVER_RECEIVED
         self._count: int | None = None
         self._counted_at: Nanoseconds = 0
@@ -100,12 +100,12 @@ class ShieldMotor:
 
     @property
     def reports(self) -> frozenset[Reports]:
-        """What it can tell."""
+        """Reports of its device."""
         return self._reports
 
     @property
     def feedback(self) -> Feedback:
-        """What is known of it; the power is what was said to the board, and answered."""
+        """Its known state; the power is the one commanded to the board, and acknowledged."""
         power = Power.UNKNOWN
         if self._board.configured and self._received_at != NEVER_RECEIVED:
             power = Power.ON if self.enabled else Power.OFF
@@ -122,38 +122,38 @@ class ShieldMotor:
 
     @property
     def sampled_at(self) -> Nanoseconds:
-        """When its newest sample was taken."""
+        """Time of its newest sample."""
         return self._sampled_at
 
     @property
     def busy(self) -> bool:
-        """Whether the board has tasks to do."""
+        """True while the board has tasks to do."""
         return bool(self._board.under_way)
 
     @property
     def stopping(self) -> bool:
-        """Whether the tasks under way stop the device, or were requested by no one."""
+        """True where the tasks under way stop the device, or were requested by no one."""
         return self._board.stops
 
     @property
     def failure(self) -> StartupError | None:
-        """Why the board's last tasks failed."""
+        """The failure of the board's last tasks."""
         problem = self._board.problem
         return None if problem is None else StartupError(self._axis, problem)
 
     @property
     def configured(self) -> bool:
-        """Whether the board's set-up is in force."""
+        """True where the board's set-up is in force."""
         return self._board.configured
 
     @property
     def unpowered(self) -> bool:
-        """Whether the board has confirmed that the motor is released, and it was not driven since."""
+        """True where the board has confirmed that the motor is released, and it was not driven since."""
         return self.released
 
     @property
     def turns(self) -> bool:
-        """Whether its encoder says that it moves."""
+        """True where its encoder shows motion."""
         return self.measured and abs(self._velocity) > self._axis.rests_below
 
     @property
@@ -189,7 +189,7 @@ class ShieldMotor:
         return ()
 
     def release(self) -> tuple[Packet, ...]:
-        """Do nothing: no word of a board has a handshake."""
+        """Do nothing: no command of a board has a handshake."""
         return ()
 
     def wake(self, now: Nanoseconds) -> tuple[Packet, ...]:
@@ -198,7 +198,7 @@ class ShieldMotor:
         return ()
 
     def output(self, now: Nanoseconds) -> int:
-        """Return what it shall be told now: ticks or PWM; one step of its regulator."""
+        """Return its next command: ticks or PWM; one step of its regulator."""
         elapsed = 0 if self._regulated_at == NEVER_RECEIVED else now - self._regulated_at
         self._regulated_at = now
         wanted = self.demand.value if isinstance(self.demand, Speed) and self.enabled else 0.0
@@ -208,7 +208,7 @@ class ShieldMotor:
         return self.regulator.next(wanted, self._velocity if self.measured else None, elapsed)
 
     def on_output(self, output: int) -> None:
-        """Note what the board was told; 0 keeps the way, until it is released."""
+        """Note the command sent; 0 keeps the direction, until it is released."""
         self.way = (output > 0) - (output < 0) or self.way or 1
         self.released = False
 
@@ -237,7 +237,7 @@ class ShieldMotor:
             self._velocity = way / to_seconds(elapsed)
 
     _shifted = 0.0
-    """By how much the position is behind the newest count."""
+    """Offset of the position behind the newest count."""
 
     def sampled(self, cycle_at: Nanoseconds, now: Nanoseconds) -> None:
         """Learn that the board has answered all questions of a cycle; where nothing is counted, believe."""

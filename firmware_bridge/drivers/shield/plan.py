@@ -1,9 +1,9 @@
-"""Whether a robot's cycle fits on a board's serial line: each word with its price, from the bytes up.
+"""Timing of a robot's cycle on a board's serial line: each command with its cost, from the bytes up.
 
-A question costs the time of its bytes both ways, what the board writes to the shield for it, what the second
-chip on the board keeps back (4.1 ms at most), and what this machine's port does. The fullest cycle is a
-reversal: all motors change speed and direction. It may fill 80 % of the cycle; a plan that does not fit is
-refused before anything moves.
+A request costs the time of its bytes both ways, the board's writes to the shield for it, the latency of the
+second chip on the board (4.1 ms at most), and that of this machine's port. The fullest cycle is a reversal:
+all motors change speed and direction. It may fill 80 % of the cycle; a plan that does not fit is refused
+before anything moves.
 """
 
 from collections.abc import Iterable
@@ -17,7 +17,7 @@ from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 
 BITS_PER_BYTE: Final = 10
 CHIP_FLUSH_US: Final = 4_096
-"""The ATmega16U2 hands what the board says to the host so often at least."""
+"""Longest time for which the ATmega16U2 keeps the board's bytes from the host."""
 MOST: Final = 0.8
 """Share of the cycle that its fullest may take."""
 
@@ -28,7 +28,7 @@ class ShieldPlanError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One word of a cycle."""
+    """One command of a cycle."""
 
     what: str
     bytes: int
@@ -37,7 +37,7 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class ShieldPlan:
-    """The fullest cycle, in the order in which its words leave."""
+    """The fullest cycle, in the order in which its commands leave."""
 
     cycle: Nanoseconds
     samples: tuple[Entry, ...]
@@ -45,12 +45,12 @@ class ShieldPlan:
 
     @property
     def time(self) -> Nanoseconds:
-        """How long the line and the board are busy in the fullest cycle."""
+        """Time that the line and the board are busy in the fullest cycle."""
         return sum(entry.time for entry in (*self.samples, *self.words))
 
     @property
     def answers_within(self) -> Nanoseconds:
-        """How long all samples take at most; one word more may have begun before them."""
+        """Longest time of all samples; one command more may have begun before them."""
         longest = max(entry.time for entry in (*self.samples, *self.words))
         return sum(entry.time for entry in self.samples) + longest
 
@@ -97,5 +97,5 @@ def takes(link: ShieldLink, say: Say) -> Nanoseconds:
     on_line = (len(say.data) + say.answer) * BITS_PER_BYTE * SECOND // link.line_rate
     turn = 0 if say.reads is None else (CHIP_FLUSH_US + link.port_latency_us) * MICROSECOND
     on_bus = say.writes * BUS_WRITE_US * MICROSECOND
-    # What is not answered is written to the shield while the next word is on the line.
+    # A command without an answer is written to the shield while the next one is on the line.
     return on_line + turn + on_bus if say.reads is not None else max(on_line, on_bus)

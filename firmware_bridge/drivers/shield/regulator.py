@@ -1,6 +1,6 @@
-"""What one motor is told: ticks for a loop on the board; PWM by a PI here, where the board has none.
+"""The command of one motor: ticks for a loop on the board; PWM by a PI here, where the board has none.
 
-A reversal passes 0 for a cycle, however soon the next word is said, and the PWM changes no faster than its
+A reversal passes 0 for a cycle, however soon the next command is sent, and the PWM changes no faster than its
 slope: at once it would draw twice the current of a stall.
 """
 
@@ -17,9 +17,9 @@ LONGEST: Final = 2
 
 
 class _Way:
-    """Which way a motor is driven: it stands at 0 before it is driven the other way.
+    """Direction of a motor, which stands at 0 before it is driven the other way.
 
-    A cycle may be a little short, and words may be said between two cycles.
+    A cycle may be a little short, and commands may be sent between two cycles.
     """
 
     def __init__(self, cycle: Nanoseconds) -> None:

@@ -1,7 +1,7 @@
-"""The proof that motors are released: the board has answered the words that do it, or what was asked behind.
+"""The proof that motors are released: the board has answered the commands for it, or a request behind them.
 
-A board obeys in order, so an answer stands for all before it; but not for what went before a question that
-has no answer, nor before a reset.
+A board obeys in order, so an answer stands for all before it; but not for commands before a request that has
+no answer, nor before a reset.
 """
 
 from collections.abc import Sequence
@@ -18,14 +18,14 @@ class Releasing:
         """The question, counted from 1, whose answer proves it; None where none does."""
 
     def begin(self, motors: Sequence[ShieldMotor], requested: int, words: Sequence[Say] = ()) -> None:
-        """Note that motors are being released by these words; so many questions were asked before them."""
+        """Note that these commands release motors; so many requests were sent before them."""
         for motor in motors:
             motor.way = 0
         questions = [word.reads is not None for word in words]
         self._proved_by = requested + sum(questions) + (not any(questions[-1:]))
 
     def forget(self) -> None:
-        """Learn that words may not have come."""
+        """Note that commands may not have arrived."""
         self._proved_by = None
 
     def answered(self, requested: int, motors: Sequence[ShieldMotor]) -> None:

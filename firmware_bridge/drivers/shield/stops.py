@@ -1,11 +1,11 @@
-"""The steps in which a motor at a shield is stopped: rows, the gentlest first.
+"""The stop stages of a motor at a shield: rows, the gentlest first.
 
-No firmware has a word for a motor's power. That it is released is known when the board has answered something
-that was asked after it: commands are obeyed in their order.
+No firmware reports a motor's power. Its release is known when the board has answered a request that was sent
+after it: commands are obeyed in their order.
 
-A board that is silent hangs, or is starting again; no one can tell which. To wait for the one is to let the
-other run on, and what is said to a board in its boot loader keeps it there: so a silent board is told to
-release once, and is then reset at once, and nothing is said until it must have booted.
+A board that is silent hangs, or is starting again; the two look alike. To wait for the one is to let the
+other run on, and a byte to a board in its boot loader keeps it there: so a silent board is commanded to
+release once, and is then reset at once, and nothing is sent until it must have booted.
 """
 
 from typing import Final
@@ -30,8 +30,8 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
     if not isinstance(link, ShieldLink):
         raise TypeError(f"no motor shield is on the link of '{axis.name}'")
     within = link.confirmed(robot.cycle)
-    # Each motor may be released with a word of its own, and none of them may be answered; nor any at all of
-    # those to a board that may have forgotten its set-up, which take their time on the line.
+    # Each motor may be released with a command of its own, and none of them may be answered; nor any at all
+    # of those to a board that may have lost its set-up, which take their time on the line.
     axes = [it.shield for it in robot.axes_on(axis.link)]
     again = DIALECTS[link.protocol](link, axes).release_again(motor.port for motor in axes)
     lasts = sum(takes(link, word) for word in again)

@@ -1,4 +1,4 @@
-"""What waits to be said to a board, the most urgent first: motion, questions of a cycle, a task's words."""
+"""The queue of commands to a board, the most urgent first: motion, requests of a cycle, a task's commands."""
 
 from collections import deque
 from collections.abc import Iterable
@@ -9,7 +9,7 @@ from firmware_bridge.drivers.shield.dialects import Say
 
 
 class Part(Enum):
-    """What a word belongs to, the most urgent first."""
+    """Part of the queue that a command belongs to, the most urgent first."""
 
     MOTION = "what the motors shall do"
     SAMPLE = "the questions of a cycle"
@@ -17,11 +17,11 @@ class Part(Enum):
 
 
 class Waiting:
-    """The words of one board."""
+    """The commands to one board."""
 
     def __init__(self) -> None:
         self.part = Part.TASK
-        """What the newest word belongs to."""
+        """Part of the newest command."""
         self.motion: Final[deque[Say]] = deque()
         self.samples: Final[deque[Say]] = deque()
         self._script: deque[Say] = deque()
@@ -29,34 +29,34 @@ class Waiting:
 
     @property
     def urgent(self) -> bool:
-        """Whether something waits that is no task's."""
+        """True where a command waits that is no task's."""
         return bool(self.motion or self.samples)
 
     @property
     def scripted(self) -> bool:
-        """Whether a task's word waits."""
+        """True where a task's command waits."""
         return self._next is not None
 
     @property
     def last(self) -> bool:
-        """Whether a task's last word waits: all before it was said, and answered where that was asked for."""
+        """True where a task's last command waits: all before it was sent, and answered where requested."""
         return self._next is not None and not self._script
 
     def begin(self, script: Iterable[Say]) -> None:
-        """Have a task's words waiting; the first is reached by `advance`."""
+        """Put a task's commands into the queue; the first is reached by `advance`."""
         self._script, self._next = deque(script), None
 
     def advance(self) -> bool:
-        """Go on to a task's next word; return whether there is one."""
+        """Go on to a task's next command; return whether there is one."""
         self._next = self._script.popleft() if self._script else None
         return self._next is not None
 
     def again(self, say: Say) -> None:
-        """Have a task's word waiting once more."""
+        """Put a task's command into the queue once more."""
         self._next = say
 
     def later(self, say: Say) -> None:
-        """Have a task's word waiting once more, behind those that are left."""
+        """Put a task's command into the queue once more, behind those that are left."""
         self._script.append(say)
         self._next = self._script.popleft()
 
@@ -73,7 +73,7 @@ class Waiting:
         self.samples.clear()
 
     def take(self, *, quiet: bool) -> Say | None:
-        """Return what is to be said next; nothing of a task while it is to be `quiet`."""
+        """Return the next command; none of a task while it is to be `quiet`."""
         for part, waiting in ((Part.MOTION, self.motion), (Part.SAMPLE, self.samples)):
             if waiting:
                 self.part = part

@@ -1,1 +1,1 @@
-"""What a robot file says of each driver's links, axes, sensors and outputs; read by bridge and emulators."""
+"""A robot file's settings of each driver's links, axes, sensors and outputs; for bridge and emulators."""

@@ -15,23 +15,23 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds
 STEPS_PER_TURN: Final = 400
 """Of each motor: half steps."""
 CURRENT_MA: Final = 2_000
-"""What the drivers of such motors give: order of magnitude; no one measures it."""
+"""Current of such motors' drivers: order of magnitude; it is not measured."""
 
 
 class Ar2Driver(StrEnum):
-    """How the bridge reaches the joints."""
+    """The bridge's connection to the joints."""
 
     AR2 = "ar2"
 
 
 class Ar2Firmware(StrEnum):
-    """What the board was flashed with. 1.5 has no TM, by which the end of a move is proved."""
+    """The board's firmware. 1.5 has no TM, by which the end of a move is proved."""
 
     AR2_2_0 = "ar2-2.0"
 
 
 class Ar2Device(StrEnum):
-    """What moves the joint."""
+    """The actuator of the joint."""
 
     STEPPER = "ar2-stepper"
 
@@ -42,11 +42,11 @@ class Ar2Link(LinkTable):
     driver: Annotated[Ar2Driver, Field(strict=False)]
     protocol: Annotated[Ar2Firmware, Field(strict=False)] = Ar2Firmware.AR2_2_0
     port_latency_us: Annotated[int, Field(ge=0, le=20_000)] = 1_000
-    """How long this machine's port may keep what it has heard."""
+    """Longest time that this machine's port may keep received bytes."""
     answers_within_ms: Annotated[int, Field(ge=5, le=1_000)] = 60
     """A question that has no answer by then, and by the end of a move, is given up."""
     boots_ms: Annotated[int, Field(ge=0, le=10_000)] = 1_200
-    """So long after a reset nothing is said: a byte in its first second keeps a Mega's boot loader."""
+    """Silence after a reset: a byte in its first second keeps a Mega's boot loader."""
     boots_within_ms: Annotated[int, Field(ge=100, le=20_000)] = 5_000
     """From a reset, which opening the port may be, to the first answer."""
     move_ms: Annotated[int, Field(ge=10, le=100)] = 60
@@ -54,7 +54,7 @@ class Ar2Link(LinkTable):
 
     @property
     def line_rate(self) -> int:
-        """Bits a second."""
+        """Bit rate of the line, bit/s."""
         return 115_200
 
     @property
@@ -63,7 +63,7 @@ class Ar2Link(LinkTable):
         return self.move_ms * MILLISECOND
 
     def confirmed(self, cycle: Nanoseconds) -> Nanoseconds:
-        """Return how long a step of a stop may take to be confirmed; `cycle` is the robot's."""
+        """Return the time for the confirmation of a stop stage; `cycle` is the robot's."""
         return 3 * self.every * cycle
 
 
@@ -88,7 +88,7 @@ class Ar2Axis(Table):
 
     @property
     def address(self) -> str:
-        """The joint in words."""
+        """The joint as text."""
         return f"joint J{self.joint}"
 
     @property

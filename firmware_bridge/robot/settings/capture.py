@@ -14,7 +14,7 @@ FURTHEST_M: Final = 10.0
 
 
 class CaptureDriver(StrEnum):
-    """How poses come."""
+    """The source of poses."""
 
     NATNET = "natnet"
     """From the cameras' software, by its own protocol over UDP."""
@@ -23,7 +23,7 @@ class CaptureDriver(StrEnum):
 
 
 class UpAxis(StrEnum):
-    """Which axis of the stream points upwards; a NatNet stream does not tell."""
+    """The stream's axis that points upwards; a NatNet stream does not report it."""
 
     Y = "y"
     Z = "z"
@@ -42,11 +42,11 @@ class CaptureLink(LinkTable):
 
     driver: Annotated[CaptureDriver, Field(strict=False)]
     server: str
-    """HOST:PORT of the system's command port; with MAVLink of who sends poses. No other host is believed."""
+    """HOST:PORT of the system's command port; with MAVLink the sender of poses. No other host is accepted."""
     listen: str = "0.0.0.0:0"
-    """HOST:PORT of this machine, where poses arrive; 0, which is any port, needs a server that is told it."""
+    """HOST:PORT of this machine for poses; 0, which is any port, needs a server that receives the number."""
     latency_ms: Annotated[float, Field(ge=0, le=1_000)] = 5.4
-    """From the exposure until a pose leaves, where the stream does not tell: measured on a Motive 2.1."""
+    """From the exposure until a pose leaves, where the stream has no value: measured on a Motive 2.1."""
 
     @model_validator(mode="after")
     def _can_be_found(self) -> Self:
@@ -72,7 +72,7 @@ class CaptureLink(LinkTable):
 
 
 class Mount(Table):
-    """Where the captured body's pivot is on the robot, and how its axes are turned to the left; m, rad."""
+    """Position of the captured body's pivot on the robot, and its axes' rotation to the left; m, rad."""
 
     x: Finite = 0.0
     y: Finite = 0.0
@@ -81,7 +81,7 @@ class Mount(Table):
 
 
 class OdometryBounds(Table):
-    """How far odometry carries the robot on where it is not seen; see `firmware_bridge.motion.captured`."""
+    """Odometry's error bounds where the robot is not seen; see `firmware_bridge.motion.captured`."""
 
     slips: Positive
     """The share of the way, and of the turn, by which odometry may be wrong."""
@@ -90,14 +90,14 @@ class OdometryBounds(Table):
     slip_mps: Positive
     """So fast, in the mean of half a second, it may move otherwise than its wheels turn."""
     jump_m: Positive
-    """So far from where odometry expects it a captured pose is believed."""
+    """Largest distance of an accepted captured pose from odometry's expectation."""
     jump_rad: Positive
     silent_ms: Annotated[int, Field(ge=10, le=10_000)]
     """A captured pose that is older does not show that the robot is seen."""
 
     @property
     def silent(self) -> Nanoseconds:
-        """How old a captured pose may be."""
+        """Age limit of a captured pose."""
         return self.silent_ms * MILLISECOND
 
 
@@ -105,7 +105,7 @@ class CaptureBody(Table):
     """The robot among the bodies that are captured."""
 
     body: Annotated[int, Field(ge=0)] | Annotated[str, Field(min_length=1)]
-    """Its number in the stream, or its name; with MAVLink, which knows one body only, whatever is said."""
+    """Its number in the stream, or its name; with MAVLink, which knows one body only, any text."""
     up: Annotated[UpAxis, Field(strict=False)] = UpAxis.Y
     mount: Mount = Mount()
     fastest_mps: Positive
@@ -115,7 +115,7 @@ class CaptureBody(Table):
     """So far it may be elsewhere at once."""
     noise_rad: Positive = 0.05
     odometry: OdometryBounds | None = None
-    """With it the robot's pose is what this body shows, carried on by odometry; without, it is only told."""
+    """With it the robot's pose is this body's, carried on by odometry; without, it is only reported."""
 
     @model_validator(mode="after")
     def _nothing_is_mounted_far_off(self) -> Self:

@@ -20,7 +20,7 @@ BIT_RATES: Final = (1_000_000, 800_000, 500_000, 250_000, 125_000, 50_000, 20_00
 
 
 class Epos2Driver(StrEnum):
-    """How the bridge reaches the drives."""
+    """The bridge's connection to the drives."""
 
     CAN = "epos2-can"
     SERIAL = "epos2-serial"
@@ -28,9 +28,9 @@ class Epos2Driver(StrEnum):
 
 
 UNCONFIRMED_CYCLES: Final = 3
-"""So many cycles of its link without its word, and a drive has not confirmed a stop."""
+"""Cycles of its link without a drive's report, after which a stop counts as not confirmed."""
 UNANSWERED_MS: Final = {Epos2Driver.CAN: 200, Epos2Driver.SERIAL: 700}
-"""How long an object of a silent drive is waited for; over serial the gateway's patience comes in."""
+"""Timeout of an object of a silent drive; over serial it includes the gateway's own."""
 
 
 class Epos2Device(StrEnum):
@@ -44,7 +44,7 @@ class Epos2Device(StrEnum):
 
     @property
     def continuous_ma(self) -> int:
-        """The current that it gives for as long as it is asked for: the type's name tells it, in A."""
+        """The current that it can supply continuously: the type's name gives it, in A."""
         return 1000 * int(self.value.partition("/")[2])
 
     @property
@@ -57,14 +57,14 @@ Confirmation = Annotated[int, Field(ge=10, le=10_000)]
 
 
 class StopTimes(Table):
-    """How long a drive's own word may take to confirm a step of a stop, beside the step's ramp; ms."""
+    """Longest time of a drive's report of a stop stage, beside the stage's ramp; ms."""
 
     ramp: Confirmation | None = None
     """None, here and below: three of the link's cycles."""
     quick_stop: Confirmation | None = None
     power_off: Confirmation | None = None
     by_object: Confirmation | None = None
-    """For each of the two words written object by object; None: as long as a silent drive keeps the link."""
+    """For each of the two Controlwords written by object; None: as long as a silent drive keeps the link."""
     silence: Confirmation | None = None
     """After the silence at which the drives stop by themselves, `bridge_silent_ms`."""
     reset: Confirmation = 1_000
@@ -89,11 +89,11 @@ class Epos2Link(LinkTable):
     gateway: NodeId | None = None
     """The drive whose serial port the bridge is on."""
     protocol: Annotated[Generation, Field(strict=False)] = Generation.V2
-    """What that port speaks: v1 as on RS232, v2 as on USB."""
+    """Protocol of that port: v1 as on RS232, v2 as on USB."""
     baud: Annotated[int, Field(ge=9_600, le=1_000_000)] | None = None
     """Of that port; None for the protocol's default."""
     port_latency_us: Annotated[int, Field(ge=0, le=20_000)] = 1_000
-    """How long this machine's port may keep what it has heard: the latency timer of a converter on USB."""
+    """Longest time that this machine's port may keep received bytes: the latency timer of a USB converter."""
     bit_rate: int
     bridge_node: NodeId
     bridge_heartbeat_ms: Annotated[int, Field(ge=10, le=10_000)]
@@ -129,7 +129,7 @@ class Epos2Link(LinkTable):
         return self.baud or (115_200 if self.protocol is Generation.V1 else 1_000_000)
 
     def confirmed(self, cycle: Nanoseconds) -> Confirmed:
-        """Return how long each step of a stop may take to be confirmed; `cycle` is the robot's."""
+        """Return the time for the confirmation of each stop stage; `cycle` is the robot's."""
         times = self.stop_confirmed_ms
         cycles_ms = UNCONFIRMED_CYCLES * self.every * cycle // MILLISECOND
         silent_ms = self.bridge_silent_ms + (times.silence or cycles_ms)
@@ -150,8 +150,8 @@ class Epos2Link(LinkTable):
     def watched_by(self, node: int, nodes: Sequence[int]) -> int:
         """Return the node whose silence stops this drive.
 
-        That is the bridge; but the gateway does not hear what it sends onto the bus for the bridge, so it
-        watches another drive, which speaks only when the bridge asks it.
+        That is the bridge; but the gateway does not receive its own CAN frames for the bridge, so it watches
+        another drive, which sends only on the bridge's request.
         """
         through = self.driver is Epos2Driver.SERIAL and node == self.gateway
         return self.guardian(nodes) if through else self.bridge_node
@@ -195,7 +195,7 @@ class Profile(Table):
 
 
 MOTOR_TYPES: Final = MappingProxyType({1: "brushed DC", 10: "EC, sinusoidal", 11: "EC, block"})
-"""What 0x6402 may be (EPOS2 firmware specification)."""
+"""Values of 0x6402 (EPOS2 firmware specification)."""
 
 
 class Epos2Axis(Table):
@@ -244,7 +244,7 @@ class Epos2Axis(Table):
 
     @property
     def address(self) -> str:
-        """The drive in words."""
+        """The drive as text."""
         return f"node {self.node}"
 
     @property

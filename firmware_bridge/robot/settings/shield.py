@@ -14,13 +14,13 @@ FULL_PWM: Final = 255
 
 
 class ShieldDriver(StrEnum):
-    """How the bridge reaches the motors."""
+    """The bridge's connection to the motors."""
 
     MOTOR_SHIELD = "motor-shield"
 
 
 class ShieldProtocol(StrEnum):
-    """What the board's firmware speaks."""
+    """The protocol of the board's firmware."""
 
     MW = "mw"
     """MWProtocol, of MATLAB's package."""
@@ -52,18 +52,18 @@ CYCLES_MS: Final = {
     ShieldProtocol.ARDUINOIO: 50,
     ShieldProtocol.FIRMATA: 50,
 }
-"""What a line carries with three motors: MWProtocol answers each word before it hears the next one."""
+"""Shortest cycle of a line with three motors: MWProtocol answers each command before it takes the next."""
 ENCODERS: Final = {
     ShieldProtocol.MW: 2,
     ShieldProtocol.ROS_ARDUINO_BRIDGE: 3,
     ShieldProtocol.ARDUINOIO: 2,
     ShieldProtocol.FIRMATA: 2,
 }
-"""How many a firmware reads: as published, but for ros_arduino_bridge, whose third motor forks have added."""
+"""Encoders that a firmware reads: as published, but forks have added ros_arduino_bridge's third motor."""
 
 
 class ShieldDevice(StrEnum):
-    """What the motor hangs on."""
+    """The driver board of the motor."""
 
     MOTOR_SHIELD_V2 = "motor-shield-v2"
 
@@ -83,33 +83,34 @@ class ShieldLink(LinkTable):
     driver: Annotated[ShieldDriver, Field(strict=False)]
     protocol: Annotated[ShieldProtocol, Field(strict=False)]
     encoders: Annotated[int, Field(ge=0, le=4)] | None = None
-    """How many the firmware reads; None: as many as it does as published."""
+    """Number of encoders that the firmware reads; None: as published."""
     port_latency_us: Annotated[int, Field(ge=0, le=20_000)] = 1_000
-    """How long this machine's port may keep what it has heard."""
+    """Longest time that this machine's port may keep received bytes."""
     answers_within_ms: Annotated[int, Field(ge=5, le=1_000)] = 60
-    """A question that has no answer by then is asked again."""
+    """Timeout of a request, after which it is sent again."""
     boots_ms: Annotated[int, Field(ge=0, le=10_000)] | None = None
-    """So long after a reset nothing is said: a byte in its first second keeps a Mega's boot loader for 9 s.
-    None: as the firmware is published."""
+    """Silence after a reset; None: as the firmware is published.
+
+    A byte in its first second keeps a Mega's boot loader for 9 s.
+    """
     boots_within_ms: Annotated[int, Field(ge=100, le=20_000)] = 5_000
     """From a reset, which opening the port may be, to the first answer."""
     stop_confirmed_ms: Annotated[int, Field(ge=10, le=10_000)] | None = None
-    """How long the board's word, or the encoders', may take to confirm a step of a stop; None: three of the
-    link's cycles."""
+    """Longest time of the board's or encoders' report of a stop stage; None: three of the link's cycles."""
     auto_stop_ms: Annotated[int, Field(ge=10, le=32_767)] = 2_000
-    """After so long without a word ros_arduino_bridge stops its motors; as it was compiled."""
+    """Timeout after which ros_arduino_bridge stops its motors; as it was compiled."""
     gains: BoardGains = BoardGains()
     accept_no_watchdog: bool = False
     """The robot may be driven though nothing stops its motors when the bridge ends or the line is cut."""
 
     @property
     def unwatched(self) -> bool:
-        """Whether its motors run on when the bridge falls silent: the firmware has no auto-stop."""
+        """True where its motors run on when the bridge falls silent: the firmware has no auto-stop."""
         return not self.stops_itself
 
     @property
     def line_rate(self) -> int:
-        """Bits a second."""
+        """Bit rate of the line, bit/s."""
         return BAUDS[self.protocol]
 
     @property
@@ -119,21 +120,21 @@ class ShieldLink(LinkTable):
 
     @property
     def counted(self) -> int:
-        """How many encoders are read."""
+        """Number of encoders that are read."""
         return ENCODERS[self.protocol] if self.encoders is None else self.encoders
 
     @property
     def stock(self) -> bool:
-        """Whether the firmware reads so many as it is published."""
+        """True where the firmware reads so many as it is published."""
         return self.counted <= ENCODERS[self.protocol]
 
     @property
     def stops_itself(self) -> bool:
-        """Whether the board stops its motors when no one speaks."""
+        """True where the board stops its motors when it receives nothing."""
         return self.protocol is ShieldProtocol.ROS_ARDUINO_BRIDGE
 
     def confirmed(self, cycle: Nanoseconds) -> Nanoseconds:
-        """Return how long a step of a stop may take to be confirmed; `cycle` is the robot's."""
+        """Return the time for the confirmation of a stop stage; `cycle` is the robot's."""
         own = self.stop_confirmed_ms
         return 3 * self.every * cycle if own is None else own * MILLISECOND
 
@@ -162,13 +163,13 @@ class ShieldAxis(Table):
     device: Annotated[ShieldDevice, Field(strict=False)]
     motor: str
     encoder_pins: Annotated[tuple[int, int], Field(strict=False)]
-    """Channels A and B."""
+    """Pins of channels A and B."""
     counts_per_turn: Annotated[int, Field(ge=4, le=100_000)]
     """Of the motor's shaft, all edges."""
     full_speed_rpm: Positive
     """Of the motor at full PWM, without load."""
     max_pwm: Annotated[int, Field(ge=1, le=FULL_PWM)] = FULL_PWM
-    """More it is never told."""
+    """Largest PWM of a command."""
     slope_pwm_s: Positive
     """The PWM changes no faster, in counts a second."""
     acceleration: Positive
@@ -190,7 +191,7 @@ class ShieldAxis(Table):
 
     @property
     def address(self) -> str:
-        """The motor in words."""
+        """The motor as text."""
         return f"motor M{self.port}"
 
     def slowest_ramp(self, ratio: float) -> float:

@@ -64,7 +64,7 @@ class Body:
         return State(tuple(it.position for it in feedback), tuple(it.velocity for it in feedback))
 
     def requested(self, motion: Motion, _state: State) -> frozenset[str]:
-        """Return the arm where the motion asks it to move."""
+        """Return the arm where the motion commands it to move."""
         return NOTHING if motion.twist == STILL else frozenset({TOOL})
 
     def moving(self, state: State) -> frozenset[str]:

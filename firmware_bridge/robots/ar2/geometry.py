@@ -8,7 +8,7 @@ from firmware_bridge.robot.table import Finite, NonNegative, Positive, Table
 
 
 class Limits(Table):
-    """What the interlocks hold, whatever the operator commands."""
+    """The limits that the interlocks enforce, whatever the operator commands."""
 
     speed_mps: Positive
     """Of the tool."""
@@ -21,7 +21,7 @@ class Limits(Table):
 
 
 class Workspace(Table):
-    """Where the tool may be, m in the frame of the arm's foot, z from the floor that it stands on."""
+    """Workspace of the tool, m in the frame of the arm's foot, z from the floor that it stands on."""
 
     lowest_m: Annotated[tuple[Finite, Finite, Finite], Field(strict=False)]
     highest_m: Annotated[tuple[Finite, Finite, Finite], Field(strict=False)]
@@ -46,7 +46,7 @@ class Control(Table):
 
 
 class Pose(Table):
-    """The guide `pose`: from where the tool is to a place beside, turned by less than 90 degrees."""
+    """The path follower `pose`: from the tool's place to one beside, turned by less than 90 degrees."""
 
     by_m: Annotated[tuple[Finite, Finite, Finite], Field(strict=False)]
     tilt_deg: Annotated[tuple[Finite, Finite, Finite], Field(strict=False)]
@@ -54,7 +54,7 @@ class Pose(Table):
 
 
 class Courses(Table):
-    """Heights of the guides `ramp`, (3.24), and `sine`, (3.25): mm by context, 60 s."""
+    """Heights of the path followers `ramp`, (3.24), and `sine`, (3.25): mm by context, 60 s."""
 
     height_m: Positive = 0.08
     ramp_s: Positive = 60.0
@@ -62,7 +62,7 @@ class Courses(Table):
 
 
 class Geometry(Table):
-    """All that a robot file says of the arm beside its joints."""
+    """The arm's part of a robot file beside its joints."""
 
     limits: Limits
     workspace: Workspace

@@ -1,8 +1,8 @@
-"""The arm's guides: the law of resolved rate along a course of the tool; the gate judges their commands.
+"""The arm's path followers: resolved rate along a course of the tool; the gate judges their commands.
 
 q' = J+ (x_r' + K e), with e = x_r - x, and for a pose the law (3.21) to (3.23) (A. Seleit, MSc thesis, UCF,
-2020). A course begins where the tool is; while the arm is held back it waits. What the joints were told last
-counts as where they are: it is where they are at the end of a move, and nothing measures them.
+2020). A course begins where the tool is; while the arm is held back it waits. The last set-points of the
+joints count as their positions: they are there at the end of a move, and nothing measures them.
 
 Tests of the source: (3.24), a ramp, and (3.25), a sine, both upwards, of 80 in 60 s; mm by context.
 """
@@ -26,7 +26,7 @@ from firmware_bridge.units import Nanoseconds, to_seconds
 
 
 class Place(NamedTuple):
-    """Where a course is at an instant, from where it began, m and m/s; turned by a vector, rad."""
+    """A course's position at an instant, from where it began, m and m/s; turned by a vector, rad."""
 
     by: tuple[float, float, float]
     speed: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -54,14 +54,14 @@ def sine(courses: Courses, seconds: float) -> Place:
 
 
 def pose(courses: Courses, seconds: float) -> Place:
-    """Return the place beside, which is asked for at once: the law alone takes the tool there."""
+    """Return the pose beside as the target from the first instant: the law alone takes the tool there."""
     del seconds
     x, y, z = (math.radians(it) for it in courses.pose.tilt_deg)
     return Place(courses.pose.by_m, turned=(x, y, z))
 
 
 COURSES: Final[Mapping[str, Course]] = MappingProxyType({"ramp": ramp, "sine": sine, "pose": pose})
-"""By the guides' names."""
+"""Courses by the path followers' names."""
 
 
 class Follower:

@@ -1,4 +1,4 @@
-"""The arm's motion in its own words: how its tool moves in the frame of its foot, x ahead, y left, z up."""
+"""The arm's motion in its own terms: its tool's in the frame of its foot, x ahead, y left, z up."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -10,7 +10,7 @@ STILL: Final[tuple[float, ...]] = (0.0,) * 6
 
 @valueclass(frozen=True, slots=True)
 class Motion:
-    """What the operator commands, what the gate allows, and what the bridge demands."""
+    """A motion: the operator's command, the permitted one, or the bridge's set-point."""
 
     ahead_mps: float = 0.0
     left_mps: float = 0.0
@@ -22,7 +22,7 @@ class Motion:
     angles: tuple[float, ...] | None = None
     """Of the six joints, rad: where a demand has them be at the end of its cycle; None: where they are."""
     path_s: float | None = None
-    """How far a guide is on its course, in s; None where no one guides."""
+    """Progress of a path follower on its course, in s; None without one."""
 
     @property
     def speed(self) -> tuple[float, ...]:
@@ -50,7 +50,7 @@ def motion_of(
 
 @valueclass(frozen=True, slots=True)
 class State:
-    """What the joints tell: counted, not measured."""
+    """State of the joints: counted, not measured."""
 
     angles: tuple[float, ...]
     """rad."""

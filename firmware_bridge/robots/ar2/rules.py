@@ -28,7 +28,7 @@ CLEARS_AFTER: Final[Nanoseconds] = 300 * MILLISECOND
 HORIZON: Final = 2.0
 """Cycles that are looked ahead: the one that is being driven, and the next."""
 OUTSIDE_M: Final = 0.01
-"""So far outside of its workspace the tool is nowhere that it was asked to."""
+"""Distance outside of its workspace at which the tool is where no command put it."""
 TOLERANCE: Final = 1e-4
 """A step that the ramp shortens by less, in m/s or rad/s, is not reported."""
 

@@ -1,4 +1,4 @@
-"""The arm's rows on MAVLink: the tool by stick and by velocity, and what it tells.
+"""The arm's rows on MAVLink: the tool by stick and by velocity, and its telemetry.
 
 Full stick is the speed limit in its direction, ahead, to the left, and upwards while button 3 is held; and
 the turn rate's about the upright axis. Button 2 is the emergency stop.
@@ -50,7 +50,7 @@ def _largest(robot: Robot[Geometry]) -> Twist:
 
 
 def _still(_state: State) -> Twist:
-    """Return that the foot does not move: what the tool does is told by values of its own."""
+    """Return a foot at standstill: the tool's motion has values of its own."""
     return Twist(0.0, 0.0, 0.0)
 
 

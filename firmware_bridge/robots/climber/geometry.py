@@ -35,12 +35,12 @@ class Tank(Table):
 
     radius_m: Positive
     axis_x_m: Finite = 0.0
-    """Where its axis is in the room. The arc is 0 at its +x side."""
+    """Position of its axis in the room. The arc is 0 at its +x side."""
     axis_y_m: Finite = 0.0
 
 
 class Start(Table):
-    """How the robot is put on the tank; it counts where no cameras see it."""
+    """Start pose of the robot on the tank; it counts where no cameras see it."""
 
     heading_deg: Finite = 90.0
     """From the arc towards the axis: 90 looks up."""
@@ -58,9 +58,9 @@ class Joint(Table):
     sensor: str
     """The name of the sensor that measures it, in rad."""
     rest: Finite
-    """What that tells where the joint is flat, rad."""
+    """The sensor's reading where the joint is flat, rad."""
     turns_round_deg: Positive
-    """A guide turns round there."""
+    """A path follower turns round there."""
     slow_deg: Positive
     """From there on the robot drives slower the way in which the angle grows, the nearer to the bound the
     slower."""
@@ -76,7 +76,7 @@ class Joint(Table):
         return self
 
     def read(self, reading_rad: float) -> float | None:
-        """Return the angle that a sensor has told; None where it cannot be that."""
+        """Return the angle of a sensor's reading; None where it cannot be that."""
         angle = reading_rad - self.rest
         return angle if abs(angle) <= math.radians(self.sensor_bound_deg) else None
 
@@ -89,16 +89,16 @@ class Joint(Table):
         if joint_rad is None:
             return 0.0
         slow, bound = math.radians(self.slow_deg), math.radians(self.bound_deg)
-        # Said so that what is no number is none, too.
+        # Written so that NaN gives no number, too.
         left = (bound - math.copysign(1.0, way) * joint_rad) / (bound - slow)
         return min(left, 1.0) if left > 0.0 else 0.0
 
 
 class Wall(Table):
-    """What holds the robot on the tank, and the cable that hangs from it."""
+    """The adhesion of the robot to the tank, and the cable that hangs from it."""
 
     sensor: str
-    """The name of the sensor that tells which share of its magnets is on the wall."""
+    """The name of the sensor that measures the share of its magnets on the wall."""
     wheel_n: Positive
     """Pull-off force of a wheel's magnet."""
     caster_n: Positive
@@ -110,16 +110,16 @@ class Wall(Table):
     length_m: Positive
     """Between the axle and the caster's contact."""
     least_margin: Annotated[float, Field(ge=1.0)]
-    """How many times more than the weight the magnets must hold."""
+    """Least ratio of the magnets' force to the weight."""
     cable_m: Positive
     """From where the robot is put on to where the cable is taut."""
     cable_kg_per_m: Positive
 
     @property
     def heaviest_kg(self) -> float:
-        """What magnets and friction hold with the least margin, cable included.
+        """The mass that magnets and friction hold with the least margin, cable included.
 
-        Along the wall friction holds it. Off the wall the weight's lever is the height of its centre; the
+        Along the wall friction holds it. Off the wall the weight's lever is the height of its center; the
         caster's magnet has to bear that alone where the robot looks down.
         """
         along = self.friction * (2.0 * self.wheel_n + self.caster_n)
@@ -128,7 +128,7 @@ class Wall(Table):
 
     @property
     def highest_m(self) -> float:
-        """How high it may climb until its cable is too heavy."""
+        """Height at which its cable becomes too heavy."""
         return (self.heaviest_kg - self.mass_kg) / self.cable_kg_per_m
 
     @model_validator(mode="after")
@@ -141,7 +141,7 @@ class Wall(Table):
 
 
 class Limits(geometry.Limits):
-    """What the interlocks hold, and how high and low it may climb."""
+    """The limits that the interlocks enforce, with the highest and lowest height."""
 
     lowest_m: Finite
     """The height along the tank's axis, above where the robot is put on or as the cameras see it."""
@@ -165,7 +165,7 @@ class Control(Table):
 
 
 class Paths(Table):
-    """How large the paths are on the unrolled surface."""
+    """Sizes of the paths on the unrolled surface."""
 
     side_m: Positive = 1.0
     """Of triangle, square and diamond."""

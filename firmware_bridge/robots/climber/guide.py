@@ -1,4 +1,4 @@
-"""The climber's guides: along a path on the unrolled surface, by the polar law. They give commands.
+"""The climber's path followers: along a path on the unrolled surface, by the polar law. They give commands.
 
 The law is (27) to (29) of Qualls et al., JAMRIS 10(3), 2016, in the form that is stable (Siegwart and
 Nourbakhsh): with rho, alpha and beta the reference in polar coordinates from the robot,
@@ -37,7 +37,7 @@ SLOWEST_MPS: Final = 0.0005
 LOOKS: Final = 10
 """A path begins in the mean of so many poses of the robot at rest: one alone has the cameras' noise."""
 SHARE: Final = 0.2
-"""Of the limits' accelerations that a path asks for, so that the law can correct."""
+"""Share of the limits' accelerations that a path uses, so that the law can correct."""
 TURN_SHARE: Final = 0.5
 """The same of turns on the spot: nothing is steered by them."""
 
@@ -57,18 +57,18 @@ class Follower:
         self._lead: Final = self._control.speed_mps / self._control.k_rho_per_s
         """So far ahead the reference is: at a smaller speed the angles to a nearer one are but noise."""
         self._begin: tuple[float, float] | None = None
-        """Where the leg begins, m."""
+        """Start of the leg, m."""
         self._looks: list[tuple[float, float]] = []
         self._leg = 0
         self._turning = True
         self._tail = False
         self._way = 0.0
-        """Where on the leg it shall be, m, and how fast, m/s."""
+        """Set-point on the leg, m, and its speed."""
         self._rate = 0.0
         self._done_m = 0.0
         """The legs before this one."""
         self._posed_at: Nanoseconds | None = None
-        """When the samples were taken whose pose comes next."""
+        """Time of the samples whose pose comes next."""
 
     def reset(self) -> None:
         """Begin from rest again: the robot was held back."""

@@ -1,26 +1,26 @@
-"""The climber's motion in its own words, and what is known of its body; ahead and left are positive."""
+"""The climber's motion in its own terms, and the state of its body; ahead and left are positive."""
 
 from firmware_bridge.value import valueclass
 
 
 @valueclass(frozen=True, slots=True)
 class Motion:
-    """What the operator commands, what the gate allows, and what the bridge demands."""
+    """A motion: the operator's command, the permitted one, or the bridge's set-point."""
 
     speed_mps: float = 0.0
     """Of the middle between the wheels; ahead, the caster trails."""
     turn_rad_s: float = 0.0
     path_s: float | None = None
-    """How far a guide is on its path, in the path's own seconds; None where no one guides."""
+    """Progress of a path follower on its path, in the path's own seconds; None without one."""
 
 
 @valueclass(frozen=True, slots=True)
 class State:
-    """What wheels and joint tell."""
+    """State of wheels and joint."""
 
     speed_mps: float
     turn_rad_s: float
     joint_rad: float | None = None
     """The right half against the left, 0 where both are flat; None where its sensor is silent."""
     on_wall: float | None = None
-    """The share of its magnets that are on the wall; None where no one tells."""
+    """The share of its magnets that are on the wall; None without a measurement."""

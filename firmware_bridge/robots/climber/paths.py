@@ -21,7 +21,7 @@ class Leg(NamedTuple):
 
     length: float
     heading: float
-    """Where it begins to, from the arc towards the axis."""
+    """Its direction at the start, from the arc towards the axis."""
     bend: float = 0.0
 
     def at(self, way: float) -> tuple[float, float, float]:
@@ -56,4 +56,4 @@ PATHS: Final[Mapping[str, Callable[[Paths], Path]]] = MappingProxyType(
         "diamond": lambda paths: polygon(paths.side_m, _degrees(45.0, 135.0, 225.0, 315.0)),
     }
 )
-"""By the guides' names; each begins where the robot stands."""
+"""Paths by the path followers' names; each begins where the robot stands."""

@@ -24,7 +24,7 @@ ON_WALL: Final = 0.9
 
 
 def _pose_lost(view: View) -> str | None:
-    """Judge where a guide needs the pose: an operator sees himself where the robot is."""
+    """Judge where a path follower needs the pose: an operator sees the robot himself."""
     located = view.seen.located
     if located is None or located.reason is None or view.seen.command.path_s is None:
         return None
@@ -32,7 +32,7 @@ def _pose_lost(view: View) -> str | None:
 
 
 def _slips(view: View) -> str | None:
-    """Judge what the cameras see against what the wheels tell."""
+    """Judge the cameras' velocity against the wheels'."""
     located, known = view.seen.located, view.robot.located_by
     if located is None or known is None or located.slip_mps <= known[1].slip_mps:
         return None
@@ -95,7 +95,7 @@ def _joint(view: View) -> tuple[Motion, str | None]:
 
 
 def _place(view: View) -> Pose | None:
-    """Return where it is on the unrolled tank; None where cameras shall tell that, and have not seen it."""
+    """Return its pose on the unrolled tank; None where that is the cameras', and they have not seen it."""
     located = view.seen.located
     if located is None:
         return placed(view.geometry, view.seen.pose)

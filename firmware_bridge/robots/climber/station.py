@@ -1,4 +1,4 @@
-"""The climber's rows on MAVLink: stick and velocity to a motion, and what it tells.
+"""The climber's rows on MAVLink: stick and velocity to a motion, and its telemetry.
 
 Full stick is the speed limit and the turn rate's; with `r` unused `y` turns. Button 2 is the emergency stop.
 """

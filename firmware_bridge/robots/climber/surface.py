@@ -19,8 +19,8 @@ FLAT_PER_M: Final = 1e-6
 def unrolled(geometry: Geometry, seen: SeenPose, near: Pose) -> Pose:
     """Return the pose on the unrolled surface of a robot that cameras see in the room.
 
-    The arc is that of the turn round the tank which is nearest to where the robot is believed to be. How far
-    off the tank's axis its body is does not matter: it stands on the surface, wherever its pivot is above it.
+    The arc is that of the turn round the tank which is nearest to the robot's assumed position. How far off
+    the tank's axis its body is does not matter: it stands on the surface, wherever its pivot is above it.
     """
     tank = geometry.tank
     x, y, height = seen.position
@@ -55,7 +55,7 @@ def track_on(geometry: Geometry, heading_rad: float, joint_rad: float | None = N
 
 
 def placed(geometry: Geometry, rolled: Pose) -> Pose:
-    """Return the pose on the unrolled surface of a robot that was put on it as the robot file says."""
+    """Return the pose on the unrolled surface of a robot with the robot file's start pose."""
     start = geometry.start
     turn = start.heading_rad
     cosine, sine = math.cos(turn), math.sin(turn)

@@ -34,10 +34,13 @@ NOTHING: Final[frozenset[str]] = frozenset()
 BASE_MOVES_MPS: Final = 0.010
 """Speed at which the base counts as driving; its encoders resolve 0.1 mm/s."""
 LIFT_TOLERANCE_M: Final = 0.001
-"""A lift this near to the height asked for has arrived: it holds its target, it does not move."""
+"""A lift this near to its commanded height has arrived: it holds its target, it does not move."""
 LEASH_S: Final = 0.3
-"""How far the lift's target may run ahead, in seconds at the highest rate: near the top the screw is slower
-than the rate, and a target that ran away would go on after the stick is let go."""
+"""Largest lead of the lift's target, in seconds at the highest rate.
+
+Near the top the screw is slower than the rate, and a target that ran away would go on after the stick is
+neutral.
+"""
 
 
 def ramp_of(robot: Robot[Geometry], limits: Limits | None = None) -> Ramp:
@@ -79,7 +82,7 @@ class Rars:
         return State(steer, lift, turning, (left + right) / 2.0, (right - left) / self._base.rear_track_m)
 
     def requested(self, motion: Motion, state: State) -> frozenset[str]:
-        """Return the groups that the motion asks to move; a base that shall only steer stands."""
+        """Return the groups that the motion commands to move; a base that only steers is at standstill."""
         base = BASE if motion.speed_mps != 0.0 else ""
         lift = LIFT if _lift_requested(motion, state.lift_m) else ""
         return frozenset(group for group in (base, lift) if group)

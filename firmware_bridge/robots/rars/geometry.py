@@ -12,7 +12,7 @@ from firmware_bridge.units import STANDARD_GRAVITY
 
 
 class Limits(Table):
-    """What the interlocks hold, whatever the operator commands (thesis 2.3.1, 4.2.1)."""
+    """The limits that the interlocks enforce, whatever the operator commands (thesis 2.3.1, 4.2.1)."""
 
     speed_mps: Positive
     acceleration_g: Positive
@@ -33,12 +33,12 @@ class Limits(Table):
 
 
 class Degraded(Table):
-    """What narrows the limits once an actuator has failed, for the way home."""
+    """Narrower limits after an actuator failure, for the way home."""
 
     speed_mps: Positive
     acceleration_g: Positive
     steer_angle_deg: Annotated[float, Field(gt=0, lt=90)]
-    """Where one wheel drives alone."""
+    """Limit where one wheel drives alone."""
 
 
 class Geometry(Table):

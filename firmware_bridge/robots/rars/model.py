@@ -1,4 +1,4 @@
-"""How RARS moves when it is told: the speed at its ramp, the rack at its top rate, turning as steered."""
+"""Motion model of RARS: the speed at its ramp, the rack at its top rate, turning as steered."""
 
 import math
 from typing import Final
@@ -11,7 +11,7 @@ from firmware_bridge.robots.rars.geometry import Geometry
 from firmware_bridge.units import RPM_PER_RAD_S, from_seconds
 
 STANDS_MPS: Final = 0.02
-"""Below this speed a yaw rate tells no steering angle."""
+"""Speed below which a yaw rate gives no steering angle."""
 
 
 class RarsModel:
@@ -25,7 +25,7 @@ class RarsModel:
         self.tightest_per_m: float = 1.0 / robot.geometry.limits.turn_radius_m
 
     def step(self, moving: Moving, speed_mps: float, yaw_rate_rad_s: float, seconds: float) -> Moving:
-        """Return how it moves after some time of being told this."""
+        """Return its motion after some time of these set-points."""
         base, steer = self._base, self._steer(moving)
         if abs(speed_mps) >= STANDS_MPS:
             goal = davis.pinion_from_steer(base, davis.steer_from_curvature(base, yaw_rate_rad_s / speed_mps))

@@ -36,14 +36,14 @@ from firmware_bridge.robots.rars.rules import (
 )
 
 STAYS_WITHIN_RAD: Final = math.radians(1.0)
-"""So far may a command be beside an angle that stays, before who drives is informed that it does."""
+"""Largest difference of a command from the fixed angle without a report to the station in control."""
 
 
 class Failed(Rars):
     """A body of which one axis is left out: within the narrowed limits."""
 
     role: str
-    """Which."""
+    """Role of that axis."""
 
     def __init__(self, robot: Robot[Geometry]) -> None:
         super().__init__(robot, robot.geometry.narrowed)
@@ -149,7 +149,7 @@ def _little_steer(view: View) -> tuple[Motion, str | None]:
 
 
 def _steering_stays(view: View) -> tuple[Motion, str | None]:
-    """Let no one steer; say so to who wants another angle than it has."""
+    """Keep the steering angle; report that where another one is commanded."""
     motion, angle = view.allowed, steered(view.body)
     if motion.steer_rad is None:
         return motion, None
@@ -160,7 +160,7 @@ def _steering_stays(view: View) -> tuple[Motion, str | None]:
 
 
 def _lift_stays(view: View) -> tuple[Motion, str | None]:
-    """Let no one lift; say so to who wants to."""
+    """Keep the lift; report that where it is commanded to move."""
     motion = view.allowed
     if motion.lift_m is None and motion.lift_rate_mps == 0.0:
         return motion, None

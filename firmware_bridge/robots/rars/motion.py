@@ -1,11 +1,11 @@
-"""RARS's motion in its own words, and what is known of its body; forward, left and up are positive."""
+"""RARS's motion in its own terms, and the state of its body; forward, left and up are positive."""
 
 from firmware_bridge.value import valueclass
 
 
 @valueclass(frozen=True, slots=True)
 class Motion:
-    """What the operator commands, what the gate allows, and what the bridge demands."""
+    """A motion: the operator's command, the permitted one, or the bridge's set-point."""
 
     speed_mps: float = 0.0
     """Of the rear axle's middle."""
@@ -20,7 +20,7 @@ class Motion:
 
 @valueclass(frozen=True, slots=True)
 class State:
-    """What axes and sensors tell."""
+    """State by axes and sensors."""
 
     steer_rad: float | None
     """Actual angle of the inner front wheel; None while it is unknown."""

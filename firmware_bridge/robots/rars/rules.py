@@ -64,7 +64,7 @@ def _lift_moves(view: View) -> str | None:
 
 
 def _base_drives(view: View) -> str | None:
-    """Judge a lift that is asked to move, once it is known how fast the base may drive now."""
+    """Judge a lift that is commanded to move, once it is known how fast the base may drive now."""
     if LIFT not in view.requested:
         return None
     speed = rolls(view.geometry.base, view.body)
@@ -125,7 +125,7 @@ def tipping_speed(robot: Robot[Geometry], steer_rad: float) -> float:
 
 
 def _tipping_speed(view: View) -> float:
-    # The turn actually steered, not the one asked for: the wheels may still be on their way.
+    # The turn actually steered, not the one commanded: the wheels may still be on their way.
     steer = view.body.steer_rad
     return tipping_speed(view.robot, steer) if steer is not None and math.isfinite(steer) else 0.0
 

@@ -32,7 +32,7 @@ from firmware_bridge.teleop.station import (
 from firmware_bridge.units import SECOND
 
 STANDSTILL_MPS: Final = 0.001
-"""Below this speed a yaw rate tells no steering angle."""
+"""Speed below which a yaw rate gives no steering angle."""
 
 
 def steer_for(speed_mps: float, yaw_rate_rad_s: float, base: DavisBase) -> float | None:

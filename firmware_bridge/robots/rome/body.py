@@ -50,7 +50,7 @@ class Body:
         return State(*self._twist([axes[name].velocity for name in self.rolling]))
 
     def requested(self, motion: Motion, _state: State) -> frozenset[str]:
-        """Return the base where the motion asks it to move."""
+        """Return the base where the motion commands it to move."""
         return NOTHING if motion.twist == (0.0, 0.0, 0.0) else frozenset({BASE})
 
     def moving(self, state: State) -> frozenset[str]:

@@ -25,7 +25,7 @@ class Base(Table):
 
 
 class Limits(Table):
-    """What the interlocks hold, whatever the operator commands."""
+    """The limits that the interlocks enforce, whatever the operator commands."""
 
     speed_mps: Positive
     acceleration_mps2: Positive
@@ -49,7 +49,7 @@ class Paths(Table):
     line: Positive = 1.0
     ellipse: Positive = 1.0
     points: Annotated[tuple[tuple[Finite, Finite, Finite, Finite], ...], Field(strict=False)] = ()
-    """Of the guide `points`: s, m, m, rad; straight from one to the next."""
+    """Of the path follower `points`: s, m, m, rad; straight from one to the next."""
 
     @model_validator(mode="after")
     def _time_goes_on(self) -> Self:

@@ -1,4 +1,4 @@
-"""ROME's guides: the control law (2.15) along a path. They give commands, which the gate judges.
+"""ROME's path followers: the control law (2.15) along a path. They give commands, which the gate judges.
 
 V = P(psi) (chi_d' - K_p e - K_i int e), with e = actual - desired (A. Seleit, MSc thesis, UCF, 2020). (2.17)
 has other signs, and diverges as it is printed. P is the body's; here it is a motion in the base's own frame.
@@ -36,7 +36,7 @@ class Follower:
         self._seconds = 0.0
         self._waits = False
         self._posed_at: Nanoseconds | None = None
-        """When the samples were taken whose pose comes next."""
+        """Time of the samples whose pose comes next."""
         self._sum = (0.0, 0.0, 0.0)
 
     def reset(self) -> None:
@@ -92,7 +92,7 @@ class Follower:
 
 
 def named(robot: Robot[Geometry], name: str) -> Follower:
-    """Return the guide along one of the paths of the robot's file."""
+    """Return the path follower along one of the paths of the robot's file."""
     return Follower(robot, PATHS[name](robot.geometry.paths))
 
 

@@ -1,4 +1,4 @@
-"""ROME's motion in its own words, and what is known of its body; ahead, left, counter-clockwise positive."""
+"""ROME's motion in its own terms, and the state of its body; ahead, left, counter-clockwise positive."""
 
 from firmware_bridge.motion.omni import Twist
 from firmware_bridge.value import valueclass
@@ -6,13 +6,13 @@ from firmware_bridge.value import valueclass
 
 @valueclass(frozen=True, slots=True)
 class Motion:
-    """What the operator commands, what the gate allows, and what the bridge demands."""
+    """A motion: the operator's command, the permitted one, or the bridge's set-point."""
 
     ahead_mps: float = 0.0
     left_mps: float = 0.0
     turn_rad_s: float = 0.0
     path_s: float | None = None
-    """How far a guide is on its path, in the path's own seconds; None where no one guides."""
+    """Progress of a path follower on its path, in the path's own seconds; None without one."""
 
     @property
     def twist(self) -> Twist:
@@ -22,7 +22,7 @@ class Motion:
 
 @valueclass(frozen=True, slots=True)
 class State:
-    """What the wheels tell."""
+    """State of the wheels."""
 
     ahead_mps: float
     left_mps: float

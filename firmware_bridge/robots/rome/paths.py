@@ -16,7 +16,7 @@ RATE: Final = 0.25
 
 
 class Place(NamedTuple):
-    """Where, and how fast: m, rad, m/s, rad/s in the path's own frame."""
+    """Position and velocity on a path: m, rad, m/s, rad/s in the path's own frame."""
 
     x: float
     y: float
@@ -69,4 +69,4 @@ PATHS: Final[Mapping[str, Callable[[Paths], Path]]] = MappingProxyType(
         "points": lambda paths: by_points(paths.points or ((0.0, 0.0, 0.0, 0.0),)),
     }
 )
-"""By the guides' names."""
+"""Paths by the path followers' names."""

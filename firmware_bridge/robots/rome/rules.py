@@ -19,7 +19,7 @@ Interlock: TypeAlias = interlock.Interlock[Geometry, Motion, State]
 Limit: TypeAlias = interlock.Limit[Geometry, Motion, State]
 
 SPIN: Final = 1.5
-"""A base that turns faster than its limit by this factor turns as no one asked it to."""
+"""Factor above its limit at which a base turns without a command."""
 CLEARS_AFTER: Final[Nanoseconds] = 300 * MILLISECOND
 TOLERANCE: Final = 1e-4
 """A step that the ramp shortens by less, in m/s or rad/s, is not reported."""
@@ -33,9 +33,9 @@ def _turns_too_fast(view: View) -> str | None:
 
 
 def _pose_lost(view: View) -> str | None:
-    """Judge where a guide needs the pose, or a wheel whose encoder no one reads.
+    """Judge where a path follower needs the pose, or a wheel whose encoder is not read.
 
-    An operator sees himself where the base is, but not that such a wheel slips or stands.
+    An operator sees the base himself, but not that such a wheel slips or stands.
     """
     located = view.seen.located
     if located is None or located.reason is None:
@@ -48,7 +48,7 @@ def _uncounted(robot: Robot[Geometry]) -> bool:
 
 
 def _slips(view: View) -> str | None:
-    """Judge what the cameras see against what the wheels tell, or, without an encoder, were told."""
+    """Judge the cameras' velocity against the wheels', or, without an encoder, their set-points'."""
     located, known = view.seen.located, view.robot.located_by
     if located is None or known is None or located.slip_mps <= known[1].slip_mps:
         return None

@@ -1,4 +1,4 @@
-"""ROME's rows on MAVLink: three degrees of freedom by stick and by velocity, and what it tells.
+"""ROME's rows on MAVLink: three degrees of freedom by stick and by velocity, and its telemetry.
 
 Full stick is the speed limit in its direction, and the turn rate's. Button 2 is the emergency stop.
 """

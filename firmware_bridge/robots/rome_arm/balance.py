@@ -1,4 +1,4 @@
-"""Where the common centre of gravity is, and how far inside the wheels' triangle.
+"""The common center of gravity, and its distance inside the wheels' triangle.
 
 The wheels touch the floor at 0, 120 and 240 degrees; the arm stands at the base's middle (A. Seleit, MSc
 thesis, UCF, 2020). At rest the robot stands as long as its centre of gravity is above their triangle; one
@@ -15,7 +15,7 @@ from firmware_bridge.robots.rome_arm.geometry import Geometry
 from firmware_bridge.units import STANDARD_GRAVITY
 
 SIDES: Final = tuple((-float(np.cos(angle)), -float(np.sin(angle))) for angle in ANGLES)
-"""Which way out each side of the triangle is: opposite to a wheel."""
+"""Outward direction of each side of the triangle: opposite to a wheel."""
 INRADIUS: Final = 0.5
 """From the middle to a side, as a share of the way to a wheel."""
 

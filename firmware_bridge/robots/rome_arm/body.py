@@ -37,7 +37,7 @@ class Body:
         return State(self._base.sensed(axes, sensors), self._arm.sensed(axes, sensors))
 
     def requested(self, motion: Motion, state: State) -> frozenset[str]:
-        """Return what the motion asks to move."""
+        """Return the groups that the motion commands to move."""
         return self._base.requested(motion.base, state.base) | self._arm.requested(motion.arm, state.arm)
 
     def moving(self, state: State) -> frozenset[str]:

@@ -17,7 +17,7 @@ CENTRE: Final = (0.0, 0.0, 0.0)
 
 
 class Balance(Table):
-    """Where the masses are: the common centre of gravity stays inside the wheels' triangle."""
+    """Masses and their positions: the common center of gravity stays inside the wheels' triangle."""
 
     base_kg: Positive
     """With what of the arm does not turn."""
@@ -48,7 +48,7 @@ class Elements(Table):
 
 
 class Orbit(Table):
-    """Guide `orbit`: a body about the Earth, with x and y on the floor and z by the arm (2.4).
+    """Path follower `orbit`: a body about the Earth, with x and y on the floor and z by the arm (2.4).
 
     It is given by its place and speed, by its elements, or by a two-line element set.
     """
@@ -63,7 +63,7 @@ class Orbit(Table):
     m_per_du: Positive
     height_per_du: Positive
     s_per_tu: Positive = 1.0
-    """Where the base cannot follow so fast, time is stretched."""
+    """Time scale of the path, where the base cannot follow so fast."""
     sideways_m: Annotated[tuple[Finite, Finite], Field(strict=False)] = (0.0, 0.0)
     """From where the orbit begins to where the base stands then."""
 
@@ -81,7 +81,7 @@ class Orbit(Table):
 
     @property
     def begin(self) -> State:
-        """Where the body begins, and how fast, in DU and DU/TU."""
+        """Start state of the body, position and speed, in DU and DU/TU."""
         if self.tle is not None:
             return state_of_tle(*self.tle, self.tle_s / 60.0)
         if self.kepler is not None:
@@ -92,7 +92,7 @@ class Orbit(Table):
 
 
 class Formation(Table):
-    """Guide `formation`: how one body moves as another on a circle sees it (Clohessy and Wiltshire)."""
+    """Path follower `formation`: one body's motion as seen from another on a circle (Clohessy, Wiltshire)."""
 
     half_width_m: Positive
     """Of its ellipse, half its width away from the centre; along its way it is twice as long."""
@@ -101,14 +101,14 @@ class Formation(Table):
 
 
 class Pose(Table):
-    """Guide `pose`: to where the base goes, while the tool goes to its own (`arm.courses.pose`)."""
+    """Path follower `pose`: a place beside for the base; the tool has its own (`arm.courses.pose`)."""
 
     by_m: Annotated[tuple[Finite, Finite], Field(strict=False)]
     turn_deg: Finite
 
 
 class Geometry(Table):
-    """All that a robot file says of both."""
+    """The part of a robot file for base and arm together."""
 
     base: base.Geometry
     arm: arm.Geometry

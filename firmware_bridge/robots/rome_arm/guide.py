@@ -1,4 +1,4 @@
-"""ROME's guides: the base's law along x and y, the arm's along z, by one clock; the gate judges them."""
+"""ROME's path followers: the base's law along x, y, the arm's along z, one clock; the gate judges them."""
 
 from collections.abc import Callable, Mapping
 from functools import partial

@@ -1,7 +1,7 @@
-"""A robot of two halves: what each half's own rules, body and guides are shown of the whole.
+"""A robot of two halves: each half's view of the whole, for its own rules, body and path followers.
 
-A half is a kind of robot for itself. It sees its own motion, state and geometry, and everything that any
-robot has, and does not know that there is another.
+A half is a robot type of its own. It sees its own motion, state and geometry, and everything that any robot
+has, and does not know that there is another.
 """
 
 from collections.abc import Callable, Collection, Iterator
@@ -60,7 +60,7 @@ class Half:
         )
 
     def view(self, view: View) -> "interlock.View[Any, Any, Any]":
-        """Return what a row of this half looks at. The ruling before was over both: it is not shown."""
+        """Return the view of an interlock of this half, without the last decision, which was over both."""
         return interlock.View(
             self.robot(view.robot),
             self.seen(view.seen),

@@ -1,4 +1,4 @@
-"""ROME's motion and state: those of its base, and those of its arm, each in its own words."""
+"""ROME's motion and state: those of its base, and those of its arm, each in its own terms."""
 
 from firmware_bridge.robots.ar2 import motion as arms
 from firmware_bridge.robots.rome import motion as bases
@@ -7,17 +7,17 @@ from firmware_bridge.value import valueclass
 
 @valueclass(frozen=True, slots=True)
 class Motion:
-    """What the operator commands, what the gate allows, and what the bridge demands."""
+    """A motion: the operator's command, the permitted one, or the bridge's set-point."""
 
     base: bases.Motion = bases.Motion()
     arm: arms.Motion = arms.Motion()
     path_rate: float = 1.0
-    """How fast a guide's path goes by; below 1, as it is meant, where the base could not follow."""
+    """Rate of a path follower's path; below 1 where the base could not follow at its own pace."""
 
 
 @valueclass(frozen=True, slots=True)
 class State:
-    """What the wheels tell, and what the joints count."""
+    """State of the wheels, measured, and of the joints, counted."""
 
     base: bases.State
     arm: arms.State

@@ -1,4 +1,4 @@
-"""What ROME shows: an orbit about the Earth, or one body as another on a circle sees it.
+"""The orbits that ROME shows: about the Earth, or one body as seen by another on a circle.
 
 x and y are the base's, z is the tool's, and the heading stays (A. Seleit, MSc thesis, UCF, 2020, 2.4). Where
 base or arm could not follow, the path's time is stretched: it flies the same way, later.
@@ -21,7 +21,7 @@ USED: Final = 0.9
 """Share of the base's speed and acceleration, and of the tool's speed, that a path may ask for: the rest is
 for the laws."""
 LOOKED_AT: Final = 720
-"""Instants of a revolution at which the base is asked whether it can follow."""
+"""Instants of a revolution at which the base's ability to follow is checked."""
 
 Flight: TypeAlias = Callable[[float], two_bodies.State]
 """Place and speed on the floor, m and m/s, at an instant of the path."""
@@ -34,7 +34,7 @@ class Shown(NamedTuple):
     tool: Callable[[float], arms.Place]
     """From where it began."""
     stretch: float = 1.0
-    """How many times its own time it takes."""
+    """Ratio of its time to the body's own."""
 
 
 def flown(flight: Flight, stretch: float, beside: tuple[float, float] = (0.0, 0.0)) -> Shown:
@@ -98,7 +98,7 @@ def formation(geometry: Geometry) -> Shown:
 
 
 def pose(geometry: Geometry) -> Shown:
-    """Return a pose beside, which is asked for at once: the laws alone take base and tool there."""
+    """Return the poses beside as targets from the first instant: the laws alone take base and tool there."""
     (x, y), turn = geometry.pose.by_m, math.radians(geometry.pose.turn_deg)
     here, there = (bases.Place(*place, 0.0, 0.0, 0.0) for place in ((0.0, 0.0, 0.0), (x, y, turn)))
     return Shown(
@@ -112,4 +112,4 @@ PATHS: Final[dict[str, Callable[[Geometry], Shown]]] = {
     "formation": formation,
     "pose": pose,
 }
-"""By the guides' names."""
+"""Courses by the path followers' names."""

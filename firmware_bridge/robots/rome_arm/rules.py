@@ -18,7 +18,7 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 CLEARS_AFTER: Final[Nanoseconds] = 300 * MILLISECOND
 IN_TIME: Final = 1.0 - 1e-6
-"""A guide whose path goes by as fast as that keeps its time."""
+"""Least rate at which a path follower's path keeps its time."""
 
 
 def _unknown(view: View) -> bool:
@@ -66,7 +66,7 @@ def _tips(view: View) -> tuple[Motion, str | None]:
 
 
 def _stretched(view: View) -> tuple[Motion, str | None]:
-    """Clip nothing, the guide has; say that its path takes longer than it is meant to."""
+    """Clip nothing, the path follower has; report that its path takes longer than intended."""
     rate = view.allowed.path_rate
     if rate >= IN_TIME:
         return view.allowed, None

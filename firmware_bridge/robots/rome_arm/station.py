@@ -68,7 +68,7 @@ def _gauge(row: Gauge[Any]) -> Gauge[Geometry]:
 
 
 _TOOL: Final = tuple(row for row in arms.STATION.values if row.name.startswith("TOOL"))
-"""The arm's clock is the base's: told once."""
+"""The tool's rows without the arm's clock, which is the base's: it is sent once."""
 
 STATION: Final[Station[Geometry, Motion, State]] = Station(
     stick=of_stick,

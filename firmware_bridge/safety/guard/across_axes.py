@@ -17,7 +17,7 @@ from firmware_bridge.safety.guard.in_force import InForce, Requested
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, from_seconds
 
 HALTED_WITHIN: Final[Nanoseconds] = SECOND
-"""So much longer than the robot file says may a homing stand; whoever started it halts it before."""
+"""Time beyond the robot file's within which a homing must end; the bridge halts it before."""
 
 
 class AxesRule(ABC):
@@ -29,7 +29,7 @@ class AxesRule(ABC):
     members: frozenset[InForce]
     """The same, without an order."""
     due: Nanoseconds
-    """When all its axes must be stopped; NEVER while the rule is kept."""
+    """Deadline by which all its axes must be stopped; NEVER while the rule is kept."""
 
     @abstractmethod
     def refuses(self, requested: Mapping[InForce, Requested], now: Nanoseconds) -> str | None:
@@ -57,11 +57,11 @@ class SpeedSum(AxesRule):
         self._patience: Final = max(axis.cycle for axis in self.axes)
         reach = sum(abs(factor) * axis.axis.top_speed for axis, factor in self._terms)
         self._most_excess: Final = 2.0 * reach * self._patience
-        """What all axes together make in two cycles at their top speeds; in the sum's unit times ns."""
+        """Most excess of all axes in two cycles at their top speeds; in the sum's unit times ns."""
         self._to_come: tuple[InForce, ...] = ()
-        """Who had not been sent a set-point when the bound was passed, nor since."""
+        """The axes that had no set-point when the bound was passed, nor since."""
         self._passed_at: Nanoseconds = NEVER
-        """When the bound was passed last."""
+        """Time of the last passing of the bound."""
         self._kept_at: Nanoseconds = -NEVER
         """Since when the sum is within its bound; NEVER while it is not."""
         self._value = 0.0
@@ -109,7 +109,7 @@ class SpeedSum(AxesRule):
 
     def _others(self, axes: Collection[InForce], now: Nanoseconds) -> tuple[InForce, ...]:
         """Return who may still correct what these axes do: no one that has been sent a set-point since."""
-        # To be within at an instant only, before the next word of that instant, corrects nothing.
+        # To be within at an instant only, before the next command of that instant, corrects nothing.
         to_come = self._to_come if self._kept_at in {NEVER, now} else self.axes
         return tuple(one for one in to_come if one not in axes and one.commanded_at < now)
 
@@ -125,7 +125,7 @@ class SpeedSum(AxesRule):
 
 
 class Exclusion(AxesRule):
-    """Two sides of which one may be told to move; the other must have been told to rest before."""
+    """Two sides of which one may be commanded to move; the other must have been commanded to rest before."""
 
     def __init__(self, row: GuardExclusive, axes: Mapping[str, InForce]) -> None:
         self.name = row.name
@@ -149,7 +149,7 @@ class Exclusion(AxesRule):
         return None
 
     def stops_with(self, axes: Collection[InForce]) -> tuple[InForce, ...]:
-        """Stop no one else: whoever moves already may go on."""
+        """Stop no other axis: one that already moves may go on."""
         del axes
         return ()
 
@@ -158,7 +158,7 @@ class Exclusion(AxesRule):
 
 
 class OneHomes(AxesRule):
-    """While one axis finds its zero no other one may be told to move; it may do so for its time only."""
+    """Exclusive motion of an axis that homes; its homing may last for its time only."""
 
     name = "homing"
 

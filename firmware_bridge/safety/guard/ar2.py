@@ -1,8 +1,8 @@
-"""What may leave towards the board of an AR2 arm: questions, places, short moves within the joints' bounds.
+"""The output guard of an AR2 arm's board: requests, positions, short moves within the joints' bounds.
 
-A move cannot be stopped once it is sent. So one is under way at a time, until the board has echoed what was
-said after it; it is short, and no joint gets further in it than its top speed allows in a cycle, nor beyond
-its travel, counted here again from the place that was said last. Without such a place a joint is not moved.
+A move cannot be stopped once it is sent. So one is under way at a time, until the board has echoed a line
+sent after it; it is short, and no joint gets further in it than its top speed allows in a cycle, nor beyond
+its travel, counted here again from the position sent last. Without such a position a joint is not moved.
 
 Source: Chris-Annin/AR2, AR2_2.0, its sketch: the grammar, and the time of each pulse; robot file for bounds.
 """
@@ -21,7 +21,7 @@ from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 HALT: Final = b"TMhalt\n"
-"""What takes motion away: nothing can, and nothing follows; its echo proves that the move is over."""
+"""The guard's safe line. It stops nothing, as nothing can; its echo proves that the move is over."""
 QUESTION: Final = re.compile(rb"TM(q[0-9]{1,12}|halt)\n")
 PLACE: Final = re.compile(rb"TM([A-F])(-?[0-9]{1,5})\n")
 MOVE: Final = re.compile(
@@ -29,18 +29,18 @@ MOVE: Final = re.compile(
     rb"T00S(\d{1,3}(?:\.\d{1,6})?)G0H100I0K100\n"
 )
 RECEIVED: Final = 256
-"""Bytes that are looked through for an echo."""
+"""Newest bytes that are searched for an echo."""
 STEPS_PER_TURN: Final = 400
 FULL_MS: Final = 20.0
 """Of all pulses of a turn of the sketch's loop at 1 %."""
 TURN_MS: Final = 0.1
-"""What a turn takes beside, at most; the longest joint takes no more than two turns for a step."""
+"""Most further time of a turn in ms; the longest joint takes no more than two turns for a step."""
 SLOWEST: Final = 1.3
 """Percent: below it a pulse is longer than delayMicroseconds() can count."""
 SHORTEST_MS: Final = 0.28
 """Between two pulses: at less a motor may lose steps without a load."""
 LONGEST_MS: Final = 100.0
-"""Of any move, whatever the robot file says."""
+"""Longest time of any move in ms, regardless of the robot file."""
 
 
 class Move(NamedTuple):
@@ -64,7 +64,7 @@ class Move(NamedTuple):
 
 
 def move_of(line: bytes) -> Move | None:
-    """Read a move as the bridge says them; None for anything else."""
+    """Parse a move in the bridge's own format; None for anything else."""
     found = MOVE.fullmatch(line)
     if found is None:
         return None
@@ -77,7 +77,7 @@ def move_of(line: bytes) -> Move | None:
 
 
 class GuardedJoint:
-    """One joint: where it has been said to stand, and the move that is under way."""
+    """One joint: its commanded position, and the move that is under way."""
 
     def __init__(self, axis: Axis, robot: AnyRobot) -> None:
         self.axis: Final = axis
@@ -95,14 +95,14 @@ class GuardedJoint:
         self.least: Final = round(ends[0])
         self.most: Final = round(ends[1])
         self.at_once: Final = math.floor(axis.top_speed * abs(per_rad) * self.cycle / SECOND) + 1
-        """Steps of one move: what is told is rounded."""
+        """Most steps of one move, with one for the rounding of the command."""
         self.place: int | None = None
-        """In steps; None while no one has said it."""
+        """Position in steps; None before the first was sent."""
         self.moving = False
 
     @property
     def powered(self) -> bool:
-        """Whether it may move: its motor has its current always."""
+        """True while it may move: its motor has its current always."""
         return self.moving
 
     def refuses_place(self, place: int) -> str | None:
@@ -135,18 +135,18 @@ class Ar2Rules(WireRules):
         self.axes: tuple[InForce, ...] = joints
         self._longest: Final = min(LONGEST_MS, float(robot.ar2_link(link).move_ms))
         self._under_way = False
-        """Whether the end of a move is not proved."""
+        """True while the end of a move is not proved."""
         self._proves: bytes | None = None
-        """The echo that would prove it: of the newest line that was said after it."""
+        """The echo that would prove it: of the newest line sent after it."""
         self._received = b""
 
     @property
     def waiting(self) -> bool:
-        """Never: what the guard says has left when it was handed over."""
+        """Always False: a packet of the guard has left when it was handed over."""
         return False
 
     def axes_of(self, packet: Packet) -> tuple[InForce, ...]:
-        """Return all joints: a question says that none of them shall move, a move where all shall go."""
+        """Return all joints: a request commands none of them to move, a move sets the target of each."""
         line = packet.payload
         is_word = packet.address == 0 and (QUESTION.fullmatch(line) or MOVE.fullmatch(line))
         return self.axes if is_word else ()
@@ -197,7 +197,7 @@ class Ar2Rules(WireRules):
         return None
 
     def safe(self, axis: GuardedJoint) -> tuple[Packet, ...]:
-        """Return the one word for all joints: a question."""
+        """Return the one line for all joints: a request."""
         del axis
         return (Packet(self.link, 0, HALT),)
 
@@ -228,7 +228,7 @@ class Ar2Rules(WireRules):
         return ()
 
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:
-        """Let everything in; an echo of what was said after a move proves its end."""
+        """Accept everything; an echo of a line sent after a move proves its end."""
         del now
         if packet.address in {LINE_LOST, LINE_BACK} and not packet.payload:
             self._forget()

@@ -55,75 +55,75 @@ class GuardedAxis:
         self.axis: Final = axis
         self.node: Final = axis.epos2.node
         self.by_speed: Final = axis.command is Command.SPEED
-        """Whether its target is a speed; else it is a position."""
+        """True where its target is a speed; else it is a position."""
         self.zeroing: Final = Zeroing(axis)
         self.all: tuple[InForce, ...] = ()
         """Every axis of the robot, this one among them."""
         self.targets: Final = targets(axis)
-        """All that it may be sent; rpm or quadcounts."""
+        """The targets that it may be sent; rpm or quadcounts."""
         self.cycle: Final = robot.cycle * robot.epos2_link(axis.link).every
         """The time from one of its set-points to the next."""
         self.target = 0
         self.speed = 0.0
         """The speed that is in force, in the axis's unit a second; 0 where it is commanded by position."""
         self.commanded_at: Nanoseconds = -NEVER
-        """When the node last had a set-point for it, good or bad."""
+        """Time of the node's last set-point for it, good or bad."""
         self.reported: State | None = None
-        """The drive's state by its newest statusword; None while it has told none."""
+        """The drive's state by its newest Statusword; None before the first."""
         self._confirmed_off = False
-        """Whether a statusword said that there is no power, since the last word that gives it."""
+        """True once a Statusword has reported no power since the last Controlword that gives it."""
         self._off_since: Nanoseconds = NEVER
-        """Since when the word in force has been the one that takes the power; NEVER where it is another."""
+        """Time since when the Controlword in force disables the power; NEVER where it is another."""
         link = robot.epos2_link(axis.link)
         self._patience: Final = link.confirmed(robot.cycle).by_object
-        """How long a drive may take to confirm that."""
+        """Time within which a drive must confirm that."""
         self._word: int | None = None
         """The controlword that was sent last; None where none is in force."""
         self._has_goal = False
-        """Whether the drive was sent to a position and has not reported that it is there."""
+        """True while the drive is on its way to a position and has not reported its arrival."""
         self._changed_at: Nanoseconds = -NEVER
-        """When it was sent there, was halted, or was let go on."""
+        """Time when it was sent there, was halted, or was released again."""
         self._rests_at: int | None = None
-        """Where it was when it came to rest; what is near it is no motion. None while that is not known."""
+        """Position at standstill; small deviations from it are no motion. None while it is unknown."""
         self._margin_qc: Final = axis.epos2.profile.max_following_error_qc
-        """How near that is. It stays where it is, so that many small steps are none."""
+        """The largest such deviation. The reference stays, so that many small steps are none."""
         self._rpm_per_unit: Final = rpm_per_unit(axis)
 
     @property
     def powered(self) -> bool:
-        """Whether the drive may have power: by the word that was sent last, or by its newest statusword."""
+        """True while the drive may have power: by the Controlword sent last, or by its newest Statusword."""
         return self._word in POWERED or self.reported in POWERED_STATES
 
     @property
     def watch_may_end(self) -> bool:
-        """Whether the drive's own word has confirmed that it has no power, since it was last given some."""
+        """True where the drive's Statusword has confirmed no power since it was last given some."""
         return self._confirmed_off
 
     @property
     def moving(self) -> bool:
-        """Whether the set-point in force asks for motion, or its drive moves to find its zero."""
+        """True while the set-point in force commands motion, or its drive moves for homing."""
         if self._word == ENABLE:
             return self.target != 0 if self.by_speed else self._has_goal
         return self.homes or (self._word == NEW_SET_POINT and self._has_goal)
 
     @property
     def homes(self) -> bool:
-        """Whether its drive was told to find its zero, by moving."""
+        """True while its drive is commanded to home with motion."""
         return self._word == START_HOMING and self.zeroing.turns
 
     @property
     def homes_within_s(self) -> float:
-        """How long that may last."""
+        """Longest permitted time of that, in s."""
         return self.zeroing.within_s
 
     @property
     def set_point(self) -> SetPoint:
-        """What is in force."""
+        """The set-point in force."""
         return SetPoint(DISABLE_VOLTAGE if self._word is None else self._word, self.target)
 
     @property
     def safe(self) -> SetPoint:
-        """What takes motion away, and gives no power to a drive that has none."""
+        """The set-point that removes motion, and gives no power to a drive without it."""
         return SetPoint(self._safe_word(), 0 if self.by_speed else self.target)
 
     def moves_with(self, set_point: SetPoint) -> bool:
@@ -153,8 +153,8 @@ class GuardedAxis:
     def keeps_from_reset(self, now: Nanoseconds) -> str | None:
         """Return why its drive may not be reset, or None: only one that does not give up its power may.
 
-        A reset takes torque and zero. It is the last step of a stop: the word that takes the power has been
-        in force for the drive's time to confirm it, and no statusword has.
+        A reset takes torque and zero. It is the last stop stage: the Controlword that disables the power has
+        been in force for the drive's time to confirm it, and no Statusword has.
         """
         if self._confirmed_off:
             return f"node {self.node} has no power, and nothing to be reset for"
@@ -185,12 +185,12 @@ class GuardedAxis:
             self._changed_at = now
 
     def aims(self, target: int) -> None:
-        """Note a target that was sent without a word."""
+        """Note a target that was sent without a Controlword."""
         self.target = target
         self.speed = self.speed_with(self.set_point)
 
     def not_receiving(self) -> None:
-        """Note that nothing is in force any more: the drive does not hear set-points, and keeps none."""
+        """Note that nothing is in force any more: the drive receives no set-points, and keeps none."""
         self._word = None
         self._has_goal = False
         self._off_since = NEVER
@@ -217,7 +217,7 @@ class GuardedAxis:
         return self.zeroing.refuses_write(address, kind.decode(raw), self._word, moving)
 
     def _homes_beside(self, word: int) -> str | None:
-        """Return who moves, on whatever link, itself included, where a word starts a homing that moves."""
+        """Return why a Controlword may not start a homing with motion: another axis moves; or None."""
         moving = next((axis.axis.settings.address for axis in self.all if axis.moving), None)
         starts = word == START_HOMING and self.zeroing.turns
         return f"a homing started while {moving} may move" if starts and moving is not None else None
@@ -233,13 +233,13 @@ class GuardedAxis:
             self._has_goal, self._rests_at = False, None
 
     def read(self, address: Address, raw: bytes) -> None:
-        """Note what its drive has said of an object."""
+        """Note the value that its drive reports of an object."""
         kind = READ.get(address)
         if kind is not None:
             self.zeroing.read(address, kind.decode(raw[: kind.size]))
 
     def reports(self, statusword: int, now: Nanoseconds) -> None:
-        """Note a statusword; one that tells no state changes nothing."""
+        """Note a Statusword; one without a valid state changes nothing."""
         state = state_of(statusword)
         if state is None:
             return
@@ -261,7 +261,8 @@ class GuardedAxis:
 
     def _safe_word(self) -> int:
         if self._word in POWERED:
-            # In a drive that has stopped by itself, any other word of these would put the power on again.
+            # In a drive that has stopped by itself, any other of these Controlwords would enable the power
+            # again.
             if self.reported not in {None, State.OPERATION_ENABLED}:
                 return QUICK_STOP
             return ENABLE if self.by_speed else HALT

@@ -1,6 +1,6 @@
 """An axis's travel and top speed in the units of its EPOS2, by arithmetic of the guard's own.
 
-It refuses to know the code with which the bridge converts: a sign error there must not move the bounds, too.
+It shares no code with the bridge's conversion: a sign error there must not move the bounds, too.
 """
 
 import math

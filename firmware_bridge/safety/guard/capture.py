@@ -1,6 +1,6 @@
-"""The guard's rules for a motion capture link: nothing on it moves anything, only a listener's words leave.
+"""The guard's rules for a motion capture link: it moves nothing; only a listener's requests leave.
 
-What comes in is the bridge's: it may be wrong, and what is done of it is judged on the links that move.
+Received packets are the bridge's: they may be wrong, and their effect is judged on the links that move.
 """
 
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ class CaptureRules(WireRules):
 
     @property
     def waiting(self) -> bool:
-        """Never: the guard has no words here."""
+        """Always False: the guard sends nothing here."""
         return False
 
     def axes_of(self, packet: Packet) -> tuple[InForce, ...]:
@@ -42,7 +42,7 @@ class CaptureRules(WireRules):
         return {}
 
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
-        """Return why a packet may not leave: it goes elsewhere, or asks for more than to be heard."""
+        """Return why a packet may not leave: a wrong address, or more than a request to receive."""
         del now
         if packet.address != self._server:
             return "it does not go to the capture system that the robot file names"

@@ -1,10 +1,10 @@
-"""What may leave towards EPOS2 drives over CAN: identifiers, what each may carry, and what that does.
+"""The output guard of EPOS2 drives on CAN: permitted identifiers, their content and its effect.
 
 An identifier that is not in the list is refused; so is one with a flag (extended, remote).
 
 How fast a set-point may CHANGE is not judged here: a late cycle or a substituted frame makes honest jumps.
-The drive's own profile acceleration bounds every jump; this list lets no one raise it above the robot file,
-and the bridge reads it back at start-up.
+The drive's own profile acceleration bounds every jump; this list permits none above the robot file's, and the
+bridge reads it back at start-up.
 
 Source: CiA 301 for identifiers and services.
 """
@@ -46,7 +46,7 @@ _GENERAL_ERROR: Final = 0x0800_0000
 
 
 class Content(Protocol):
-    """What one identifier may carry."""
+    """The permitted content of one identifier."""
 
     def refuses(self, payload: bytes) -> str | None:
         """Return why these bytes may not leave, or None."""
@@ -106,7 +106,7 @@ class SdoRequest:
 
 
 class Epos2CanRules(WireRules):
-    """Frames that leave when they are handed over, and answers that everybody finds by himself."""
+    """Frames that leave when they are handed over, and answers that go to their receivers."""
 
     axes: tuple[GuardedAxis, ...]
 
@@ -114,7 +114,7 @@ class Epos2CanRules(WireRules):
         self.link = link
         self.axes = tuple(GuardedAxis(axis, robot) for axis in robot.axes_on(link))
         self.listed: Final = _listed(robot, link, self.axes)
-        """What may leave, by identifier."""
+        """The permitted content, by identifier."""
         self._by_node = {axis.node: axis for axis in self.axes}
         self._by_set_point = {_set_point_id(axis): axis for axis in self.axes}
         self._by_request = {canopen.SDO_REQUEST + axis.node: axis for axis in self.axes}
@@ -127,7 +127,7 @@ class Epos2CanRules(WireRules):
                 (canopen.SDO_RESPONSE, _read_answer),
             )
         }
-        """What is done about what a drive sends, and whose it is."""
+        """The handler of each identifier that a drive sends, with its axis."""
 
     @property
     def waiting(self) -> bool:
@@ -222,7 +222,7 @@ class Epos2CanRules(WireRules):
             if command in {NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION}:
                 axis.restarted()
             elif command != NmtCommand.START:
-                # In pre-operational a drive hears no set-points, and keeps none.
+                # In pre-operational a drive receives no set-points, and keeps none.
                 axis.not_receiving()
 
     def _addressed(self, node: int) -> Iterable[GuardedAxis]:
@@ -280,7 +280,7 @@ def _written(payload: bytes) -> tuple[Address, bytes] | None:
 
 
 def _uploaded(payload: bytes) -> tuple[Address, bytes] | None:
-    """Return the object that an answer tells, and four bytes with its value; None where it tells none."""
+    """Return the object of an upload response and four bytes with its value; None for any other frame."""
     if len(payload) != _SDO_LENGTH or payload[0] & _SPECIFIER != _UPLOADED:
         return None
     return _addressed(payload), payload[4:]

@@ -1,7 +1,7 @@
-"""What may leave towards EPOS2 drives as commands of maxon's serial protocol: nodes, objects, values.
+"""The output guard of EPOS2 drives on maxon's serial protocol: nodes, objects, values.
 
 Commands are answered one by one, in their order; the answers to its own commands the guard keeps to itself. A
-command that has no row here is refused, and so is one with a byte too many.
+command that is not listed here is refused, and so is one with a byte too many.
 
 Source: maxon's command library.
 """
@@ -60,7 +60,7 @@ class Epos2SerialRules(WireRules):
         self.axes = tuple(GuardedAxis(axis, robot) for axis in robot.axes_on(link))
         bus = robot.epos2_link(link)
         self.writes: Final[Mapping[int, Writes]] = {axis.node: _all_writes(axis, robot) for axis in self.axes}
-        """By node."""
+        """The permitted writes, by node."""
         self.beat_id: Final = canopen.ERROR_CONTROL + bus.bridge_node
         """Of the bridge's heartbeat."""
         self.guarding_id: Final = canopen.ERROR_CONTROL + bus.guardian(robot.nodes_on(link))
@@ -71,7 +71,7 @@ class Epos2SerialRules(WireRules):
 
     @property
     def waiting(self) -> bool:
-        """Whether words of the guard itself still wait for the line."""
+        """True while commands of the guard itself still wait for the line."""
         return not all(requested for _, requested in self._unanswered)
 
     def axes_of(self, packet: Packet) -> tuple[GuardedAxis, ...]:
@@ -103,7 +103,7 @@ class Epos2SerialRules(WireRules):
         return judge(self, request, now)
 
     def safe(self, axis: GuardedAxis) -> tuple[Packet, ...]:
-        """Return target 0 for an axis that is commanded by speed, and the word that stops it."""
+        """Return target 0 for an axis that is commanded by speed, and the Controlword that stops it."""
         word, target = axis.safe
         control = self._writing(axis, CONTROLWORD, word)
         return (self._writing(axis, _target(axis), target), control) if axis.by_speed else (control,)

@@ -1,6 +1,6 @@
-"""Words of the EPOS2 that both of its protocols carry: controlwords, set-points, network commands, states.
+"""EPOS2 commands that both of its protocols carry: Controlwords, set-points, network commands, states.
 
-Sources: EPOS Firmware Specification and maxon's command library for controlwords; CiA 301 for the network.
+Sources: EPOS Firmware Specification and maxon's command library for Controlwords; CiA 301 for the network.
 """
 
 from typing import Final, NamedTuple
@@ -22,11 +22,11 @@ DISABLE_VOLTAGE: Final = 0x0000
 QUICK_STOP: Final = 0x000B
 """A drive with power ramps down and keeps it; one without gets none."""
 UNPOWERED: Final = (DISABLE_VOLTAGE, 0x0002, 0x0006, 0x0007, QUICK_STOP)
-"""Disable voltage, quick stop (twice), shutdown, switch on: none puts the power on or asks for motion."""
+"""Disable voltage, quick stop (twice), shutdown, switch on: none enables power or commands motion."""
 START_HOMING: Final = 0x001F
-"""By method 35 it turns no shaft; `firmware_bridge.safety.guard.zeroing` lets it pass by no other."""
+"""The Controlword that starts homing; by method 35 it turns no shaft, and `zeroing` permits no other use."""
 POWERED: Final = (ENABLE, HALT, NEW_SET_POINT, START_HOMING)
-"""Words after which the drive has power and may have torque."""
+"""Controlwords after which the drive has power and may have torque."""
 STOP_WORDS: Final = (DISABLE_VOLTAGE, 0x0002, QUICK_STOP)
 CONTROLWORDS: Final = {
     Command.SPEED: (*UNPOWERED, FAULT_RESET, ENABLE, HALT),
@@ -48,11 +48,11 @@ LISTED_NMT: Final = (
     NmtCommand.RESET_NODE,
     NmtCommand.RESET_COMMUNICATION,
 )
-"""Not STOP: a stopped drive hears neither set-points nor SDO."""
+"""The permitted NMT commands. STOP is none: a stopped drive receives neither set-points nor SDO."""
 
 
 class SetPoint(NamedTuple):
-    """What is in force for a drive."""
+    """The set-point in force for a drive."""
 
     word: int
     target: int

@@ -1,11 +1,11 @@
-"""The guard: a node around the bridge that judges whatever it sends, and speaks for it when it is silent.
+"""The output guard: a node around the bridge that judges its output, and sends for it when it is silent.
 
-It shares neither state nor code with the interlocks and trusts nothing before it. What may leave stands in
-one set of wire rules for each link, by its protocol; what several axes may do together, on whatever links,
-stands in `firmware_bridge.safety.guard.across_axes`. Behind it a controller, or a line's end, adds check sum
-and handshake. A refusal puts safe words in the place of the refused ones, because a drive that hears nothing
-keeps its last target. Operator datagrams pass untouched. It sends no heartbeat: a bridge that hangs is also
-stopped by the drives' own watch.
+It shares neither state nor code with the interlocks and trusts nothing before it. One set of wire rules for
+each link, by its protocol, lists the permitted packets; the rules over several axes, on whatever links, are
+in `firmware_bridge.safety.guard.across_axes`. Behind it a controller, or a line's end, adds check sum and
+handshake. A refusal puts safe commands in the place of the refused ones, because a drive that receives
+nothing keeps its last target. Operator datagrams pass untouched. It sends no heartbeat: a bridge that hangs
+is also stopped by the drives' own heartbeat consumers.
 """
 
 from collections import deque
@@ -46,7 +46,7 @@ class Refusal:
     """None: nothing was refused, the bridge was silent, failed, or left something standing."""
     reason: str
     sent: tuple[Packet, ...]
-    """What left in its place."""
+    """The packets that left in its place."""
 
 
 Listener: TypeAlias = Callable[[Refusal], None]
@@ -76,16 +76,16 @@ class Guarded:
         self._moving_since: Nanoseconds = NEVER
         """Since when some axis has been moving; NEVER while none is."""
         self._speak_at: Nanoseconds = NEVER
-        """When the guard repeats itself while the bridge stays silent; NEVER while it does not."""
+        """Time of the guard's next repetition while the bridge stays silent; NEVER while it is not."""
         self._deadline: Nanoseconds = NEVER
-        """When the guard must look again, whatever happens."""
+        """Time of the guard's next look, whatever happens."""
         self._due: Nanoseconds = NEVER
-        """When a rule over several axes must be looked at again."""
+        """Time of the next look at a rule over several axes."""
         self._stopping = False
         self._unheard = False
-        """Whether the node failed when it was asked to stop, and is asked once more."""
+        """True after the node failed in its stop: the next call stops it again."""
         self._failure: Exception | None = None
-        """The node's, which is raised one call later: what the guard says because of it leaves first."""
+        """The node's failure, raised one call later: the guard's packets because of it leave first."""
 
     @property
     def refusals(self) -> tuple[Refusal, ...]:
@@ -94,11 +94,11 @@ class Guarded:
 
     @property
     def holding(self) -> bool:
-        """Whether the node holds something after it was asked to end."""
+        """True while the node keeps the robot from moving after a command to end."""
         return holds(self.node)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        """Pass a packet on, and judge what the node sends."""
+        """Forward a packet, and judge the node's output."""
         rules = self.links.get(packet.link)
         if rules is not None and not rules.receives(packet, now):
             return self.wake(now)
@@ -111,7 +111,7 @@ class Guarded:
         return self._judged(self._tried(self.node.wake, now), now)
 
     def stop(self, now: Nanoseconds) -> Reaction:
-        """Pass the command to end on, and judge what the node sends; a node that cannot stop is made safe."""
+        """Forward the command to end, and judge the output; a node that cannot stop is made safe."""
         self._stopping = True
         if not isinstance(self.node, Stoppable):
             return Reaction(self._sent(self._all_safe(), now))
@@ -123,13 +123,13 @@ class Guarded:
         return self._judged(reaction, now)
 
     def _tried(self, call: Callable[[Nanoseconds], Reaction], now: Nanoseconds) -> Reaction:
-        """Return what the node does; one that fails says nothing, and is spoken for as one that is silent."""
+        """Return the node's reaction; a failed node counts as silent, and the guard sends in its place."""
         failure, self._failure = self._failure, None
         if failure is not None:
             raise failure
         try:
             return call(now)
-        except Exception as error:  # noqa: BLE001 - whatever broke the bridge, the devices must hear something
+        except Exception as error:  # noqa: BLE001 - whatever failed in the bridge, the devices need a command
             self._failure = error
             return Reaction((), now)
 
@@ -146,7 +146,7 @@ class Guarded:
             else:
                 sent += self._admitted(packet, rules, now)
         if self._stopping and not self._unheard and reaction.wake_at == NEVER:
-            # It has ended in good order; whoever carries it takes NEVER for the end.
+            # It has ended in good order; its carrier takes NEVER for the end.
             return Reaction(tuple(sent))
         sent += self._cleared(now)
         sent += self._spoken_for(now)
@@ -175,7 +175,7 @@ class Guarded:
             else:
                 return self._sent((packet,), now, requested=packet)
         safe = self._joined((*others, *axes))
-        # The node goes on when its set-point is answered, whatever became of it; other words it misses.
+        # The node goes on when its set-point is answered, by whatever answer; other commands it misses.
         return self._replaced(packet, reason, safe, now, requested=safe[-1])
 
     def _sent(
@@ -209,11 +209,11 @@ class Guarded:
         return tuple([rule for rule in self._across if not rule.members.isdisjoint(axes)])
 
     def _joined(self, axes: Iterable[InForce]) -> tuple[Packet, ...]:
-        """Return the safe words of these axes; what is one word for several of them, once."""
+        """Return the safe commands of these axes, each once, also where one serves several of them."""
         return tuple(dict.fromkeys(safe for axis in axes for safe in self.links[axis.axis.link].safe(axis)))
 
     def _all_safe(self, *, received: bool = False) -> tuple[Packet, ...]:
-        """Return the safe words of every axis with power; `received`: on links where none of them wait."""
+        """Return the safe commands of every axis with power; `received`: on links where none of them wait."""
         return self._joined(
             axis
             for rules in self.links.values()

@@ -1,4 +1,4 @@
-"""What the guard's node, and its rules over several axes, must know of one axis, whatever device moves it."""
+"""The view of one axis for the guard's node and its rules over several axes, whatever device moves it."""
 
 from typing import NamedTuple, Protocol
 
@@ -7,7 +7,7 @@ from firmware_bridge.units import Nanoseconds
 
 
 class Requested(NamedTuple):
-    """What an axis would do by a set-point."""
+    """The motion that a set-point requests of an axis."""
 
     moves: bool
     speed: float
@@ -18,7 +18,7 @@ class InForce(Protocol):
     """One axis, and the set-point in force at its device."""
 
     commanded_at: Nanoseconds
-    """When the node last had a set-point for it, good or bad."""
+    """Time of the node's last set-point for it, good or bad."""
     all: "tuple[InForce, ...]"
     """Every axis of the robot, this one among them."""
 
@@ -36,16 +36,16 @@ class InForce(Protocol):
 
     @property
     def powered(self) -> bool:
-        """Whether its device may have power."""
+        """True while its device may have power."""
 
     @property
     def moving(self) -> bool:
-        """Whether the set-point in force asks for motion, or its device moves to find its zero."""
+        """True while the set-point in force commands motion, or its device moves for homing."""
 
     @property
     def homes(self) -> bool:
-        """Whether its device was told to find its zero, by moving."""
+        """True while its device is commanded to home with motion."""
 
     @property
     def homes_within_s(self) -> float:
-        """How long that may last."""
+        """Longest permitted time of that, in s."""

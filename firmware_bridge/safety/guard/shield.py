@@ -1,9 +1,9 @@
-"""What may leave towards a board with a motor shield: listed commands, motor by motor within their bounds.
+"""The output guard of a board with a motor shield: listed commands, motor by motor within their bounds.
 
-A motor is told no more than its bound, no faster than its slope, and never to reverse without standing at 0
-for half a cycle in between: at full speed a reversal draws twice the current of a stall. Where the loop of
-speeds is on the board its words are speeds; elsewhere they are PWM, and count as the speed without load,
-which is the most that they can come to.
+A motor is commanded no further than its bound, no faster than its slope, and never to reverse without
+standing at 0 for half a cycle in between: at full speed a reversal draws twice the current of a stall. Where
+the speed loop is on the board its commands are speeds; elsewhere they are PWM, and count as the speed without
+load, which is the most that they can come to.
 
 Sources: TB6612FNG data sheet, 1.2 A for ever and 3.2 A for an instant; robot file for bounds.
 """
@@ -32,7 +32,7 @@ from firmware_bridge.wire.arduino import mw
 from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
 
 SLOWEST: Final = 2
-"""After so many cycles without a word a motor may not be told more than after these."""
+"""Cycles without a command after which the permitted change of a motor grows no further."""
 
 
 class GuardedMotor:
@@ -60,20 +60,20 @@ class GuardedMotor:
         self._slope: Final = None if on_board else motor.slope_pwm_s
         self._inputs = Inputs(0, in1=False, in2=False)
         self._sized_at: Nanoseconds = -NEVER
-        """When it was told a PWM last."""
+        """Time of its last PWM command."""
         self._sign = 0
-        """Which way it was driven last."""
+        """Direction in which it was driven last."""
         self._stood_at: Nanoseconds = -NEVER
         """Since when it has not been driven."""
 
     @property
     def powered(self) -> bool:
-        """Whether its half bridge is not released, as far as commanded."""
+        """True while its half bridge is not released, as far as commanded."""
         return bool(self._inputs.in1 or self._inputs.in2)
 
     @property
     def moving(self) -> bool:
-        """Whether it is driven."""
+        """True while it is driven."""
         return self.duty(self._inputs) != 0
 
     @property
@@ -86,7 +86,7 @@ class GuardedMotor:
         return (inputs.size or 0) * (bool(inputs.in1) - bool(inputs.in2))
 
     def with_(self, inputs: Inputs) -> Inputs:
-        """Return what is in force after a word."""
+        """Return the inputs in force after a command."""
         old = self._inputs
         return Inputs(
             old.size if inputs.size is None else inputs.size,
@@ -95,12 +95,12 @@ class GuardedMotor:
         )
 
     def requested_by(self, inputs: Inputs) -> Requested:
-        """Return what the motor would do by a word."""
+        """Return the motor's motion by a command."""
         duty = self.duty(self.with_(inputs))
         return Requested(duty != 0, duty * self._per_step)
 
     def refuses(self, inputs: Inputs, now: Nanoseconds) -> str | None:
-        """Return why a word may not come into force, or None."""
+        """Return why a command may not come into force, or None."""
         duty, before = self.duty(self.with_(inputs)), self.duty(self._inputs)
         if (inputs.size or 0) > self.most:
             return f"{self.axis.called}: {inputs.size} {self.unit} is beyond {self.most}"
@@ -143,7 +143,7 @@ class ShieldRules(WireRules):
 
     @property
     def waiting(self) -> bool:
-        """Never: what the guard says has left when it was handed over."""
+        """Always False: a packet of the guard has left when it was handed over."""
         return False
 
     def axes_of(self, packet: Packet) -> tuple[InForce, ...]:
@@ -186,7 +186,7 @@ class ShieldRules(WireRules):
         return tuple(self._motors[number] for number in word.drives)
 
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:
-        """Let everything in; MWProtocol's libraries are known when it has told them."""
+        """Accept everything; note the libraries that MWProtocol reports."""
         del now
         if self._answers is not None and packet.address not in {LINE_LOST, LINE_BACK}:
             libraries = libraries_in(self._answers.receive(packet.payload))

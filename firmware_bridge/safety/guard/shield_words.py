@@ -1,6 +1,6 @@
-"""What one command to a board with a motor shield means to the motors, protocol by protocol.
+"""The effect of one command to a board with a motor shield on its motors, protocol by protocol.
 
-A packet is one command, whole. What has no row here is not listed, and does not leave.
+A packet is one command, whole. A command that is not listed here does not leave.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -18,7 +18,7 @@ FORWARD, BACKWARD = 1, 2
 
 
 class Inputs(NamedTuple):
-    """A half bridge's inputs; in a word None stays as it is."""
+    """A half bridge's inputs; in a command None stays as it is."""
 
     size: int | None
     """PWM of 255; of a loop on the board ticks a frame."""
@@ -36,13 +36,13 @@ class Word:
     """One command that is listed."""
 
     drives: Mapping[int, Inputs] = field(default_factory=dict)
-    """What it does to motors, by their numbers."""
+    """The inputs of the motors that it drives, by their numbers."""
     at_rest: bool = False
     """Only while nothing moves: it changes what is counted, or how the motors are reached."""
 
 
 class Board(NamedTuple):
-    """What the guard knows of the firmware: the robot file's, and MWProtocol's libraries as it tells them."""
+    """The guard's model of the firmware: by the robot file, with the libraries that MWProtocol reports."""
 
     link: ShieldLink
     motors: tuple[int, ...]

@@ -1,4 +1,4 @@
-"""What the guard must know of a link: which packets may leave, what they put in force, and the safe ones."""
+"""The guard's view of a link: the permitted packets, the set-points they put in force, the safe ones."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -18,7 +18,7 @@ class WireRules(ABC):
     @property
     @abstractmethod
     def waiting(self) -> bool:
-        """Whether words of the guard itself still wait for the link."""
+        """True while commands of the guard itself still wait for the link."""
 
     @abstractmethod
     def axes_of(self, packet: Packet) -> tuple[InForce, ...]:
@@ -49,4 +49,4 @@ class WireRules(ABC):
 
     @abstractmethod
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:
-        """Note what comes in, and tell whether it is the node's; each packet of the link is shown once."""
+        """Note a received packet, once for each packet of the link; return whether it is the node's."""

@@ -1,7 +1,7 @@
-"""Which objects of a drive may be written over SDO, and within which bounds; never a set-point.
+"""The objects of a drive that may be written over SDO, with their bounds; never a set-point.
 
-The controlword is in the list with words that only take power or motion away: an earlier run may have left
-the drive with power on, and in pre-operational no set-point frame reaches it.
+The Controlword is in the list with values that only remove power or motion: an earlier run may have left the
+drive with power on, and in pre-operational no set-point frame reaches it.
 
 Sources: EPOS2 EDS for objects and types; robot file for values.
 """
@@ -58,7 +58,7 @@ class Bits:
 
 @dataclass(frozen=True, slots=True)
 class Values:
-    """What one object may be set to: a range, a few values, or some bits."""
+    """Permitted values of one object: a range, a few values, or some bits."""
 
     type: DataType
     allowed: range | tuple[int, ...] | Bits
@@ -222,7 +222,7 @@ def _gains(axis: Axis) -> Iterator[tuple[Address, Values]]:
 
 
 def _zero(axis: Axis) -> Iterator[tuple[Address, Values]]:
-    """Yield what tells a drive where its axis stands; when and in which order is `zeroing`'s."""
+    """Yield the writes that reference or home a drive's axis; `zeroing` rules their time and order."""
     if axis.travel is None:
         return
     yield at.HOME_POSITION, _within(I32, *ends_qc(axis))

@@ -1,11 +1,11 @@
-"""One drive that is told where its axis stands, or finds it out: what it may be sent for it, in which order.
+"""Referencing and homing of one drive's axis: the permitted commands and their order.
 
-Homing by method 35 turns no shaft; by any other the word that starts it does. So that word passes only where
-the drive itself has said, since it was last written to, that its mode is homing, and either that the method
-is 35 and the home position within the axis's travel, or that all is as the robot file says: the method, the
-home position and the offset, and speeds, acceleration and current not above the file's. In that mode no new
-position passes, and the mode is left only when the word that starts is out of force: in another one it would
-be a new position.
+Homing by method 35 turns no shaft; by any other the Controlword that starts it does. So that one passes only
+where the drive itself has reported, since it was last written to, that its mode is homing, and either that
+the method is 35 and the home position within the axis' travel, or that all is by the robot file: the method,
+the home position and the offset, and speeds, acceleration and current not above the file's. In that mode no
+new position passes, and the mode is left only when the Controlword that starts is out of force: in another
+one it would be a new position.
 """
 
 import math
@@ -34,9 +34,9 @@ WRITTEN: Final = {
     at.HOMING_CURRENT: DataType.UNSIGNED16,
 }
 READ: Final = {**WRITTEN, at.MODE_DISPLAY: DataType.INTEGER8}
-"""What the drive says of itself that counts here."""
+"""The objects whose values the drive reports and that count here."""
 _SAME: Final = {at.MODE: at.MODE_DISPLAY}
-"""Which object tells that another one was written."""
+"""The object that confirms the write of another one."""
 
 
 def by_file(axis: Axis) -> Mapping[Address, range]:
@@ -69,7 +69,7 @@ def _up_to(value: float) -> range:
 
 
 class Zeroing:
-    """What one drive was told, and has said, of its homing."""
+    """The homing objects of one drive, as written and as reported."""
 
     __slots__ = ("_own", "_reported", "_ways", "homes", "in_homing", "within_s")
 
@@ -84,18 +84,18 @@ class Zeroing:
             else {at.HOMING_METHOD: _only(ACTUAL_POSITION), at.HOME_POSITION: self.homes}
         )
         self._ways: Final = tuple(way for way in (in_place, by_file(axis)) if way)
-        """What the drive must have said of itself; one of them is enough."""
+        """The sets of values that the drive must have reported; one of them is enough."""
         homing = axis.zero.homing
         self.within_s: Final = 0.0 if homing is None else homing.within_s
-        """How long its homing may last."""
+        """Longest permitted time of its homing, in s."""
         self._own: Final = int(OWN_MODE[axis.command])
         self.in_homing = False
-        """Whether it was sent to homing mode, and has not said since that it is in its own."""
+        """True from its switch to homing mode until it reports its own mode."""
         self._reported: dict[Address, int] = {}
 
     @property
     def prepared(self) -> bool:
-        """Whether the drive has said that to start its homing moves nothing, or what the robot file says."""
+        """True where its reports prove that its homing moves nothing, or runs by the robot file."""
         reported = self._reported
         homes = self.in_homing and reported.get(at.MODE_DISPLAY) == Mode.HOMING
         return homes and any(
@@ -104,11 +104,11 @@ class Zeroing:
 
     @property
     def turns(self) -> bool:
-        """Whether to start its homing would turn its shaft, as far as it has said."""
+        """True where its homing would turn its shaft, as far as reported."""
         return self._reported.get(at.HOMING_METHOD) != ACTUAL_POSITION
 
     def refuses_write(self, address: Address, value: int, word: int | None, moving: str | None) -> str | None:
-        """Return why one of `WRITTEN` may not be written now; `word` is in force, `moving` says who moves."""
+        """Return why one of `WRITTEN` may not be written now; `word` is in force, `moving` moves."""
         if address == at.MODE and value == self._own:
             return (
                 "bit 4 is up, and would be a new position in another mode" if word == START_HOMING else None
@@ -131,12 +131,12 @@ class Zeroing:
         return None
 
     def wrote(self, address: Address, value: int) -> None:
-        """Note that one of `WRITTEN` was: what the drive has said of it before counts no more."""
+        """Note a write of one of `WRITTEN`: the drive's earlier report of it no longer counts."""
         self._reported.pop(_SAME.get(address, address), None)
         self.in_homing = self.in_homing or (address == at.MODE and value == Mode.HOMING)
 
     def read(self, address: Address, value: int) -> None:
-        """Note what the drive has said."""
+        """Note a value that the drive reports."""
         self._reported[address] = value
         if address in {at.MODE, at.MODE_DISPLAY} and value == self._own:
             self.in_homing = False

@@ -1,6 +1,6 @@
-"""Bytes through a file of the operating system: what serial ports and pseudo-terminals have in common.
+"""Data through a file of the operating system: the common part of serial ports and pseudo-terminals.
 
-It refuses to know frames: what has arrived comes as one chunk, cut wherever the system cuts it.
+Frames are not known here: received bytes come as one chunk, cut wherever the system cuts it.
 """
 
 import os

@@ -1,4 +1,4 @@
-"""Opens a CAN bus by interface and channel, given or from python-can's own configuration."""
+"""Opening of a CAN bus by interface and channel, given or from python-can's own configuration."""
 
 from collections.abc import Callable
 from typing import Final

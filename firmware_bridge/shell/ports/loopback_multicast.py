@@ -15,9 +15,9 @@ import can
 from can.interfaces.udp_multicast.utils import is_msgpack_installed, pack_message, unpack_message
 
 NAME: Final = "loopback_multicast"
-"""What python-can's users call it."""
+"""Name of the interface for python-can's users."""
 GROUP: Final = "239.74.163.2"
-"""The one where none is said; administratively scoped (RFC 2365)."""
+"""Default group; administratively scoped (RFC 2365)."""
 LOOPBACK: Final = "127.0.0.1"
 FIRST_PORT: Final = 43_200
 """Of the group whose last number is 0: python-can's own, 43113, is left to its users."""
@@ -28,7 +28,7 @@ class LoopbackMulticastBus(can.BusABC):
     """Such a bus; of the arguments, `channel` alone counts."""
 
     def __init__(self, channel: str = GROUP, *args: Any, **more: Any) -> None:
-        """Join it; CanInitializationError with what the system says and what helps."""
+        """Join it; CanInitializationError with the system's error and a remedy."""
         is_msgpack_installed()
         group = _group(channel)
         self._place: Final = (group, FIRST_PORT + int(group.rpartition(".")[2]))

@@ -1,4 +1,4 @@
-"""Frames that a CAN interface does not take yet: the bus is busy, or no one is there to hear them."""
+"""Frames that a CAN interface does not take yet: the bus is busy, or no other node is on it."""
 
 from abc import ABC, abstractmethod
 from collections import deque
@@ -8,7 +8,7 @@ from firmware_bridge.shell.ports.port import LostPort
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
 PATIENCE: Final = 50 * MILLISECOND
-"""A frame that could not be sent for so long, one cycle of the bridge, says that the bus is lost."""
+"""Time after which an unsent frame counts as a lost bus: one cycle of the bridge."""
 RETRY: Final = MILLISECOND
 
 

@@ -1,4 +1,4 @@
-"""What the runner asks of a port, and the two ways in which a port fails: at the start, or under way."""
+"""The interface of a port, and the two ways in which a port fails: at the start, or under way."""
 
 from typing import Final, Protocol
 
@@ -12,7 +12,7 @@ class PortError(Exception):
     """A port that cannot be opened: which, why, and what to do."""
 
 
-class LostPort(Exception):  # noqa: N818 - it says what happened
+class LostPort(Exception):  # noqa: N818 - the name is the event
     """A port that worked and is gone: an interface taken down, an adapter unplugged, a bus that is off."""
 
     def __init__(self, port: "Port", problem: str) -> None:
@@ -26,7 +26,7 @@ class Port(Protocol):
     name: str
     """For people: interface and channel, or address."""
     retry_at: Nanoseconds
-    """When `flush` wants to be called, `NEVER` while nothing waits to be sent."""
+    """Time of the next call of `flush`, `NEVER` while nothing waits to be sent."""
 
     def fileno(self) -> int:
         """Return a file that can be read when packets have arrived."""

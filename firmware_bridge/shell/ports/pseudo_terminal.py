@@ -1,8 +1,8 @@
 """A serial line inside this machine: a pseudo-terminal, whose other end a client opens by its path.
 
-The client may come and go. What it does not fetch is thrown away once the system keeps no more of it, as on a
-line at whose end no one listens. A pseudo-terminal carries bytes at once, whatever its bit rate; but it knows
-which one the client has set: with another one than the device's nothing is heard, either way.
+The client may come and go. Bytes that it does not fetch are lost once the system keeps no more of them, as on
+a line without a listener. A pseudo-terminal carries bytes at once, whatever its bit rate; but it knows the
+one that the client has set: with another one than the device's nothing is received, either way.
 """
 
 import contextlib
@@ -20,11 +20,11 @@ from firmware_bridge.units import Nanoseconds
 _ISPEED: Final = 4
 _OSPEED: Final = 5
 WORD: Final = "pty"
-"""What users write in place of a device."""
+"""The users' word in place of a device."""
 
 
 class PseudoTerminal(ByteFile):
-    """The end that this process speaks on. `path` is the client's; a symbolic link to it may be asked for."""
+    """This process's end of a line. `path` is the client's; a symbolic link to it is optional."""
 
     def __init__(
         self, link: Path | None = None, baud: int | None = None, say: Callable[[str], None] | None = None

@@ -22,7 +22,7 @@ can.log.addHandler(logging.NullHandler())
 
 _SEND_S: Final = 0.02
 _LISTEN_S: Final = 0.02
-"""How long a reader thread listens before it looks whether it shall end, in seconds."""
+"""Period of a reader thread's look whether it shall end, in seconds."""
 MULTICAST: Final = "udp_multicast"
 """A bus of datagrams: every process of one machine, or of one network, that has joined a group."""
 DEFAULTS: Final[dict[str, dict[str, Any]]] = {
@@ -30,17 +30,17 @@ DEFAULTS: Final[dict[str, dict[str, Any]]] = {
     # A hop limit of 0 never leaves the machine (RFC 1112, 6.1); python-can's own 1 reaches the local network.
     MULTICAST: {"channel": "239.74.163.2", "hop_limit": 0},
 }
-"""What an interface is opened with where neither arguments nor configuration say it."""
+"""Default settings of an interface, where neither arguments nor configuration give them."""
 CAUTIONS: Final = {
     MULTICAST: f"{MULTICAST} is no true bus: groups receive each other's frames, and a sender its own, so "
     f"that python-canopen stops its RPDOs; take -i {loopback_multicast.NAME}, with the master too",
 }
-"""What is said when an interface is opened."""
+"""Hints printed when an interface is opened."""
 REMEDIES: Final = {
     MULTICAST: ". Its channel is a multicast group, as 239.74.163.2, to which this machine needs a route (`"
     f"ip route get 239.74.163.2` shows it); -i {loopback_multicast.NAME} needs none",
 }
-"""What helps where an interface cannot be opened."""
+"""Remedies where an interface cannot be opened."""
 UNMARKED_ECHO: Final = frozenset({MULTICAST})
 """Interfaces that bring a sender its own frames without saying that they are."""
 
@@ -134,7 +134,7 @@ class PythonCanPort(Outbox):
         try:
             self._bus.send(message, timeout=_SEND_S)
         except can.CanError:
-            # A full queue and a dead adapter look alike here; time will tell.
+            # A full queue and a dead adapter look alike here; time will show.
             return False
         except OSError as error:
             raise self._lost(_why(error)) from error
@@ -149,8 +149,8 @@ class PythonCanPort(Outbox):
 class Echoes:
     """Frames of one's own that a bus will bring back, in the order in which they went out.
 
-    Someone else's frame with the same content may be taken for one's own; then one's own is heard in its
-    place, so that as many are heard as others have sent.
+    A foreign frame with the same content may be taken for one's own; then one's own is received in its place,
+    so that as many are received as others have sent.
     """
 
     def __init__(self) -> None:
@@ -180,7 +180,7 @@ class Echoes:
 
 
 class _Reader:
-    """A thread that reads a bus, and rings a file for whoever waits for frames."""
+    """A thread that reads a bus, and rings a file for the thread that waits for frames."""
 
     def __init__(self, bus: can.BusABC, name: str) -> None:
         self._bus = bus

@@ -1,7 +1,7 @@
-"""A serial port that may vanish and come back: an adapter on USB that someone trips over.
+"""A serial port that may vanish and come back: an adapter on USB that gets unplugged.
 
-While it is gone what is to be sent is dropped, and it is tried again four times a second. The node is told
-by an empty packet, `LINE_LOST` or `LINE_BACK`. `fileno` stays the same: what stands behind it is exchanged.
+While it is gone bytes to send are dropped, and it is tried again four times a second. The node is informed by
+an empty packet, `LINE_LOST` or `LINE_BACK`. `fileno` stays the same: the file behind it is exchanged.
 """
 
 import contextlib

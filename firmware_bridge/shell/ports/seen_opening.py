@@ -1,8 +1,8 @@
-"""A pseudo-terminal that tells when its client opens it and closes it: what DTR does on a serial line.
+"""A pseudo-terminal that reports its client's opening and closing, as DTR does on a serial line.
 
 A pseudo-terminal has no such wire. But Linux raises DTR when a port is opened and drops it when it is closed
-for the last time, and tells who asks (inotify) that a file was opened or closed. What it tells of several at
-once counts as one, so of two clients the second's opening may be missed, which raises nothing.
+for the last time, and reports (inotify) that a file was opened or closed. Several events reported at once
+count as one, so of two clients the second's opening may be missed, which raises nothing.
 """
 
 import ctypes
@@ -38,7 +38,7 @@ class SeenOpening(PseudoTerminal):
         *,
         reports_dtr: bool = True,
     ) -> None:
-        """Make it; PortError. Without `reports_dtr` it says nothing of who comes and goes."""
+        """Make it; PortError. Without `reports_dtr` it reports no clients."""
         self._watch = -1
         self._both: select.epoll | None = None
         super().__init__(link, baud, say)
@@ -82,7 +82,7 @@ class SeenOpening(PseudoTerminal):
             self._say(f"{self.name} is plugged in again, as {self.path}")
 
     def fileno(self) -> int:
-        """Return a file that can be read when bytes have arrived, or someone has come or gone."""
+        """Return a file that can be read when bytes have arrived, or a client has come or gone."""
         return -1 if self._both is None else self._both.fileno()
 
     def read(self, now: Nanoseconds) -> list[tuple[int, bytes]]:
@@ -106,7 +106,7 @@ class SeenOpening(PseudoTerminal):
 
     def _news(self) -> list[int]:
         events = os.read(self._watch, _ROOM)
-        # A client that wants the port for itself leaves that behind, since this end is never closed.
+        # A client that locks the port leaves it locked, since this end is never closed.
         fcntl.ioctl(self._other, termios.TIOCNXCL)
         found = []
         for _, mask, _, _ in _EVENT.iter_unpack(events):
@@ -119,7 +119,7 @@ class SeenOpening(PseudoTerminal):
         return found if self._reports_dtr else []
 
     def _drops(self) -> bool:
-        """Return whether the last close drops DTR, as it does unless the client has said otherwise."""
+        """Return whether the last close drops DTR, as it does unless the client has set otherwise."""
         cflag = termios.tcgetattr(self._other)[_CFLAG]
         return bool(cflag & termios.HUPCL)
 
@@ -132,7 +132,7 @@ def _drop_at_close(terminal: int) -> None:
 
 
 def _watch(path: str) -> int:
-    """Return a file that tells who opens and closes a path; OSError, or AttributeError where none does."""
+    """Return a file of a path's opening and closing events; OSError, or AttributeError where none exists."""
     library = ctypes.CDLL(None, use_errno=True)
     watch: int = library.inotify_init1(os.O_NONBLOCK | os.O_CLOEXEC)
     if watch < 0 or library.inotify_add_watch(watch, os.fsencode(path), _OPENED | _CLOSED) < 0:

@@ -13,7 +13,7 @@ from firmware_bridge.shell.ports.port import LostPort, PortError
 from firmware_bridge.units import Nanoseconds
 
 MOST_WAITING: Final = 65_536
-"""Bytes; a port that lets so many wait sends nothing at all."""
+"""Most waiting bytes of a port; one with more sends nothing at all."""
 
 _IN_USE: Final = "it is in use; end the program that has it"
 _PROBLEMS: Final = {
@@ -59,7 +59,7 @@ def _opened(device: str, baud: int, name: str) -> serial.Serial:
         raise PortError(f"cannot open {name} at {baud} Bd: {_why(error)}") from error
     if sys.platform == "linux":
         with contextlib.suppress(OSError, NotImplementedError, ValueError):
-            # A converter chip on USB keeps what it has heard for up to 16 ms otherwise.
+            # A converter chip on USB keeps received bytes for up to 16 ms otherwise.
             port.set_low_latency_mode(True)
     return port
 
@@ -69,7 +69,7 @@ def _why(error: BaseException) -> str:
 
 
 def _number(error: BaseException) -> int:
-    """Return the system's number of an error; where pyserial gives its words alone, that of its cause."""
+    """Return the system's number of an error; where pyserial gives its text alone, that of its cause."""
     for each in (error, error.__context__):
         number = getattr(each, "errno", None) or next(iter(getattr(each, "args", ())), None)
         if isinstance(number, int):

@@ -1,7 +1,7 @@
 """A CAN interface of the Linux kernel, by its raw socket: one system call for a frame, and exact errors.
 
 python-can's own bus for it takes three system calls to send and two to receive, which a slow machine cannot
-afford, and says less when it fails.
+afford, and reports less when it fails.
 """
 
 import contextlib

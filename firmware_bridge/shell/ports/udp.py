@@ -114,7 +114,7 @@ def _parsed(link: str) -> tuple[str, int, Any]:
         raise PortError(
             f"cannot open {link!r}: say udpin:HOST:PORT or udpout:HOST:PORT, as udpin:127.0.0.1:14550"
         )
-    host = match["host"].strip("[]") or "0.0.0.0"  # noqa: S104 - an empty host asks for all addresses
+    host = match["host"].strip("[]") or "0.0.0.0"  # noqa: S104 - an empty host means all addresses
     try:
         found = socket.getaddrinfo(host, int(match["port"]), type=socket.SOCK_DGRAM)
     except OSError as error:

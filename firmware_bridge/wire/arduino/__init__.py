@@ -1,1 +1,1 @@
-"""What is said to Arduino boards over a serial line: a protocol a module, a table of typed rows each."""
+"""Serial protocols of Arduino boards: one module each, with a table of typed rows."""

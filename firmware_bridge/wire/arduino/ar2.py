@@ -1,8 +1,8 @@
-"""The arm AR2: lines of letters and decimal numbers, and what its board says to them.
+"""The protocol of the arm AR2: lines of letters and decimal numbers, and its board's answers.
 
 Source: Chris-Annin/AR2, AR2_2.0 and AR2_1.5.
 
-Answers have no line's end unless it stands here.
+Answers have no line end unless it is given here.
 """
 
 import re
@@ -17,7 +17,7 @@ END: Final = b"\n"
 LETTERS: Final = "ABCDEFT"
 """Of six joints and the track."""
 MOVING: Final = b"command recieved"
-"""Said to a move before it begins; nothing is said when it ends."""
+"""The answer to a move before it begins; the end of a move is not reported."""
 DONE: Final = b"Done"
 SERVO_DONE: Final = b"Servo Done"
 POINTS: Final = b"num points recieved"
@@ -40,7 +40,7 @@ COMMANDS: Final[Mapping[str, str]] = MappingProxyType(
         "ML": "points follow",
     }
 )
-"""What a line's first two letters ask for."""
+"""Meaning of a line's first two letters."""
 _AXIS: Final = re.compile(rb"([A-FT])([01])(\d+)")
 _FIELD: Final = re.compile(rb"([GHIKNPSTVX])(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?)")
 
@@ -52,15 +52,15 @@ class Requested:
     word: str
     """The first two letters."""
     steps: Mapping[str, int]
-    """By the letters of joints and track; ahead, which is digit 1, above 0."""
+    """Steps by the letters of joints and track; ahead, which is digit 1, above 0."""
     fields: Mapping[str, str]
-    """What else there is, by its letter."""
+    """The other fields, by their letters."""
     text: str
-    """Behind the word, as it is."""
+    """Behind the letters, as it is."""
 
 
 def decode(line: bytes) -> Requested | None:
-    """Return what a line asks for, without its end; None for one that a board passes over."""
+    """Return the request of a line without its end; None for one that a board ignores."""
     word, rest = line[:2].decode("ascii", "replace"), bytes(line[2:])
     if word not in COMMANDS:
         return None
@@ -118,5 +118,5 @@ def echo(text: str) -> bytes:
 
 
 def place(joint: int, steps: int) -> str:
-    """Return the text that says where a joint, 1 to 6, stands: the board keeps no count, and echoes it."""
+    """Return the text of the position of a joint, 1 to 6: the board keeps no count, and echoes it."""
     return f"{LETTERS[joint - 1]}{steps}"

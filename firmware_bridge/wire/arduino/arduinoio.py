@@ -1,8 +1,7 @@
-"""ArduinoIO, MATLAB's older way to an Arduino: one letter and single bytes behind it, one row a command.
+"""ArduinoIO, MATLAB's older protocol for an Arduino: a letter and single bytes behind it, a row a command.
 
-Source: G. Campa's legacy MATLAB and Simulink package for Arduino (giampy1969): the sketches adio to
-motor_v2, v4.4 of 2013, and arduino.m. No frames, no check sum, no time-out; what asks is
-answered with a number and CR LF.
+Source: G. Campa's legacy MATLAB and Simulink package for Arduino (giampy1969): the sketches adio to motor_v2,
+v4.4 of 2013, and arduino.m. No frames, no check sum, no timeout; a query is answered with a number and CR LF.
 """
 
 from collections.abc import Mapping
@@ -15,12 +14,12 @@ FIRST_LETTER: Final = ord("0")
 LAST_LETTER: Final = ord("Y")
 LINE_END: Final = b"\r\n"
 MOTOR_V2: Final = 4
-"""What the sketch for the motor shield V2 says when asked who it is."""
+"""Identification answer of the sketch for the motor shield V2."""
 
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """What a byte behind the letter means: its value is the byte less `base`."""
+    """Meaning of a byte behind the letter: its value is the byte less `base`."""
 
     name: str
     base: int
@@ -54,7 +53,7 @@ ENDS_STEPPER: Final = ord("r")
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """One command: its letter, what follows, and whether it says a number."""
+    """One command: its letter, the bytes behind it, and whether it is answered with a number."""
 
     letter: str
     name: str
@@ -140,11 +139,11 @@ class CommandReader:
 
 
 def decode(line: bytes) -> int | None:
-    """Return the number that an answer says, without its line end; None where it says none."""
+    """Return the number of an answer without its line end; None where it is no number."""
     digits = line.removeprefix(b"-")
     return int(line) if digits.isdigit() else None
 
 
 def encode_answer(number: int) -> bytes:
-    """Return what the board says."""
+    """Return the board's answer for a number."""
     return str(number).encode() + LINE_END

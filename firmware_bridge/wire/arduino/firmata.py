@@ -12,7 +12,7 @@ BAUD: Final = 57_600
 START: Final = 0xF0
 END: Final = 0xF7
 MAX_DATA: Final = 64
-"""Bytes of a system-exclusive message that a board keeps."""
+"""Size in bytes of a system-exclusive message that a board keeps."""
 LONGEST_FROM_BOARD: Final = 2_048
 """... and that a host does: more than all pins' modes."""
 CHANNELLED: Final = 0xF0
@@ -65,7 +65,7 @@ EXCLUSIVE: Final[Mapping[int, str]] = MappingProxyType(
         SAMPLING: "sampling interval",
     }
 )
-"""What each system-exclusive command is about."""
+"""Subject of each system-exclusive command."""
 
 ENCODER_REQUESTS: Final[Mapping[int, str]] = MappingProxyType(
     {
@@ -77,7 +77,7 @@ ENCODER_REQUESTS: Final[Mapping[int, str]] = MappingProxyType(
         0x05: "detach",
     }
 )
-"""What a host's encoder message asks for, by its first byte; a board's has none."""
+"""Meaning of a host's encoder message, by its first byte; a board's has none."""
 
 # How an I2C request is to be served
 
@@ -98,7 +98,7 @@ class Command:
     bytes_to_board: int
     """From the host."""
     bytes_from_board: int = 0
-    """From the board; a board tells some of them only."""
+    """From the board; a board reports some of them only."""
 
 
 ROWS: Final[tuple[Command, ...]] = (
@@ -116,7 +116,7 @@ COMMANDS: Final[Mapping[int, Command]] = MappingProxyType({row.code: row for row
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """What was said: a command with its channel, or a system-exclusive one; data as 7-bit bytes."""
+    """One message: a command with its channel, or a system-exclusive one; data as 7-bit bytes."""
 
     code: int
     data: bytes = b""
@@ -159,7 +159,7 @@ def i2c_read(address: int, register: int, count: int) -> bytes:
 
 @dataclass(frozen=True, slots=True)
 class I2cRead:
-    """What was read: from which address and register."""
+    """The data of an I2C reply, with its address and register."""
 
     address: int
     register: int
@@ -167,7 +167,7 @@ class I2cRead:
 
 
 def decode_i2c(message: Message) -> I2cRead | None:
-    """Return what an I2C reply says; None for another message, or half a reply."""
+    """Return the content of an I2C reply; None for another message, or half a reply."""
     values = unpaired(message.data)
     if not message.exclusive or message.code != I2C_REPLY or len(values) < len(("address", "register")):
         return None
@@ -196,7 +196,7 @@ def _counted(data: bytes) -> Counted:
 
 
 _COUNT: Final = 5
-"""Bytes of one encoder in a report."""
+"""Size in bytes of one encoder in a report."""
 
 
 class Parser:

@@ -1,4 +1,4 @@
-"""What a host that reaches the motor shield V2 by I2C writes to its chip: registers, channels, terminals.
+"""I2C writes to the chip of the motor shield V2: registers, channels, terminals.
 
 Sources: NXP, PCA9685 data sheet, registers; Adafruit_Motor_Shield_V2_Library, begin(), getMotor(), run().
 """
@@ -47,7 +47,7 @@ class Terminal(NamedTuple):
 TERMINALS: Final[Mapping[int, Terminal]] = MappingProxyType(
     {1: Terminal(8, 10, 9), 2: Terminal(13, 11, 12), 3: Terminal(2, 4, 3), 4: Terminal(7, 5, 6)}
 )
-"""By the motor's number."""
+"""Terminals by the motor's number."""
 PINS: Final[Mapping[int, tuple[int, Pin]]] = MappingProxyType(
     {
         LED0 + CHANNEL * channel: (motor, pin)
@@ -66,7 +66,7 @@ def encode_channel(motor: int, pin: Pin, level: int) -> bytes:
 
 
 class Written(NamedTuple):
-    """What a write does to one input; `level` in the same steps, a share of one rounded up."""
+    """The effect of a write on one input; `level` in the same steps, a share of one rounded up."""
 
     motor: int
     pin: Pin

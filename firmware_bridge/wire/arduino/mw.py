@@ -15,26 +15,26 @@ from firmware_bridge.wire.arduino import mw_messages as messages
 BAUD: Final = 115_200
 """Of a Mega; the host's build defines it."""
 BANNER: Final = b"MWProtocol"
-"""What a board says when it has begun."""
+"""The banner that a board sends at its start."""
 HOST_START: Final = 0x5A
 BOARD_START: Final = 0xA5
 ANSWER: Final = 0x00
 TRACE: Final = 0x01
 LARGEST: Final = 800
-"""Bytes of one message, on a Mega."""
+"""Size in bytes of one message, on a Mega."""
 SEQUENCES: Final = 128
 BITS: Final = 10
 """Of a byte on the line."""
 MOTOR_TAKES_MS: Final = 5
 SHIELD_TAKES_MS: Final = 25
-"""So long the board is given to obey a word and to answer it: one to a motor, and one that makes a shield."""
+"""Time for the board to obey a command and to answer it: one to a motor, and one that makes a shield."""
 _IS_LIBRARY: Final = 0x80
 
 CORE: Final = ""
 SHIELD: Final = "Adafruit/MotorShieldV2"
 ENCODER: Final = "RotaryEncoder"
 LIBRARIES: Final = ("I2C", "Servo", SHIELD, ENCODER)
-"""What a board with motors and encoders has; a library's index here is its number on the wire."""
+"""The libraries of a board with motors and encoders; an index here is a library's number on the wire."""
 
 
 Message: TypeAlias = Any
@@ -42,7 +42,7 @@ Message: TypeAlias = Any
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """How a message lies in a frame: a dataclass, and the layout of its fields."""
+    """Layout of a message in a frame: a dataclass, and the layout of its fields."""
 
     message: type[Any]
     layout: Struct
@@ -92,7 +92,7 @@ class _InfoShape(Shape):
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """One command: whose it is, its number there, what it asks and what it answers."""
+    """One command: its library, its number there, its request and its answer."""
 
     library: str
     code: int
@@ -101,7 +101,7 @@ class Command:
     """None where only the name is known, or where no emulated board has it."""
     answer: Shape
     assumed: str = ""
-    """What of it is a guess."""
+    """The assumed part of it."""
 
 
 def _shape(message: type[Any], layout: str = "") -> Shape:
@@ -211,14 +211,14 @@ def apart(frame: bytes, *, line_rate: int, milliseconds: int) -> bytes:
 
 
 class RequestReader:
-    """The board's end: it takes bytes and finds requests. It refuses to know of time: see `forget`."""
+    """The board's end: it takes bytes and finds requests. Time is not known here: see `forget`."""
 
     def __init__(self) -> None:
         self._frame = bytearray()
 
     @property
     def waits(self) -> bool:
-        """Whether a frame has begun that is not whole."""
+        """True while a frame has begun that is not whole."""
         return bool(self._frame)
 
     def take(self, byte: int) -> RequestFrame | None:
@@ -251,7 +251,7 @@ def row_of_frame(request: RequestFrame, libraries: Sequence[str] = LIBRARIES) ->
 
 
 def encode_request(request: Message, sequence: int, libraries: Sequence[str] = LIBRARIES) -> bytes:
-    """Return the frame that asks; ValueError for a library not there, struct.error for a bad field."""
+    """Return the frame of a request; ValueError for a library not there, struct.error for a bad field."""
     row = row_of(request)
     if row.library and row.library not in libraries:
         raise ValueError(
@@ -278,7 +278,7 @@ class Answered:
 
 @dataclass(frozen=True, slots=True)
 class Traced:
-    """A line that the board says for people."""
+    """A text line of the board for people."""
 
     text: bytes
 

@@ -1,4 +1,4 @@
-"""What MWProtocol's commands ask and answer: one value class each."""
+"""The requests and answers of MWProtocol's commands: one value class each."""
 
 from dataclasses import dataclass
 
@@ -54,7 +54,7 @@ class WriteDuty:
 
 @dataclass(frozen=True, slots=True)
 class WriteVoltage:
-    """Put a PWM of 0 to 255 on a pin, asked for as a voltage."""
+    """Put a PWM of 0 to 255 on a pin, requested as a voltage."""
 
     pin: int
     value: int
@@ -146,7 +146,7 @@ class DetachEncoder:
 
 @dataclass(frozen=True, slots=True)
 class SetDelay:
-    """Set the time for which edges are not believed."""
+    """Set the time for which edges are ignored."""
 
     encoder: int
     delay: int
@@ -182,7 +182,7 @@ class Done:
 
 @dataclass(frozen=True, slots=True)
 class ServerInfo:
-    """Who is there: version, board, whether it traces, and its libraries in the order of their numbers."""
+    """The board's identity: version, board, tracing, and its libraries in the order of their numbers."""
 
     major: int
     minor: int
@@ -193,7 +193,7 @@ class ServerInfo:
 
 @dataclass(frozen=True, slots=True)
 class FreeRam:
-    """Bytes."""
+    """Free memory in bytes."""
 
     free: int
 
@@ -223,6 +223,6 @@ class Count:
 
 @dataclass(frozen=True, slots=True)
 class Speeds:
-    """Counts of 20 ms, three bytes an encoder: overflow, and the difference, low byte first."""
+    """Encoder counts of 20 ms, three bytes an encoder: overflow, and the difference, low byte first."""
 
     raw: bytes

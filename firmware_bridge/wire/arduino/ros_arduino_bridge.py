@@ -20,11 +20,11 @@ INVALID: Final = "Invalid Command"
 WORD: Final = 16
 """Characters of an argument, the last of them a zero."""
 LONGEST_LINE: Final = 64
-"""Bytes of a line that a board ever says, for who collects one."""
+"""Longest line of a board in bytes, for a collector of lines."""
 
 
 class Answer(Enum):
-    """What a command says when it is done."""
+    """Form of a command's answer when it is done."""
 
     OK = "OK"
     NUMBER = "a number"
@@ -33,7 +33,7 @@ class Answer(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """One command: its letter, how many numbers follow, what is between them, what it says."""
+    """One command: its letter, its number of arguments, their separator, its answer."""
 
     letter: str
     name: str
@@ -79,7 +79,7 @@ def encode(letter: str, numbers: Sequence[int] = (), motors: int = 3) -> bytes:
 def decode(letter: str, line: bytes, motors: int = 3) -> Numbers | None:
     """Return the numbers of an answer, none for OK; None where it is not this command's.
 
-    `INVALID`, noise and half a line are None too: the driver asks again.
+    `INVALID`, noise and half a line are None too: the driver sends its request again.
     """
     row = COMMANDS[letter]
     text = line.decode("ascii", "replace").strip()
@@ -98,7 +98,7 @@ def _is_number(word: str) -> bool:
 
 
 class LineReader:
-    """Takes bytes and finds lines; one that is too long is dropped. By default the host's end."""
+    """A reader that splits bytes into lines; one too long is dropped. By default the host's end."""
 
     def __init__(self, end: bytes = LINE_END, longest: int = LONGEST_LINE) -> None:
         self._end: Final = end
@@ -107,7 +107,7 @@ class LineReader:
 
     @property
     def waiting(self) -> bytes:
-        """What has come of a line that has no end yet."""
+        """The part received of a line that has no end yet."""
         return bytes(self._waiting)
 
     def receive(self, chunk: bytes) -> Iterator[bytes]:

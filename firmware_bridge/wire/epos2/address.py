@@ -1,10 +1,10 @@
-"""Names for the objects that code refers to; every object stands in the object table."""
+"""Names for the objects that code refers to; every object is in the object table."""
 
 from typing import Final, NamedTuple
 
 
 class Address(NamedTuple):
-    """Where an object lives in the dictionary; a tuple, because every access hashes one."""
+    """Address of an object in the dictionary; a tuple, because every access hashes one."""
 
     index: int  # type: ignore[assignment] # the standard's word; no one searches an address
     subindex: int = 0

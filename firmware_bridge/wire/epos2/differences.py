@@ -1,4 +1,4 @@
-"""What the object dictionary of a type has otherwise than the 70/10's, a row each, with its source.
+"""Differences of the other types' object dictionaries from the 70/10's, a row each, with its source.
 
 A type without a row here is not known to differ, for want of its EDS.
 """
@@ -52,7 +52,7 @@ DIFFERENCES: Final[Mapping[int, Difference]] = MappingProxyType(
         )
     }
 )
-"""By hardware version (0x2003:2)."""
+"""Differences by hardware version (0x2003:2)."""
 
 
 @cache

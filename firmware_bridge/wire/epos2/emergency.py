@@ -14,7 +14,7 @@ from typing import Final
 from firmware_bridge.wire.epos2.rows import FIRMWARE_SPECIFICATION, LIBRARY, Provenance
 
 NO_ERROR: Final = 0x0000
-"""Code of the message that says: all errors are gone."""
+"""Emergency error code after the last error has gone."""
 GENERIC: Final = 0x1000
 UNDER_VOLTAGE: Final = 0x3220
 OVER_VOLTAGE: Final = 0x3210
@@ -54,7 +54,7 @@ AUXILIARY_SENSOR_DIRECTION: Final = 0xFF12
 
 
 class FaultReaction(Enum):
-    """What the drive does with the motor when the error appears."""
+    """Reaction of the drive to the error that appears."""
 
     NONE = "none"
     DISABLE = "power stage off at once"
@@ -62,7 +62,7 @@ class FaultReaction(Enum):
 
 
 class Recovery(Enum):
-    """What lets the drive leave the fault once the cause is gone."""
+    """Action that lets the drive leave the fault once the cause is gone."""
 
     FAULT_RESET = "controlword bit 7, rising edge"
     RESET_COMMUNICATION = "network management: reset communication"

@@ -1,4 +1,4 @@
-"""What a digital pin of an EPOS2 can be for: numbers in 0x2070 and 0x2079, bits of 0x2071 and 0x2078.
+"""Functions of an EPOS2's digital pins: numbers in 0x2070 and 0x2079, bits of 0x2071 and 0x2078.
 
 Sources: maxon's EPOS2 70/10 EDS (defaults), EPOS Firmware Specification (by analogy). ASSUME: the number of
 the holding brake.
@@ -58,7 +58,7 @@ class OutputFunction(IntEnum):
 
 
 INPUT_PINS: Final = tuple(Address(0x2070, pin) for pin in range(1, 10))
-"""Which function each input pin has, in the pins' order."""
+"""Objects of each input pin's function, in the pins' order."""
 INPUT_STATE: Final = Address(0x2071, 1)
 INPUT_MASK: Final = Address(0x2071, 2)
 INPUT_POLARITY: Final = Address(0x2071, 3)
@@ -67,6 +67,6 @@ OUTPUT_STATE: Final = Address(0x2078, 1)
 OUTPUT_MASK: Final = Address(0x2078, 2)
 OUTPUT_POLARITY: Final = Address(0x2078, 3)
 OUTPUT_PINS: Final = tuple(Address(0x2079, pin) for pin in range(1, 6))
-"""Which function each output pin has, in the pins' order."""
+"""Objects of each output pin's function, in the pins' order."""
 GENERAL_OUTPUTS: Final = 0xFF00
 """Bits of 0x2078 that a master writes."""

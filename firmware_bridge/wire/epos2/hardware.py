@@ -1,7 +1,7 @@
-"""The types of EPOS2 by their hardware versions, as far as a source tells them.
+"""The types of EPOS2 by their hardware versions, as far as a source gives them.
 
 Source: names of maxon's firmware files and users' drivers; that of the 70/10 was read from a device. No
-source tells that of the 24/2.
+source gives that of the 24/2.
 """
 
 from collections.abc import Mapping
@@ -32,5 +32,5 @@ def alike(product_code: int) -> frozenset[int]:
 
 
 def type_of(product_code: int) -> str | None:
-    """Return the type that a product code tells; None for one that no source knows."""
+    """Return the type of a product code; None for one that no source gives."""
     return TYPES.get(product_code >> _VERSION_SHIFT)

@@ -27,7 +27,7 @@ class PvtRecord:
     velocity: int
     """rpm, 24 bits with sign."""
     ms: int
-    """0 to 255; 0 says that the path ends here."""
+    """Time in ms, 0 to 255; 0 ends the path here."""
 
     @classmethod
     def decode(cls, word: int) -> Self:

@@ -1,6 +1,6 @@
-"""The shape of one object's row: type, access, range, default, and how far each is known.
+"""The shape of one object's row: type, access, range, default, and the reliability of each.
 
-It refuses to know any particular object; the tables in `objects_*` do.
+The particular objects are in the tables `objects_*`.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ ASSUMPTION: Final = "own assumption"
 
 
 class Provenance(Enum):
-    """How far a fact is known."""
+    """Reliability of a fact, by its source."""
 
     PROVEN = "proven"
     """From maxon's EDS, or recorded from a device."""
@@ -49,7 +49,7 @@ class DataType(Enum):
         self.size = size
         self.signed = signed
         self.bits = 8 * size
-        """Length in bits, as a PDO mapping entry tells it."""
+        """Length in bits, as in a PDO mapping entry."""
         self._mask = (1 << self.bits) - 1
 
     @property
@@ -72,7 +72,7 @@ class DataType(Enum):
 
 
 class Access(Enum):
-    """What a bus client may do with an object."""
+    """Access of a bus client to an object."""
 
     RO = "ro"
     CONST = "const"
@@ -83,9 +83,9 @@ class Access(Enum):
 
     def __init__(self, word: str) -> None:
         self.readable = word != "wo"
-        """Whether an upload is allowed."""
+        """True where an upload is allowed."""
         self.writable = word not in {"ro", "const"}
-        """Whether a download is allowed."""
+        """True where a download is allowed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,12 +113,12 @@ class ObjectRow:
 
     @property
     def transmittable(self) -> bool:
-        """Whether a transmit PDO may carry it; `rww` is the EDS's word for receive PDOs only (CiA 306)."""
+        """True where a transmit PDO may carry it; in the EDS `rww` is for receive PDOs only (CiA 306)."""
         return self.mappable and self.access is Access.RO
 
     @property
     def receivable(self) -> bool:
-        """Whether a receive PDO may carry it."""
+        """True where a receive PDO may carry it."""
         return self.mappable and self.access.writable
 
     @property
@@ -154,7 +154,7 @@ def row(
 ) -> ObjectRow:
     """Make a row of the EDS.
 
-    Its default: the EDS's, else the value `read` from a real device, else what the `standard` says, else 0.
+    Its default: the EDS's, else the value `read` from a real device, else that of the `standard`, else 0.
     """
     value: int | bytes
     if default is not None:

@@ -1,4 +1,4 @@
-"""What the ends of both serial protocols share, and how to choose one by the protocol's name."""
+"""The common part of both serial protocols' ends."""
 
 from typing import Protocol
 
@@ -7,11 +7,11 @@ from firmware_bridge.wire.maxon.frame import Frame, Outcome
 
 
 class LineEnd:
-    """One end of a line: it is given bytes and the time; what it wants to send waits in `taken`."""
+    """One end of a line: it receives bytes and the time; its bytes to send wait in `taken`."""
 
     def __init__(self) -> None:
         self.due: Nanoseconds = NEVER
-        """When to call `wake`."""
+        """Time of the next call of `wake`."""
         self._sent = bytearray()
 
     def taken(self) -> bytes:
@@ -22,13 +22,13 @@ class LineEnd:
 
 
 class DeviceEnd(Protocol):
-    """The drive's end of either protocol. Each command that comes out wants one call of `answer`."""
+    """The drive's end of either protocol. Each command that comes out needs one call of `answer`."""
 
     due: Nanoseconds
 
     @property
     def idle(self) -> bool:
-        """Whether no command is under way, nor has one begun."""
+        """True while no command is under way, nor has one begun."""
 
     def taken(self) -> bytes:
         """Return what is to be sent, once."""
@@ -54,13 +54,13 @@ class HostEnd(Protocol):
 
     @property
     def busy(self) -> bool:
-        """Whether a command is under way."""
+        """True while a command is under way."""
 
     def taken(self) -> bytes:
         """Return what is to be sent, once."""
 
     def ask(self, frame: Frame, now: Nanoseconds, *, answered: bool = True) -> None:
-        """Begin a command; `answered` as its row says for this protocol."""
+        """Begin a command; `answered` by its row for this protocol."""
 
     def receive(self, chunk: bytes, now: Nanoseconds) -> Outcome | None:
         """Take bytes; return how the command ended, once."""

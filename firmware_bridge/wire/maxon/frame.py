@@ -11,13 +11,13 @@ DLE: Final = 0x90
 STX: Final = 0x02
 CHECKSUM_SIZE: Final = 2
 MOST_WORDS: Final = 143
-"""Data words that V2's length may tell (EPOS4 Communication Guide, by analogy)."""
+"""Most data words by V2's length (EPOS4 Communication Guide, by analogy)."""
 _MOST_WORDS_V1: Final = 256
 _SYNC: Final = bytes((DLE, STX))
 
 
 class Generation(Enum):
-    """Which protocol a line speaks."""
+    """The serial protocol of a line."""
 
     V1 = "v1"
     """RS232: single bytes of handshake, half-duplex."""
@@ -26,7 +26,7 @@ class Generation(Enum):
 
 
 class Failure(Enum):
-    """Why a command got no answer."""
+    """Reason why a command has no answer."""
 
     SILENCE = "no answer in time"
     REFUSED = "the device does not know the command"

@@ -1,4 +1,4 @@
-"""Chooses the ends of a serial line by the protocol that it speaks."""
+"""The choice of a serial line's ends by its protocol."""
 
 from collections.abc import Callable
 
@@ -10,7 +10,7 @@ from firmware_bridge.wire.maxon.v2 import V2Device, V2Host
 
 
 def device_end(generation: Generation, timeout: Callable[[], Nanoseconds], bad_checksum: int) -> DeviceEnd:
-    """Return the drive's end; `timeout` is asked whenever one begins, `bad_checksum` is V2's complaint."""
+    """Return the drive's end; `timeout` is called at each start of one, `bad_checksum` is V2's complaint."""
     if generation is Generation.V1:
         return V1Device(timeout)
     return V2Device(timeout, bad_checksum)

@@ -1,4 +1,4 @@
-"""What the commands of the serial protocols ask and answer, field by field in the order on the wire.
+"""Requests and answers of the serial protocols' commands, field by field in the order on the wire.
 
 Source: maxon's command library; EPOS Communication Guide, October 2006 (EPOS1).
 """
@@ -9,7 +9,7 @@ from typing import Final, Protocol, TypeAlias
 from firmware_bridge.wire.epos2.address import Address
 
 DIRECT_SEGMENT: Final = 63
-"""Bytes that a segment carries at most on the serial line."""
+"""Most bytes of a segment on the serial line."""
 _LENGTH: Final = 0x3F
 _TOGGLE: Final = 0x40
 _MORE: Final = 0x80
@@ -98,7 +98,7 @@ class SegmentRead:
 
 @dataclass(frozen=True, slots=True)
 class SegmentWrite:
-    """Send the next segment; `control` tells its length, the toggle bit, and whether more follow."""
+    """Send the next segment; `control` holds its length, the toggle bit, and whether more follow."""
 
     control: int
     raw: bytes
@@ -163,7 +163,7 @@ class SegmentOut:
 
 @dataclass(frozen=True, slots=True)
 class SegmentTaken:
-    """How many bytes were taken, with which toggle bit."""
+    """Number of bytes taken, with the toggle bit."""
 
     error: int
     control: int

@@ -26,7 +26,7 @@ _Message: TypeAlias = type[Any]
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """How a message lies on the wire: a dataclass and the layout of its fields, low byte first."""
+    """Layout of a message on the wire: a dataclass and the layout of its fields, low byte first."""
 
     message: _Message
     layout: Struct
@@ -49,14 +49,14 @@ class Shape:
         return self.message(*values, body[size:]) if self.open_ended else self.message(*values)
 
     def refusal(self, error: int) -> bytes:
-        """Return an answer of the full layout that tells an error and is zero otherwise."""
+        """Return an answer of the full layout with an error code, zero otherwise."""
         size = self.layout.size
         return error.to_bytes(4, "little") + bytes(size + size % 2 - 4)
 
 
 @dataclass(frozen=True, slots=True)
 class Opcode:
-    """One command: its opcode, what it asks and answers, and on which lines it is answered."""
+    """One command: its opcode, its request and answer, and the lines on which it is answered."""
 
     opcode: int
     name: str
@@ -127,7 +127,7 @@ ROWS: Final[tuple[Opcode, ...]] = (
 
 _RESETS: Final = frozenset({NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION})
 RESETS_WITHIN: Final[Nanoseconds] = 100 * MILLISECOND
-"""ASSUME: a device that acknowledges a reset all the same, or has not understood it, says so by then."""
+"""Assumed, to be verified: time for a device to acknowledge a reset all the same, or to reject it."""
 
 COMMANDS: Final[Mapping[int, Opcode]] = MappingProxyType({row.opcode: row for row in ROWS if row.request})
 """Commands that a device knows, by opcode."""
@@ -140,10 +140,10 @@ def row_of(request: Request) -> Opcode:
 
 
 def acknowledged(frame: Frame) -> bool:
-    """Return whether a device says that it has the command: not where it resets a node, or communication.
+    """Return whether a device acknowledges the command: not where it resets a node, or communication.
 
-    Source: comments in maxon's own library for PCs, which takes the silence for success. ASSUME: so it is
-    for a node behind the gateway, too.
+    Source: comments in maxon's own library for PCs, which takes the silence for success. ASSUME: so it is for
+    a node behind the gateway, too.
     """
     if frame.opcode != NMT_SERVICE:
         return True
@@ -179,6 +179,6 @@ def decode_answer(request: Request, body: bytes) -> Answer | None:
 
 
 def encode_refusal(opcode: int, error: int) -> bytes:
-    """Return the data that tells an error, in the full layout of the command's answer where it is known."""
+    """Return the data of an error answer, in the full layout of the command's answer where it is known."""
     row = COMMANDS.get(opcode)
     return (_DONE if row is None else row.answer).refusal(error)

@@ -1,7 +1,7 @@
 """Commands of the serial protocols as packets, as CAN frames are: the opcode is the address.
 
-Whoever carries them to a line adds check sum, stuffing and handshake, as a CAN controller does for a frame.
-What comes back has the opcode of the command that it belongs to, and a flag where there is no answer.
+The carrier to a line adds check sum, stuffing and handshake, as a CAN controller does for a frame. A received
+packet has the opcode of the command that it belongs to, and a flag where there is no answer.
 """
 
 from typing import Final
@@ -13,7 +13,7 @@ from firmware_bridge.wire.maxon.messages import Request
 from firmware_bridge.wire.maxon.opcodes import COMMANDS, decode_request, encode_request
 
 FAILED: Final = 0x100
-"""In the address of what comes back: no answer; the payload is the reason in words."""
+"""Flag in a received packet's address: no answer; the payload is the reason as text."""
 _OPCODE: Final = 0xFF
 _FAILURES: Final = {failure.value.encode(): failure for failure in Failure}
 

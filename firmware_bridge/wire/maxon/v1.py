@@ -1,12 +1,12 @@
 """V1 on RS232, both ends: the handshake byte by byte, and a frame as it comes in.
 
-Source: EPOS2 Application Notes Collection, April 2013, p. 11-166; EPOS Communication Guide, October 2006.
-A command goes `opcode`, then `O` or `F` comes back; the rest goes, and again `O` or `F` comes, but no `O` for
-one that resets a node or its communication. The answer's opcode 0 comes, and the host says `O`; its rest
-comes, and the host says `O` or `F`. Where they are silent:
+Source: EPOS2 Application Notes Collection, April 2013, p. 11-166; EPOS Communication Guide, October 2006. A
+command goes `opcode`, then `O` or `F` comes back; the rest goes, and again `O` or `F` comes, but no `O` for
+one that resets a node or its communication. The answer's opcode 0 comes, and the host sends `O`; its rest
+comes, and the host sends `O` or `F`. Where they are silent:
 
 * Bytes that arrive while the device works on a command wait, up to `ROOM` of them, and count afterwards.
-* Whatever the host says instead of `O` is dropped together with the answer; its last `F` repeats nothing.
+* Another byte of the host is dropped together with the answer; its last `F` repeats nothing.
 * A device's phase lasts from its own last byte to the last byte that it wants from the host.
 """
 
@@ -65,7 +65,7 @@ class _DevicePhase(Enum):
 
 
 class V1Device(LineEnd):
-    """The drive's end. `receive` returns a command, and each command wants one call of `answer`."""
+    """The drive's end. `receive` returns a command, and each command needs one call of `answer`."""
 
     def __init__(self, timeout: Callable[[], Nanoseconds], known: Container[int] = COMMANDS) -> None:
         """Take the time of a phase from `timeout` each time one begins."""
@@ -79,7 +79,7 @@ class V1Device(LineEnd):
 
     @property
     def idle(self) -> bool:
-        """Whether no command is under way, nor has one begun."""
+        """True while no command is under way, nor has one begun."""
         return self._phase is _DevicePhase.IDLE
 
     def receive(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
@@ -174,7 +174,7 @@ _ACCEPTING: Final = frozenset({_HostPhase.OPCODE, _HostPhase.COMMAND})
 
 
 class V1Host(LineEnd):
-    """The host's end, one command at a time. What it does not wait for, it does not hear."""
+    """The host's end, one command at a time. Bytes that it does not expect are dropped."""
 
     def __init__(self, timeout: Nanoseconds, quiet: Nanoseconds = FRAME_TIMEOUT) -> None:
         """Wait `timeout` for each step of the device; it covers the work on a command, too.
@@ -183,7 +183,7 @@ class V1Host(LineEnd):
         """
         super().__init__()
         self.ready_at: Nanoseconds = 0
-        """From when on a command may be asked."""
+        """Earliest time of the next command."""
         self._timeout = timeout
         self._quiet = quiet
         self._phase = _HostPhase.IDLE
@@ -193,11 +193,11 @@ class V1Host(LineEnd):
 
     @property
     def busy(self) -> bool:
-        """Whether a command is under way."""
+        """True while a command is under way."""
         return self._phase is not _HostPhase.IDLE
 
     def ask(self, frame: Frame, now: Nanoseconds, *, answered: bool = True) -> None:
-        """Begin a command; `answered` as its row says for V1. RuntimeError while another is under way."""
+        """Begin a command; `answered` by its row for V1. RuntimeError while another is under way."""
         if self.busy:
             raise RuntimeError("the line carries one command at a time")
         self._command = encode_v1(frame)

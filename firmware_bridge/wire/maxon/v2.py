@@ -46,14 +46,14 @@ class FrameReader:
 
     def __init__(self) -> None:
         self.begun = 0
-        """How many frames have begun so far."""
+        """Count of the frames begun so far."""
         self._escaped = False
         self._open = False
         self._taken = bytearray()
 
     @property
     def inside(self) -> bool:
-        """Whether a frame has begun and not ended."""
+        """True while a frame has begun and not ended."""
         return self._open
 
     def reset(self) -> None:
@@ -98,7 +98,7 @@ class FrameReader:
 
 
 class V2Device(LineEnd):
-    """The drive's end. `receive` returns a command, and each command wants one call of `answer`."""
+    """The drive's end. `receive` returns a command, and each command needs one call of `answer`."""
 
     def __init__(self, timeout: Callable[[], Nanoseconds], bad_checksum: int) -> None:
         """Answer damaged frames with this error code; take the time of a frame from `timeout`."""
@@ -111,7 +111,7 @@ class V2Device(LineEnd):
 
     @property
     def idle(self) -> bool:
-        """Whether no command is under way, nor has one begun."""
+        """True while no command is under way, nor has one begun."""
         return not self._working and not self._reader.inside
 
     def receive(self, chunk: bytes, now: Nanoseconds) -> Frame | None:
@@ -160,7 +160,7 @@ class V2Device(LineEnd):
 
 
 class V2Host(LineEnd):
-    """The host's end, one command at a time. What it does not wait for, it does not hear."""
+    """The host's end, one command at a time. Frames that it does not expect are dropped."""
 
     def __init__(self, timeout: Nanoseconds, quiet: Nanoseconds = 0) -> None:
         """Wait `timeout` for an answer.
@@ -170,7 +170,7 @@ class V2Host(LineEnd):
         """
         super().__init__()
         self.ready_at: Nanoseconds = 0
-        """From when on a command may be asked."""
+        """Earliest time of the next command."""
         self._timeout = timeout
         self._quiet = quiet
         self._reader = FrameReader()
@@ -179,7 +179,7 @@ class V2Host(LineEnd):
 
     @property
     def busy(self) -> bool:
-        """Whether a command is under way."""
+        """True while a command is under way."""
         return self._busy
 
     def ask(self, frame: Frame, now: Nanoseconds, *, answered: bool = True) -> None:

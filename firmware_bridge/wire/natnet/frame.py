@@ -33,14 +33,14 @@ Quaternion = tuple[float, float, float, float]
 
 
 class BodyFlag(IntFlag):
-    """What `RigidBody.params` says."""
+    """Flags of `RigidBody.params`."""
 
     TRACKED = 1
     """The pose is of this frame. Without it the pose is the last one, zeros or no number, by the server."""
 
 
 class MarkerFlag(IntFlag):
-    """What `LabeledMarker.params` says."""
+    """Flags of `LabeledMarker.params`."""
 
     OCCLUDED = 1
     POINT_CLOUD = 2
@@ -51,7 +51,7 @@ class MarkerFlag(IntFlag):
 
 
 class FrameFlag(IntFlag):
-    """What `Frame.params` says."""
+    """Flags of `Frame.params`."""
 
     RECORDING = 1
     MODELS_CHANGED = 2
@@ -124,7 +124,7 @@ class LabeledMarker:
     size_m: float
     params: int
     residual: float = 0.0
-    """Metres a ray; from 3.0 on."""
+    """Residual in meters a ray; from 3.0 on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,7 +187,7 @@ _DEVICES: Final = Items(
     Record(Device, Row("id", _INT), Row("channels", Items(Items(_FLOAT)))), announced=True
 )
 _TAIL: Final = 14
-"""Bytes of what follows the time stamps, where the precise one is there: itself, params, end."""
+"""Size in bytes of the part behind the time stamps, where the precise one is there: itself, params, end."""
 
 FRAME: Final = Record(
     Frame,

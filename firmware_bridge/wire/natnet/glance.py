@@ -1,4 +1,4 @@
-"""What a listener wants of a frame: its stamps, and a body by its number, made where it is asked for."""
+"""A listener's view of a frame: its stamps, and a body by its number, decoded on request."""
 
 from typing import Any, Final
 
@@ -23,7 +23,7 @@ class Glance:
         self.timestamp_s, self.exposed, self.sent = stamps
         self.params: Final = params
         self._flat: Final = flat
-        """The values of bodies that no one has asked for."""
+        """The values of bodies that were not requested."""
         self._bodies: Final = bodies
 
     def body(self, number: int) -> RigidBody | None:

@@ -1,7 +1,7 @@
-"""How a NatNet message is described: rows of fields, each with the versions that have it; both directions.
+"""Description of a NatNet message: rows of fields, each with the versions that have it; both directions.
 
-Everything is little endian, without padding and without a check sum. What does not fit is a `NatNetError`
-that says where; no other error leaves this module, whatever the bytes are.
+Everything is little endian, without padding and without a check sum. Bytes that do not fit raise a
+`NatNetError` with their place; no other error leaves this module, whatever the bytes are.
 
 Source: the layouts that OptiTrack's own clients of the NatNet SDK 2.9 to 4.2 read.
 """
@@ -17,13 +17,13 @@ class NatNetError(Exception):
 
 
 class Version(NamedTuple):
-    """Of the protocol, as the server says it."""
+    """Version of the protocol, as the server reports it."""
 
     major: int
     minor: int
 
     def __str__(self) -> str:
-        """Say it as 3.1."""
+        """Format it as 3.1."""
         return f"{self.major}.{self.minor}"
 
 
@@ -41,9 +41,9 @@ Value: TypeAlias = Any
 
 
 def known(version: Version) -> Version:
-    """Return the version whose layout serves; NatNetError for one that no one has described.
+    """Return the version whose layout serves; NatNetError for one without a description.
 
-    ASSUME: a later 4.x is laid out as 4.4, since those versions tell the length of each list.
+    ASSUME: a later 4.x is laid out as 4.4, since those versions carry the length of each list.
     """
     if not FIRST <= version < Version(LAST.major + 1, 0):
         raise NatNetError(f"NatNet {version} is not known; {FIRST} to {LAST} are")
@@ -63,7 +63,7 @@ class Reader:
 
     @property
     def left(self) -> int:
-        """Bytes that were not read yet."""
+        """Count of bytes not read yet."""
         return self.end - self.at
 
     def take(self, size: int, name: str) -> int:
@@ -75,7 +75,7 @@ class Reader:
 
 
 class Kind(Protocol):
-    """How one value lies in a message."""
+    """Codec of one value in a message."""
 
     def read(self, reader: Reader, name: str) -> Value:
         """Return the next value; `name` is for the refusal."""
@@ -292,12 +292,12 @@ class Tagged:
 
 
 class WhereThereIsRoom:
-    """A value that some builds of one version send and some do not; the bytes left tell."""
+    """A value that some builds of one version send and some do not; the number of bytes left decides."""
 
     def __init__(self, kind: Kind, left: int, *, since: Version) -> None:
         self._kind: Final = kind
         self._since: Final = since
-        """Of the versions that are said to have it; to others it is not sent."""
+        """The versions documented to have it; to others it is not sent."""
         self._left: Final = left
         """So many are left, itself included, where it is there."""
 

@@ -1,7 +1,7 @@
-"""What goes around frames and models: each message's number and length, who is there, and who wants frames.
+"""Messages beside frames and models: numbers and lengths, server identity, and connection requests.
 
-Source: NatNetTypes.h and the clients of the NatNet SDK, and what a Motive 2.1 has sent. UDP, little endian;
-commands at port 1510, frames from port 1511.
+Source: NatNetTypes.h and the clients of the NatNet SDK, and the recorded output of a Motive 2.1. UDP, little
+endian; commands at port 1510, frames from port 1511.
 """
 
 from collections.abc import Mapping
@@ -26,7 +26,7 @@ COMMAND_PORT: Final = 1510
 DATA_PORT: Final = 1511
 GROUP: Final = (239, 255, 42, 99)
 LARGEST: Final = 65_507
-"""Bytes of a datagram."""
+"""Largest datagram in bytes."""
 OK: Final = 0
 """An answer's number for a command that was done."""
 
@@ -82,7 +82,7 @@ Bytes4 = tuple[int, int, int, int]
 
 @dataclass(frozen=True, slots=True)
 class ServerInfo:
-    """Who serves: application, both versions, and from 3.0 on its clock and where frames come from."""
+    """Server identity: application, both versions, and from 3.0 on its clock and the source of frames."""
 
     name: str
     application: Bytes4
@@ -113,7 +113,7 @@ _VERSION_AT: Final = _NAME + 4
 
 
 def server_info(payload: bytes) -> ServerInfo:
-    """Return who serves, in the layout of the version that it tells; NatNetError."""
+    """Return the server's identity, in the layout of the version that it reports; NatNetError."""
     if len(payload) < _VERSION_AT + 4:
         raise NatNetError(f"server info has {len(payload)} bytes, at least {_VERSION_AT + 4} are needed")
     version = known(Version(payload[_VERSION_AT], payload[_VERSION_AT + 1]))
@@ -128,7 +128,7 @@ def server_info_payload(info: ServerInfo) -> bytes:
 
 @dataclass(frozen=True, slots=True)
 class Connect:
-    """Someone wants frames: who, and in which version of the stream; None where nothing is said of it."""
+    """A request for frames: the client, and the version of the stream; None where none is given."""
 
     name: str = ""
     application: Bytes4 = (0, 0, 0, 0)
@@ -147,7 +147,7 @@ def connect_payload(connect: Connect) -> bytes:
 
 
 def connected(payload: bytes) -> Connect:
-    """Return who wants frames. Clients say nothing, a word, or all of it: anything is such a request."""
+    """Return the client that requests frames; its payload may be empty, a part, or whole."""
     size = _VERSION_AT + 4
     if len(payload) < size:
         return Connect()
@@ -173,12 +173,12 @@ def measure_payload(value: float) -> bytes:
 
 
 def text_payload(text: str) -> bytes:
-    """Return a command, or an answer in words."""
+    """Return a command, or an answer as text."""
     return text.encode("utf-8", "surrogateescape") + b"\0"
 
 
 def text_of(payload: bytes) -> str:
-    """Return the words before the NUL."""
+    """Return the text before the NUL."""
     return payload.partition(b"\0")[0].decode("utf-8", "surrogateescape")
 
 
@@ -202,5 +202,5 @@ def echo_of(payload: bytes) -> tuple[int, int]:
 
 
 def echo_request(stamp: int) -> bytes:
-    """Return the payload that asks for the server's time, with a stamp of one's own."""
+    """Return the payload of a request for the server's time, with a stamp of one's own."""
     return _STAMP.pack(stamp)

@@ -1,4 +1,4 @@
-"""Model definitions: what the numbers in a frame are called; asked for, and sent on the command channel.
+"""Model definitions: the names of the numbers in a frame; requested and sent on the command channel.
 
 Source: as for frames. The part about markers in a bone is there from 3.0 on in OptiTrack's Python client and
 missing in an older C++ one: ASSUME it is there, no capture has a skeleton.
@@ -40,7 +40,7 @@ class MarkerSetModel:
 
 @dataclass(frozen=True, slots=True)
 class ModelMarker:
-    """Where a marker is on a rigid body."""
+    """Position of a marker on a rigid body."""
 
     position: Point
     label: int = 0
@@ -99,7 +99,7 @@ class DeviceModel:
 
 @dataclass(frozen=True, slots=True)
 class CameraModel:
-    """Where a camera is."""
+    """Position of a camera."""
 
     name: str
     position: Point

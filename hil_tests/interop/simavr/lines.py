@@ -1,6 +1,6 @@
-"""What happens to a board, drawn at random: lines of a host that means it, and of one that does not.
+"""Random events of a board: lines of a host that follows the protocol, and of one that does not.
 
-simavr 1.6 has half of the chip's analog inputs, so no one asks for the others.
+simavr 1.6 has half of the chip's analog inputs, so the others are not read.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,7 +15,7 @@ from hil_tests.interop.simavr.twin import Bytes, Edges, Event, Level, Time, Volt
 WHEELS: Final = len(ENCODER_PINS)
 ANALOG: Final = 8
 RING: Final = 63
-"""Bytes that a busy sketch keeps."""
+"""Capacity of a busy sketch in bytes."""
 TAKEN: Final = {0, 1, 20, 21, *(pin for pins in ENCODER_PINS for pin in pins)}
 FREE: Final = tuple(it for it in range(PINS) if it not in TAKEN)
 ODD: Final = (0, 1, -1, 255, 256, -255, 300, 32767, -32768, 32768, 65535, 99999, -40000)
@@ -31,7 +31,7 @@ class Dice:
         self._random: Final[Generator] = default_rng(seed)
 
     def chance(self, share: float) -> bool:
-        """Be true in that share of all cases."""
+        """Return True in that share of all cases."""
         return bool(self._random.random() < share)
 
     def between(self, low: int, high: int) -> int:
@@ -53,7 +53,7 @@ class Dice:
         return self.between(0, PINS + 7)
 
     def numbers(self, count: int, between: str = " ") -> str:
-        """Return some, as many as are asked for, or now and then not."""
+        """Return the requested number of numbers, or now and then another one."""
         if self.chance(0.1):
             count = self.between(0, 5)
         return between.join(str(self.number()) for _ in range(count))

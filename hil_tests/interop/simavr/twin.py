@@ -31,14 +31,14 @@ LARGEST_READING: Final = 1_023
 
 @dataclass(frozen=True)
 class Bytes:
-    """The host says something."""
+    """The host sends bytes."""
 
     data: bytes
 
 
 @dataclass(frozen=True)
 class Time:
-    """From now on millis() is that."""
+    """New value of millis() from now on."""
 
     millis: int
 
@@ -53,7 +53,7 @@ class Edges:
 
 @dataclass(frozen=True)
 class Level:
-    """Someone drives a pin."""
+    """A pin is driven from outside."""
 
     pin: int
     high: bool
@@ -61,7 +61,7 @@ class Level:
 
 @dataclass(frozen=True)
 class Voltage:
-    """Someone puts a voltage at an analog input; as a reading, 0 to 1023."""
+    """A voltage at an analog input; as a reading, 0 to 1023."""
 
     channel: int
     reading: int
@@ -72,7 +72,7 @@ Event = Bytes | Time | Edges | Level | Voltage
 
 @dataclass(frozen=True)
 class Received:
-    """What came of it: bytes to the host, and transfers on the bus as harness.c writes them."""
+    """The result: bytes to the host, and transfers on the bus as harness.c writes them."""
 
     serial: bytes
     bus: str
@@ -151,7 +151,7 @@ class Given(Clock):
 
 
 class Wheels(Shafts):
-    """They turn where it is said, and their levels are on the pins."""
+    """Wheels at given positions, with their levels on the pins."""
 
     def level(self, pin: int) -> bool | None:
         for wheel, pins in enumerate(ENCODER_PINS):

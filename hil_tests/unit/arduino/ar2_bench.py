@@ -10,7 +10,7 @@ from emulators.arduino_omni.mega.mega import Mega
 from firmware_bridge.units import MICROSECOND, NEVER, SECOND, Nanoseconds
 
 GAP = SECOND // 100
-"""Between two lines: what was said has left."""
+"""Time between two lines, in which the answer has left."""
 LEVEL = (0,) * 6
 """No weight at any joint."""
 
@@ -52,11 +52,11 @@ class Bench:
 
     @property
     def begun(self) -> Nanoseconds:
-        """When the next line will have come."""
+        """Time at which the next line will have come."""
         return self.now + GAP
 
     def ask(self, line: bytes, within: Nanoseconds = 1_000 * SECOND) -> bytes:
-        """Say a line; return what is said until nothing is due any more, or the time is over."""
+        """Send a line; return the output until nothing is due any more, or the time is over."""
         self.kept.clear()
         self.now += GAP
         self.mega.advance(self.now)

@@ -11,7 +11,7 @@ TURN_US = 70
 PINS_OF_DIRECTION = (1, 1, 1, 0, 1, 1, 0)
 F = np.float32
 SWITCHES = ((21, -1), (21, -1), (7829, 1), (21, -1), (21, -1), (6604, 1))
-"""Where each joint's switch closes, and which way is beyond."""
+"""Closing point of each joint's switch, and the direction beyond it."""
 
 
 def word(value: int) -> int:
@@ -68,7 +68,7 @@ def divide(one: int, two: int) -> int:
 
 @dataclass
 class Model:
-    """What the sketch would say and do; each pulse as axis, direction and us since the line was obeyed."""
+    """Expected output of the sketch; each pulse as axis, direction and us since the line was obeyed."""
 
     places: list[int]
     pulses: list[tuple[int, int, int]] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""Who is on the other end of a board's USB, in virtual time by hand; a chip that writes down what is said."""
+"""Hosts at the other end of a board's USB, in virtual time by hand; a chip that records its commands."""
 
 from collections.abc import Callable
 
@@ -13,7 +13,7 @@ READY = 3 * SECOND
 
 
 class Spy:
-    """A second chip at the shield's address: it sees what the shield is told."""
+    """A second chip at the shield's address: it sees the shield's commands."""
 
     hasty = True
 
@@ -44,7 +44,7 @@ class Spy:
 
 
 class Host:
-    """One board, plugged in and started, and what it has said since."""
+    """One board, plugged in and started, and its output since."""
 
     def __init__(self, sketch: Callable[[Mega], Sketch], baud: int, *, ready: Nanoseconds = READY) -> None:
         self.spy = Spy()
@@ -79,13 +79,13 @@ class Host:
         return taken
 
     def ask(self, data: bytes, wait: Nanoseconds = 100 * MILLISECOND) -> bytes:
-        """Send it whole, and return what is said to it."""
+        """Send it whole, and return the answer."""
         self.send(data)
         self.run(wait)
         return self.taken()
 
     def ask_slowly(self, data: bytes, wait: Nanoseconds = 100 * MILLISECOND) -> bytes:
-        """Send it byte by byte, 3 ms apart, and return what is said to it."""
+        """Send it byte by byte, 3 ms apart, and return the answer."""
         for byte in data:
             self.send(bytes((byte,)))
             self.run(3 * MILLISECOND)

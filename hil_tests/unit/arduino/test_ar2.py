@@ -229,7 +229,7 @@ def test_an_open_wire_reads_as_reached_and_all_commanded_joints_are_overdriven()
 
 
 def calibrated(bench: Bench) -> list[int]:
-    """Say what the GUI says: to the switches, back by 500 steps, slowly there again; return its counters."""
+    """Calibrate as the GUI does: to the switches, back by 500 steps, slowly again; return its counters."""
     whole = [axis.steps for axis in JOINTS]
     digits = [int(axis.switch_at_most) for axis in JOINTS]
     assert bench.ask(ar2.switches(whole, digits, 50)) == b"P\r"
@@ -288,7 +288,7 @@ def test_the_guis_points_lose_their_first_and_stay_in_the_table() -> None:
     assert bench.ask(lines.encode()) == b"num points recieved012waypts done"
     assert bench.moved()[0] == 1 + 2 + 3
     assert bench.span_us() == 5 * (400 * 4 // 6 + TURN_US)
-    # One more than was said: 2 + 2 new ones, and the third of before.
+    # One more than requested: 2 + 2 new ones, and the third of before.
     two = b"ML2\n" + 2 * (point.format(10).encode() + b"\n")
     assert bench.ask(two) == b"num points recieved01waypts done"
     assert bench.moved()[0] == 10 + 10 + 3

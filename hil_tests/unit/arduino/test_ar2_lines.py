@@ -42,7 +42,7 @@ def move(rng: Generator, name: str) -> str:
 
 
 def points(rng: Generator) -> str:
-    """As the GUI says them: the first one on the line of the count, and often another count than it has."""
+    """Return points as the GUI sends them: the first on the line of the count, often with a wrong count."""
     count = int(rng.integers(5))
     few = "\n".join(move(rng, "MJ").replace("T1", "T0") for _ in range(count + 1))
     return f"ML{count}{few}" if rng.integers(4) else f"ML{rng.integers(-2, 1)}"
@@ -63,7 +63,7 @@ def line(rng: Generator) -> str:
 
 
 def agree(seed: int, count: int) -> int:
-    """Say lines to both; return how many pulses both have made."""
+    """Send lines to both; return the number of pulses that both have made."""
     rng, bench, pulses = default_rng(seed), Bench(), 0
     model = Model(list(bench.joints.places))
     for _ in range(count):

@@ -20,7 +20,7 @@ from fmu.plant import FmuPlant
 
 
 class Host:
-    """A board that is plugged in, and what it has said."""
+    """A board that is plugged in, and its output."""
 
     def __init__(
         self,
@@ -135,7 +135,7 @@ DIALOGUES = {
     "arduinoio": ((b"A1\x96B1f", b"E0", b"cd", b"G0" * 40, b"99" * 30), b"99"),
     "firmata": ((b"\xf0\x79\xf7" * 5, b"\xf9", b"\xf0\x6b", b"\xf7"), b"\xf9"),
 }
-"""What is said to each firmware, and what last."""
+"""Packets sent to each firmware, and the last one."""
 
 
 @pytest.mark.parametrize("firmware", FIRMWARES)

@@ -1,4 +1,4 @@
-"""What can be wrong with a board, by its name: what then happens to its motors, and what it says."""
+"""Faults of a board, by their names: their effect on its motors, and on its output."""
 
 import re
 from dataclasses import replace
@@ -34,7 +34,7 @@ STALL = SUPPLY_V * 4080 / 4096 / (MOTOR.resistance + ON_RESISTANCE)
 
 
 class Host:
-    """Who is on the other end of a faulty board, in virtual time."""
+    """Host at the other end of a faulty board, in virtual time."""
 
     def __init__(self, *faults: str, motor: DcMotor = MOTOR, auto_stop: int = 30_000) -> None:
         self.board = Board(FIRMWARES["ros-arduino-bridge"], four_motors(motor), auto_stop=auto_stop)

@@ -150,7 +150,7 @@ def test_a_counter_counts_from_where_it_was_made_on_pins_with_interrupts() -> No
 
 
 class Echo:
-    """Says what it heard; `!` keeps it busy for 100 ms, `m` drives motor 1."""
+    """Sketch that sends its input back; `!` keeps it busy for 100 ms, `m` drives motor 1."""
 
     def __init__(self, mega: Mega) -> None:
         self.mega = mega
@@ -183,7 +183,7 @@ class Echo:
 
 
 class Host:
-    """Whoever is on the other end, in virtual time by hand."""
+    """Host at the other end, in virtual time by hand."""
 
     def __init__(self, board: UsbBoard) -> None:
         self.board = board

@@ -1,4 +1,4 @@
-"""What the motor shield's library writes, and what comes of it."""
+"""Transfers of the motor shield's library, and their effect."""
 
 import pytest
 

@@ -23,7 +23,7 @@ FORWARD, BACKWARD, RELEASE = library.Run.FORWARD, library.Run.BACKWARD, library.
 
 
 class Bench:
-    """A shield that is told directly, and its motors."""
+    """A shield with direct commands, and its motors."""
 
     def __init__(self, motor: DcMotor = MOTOR, counts_per_turn: int = COUNTS_PER_TURN) -> None:
         self.shield = MotorShield()
@@ -55,7 +55,7 @@ def test_who_looks_only_at_the_end_sees_what_he_sees_who_looks_at_each_write(gap
     for it in (seldom, often):
         it.drive(0, 200, FORWARD)
         it.run(20 * MILLISECOND)
-        # Asleep and awake again: the oscillator starts by itself, and then a speed is told.
+        # Asleep and awake again: the oscillator starts by itself, and then a speed is commanded.
         for data in (bytes((MODE1, SLEEP)), bytes((MODE1, AI)), library.set_speed(PORTS[0], 90)):
             it.now += gap
             if it is often:

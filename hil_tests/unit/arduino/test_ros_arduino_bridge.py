@@ -243,7 +243,7 @@ def test_encoders_and_gains_are_set() -> None:
     it.ask(b"r\r")
     assert it.ask(b"e\r") == b"0 0 0\r\n"
     it.ask(b"u 1:2:3\r")
-    assert sketch(it)._gains == Gains(1, 2, 3, 50)  # noqa: SLF001 - they are not told
+    assert sketch(it)._gains == Gains(1, 2, 3, 50)  # noqa: SLF001 - they are not reported
 
 
 # What the sketch's binary does, too, in simavr.
@@ -267,7 +267,7 @@ def test_pins_do_what_the_core_makes_of_them(lines: bytes, level: bytes) -> None
 def test_gains_end_at_a_zero_byte() -> None:
     it = host()
     it.ask(b"u 7\x008:9\r")
-    assert sketch(it)._gains == Gains(7, 12, 0, 50)  # noqa: SLF001 - they are not told
+    assert sketch(it)._gains == Gains(7, 12, 0, 50)  # noqa: SLF001 - they are not reported
 
 
 def test_a_ping_without_a_sensor_keeps_the_board_for_a_second() -> None:

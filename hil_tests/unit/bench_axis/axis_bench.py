@@ -18,7 +18,7 @@ from fmu.single_axis.parameters import SETS
 TURN: Final = 2000
 GEAR: Final = 26.0
 NEGATIVE, POSITIVE, HOME_IN, HOME_OUT = (round(angle * GEAR * TURN / tau) for angle in (-0.9, 1.9, 0.4, 0.6))
-"""Counts of the motor where the load is at an edge of a switch, but for the backlash."""
+"""Positions of the motor where the load is at an edge of a switch, but for the backlash, in counts."""
 STOP_LOW, STOP_HIGH = (round(angle * GEAR * TURN / tau) for angle in (-1.0, 2.0))
 TUNED: Final = {
     at.MOTOR_TYPE: 1,
@@ -71,7 +71,7 @@ class AxisBench:
 
     @property
     def offset(self) -> int:
-        """What the drive adds to the encoder's count to have its position."""
+        """Offset that the drive adds to the encoder's count to have its position."""
         return self.axis.position - self.axis.encoder
 
     def run(self, milliseconds: int) -> None:

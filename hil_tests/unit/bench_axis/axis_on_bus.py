@@ -1,4 +1,4 @@
-"""One drive on the bench axis, behind a bus, and a master that says what it is told, frame by frame."""
+"""One drive on the bench axis, behind a bus, and a master that sends the given frames one by one."""
 
 from collections.abc import Iterable
 
@@ -20,7 +20,7 @@ from hil_tests.unit.world.players import Player
 
 
 class AxisOnBus:
-    """The master says its frames, identifiers and bytes in hexadecimal, every 10 ms from 100 ms on."""
+    """Master that sends its frames, identifiers and bytes in hexadecimal, every 10 ms from 100 ms on."""
 
     def __init__(
         self, monkeypatch: pytest.MonkeyPatch, servo: str, frames: Iterable[tuple[int, str]]

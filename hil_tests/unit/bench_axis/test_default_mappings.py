@@ -79,7 +79,7 @@ def test_controlword_and_mode_serve_every_mode(
 
 @every("repeats", (1, 5))
 def test_controlword_and_target_serve_their_modes(monkeypatch: pytest.MonkeyPatch, repeats: int) -> None:
-    """As often as a master says the last one: in a PDO the edge counts."""
+    """Repeat the last one as a master may: in a PDO the edge counts."""
     target, velocity = pack("<i", 2500), pack("<i", -45)
     frames = [write(at.MODE, Mode.PROFILE_POSITION)]
     frames += [word(3, value, target) for value in (*ENABLING, *[START] * repeats)]

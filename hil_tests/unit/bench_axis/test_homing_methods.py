@@ -26,9 +26,9 @@ from hil_tests.unit.bench_axis.axis_bench import (
 STIFF: Final = {"backlash": 0.0}
 """No play: motor and load are at the same angle, but for the gear's twist."""
 STICKING: Final = 20
-"""Counts within which a position regulator hunts: the motor's dry friction builds up over 16."""
+"""Range in counts within which a position regulator hunts: the motor's dry friction builds up over 16."""
 EDGE: Final = 6
-"""Counts: a creeping shaft sticks and slips, up to 5 in the ms of an edge; the gear twists by 1."""
+"""Tolerance in counts: a creeping shaft slips up to 5 in the ms of an edge; the gear twists by 1."""
 BELOW, ON_HOME, ABOVE = 0.2, 0.5, 0.8
 ON_NEGATIVE, ON_POSITIVE = -0.95, 1.95
 

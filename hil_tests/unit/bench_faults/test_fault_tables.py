@@ -56,7 +56,7 @@ LEAST = {
     "encoder_cable_off": 'node = "two"',
     "motor_leads_swapped": 'node = "two"',
 }
-"""What a kind needs beside its instant."""
+"""Required keys of a kind beside its instant."""
 
 
 def table(kind: str, keys: str = "") -> str:
@@ -79,7 +79,7 @@ ON = {
     "serial_unplugged": SERIAL,
     **dict.fromkeys(("body_hidden", "body_shakes", "markers_swapped", "capture_late", "capture_loss"), SEEN),
 }
-"""What a kind is of, where RARS has it not."""
+"""Robots of the kinds of fault that RARS cannot have."""
 
 
 @every("kind", KINDS.values(), ids=lambda kind: kind.name)

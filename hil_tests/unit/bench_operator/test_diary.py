@@ -1,4 +1,4 @@
-"""What the operator hears is in the diary: answers with their reasons, texts, odometry, values."""
+"""The operator's diary of received messages: answers with their reasons, texts, odometry, values."""
 
 import math
 

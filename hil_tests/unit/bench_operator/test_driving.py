@@ -1,4 +1,4 @@
-"""What a mission says is what the bridge understands: speed, steering, lift, lamp and detector."""
+"""A mission's inputs as the bridge receives them: speed, steering, lift, lamp and detector."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""`home` in a mission's step: which axes a robot homes, and in which words the station asks for it."""
+"""The key `home` in a mission's step: the axes that a robot homes, and the station's request for it."""
 
 import math
 

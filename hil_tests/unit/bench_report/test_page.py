@@ -1,4 +1,4 @@
-"""A run on one page: nothing that a person asks for first is missing, and nothing is fetched for it."""
+"""A run on one page: the first things that a reader needs are there, and nothing is fetched for it."""
 
 import re
 import sys

@@ -17,7 +17,7 @@ from firmware_bridge.teleop.mavlink import Codec, dialect, text_of
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 LINK = "drives"
-"""What the robot file calls the drives' bus."""
+"""Name of the drives' bus in the robot file."""
 LIFT_BUTTON = 8
 ACCEPTED, TEMPORARILY_REJECTED, DENIED = 0, 1, 2
 ARM = dialect.MAV_CMD_COMPONENT_ARM_DISARM
@@ -29,7 +29,7 @@ RPM_AT_03 = 1490
 
 
 class Station:
-    """A ground station that says what the test tells it to, and keeps what it hears."""
+    """A ground station that sends the test's messages, and keeps the received ones."""
 
     def __init__(self) -> None:
         self.codec = Codec(255, 190)
@@ -44,7 +44,7 @@ class Station:
 
 
 class Carrier:
-    """Does what the shell does: an exception in the node is followed by `stop`."""
+    """Stand-in for the shell: an exception in the node is followed by `stop`."""
 
     def __init__(self, node: Guarded) -> None:
         self.node = node
@@ -66,7 +66,7 @@ class Carrier:
 
 @dataclass
 class Bench:
-    """Everything joined in virtual time."""
+    """Complete chain, joined in virtual time."""
 
     robot: AnyRobot
     bridge: Bridge
@@ -81,7 +81,7 @@ class Bench:
     """The lift's stick, -1 to 1, with its button held; None lets both go."""
     talks: bool = True
     refused: list[str] = field(default_factory=list)
-    """What the guard is to refuse."""
+    """Expected refusals of the guard."""
 
     def __post_init__(self) -> None:
         bus, air = CanWire(self.robot.epos2_link("drives").bit_rate), DatagramWire()
@@ -114,13 +114,13 @@ class Bench:
         assert self.bridge.phase is Phase.RUNNING
 
     def stands(self, steer_deg: float = 0.0, lift_m: float = 0.0) -> None:
-        """Say where steering and lift stand, and let it be taken."""
+        """Confirm the positions of steering and lift, and let them be taken."""
         assert self.commands(STANDS, STEER, steer_deg) == ACCEPTED
         assert self.commands(STANDS, LIFT, lift_m) == ACCEPTED
         self.runs(0.3)
 
     def stops(self) -> None:
-        """Ask for the orderly end."""
+        """Request the orderly end."""
         for packet in self.guard.stop(self.now).sent:
             self.bus.carry(self.at_bridge, packet)
 
@@ -148,12 +148,12 @@ class Bench:
         self.world.run(self.now + MILLISECOND)
 
     def reported(self) -> str:
-        """All texts that the station has heard, joined."""
+        """Return all texts that the station has received, joined."""
         texts = [message.text for message in self.station.received if message.get_type() == "STATUSTEXT"]
         return "".join(map(text_of, texts))
 
     def sent(self, address: int, since: Nanoseconds = 0) -> list[tuple[Nanoseconds, str]]:
-        """What the bridge sent with this identifier, by the end of each frame, in hexadecimal."""
+        """Return the bridge's frames with this identifier, by the end of each frame, in hexadecimal."""
         return [
             (now, packet.payload.hex(" "))
             for now, sender, packet in self.frames
@@ -161,7 +161,7 @@ class Bench:
         ]
 
     def words(self, name: str, since: Nanoseconds) -> list[tuple[int, int]]:
-        """Controlword and target of each set-point that a drive has heard."""
+        """Return controlword and target of each set-point that a drive has received."""
         return [(word, target) for now, word, target in self.drives[name].words if now >= since]
 
 
@@ -188,7 +188,7 @@ class Moments:
 
 
 def sound(bench: Bench) -> Iterator[Bench]:
-    """Yield a bench to a test; its guard must have refused what the test says, or nothing."""
+    """Yield a bench to a test; its guard must have refused the test's own frames, or nothing."""
     yield bench
     assert [refusal.reason for refusal in bench.guard.refusals] == bench.refused
 

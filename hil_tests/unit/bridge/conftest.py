@@ -31,7 +31,7 @@ def robot() -> AnyRobot:
 
 @pytest.fixture
 def bench() -> Iterator[Bench]:
-    """Four drives, a bridge behind its guard, a station; the guard refuses what the test says, or nothing."""
+    """Four drives, a bridge behind its guard, a station; the guard refuses the test's frames, or nothing."""
     yield from sound(joined())
 
 
@@ -65,11 +65,11 @@ def emulated() -> Iterator[tuple[Bench, Devices]]:
 
 @pytest.fixture(scope="session")
 def bench_with() -> Callable[[Bridge], Bench]:
-    """For tests that bring their own bridge."""
+    """Return the constructor for tests that bring their own bridge."""
     return joined_with
 
 
 @pytest.fixture(scope="session")
 def new_bench() -> Callable[[], Bench]:
-    """For tests that need one for each example."""
+    """Return the constructor for tests that need one for each example."""
     return joined

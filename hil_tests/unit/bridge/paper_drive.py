@@ -1,4 +1,4 @@
-"""A drive as the EPOS2's documents tell it."""
+"""A drive by the EPOS2's documents."""
 
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
@@ -32,7 +32,7 @@ STEPS = {
 
 
 class PaperDrive:
-    """What the EPOS2's documents say of SDO, NMT, states and PDOs, in few lines; it obeys at once.
+    """SDO, NMT, states and PDOs by the EPOS2's documents, in few lines; it obeys at once.
 
     Written apart from the emulator: the bridge must agree with the documents, not with our other half.
     """

@@ -1,4 +1,4 @@
-"""Who drives, in the whole bridge: a change of the driver, and its loss, start nothing."""
+"""The station in control, in the whole bridge: a change of it, and its loss, start nothing."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -67,7 +67,7 @@ def test_control_that_passes_on_parts_the_operator_even_between_two_cycles(armed
 
 
 def test_a_driver_who_is_lost_leaves_a_robot_that_is_not_armed(bench_with: Callable[[Bridge], Any]) -> None:
-    """Whatever the robot file says of how long a silence may be."""
+    """Check it for any timeout of the operator in the robot file."""
     rars = kinds.find("rars")
     patient = rars.operator.model_copy(update={"gone_ms": 60_000})
     bench = bench_with(Bridge(rars.model_copy(update={"operator": patient}), KIND))

@@ -1,4 +1,4 @@
-"""Whatever third parties send, and whenever: no exception, and nothing moves that was not armed."""
+"""Any frames of third parties at any time: no exception, and nothing moves that was not armed."""
 
 from typing import TYPE_CHECKING
 

@@ -1,4 +1,4 @@
-"""What the operator's requests do, and what takes the leave to move away."""
+"""Effects of the operator's requests, and the loss of the motion permission."""
 
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -35,7 +35,7 @@ def test_a_station_may_arm_before_it_speaks_of_motion(bench: "Bench") -> None:
 
 
 def ramped_down(bench: "Bench", since: int) -> bool:
-    """Whether the left wheel's set-points ramp down to 0 in steps of the robot's deceleration, with power."""
+    """Return True if the left wheel's set-points ramp down to 0 by the robot's deceleration, with power."""
     words = bench.words("left", since)
     rpm = [RPM_AT_03, *(target for _, target in words)]
     steps = [earlier - later for earlier, later in pairwise(rpm)]

@@ -181,7 +181,7 @@ def test_the_orderly_end_on_a_dead_bus_takes_no_longer_than_4_s(armed: "Bench") 
     armed.stops()
     armed.runs(4)
     assert armed.bridge.phase is Phase.FINISHED
-    # Their watch stays on: no one has heard that they let go.
+    # Their watch stays on: no report has confirmed that they powered down.
     assert armed.bridge.unconfirmed == tuple(drive.axis.called for drive in armed.drives.values())
     written = [payload for node in (1, 2, 3, 4) for _, payload in armed.sent(0x600 + node, begin)]
     assert [payload for payload in written if payload[3:8] == "16 10"] == []

@@ -1,4 +1,4 @@
-"""Homing that moves, on paper: who may order it, what goes to the drive, what ends it, and what is told."""
+"""Homing that moves, with paper drives: the permission, the frames to the drive, the end, and the reports."""
 
 from collections.abc import Iterator
 from typing import Final
@@ -50,13 +50,13 @@ FRAMES: Final = (
     "40 80 20 00 00 00 00 00",
     "2f 98 60 00 fc 00 00 00",
     "40 98 60 00 00 00 00 00",
-    # 0x6060 := 6, homing mode, until 0x6061 says so; 0x000F, 0x001F; once is asked how it stands.
+    # 0x6060 := 6, homing mode, until 0x6061 confirms it; 0x000F, 0x001F; the state is read once.
     "2f 60 60 00 06 00 00 00",
     "40 61 60 00 00 00 00 00",
     "2b 40 60 00 0f 00 00 00",
     "2b 40 60 00 1f 00 00 00",
     "40 41 60 00 00 00 00 00",
-    # It has found it: asked once more, halted, back to profile position, and where it counts from.
+    # It has found it: read once more, halted, back to profile position, and the origin of its count.
     "40 41 60 00 00 00 00 00",
     "2b 40 60 00 0f 01 00 00",
     "2f 60 60 00 01 00 00 00",
@@ -73,7 +73,7 @@ class Seeking(PaperDrive):
         self.seeks_for: Nanoseconds = SECOND
         self.gives_up = False
         self.rushes = 1.0
-        """So many times as fast as commanded."""
+        """Factor of its speed to the commanded one."""
         self.seeking = False
         self.error = False
         self._began_at: Nanoseconds | None = None

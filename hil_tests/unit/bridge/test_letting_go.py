@@ -1,4 +1,4 @@
-"""Whether the robot stands by itself, at both edges of each time and bound; above paper devices."""
+"""Standstill of a robot without power, at both edges of each time and bound; above paper devices."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -53,7 +53,7 @@ class Standing:
             self.reports(name, current_a=0.1)
 
     def reports(self, name: str, **what: Any) -> None:
-        """Let a device tell something, now."""
+        """Let a device report something, now."""
         driver = self.cart.drivers[name]
         driver.feedback = replace(
             driver.feedback,
@@ -61,7 +61,7 @@ class Standing:
         )
 
     def requests(self, later: Nanoseconds = 0, *, rests: bool = True) -> Stop | None:
-        """Ask for it, cycle by cycle, for so long; return the newest demand."""
+        """Request it, cycle by cycle, for so long; return the newest demand."""
         until, silent = self.now + later, {}
         for name, driver in self.cart.drivers.items():
             silent[name] = self.now - driver.feedback.received_at > 0
@@ -152,7 +152,7 @@ def test_the_currents_of_braking_do_not_count() -> None:
 
 @pytest.mark.parametrize(("falls", "looks"), [(0.5, 4), (0.85, 9), (0.95, 2)])
 def test_a_current_that_falls_is_looked_at_until_it_has_settled(falls: float, looks: int) -> None:
-    """What a ramp leaves in the average of a current falls; what holds a robot on a slope does not."""
+    """The rest of a ramp in the average of a current falls; the current that holds on a slope does not."""
     standing, current, reported = Standing(), 3.0, 0
     standing.reports("left", current_a=current)
     standing.requests(LOOKS_FOR - AVERAGED)
@@ -208,7 +208,7 @@ def test_a_driver_that_cannot_report_it_keeps_the_power() -> None:
 
 
 def silent_since(received: set[str], *, early: int = 0, current_a: float = 0.1) -> Standing:
-    """Look at a cart of whose wheels only these are heard; the others since one silence, but for so much."""
+    """Look at a cart of whose wheels only these report; the others since one timeout, but for so much."""
     standing = Standing()
     standing.requests(LOOKS_FOR - SILENT)
     standing.now += early

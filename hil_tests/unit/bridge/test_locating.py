@@ -1,4 +1,4 @@
-"""Whose pose the robot's is: the cameras', carried on by odometry, or odometry's alone."""
+"""Source of the robot's pose: the cameras', carried on by odometry, or odometry's alone."""
 
 from firmware_bridge.bridge.locating import Locating
 from firmware_bridge.drivers.driver import Reading, SeenPose
@@ -11,7 +11,7 @@ CYCLE = 50 * MILLISECOND
 
 
 def shown(x: float, y: float, at: Nanoseconds) -> dict[str, Reading]:
-    """What the cameras tell of a robot that looks along x there."""
+    """Return the cameras' reading of a robot that looks along x there."""
     return {"place": Reading(0.0, at, at, SeenPose((x, y, 0.1), (0.0, 0.0, 0.0, 1.0), 0.0, 0))}
 
 
@@ -22,7 +22,7 @@ def see(locating: Locating, x: float, y: float, begin: Nanoseconds) -> None:
 
 
 def source(locating: Locating) -> Source | None:
-    """By what its place is known; None where there are no cameras."""
+    """Return the source of its pose; None where there are no cameras."""
     return None if locating.located is None else locating.located.source
 
 

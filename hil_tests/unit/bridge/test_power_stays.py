@@ -1,4 +1,4 @@
-"""A base that does not rest keeps its power after an emergency stop, and that is told."""
+"""A base that does not rest keeps its power after an emergency stop, and that is reported."""
 
 import pytest
 

@@ -31,7 +31,7 @@ TASKS: Final = [Task.LISTEN, Task.BRAKE, Task.DISABLE, Task.RESET]
 
 
 class Watched:
-    """The left wheel of the cart, asked to stop."""
+    """The left wheel of the cart, with a stop requested."""
 
     def __init__(self, speed: float = 5.0) -> None:
         cart = PaperCart()
@@ -45,7 +45,7 @@ class Watched:
         self.reports(speed)
 
     def reports(self, speed: float, power: Power = Power.ON) -> None:
-        """Let the drive tell a sample, now."""
+        """Let the drive report a sample, now."""
         self.driver.feedback = replace(
             self.driver.feedback, velocity=speed, power=power, received_at=self.now, sampled_at=self.now
         )
@@ -150,7 +150,7 @@ def test_while_the_bridge_itself_ramps_the_drive_is_not_late() -> None:
 
 
 def escalated(watched: Watched) -> list[str]:
-    """Say nothing more; return the steps that fail, in order, until all have."""
+    """Report nothing more; return the steps that fail, in order, until all have."""
     failed = []
     while not watched.stops.given_up:
         assert watched.now < START + 20 * SECOND

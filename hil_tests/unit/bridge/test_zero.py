@@ -23,8 +23,11 @@ if TYPE_CHECKING:
 NAN: Final = float("nan")
 HALF_UP_M: Final = 0.5
 HALF_UP_QC: Final = 651_611
-"""By hand: asin(0.5 / 1.8 + sin 5 deg) is 21.4 deg, so the screw goes 0.3 m * (cos 5 deg - cos 21.4 deg),
-over 1.5 mm a turn, times 25 in the gear, times 2000 quadcounts."""
+"""Motor position at half height.
+
+By hand: asin(0.5 / 1.8 + sin 5 deg) is 21.4 deg, so the screw goes 0.3 m * (cos 5 deg - cos 21.4 deg), over
+1.5 mm a turn, times 25 in the gear, times 2000 quadcounts.
+"""
 
 FRAMES: Final = (
     # 0x2081 := the place, and 0x6098 := 35, each read back; EPOS2 EDS for types.
@@ -32,7 +35,7 @@ FRAMES: Final = (
     "40 81 20 00 00 00 00 00",
     "2f 98 60 00 23 00 00 00",
     "40 98 60 00 00 00 00 00",
-    # 0x6060 := 6, homing mode, until 0x6061 says so (CiA 402).
+    # 0x6060 := 6, homing mode, until 0x6061 confirms it (CiA 402).
     "2f 60 60 00 06 00 00 00",
     "40 61 60 00 00 00 00 00",
     # The halt ends, bit 4 rises: 0x000F, 0x001F (EPOS Firmware Specification 9.3, maxon's command library).
@@ -161,7 +164,7 @@ def test_nor_after_a_forced_disarm_or_in_an_emergency_stop(armed: "Bench") -> No
 
 
 def test_a_drive_without_power_is_enabled_first(started: "Bench") -> None:
-    """An arm would do it, too; but one is refused while the lift would go where it was told before."""
+    """An arm would do it, too; but one is refused while the lift would go to its earlier target."""
     started.inject("lift", started.drives["lift"].boots())
     started.runs(3)
     assert started.commands(STANDS, LIFT, 0.1) == TEMPORARILY_REJECTED
@@ -260,7 +263,7 @@ def test_after_a_restart_it_is_reported_where_the_axis_was_last(started: "Bench"
 
 
 def started_with(bench_with: "Callable[[Bridge], Bench]", **stands: float) -> "Bench":
-    """A bench whose bridge is told where axes stand when it is started; its drives know nothing."""
+    """Return a bench whose bridge receives axis positions at its start; its drives have no reference."""
     robot = kinds.find("rars")
     bench = bench_with(Bridge(robot, KIND, stands=tuple(ConfirmZero(*one) for one in stands.items())))
     for drive in bench.drives.values():

@@ -1,4 +1,4 @@
-"""The bridge hears the emulated capture system: where, how old, and what it says when it does not see."""
+"""The bridge receives from the emulated capture system: pose, age, and its report of a hidden body."""
 
 import math
 import struct
@@ -28,7 +28,7 @@ from hil_tests.unit.capture_driver.capture_bench import LINK, ROUND, SERVER, V3_
 
 
 def stated(seen: SeenBody) -> bool:
-    """Whether it has a reading now; asked again each time."""
+    """Return True if it has a reading now; evaluated at each call."""
     return seen.reading is not None
 
 
@@ -51,7 +51,7 @@ def test_it_reports_where_the_body_was_and_when(version: Version, wanted: str | 
     for reading in listening.readings[20:]:
         assert reading.pose is not None
         place = ROUND(reading.sampled_at)
-        # 1 ms of 0.5 m/s is what the network took, and 2.10 does not tell how old a frame is.
+        # 1 ms of 0.5 m/s is the network's delay, and 2.10 does not carry the age of a frame.
         assert math.dist(reading.pose.position, place.position) < 0.5e-3
         heading = math.remainder(0.5 * to_seconds(reading.sampled_at) + math.pi / 2.0, math.tau)
         assert reading.pose.heading_rad == pytest.approx(heading, abs=1e-3)

@@ -1,4 +1,4 @@
-"""Cameras in a robot file: what is read, and what is told of mistakes."""
+"""Cameras in a robot file: the values read, and the reports of mistakes."""
 
 import re
 from collections.abc import Mapping

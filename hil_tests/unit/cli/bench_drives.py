@@ -23,14 +23,14 @@ from firmware_bridge.wire.maxon.frame import Generation
 
 NUMBERS: Final = count()
 STARTED: Final[Nanoseconds] = 10 * MILLISECOND
-"""By then the drives are through their start, which a busy machine may put behind the first question."""
+"""Time for the drives' start, which a busy machine may put behind the first request."""
 NEAR: Final = 1
 FAR: Final = 2
 
 
 @dataclass(frozen=True)
 class Reported:
-    """What a command said, and how it ended."""
+    """Output and exit status of a command."""
 
     status: int
     out: str
@@ -71,7 +71,7 @@ class UntilReported:
 
 @dataclass(frozen=True)
 class Bench:
-    """Where the drives are."""
+    """Links to the drives."""
 
     generation: Generation
     path: str

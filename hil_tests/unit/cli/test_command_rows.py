@@ -1,4 +1,4 @@
-"""Commands are rows: each leads to a command, says what that says, and takes no other's place."""
+"""Commands are rows: each leads to a command, has that command's help, and takes no other's place."""
 
 import re
 from collections.abc import Iterable

@@ -1,4 +1,4 @@
-"""How `drive` ends where no drive answers: within the runner's time, and with their names."""
+"""End of `drive` where no drive answers: within the runner's time, and with their names."""
 
 from collections.abc import Callable, Mapping
 from typing import Final

@@ -100,7 +100,7 @@ def test_version(way: tuple[str, ...]) -> None:
 
 
 PATIENT = ("--timeout", "10000", "--listen", "0")
-"""However busy the machine is."""
+"""Long times, for a busy machine."""
 
 
 def test_who_is_there(on: Bench) -> None:

@@ -1,4 +1,4 @@
-"""What a command imports of other people's libraries, and why; and how soon a stop is on the wire."""
+"""Third-party libraries that a command imports, and the reason; and the time until a stop is sent."""
 
 import json
 import os
@@ -17,7 +17,7 @@ from hil_tests.lanes import HUNG_S
 
 OWN: Final = {"firmware_bridge", "emulators", "fmu"}
 TYPER: Final = {"typer", "annotated_doc", "shellingham"}
-"""Reads the command line."""
+"""Packages that read the command line."""
 OPTIONS: Final = {
     *TYPER,
     "pydantic",
@@ -34,7 +34,7 @@ LINE: Final = {*OPTIONS, "serial"}
 BRIDGE: Final = {*LINE, "pymavlink", "fastcrc"}
 """The operator speaks MAVLink."""
 KINDS: Final = {row.module.partition(".")[0] for row in entry_points(group="firmware_bridge.robots")}
-"""Whose robots are asked for: everybody's that are installed."""
+"""Packages of all installed robots."""
 MATRICES: Final = {"numpy"}
 """The arm's kind reckons with matrices; who drives another robot does not load it."""
 
@@ -68,7 +68,7 @@ IMPORTED: Final[dict[str, set[str]]] = {
     "epos2 scan -i socketcan -c nosuchcan0": LINE,
     "drive rars -i socketcan -c nosuchcan0": BRIDGE,
 }
-"""Everything else, above all Matplotlib, NumPy, SymPy, FMPy and python-can, is for who asks for it."""
+"""Everything else, above all Matplotlib, NumPy, SymPy, FMPy and python-can, is loaded on request only."""
 
 INSTALLED: Final = packages_distributions().keys()
 LISTING: Final = """

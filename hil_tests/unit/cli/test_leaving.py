@@ -1,4 +1,4 @@
-"""Who asks again while a robot is stopped: what he is told, and whether he may leave it as it is."""
+"""Repeated end requests while a robot is stopped: the reports, and the permission to leave it as it is."""
 
 from pathlib import Path
 
@@ -47,7 +47,7 @@ def test_where_nothing_stops_them_it_is_stated_and_only_then_requested_again_the
 
 def test_a_failure_to_report_takes_nothing_from_the_devices_and_is_raised_next(tmp_path: Path) -> None:
     class Beside:
-        """A node that says something to a device whenever it is woken."""
+        """A node that sends something to a device at each wake."""
 
         def receive(self, _packet: Packet, now: Nanoseconds) -> Reaction:
             return self.wake(now)

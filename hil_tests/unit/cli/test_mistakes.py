@@ -1,4 +1,4 @@
-"""Each mistake at the command line is answered with one message that says what, where and what to do."""
+"""Each mistake at the command line is answered with one message: the fault, its place, and a remedy."""
 
 import socket
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""`replay` from the command line: what it says, and its exit statuses."""
+"""The command `replay` at the command line: its output, and its exit statuses."""
 
 import lzma
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Whom `drive` believes: key files, lists of addresses, and links that reach beyond this machine."""
+"""Trust of `drive` in its peers: key files, lists of addresses, and links that reach beyond this machine."""
 
 import hashlib
 import ipaddress

@@ -1,4 +1,4 @@
-"""What an emulated device's console says of those who talk to it."""
+"""Reports of an emulated device's console on its peers."""
 
 import pytest
 

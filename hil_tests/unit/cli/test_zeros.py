@@ -1,4 +1,4 @@
-"""`--zero` and `--home`: what is said of axes at the start."""
+"""Options `--zero` and `--home`: axis positions at the start."""
 
 import math
 

@@ -23,7 +23,7 @@ FAR = 2
 
 @dataclass(frozen=True)
 class Way:
-    """How the client reaches which drive."""
+    """Link by which the client reaches a drive."""
 
     name: str
     node: int

@@ -1,4 +1,4 @@
-"""Who answers: emulated drives on a bus and behind a line, and a third party's node; nothing is written."""
+"""Answering nodes: emulated drives on a bus and behind a line, and a third party's; nothing is written."""
 
 from collections.abc import Mapping
 

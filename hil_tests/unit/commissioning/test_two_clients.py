@@ -21,12 +21,12 @@ ROUNDS = 60
 
 
 class Writer:
-    """Writes ever higher numbers with a mark of its own, and reads back what is there."""
+    """Client that writes ever higher numbers with a mark of its own, and reads the object back."""
 
     def __init__(self, mark: int) -> None:
         self.mark = mark
         self.seen: list[tuple[int, int]] = []
-        """After which number of its own it read what."""
+        """Pairs of its own last number and the value read after it."""
 
     def script(self, number: int = 1) -> Script:
         if number > ROUNDS:

@@ -1,4 +1,4 @@
-"""What is said on lines to Arduino boards and by cameras, in words: golden lines, any cut, any bytes."""
+"""Traffic of Arduino boards and cameras, decoded: golden lines, any cut, any bytes."""
 
 from collections.abc import Callable, Iterator
 from typing import Final, TypeAlias
@@ -21,7 +21,7 @@ from hil_tests.rows import every
 
 REQUESTED, REPORTED = "bridge", "board"
 Stated: TypeAlias = tuple[str, bytes, str]
-"""Who, what, and the words for it."""
+"""Sender, bytes, and their decoded text."""
 
 INFO: Final = messages.ServerInfo(17, 1, b"UNO", 0, (b"RotaryEncoder", b"I2C"))
 SPEED: Final = bytes((motor_shield.LED0 + 4 * motor_shield.TERMINALS[1].pwm, 0, 0, 0x60, 0x04))
@@ -51,7 +51,7 @@ GOLDEN: Final[dict[str, tuple[Stated, ...]]] = {
         (REPORTED, b"-12\r\n", "answer to read an encoder: -12"),
         (REPORTED, b"what\r\n", "answer to read an encoder: 'what'"),
     ),
-    # MWProtocolBase's frames; the libraries' numbers are those that the board has told.
+    # MWProtocolBase's frames; the libraries' numbers are those that the board has reported.
     ShieldProtocol.MW: (
         (REPORTED, mw.BANNER, "the board has begun"),
         (REQUESTED, mw.encode_request(messages.GetServerInfo(), 1), "#1 getServerInfo"),
@@ -122,7 +122,7 @@ GOLDEN: Final[dict[str, tuple[Stated, ...]]] = {
 
 
 def words(kind: str, stated: Iterator[tuple[str, bytes]]) -> list[str]:
-    """Return what a dissector says of chunks, behind who and the bytes."""
+    """Return a dissector's texts for chunks, behind sender and bytes."""
     dissector = Dissector({"line": kind})
     texts = [dissector.read(Carried(0, "line", who, Packet("line", 0, chunk))) for who, chunk in stated]
     return [text.split("  ", 4)[4] for text in texts]

@@ -1,4 +1,4 @@
-"""What is known of a bus from listening: frame by frame, by the robot's mapping, and from a recording."""
+"""Picture of a bus from listening: frame by frame, by the robot's mapping, and from a recording."""
 
 import lzma
 from pathlib import Path
@@ -210,7 +210,7 @@ def test_a_recording_of_a_third_party_master_is_one_picture_and_always_the_same(
 
 
 def beats(*milliseconds: float) -> BusPicture:
-    """A bus on which node 1 has said its heartbeat at these instants, which count from 2019."""
+    """Return a bus on which node 1 has sent its heartbeat at these instants, which count from 2019."""
     picture = BusPicture(1_000_000)
     for at in milliseconds:
         picture.note(round(at * MILLISECOND) - 10**9 * SECOND, Packet(CAN, 0x701, b"\x05"))

@@ -141,7 +141,7 @@ OUTCOMES: Final[list[tuple[str, dict[str, Any], Verdict, str, str]]] = [
     ("load", {"load": None}, CAREFUL, "2 processors; this system reports no load", "by yourself"),
     ("load", {"load": 4.1}, MISSING, "none is free", "end what else runs"),
 ]
-"""Title, what is otherwise than on a machine that has everything, and what is said then."""
+"""Title, difference from a machine that has everything, and the resulting finding."""
 
 LISTING: Final = """[
  {"ifname": "lo", "link_type": "loopback", "flags": ["UP"]},

@@ -1,4 +1,4 @@
-"""EDS and DCF: other people's readers accept them and find in them what the drive says of itself."""
+"""EDS and DCF: other people's readers accept them and find in them the drive's own values."""
 
 import json
 import shutil

@@ -29,7 +29,7 @@ class Host:
         self.levels: dict[str, Level] = {}
         self.running = False
         self.repairs = True
-        """Whether a drive that has lost its set-up is brought up again."""
+        """True if a drive that has lost its set-up is brought up again."""
         self._cycle = robot.cycle
         self._cycle_at: Nanoseconds = 0
         self._release_at: Nanoseconds = NEVER

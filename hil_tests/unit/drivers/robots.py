@@ -1,4 +1,4 @@
-"""Robots for the drivers' tests: RARS as its file says, and what is changed in it; no kind is needed."""
+"""Robots for the drivers' tests: RARS by its file, with changes; no kind is needed."""
 
 import copy
 from collections.abc import Callable, Mapping
@@ -17,7 +17,7 @@ LINK: Final = "drives"
 
 
 class Geometry(Table):
-    """What the drivers never look at."""
+    """Geometry, which the drivers never look at."""
 
     model_config = ConfigDict(extra="allow")
 

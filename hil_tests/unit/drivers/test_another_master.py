@@ -1,4 +1,4 @@
-"""What counts as another master's frame on a CAN link, and for how long, at both edges."""
+"""Frames of a second controller on a CAN link, and their effect in time, at both edges."""
 
 from typing import Final
 

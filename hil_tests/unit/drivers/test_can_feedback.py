@@ -1,4 +1,4 @@
-"""What a drive sends, from frames recorded on buses with maxon drives, and from garbage."""
+"""Feedback of a drive, from frames recorded on buses with maxon drives, and from garbage."""
 
 import math
 

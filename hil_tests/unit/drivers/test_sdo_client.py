@@ -152,7 +152,7 @@ def test_attempts_are_bounded(attempts: int) -> None:
         "60 41 60 00 00 00 00 00",  # an answer to a write of the same object
         "4b 64 60 00 37 07 00 00",  # a late answer, to another object
         "80 64 60 00 00 00 04 05",  # a late refusal of another object
-        "05 45 50 4f 53 32 00 00",  # a segment that no one asked for
+        "05 45 50 4f 53 32 00 00",  # a segment that was not requested
         "20 00 00 00 00 00 00 00",
         "c0 41 60 00 00 00 00 00",  # block transfer
         "4b 41 60 00 37 07",  # too short

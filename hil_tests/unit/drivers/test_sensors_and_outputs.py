@@ -48,7 +48,7 @@ def on_line() -> AnyRobot:
 
 @pytest.fixture(params=[on_can, on_line])
 def bench(request: pytest.FixtureRequest) -> Iterator[Bench]:
-    """A robot that runs; whatever it says, the guard has nothing against it."""
+    """Yield a robot that runs; the guard must have nothing against its frames."""
     make: Callable[[], AnyRobot] = request.param
     made = Bench(make())
     made.axes["left"].analogue_1_mv = 4_000
@@ -142,7 +142,7 @@ def test_a_level_that_was_confirmed_is_not_written_again(bench: Bench) -> None:
 
 @pytest.mark.long(keeps=["on_can"])
 def test_a_level_that_was_not_taken_is_written_until_it_is(bench: Bench) -> None:
-    """The drives cannot be reached for a while; no one told the pins then."""
+    """The drives cannot be reached for a while; the pins then receive no command."""
     bench.runs(0.2)
     bench.world.silence(HOST, bench.world.now)
     bench.host.levels = {"lamp": ON, "horn": ON}
@@ -184,7 +184,7 @@ def test_after_a_restart_the_outputs_come_back_with_the_set_up(bench: Bench) -> 
 
 
 class Bare:
-    """A drive that takes requests, and ends them when it is told to."""
+    """A drive that takes requests, and ends them on command."""
 
     busy, configured, set_ups = False, True, 1
 
@@ -236,7 +236,7 @@ ENDINGS = st.sampled_from(("taken", "refused", "dropped", "open", "set up"))
 def test_whatever_happens_the_newest_levels_are_written_until_they_are_taken(
     steps: list[tuple[dict[str, bool], str]],
 ) -> None:
-    """What the drive holds, where it took a write after its newest set-up, is what was wanted last."""
+    """A drive's outputs, after a write that follows its newest set-up, are those wanted last."""
     drive = Bare()
     outputs = DigitalOutputs(changed(equipped).outputs[:2], drive)
     wanted, held, open_ = 0, None, 0

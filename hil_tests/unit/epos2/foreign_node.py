@@ -73,7 +73,7 @@ class ForeignNode:
         self.now = until
 
     def bursts(self, seed: int, frames: int) -> None:
-        """Send so many frames, as the seed says."""
+        """Send so many frames, drawn by the seed."""
         words: list[int] = np.random.default_rng(seed).integers(0, 1 << 31, size=frames * 8).tolist()
         place = 0
 

@@ -90,7 +90,7 @@ class Desk:
         return self.drive.store
 
     def powers(self) -> list[str]:
-        """Switch on, and return what the drive says."""
+        """Switch on, and return the drive's frames."""
         return self.waits_until(0)
 
     def receives(self, frame: str) -> list[str]:
@@ -141,7 +141,7 @@ class Desk:
 
 
 def powered(profile: DeviceProfile = EPOS2_70_10) -> Desk:
-    """Return a drive in Pre-Operational that has said its boot-up."""
+    """Return a drive in Pre-Operational that has sent its boot-up."""
     desk = Desk(profile)
     desk.powers()
     return desk

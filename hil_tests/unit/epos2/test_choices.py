@@ -1,4 +1,4 @@
-"""What the sources leave open: every choice can be made, and what is none is refused in one line."""
+"""Choices that the sources leave open: each can be made, and a wrong one is refused in one line."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What may be written to the objects of a PDO, and by which procedure its mapping changes."""
+"""Valid writes to the objects of a PDO, and the procedure by which its mapping changes."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What takes effect with a restart only: node number and bit rate; and the layer setting services.
+"""Settings that take effect with a restart only: node number and bit rate; and layer setting services.
 
 Sources: EPOS Firmware Specification (by analogy); CiA 305 for the frames of layer setting.
 """

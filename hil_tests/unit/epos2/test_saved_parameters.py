@@ -81,7 +81,7 @@ def test_a_kill_at_any_moment_leaves_a_whole_copy(tmp_path: Path) -> None:
             for _ in range(lines):
                 reported = int(writer.stdout.readline())
             writer.send_signal(signal.SIGKILL)
-            # What was told between the last line read and the kill is in the pipe.
+            # Lines printed between the last line read and the kill are in the pipe.
             reported = max([reported, *map(int, writer.stdout.read().split())])
         kept = set(ParameterFile(path).read().values())
         assert len(kept) == 1, "one copy, not parts of two"

@@ -1,4 +1,4 @@
-"""Watches a motor below a drive: with the stage off its winding takes energy from the shaft, or none."""
+"""Supervision of a motor below a drive: with the stage off its winding takes no energy from the shaft."""
 
 from typing import Final
 
@@ -8,7 +8,7 @@ from emulators.servo.winding import DIODES_MV
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 DIED_OUT: Final[Nanoseconds] = 5 * MILLISECOND
-"""What an inductive current has been gone for long: at most some 0.5 ms against the supply."""
+"""Time after which an inductive current has died out: at most some 0.5 ms against the supply."""
 LEAK_A: Final = 0.05
 """A millivolt of rounding, and what friction slows the shaft down by within one tick."""
 SHARE, LITTLE_J = 1e-4, 2e-5

@@ -36,7 +36,7 @@ def u32(value: int) -> bytes:
 
 
 class Host:
-    """A computer on the serial line: asks what it is told, and notes every byte."""
+    """A computer on the serial line: it sends the given requests, and notes every byte."""
 
     def __init__(self, generation: Generation, timeout: Nanoseconds, baud: int) -> None:
         self.baud = baud
@@ -64,7 +64,7 @@ class Host:
         return self._reaction()
 
     def stop(self, now: Nanoseconds) -> Reaction:
-        """Say at once what there is to say: the world has no other way to call a node."""
+        """Send all output at once: the world has no other way to call a node."""
         return self.wake(now)
 
     def _note(self, outcome: Outcome | None, now: Nanoseconds) -> None:

@@ -33,7 +33,7 @@ def receives(drive: SerialEpos2, raw: bytes, now: Nanoseconds) -> bytes:
 
 
 def answer(drive: SerialEpos2, generation: Generation, now: Nanoseconds) -> bytes:
-    """Ask in one protocol for the device type, and return what came last."""
+    """Request the device type in one protocol, and return the last output."""
     if generation is Generation.V2:
         return receives(drive, V2, now)
     assert receives(drive, V1[:1], now) == b"O"

@@ -70,7 +70,7 @@ def test_a_refusal_is_the_same_on_the_line_and_through_the_gateway(
     fields = {name: getattr(request_, name) for name in request_.__dataclass_fields__} | {"node": node}
     answer = desk.requests(type(request_)(**fields))
     assert answer is not None
-    # An SDO server that is not told the size takes what it has; only its own length check differs.
+    # An SDO server without the size takes what it has; only its own length check differs.
     reported = answer.error
     if node == FAR and code == 0x0607_0013:
         assert reported in {0x0607_0010, 0x0607_0012, 0x0607_0013}

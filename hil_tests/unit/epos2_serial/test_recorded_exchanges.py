@@ -30,7 +30,7 @@ GARBAGE = {
 
 
 class Neighbor:
-    """Answers a remote request and a slave's selection, as drives elsewhere on the bus would."""
+    """Node that answers a remote request and a slave's selection, as drives elsewhere on the bus would."""
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         del now

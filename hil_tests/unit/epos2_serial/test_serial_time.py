@@ -179,7 +179,7 @@ def test_two_clients_of_one_drive_see_each_other_and_lose_nothing() -> None:
 
 @pytest.mark.parametrize("generation", Generation)
 def test_two_masters_of_a_drive_behind_the_gateway_get_no_answer_of_the_other(generation: Generation) -> None:
-    """Both use the one SDO server; the gateway tells its own answers by the object's address."""
+    """Both use the one SDO server; the gateway recognizes its own answers by the object's address."""
     client = CanClient(FAR)
     desk = SerialDesk(generation, others=[("client", client)])
     for value in range(1, 40):
@@ -203,7 +203,7 @@ def test_a_transfer_that_was_put_back_goes_on_as_it_went(generation: Generation)
 
 
 class CanClient:
-    """Writes 0x200C:2 and reads it and 0x200C:1 back by SDO, as fast as it is answered."""
+    """Client that writes 0x200C:2 and reads it and 0x200C:1 back by SDO, as fast as it is answered."""
 
     def __init__(self, node: int = NEAR) -> None:
         self._node = node

@@ -1,4 +1,4 @@
-"""Commands that are unknown, damaged, late or many at once: what the host hears, and that it can go on."""
+"""Commands that are unknown, damaged, late or many at once: the answers, and a host that can go on."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""A third party on the serial line says anything at any time: no exception, no hang, and then a good answer.
+"""A third party on the serial line sends anything at any time: no exception, no hang, and then a good answer.
 
 The drive is whole, with its own motion control above an axis that never moves. After the documented silence
 it must have forgotten everything and answer a good command in full.
@@ -144,7 +144,7 @@ class StrangeHost(RuleBasedStateMachine):
         return reaction
 
     def _check_words(self, sent: bytes) -> None:
-        """Whatever the drive says on USB is made of whole good frames."""
+        """Check that the drive's bytes on USB are made of whole good frames."""
         if self.generation is Generation.V2:
             reader = FrameReader()
             found = [frame for byte in sent if (frame := reader.take(byte)) is not None]

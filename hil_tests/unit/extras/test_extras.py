@@ -1,4 +1,4 @@
-"""What comes with an extra is asked for by the line that installs it."""
+"""Extras: a missing one is reported with the line that installs it."""
 
 import importlib
 import sys

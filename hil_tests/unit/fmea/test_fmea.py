@@ -1,4 +1,4 @@
-"""Every failure in every state: which there are, what is said of a cell, and that no one overlooks one."""
+"""Every failure in every state: the list of them, the assessment of a cell, and its completeness."""
 
 import csv
 import io
@@ -96,7 +96,7 @@ GOES: Floats = 0.3 * TIMES
 RUNS_ON: Floats = 0.6 * TIMES
 STANDS: Floats = np.minimum(GOES, 0.1)
 ASIDE_AT_MS = 1e3 * ASIDE["m"] / (0.3 - 0.05 * 0.3)
-"""When a robot of twice the speed is as far aside as counts."""
+"""Time at which a robot of twice the speed reaches the limit of a deviation."""
 
 
 @pytest.mark.parametrize(
@@ -196,7 +196,7 @@ def ended() -> int | str | None:
 
 
 class Table(HTMLParser):
-    """Counts what is in a page."""
+    """Counter of the elements of a page."""
 
     def __init__(self) -> None:
         super().__init__()

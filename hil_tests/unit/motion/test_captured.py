@@ -235,7 +235,7 @@ def test_after_a_turn_in_the_dark_the_heading_may_be_off_by_its_share(turn: floa
 def test_slip_is_reported_as_a_speed_and_is_over_when_the_wheels_hold_again() -> None:
     captured = Captured(BOUNDS)
     assert driven(captured, 0, 40).slip_mps < 1e-4
-    # Odometry that says 10 % more is off by 0.05 m/s; after two seconds all but 2 % of it is in the mean.
+    # Odometry with 10 % more is off by 0.05 m/s; after two seconds all but 2 % of it is in the mean.
     slipping = Captured(BOUNDS)
     assert driven(slipping, 0, 40, slip=0.1).slip_mps == pytest.approx(0.1 * SPEED, rel=0.15)
     hidden = driven(slipping, 40, 2, sees=lambda _: None, slip=0.1).slip_mps

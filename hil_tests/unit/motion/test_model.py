@@ -1,4 +1,4 @@
-"""What a robot that does at once what it is told makes of a speed and a yaw rate: arcs, by hand."""
+"""Motion of an ideal robot for a commanded speed and yaw rate: arcs, by hand."""
 
 import math
 

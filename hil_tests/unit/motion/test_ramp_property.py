@@ -1,4 +1,4 @@
-"""Whatever is asked for in whatever turn: both bounds hold, and the target is reached."""
+"""Any targets in any turn: both bounds hold, and the target is reached."""
 
 import math
 

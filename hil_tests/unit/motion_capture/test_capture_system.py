@@ -28,7 +28,7 @@ CLIENT = 0x7F00_0001_C000
 
 
 class Listener:
-    """Connects, and keeps what it hears."""
+    """Client that connects, and keeps the received packets."""
 
     def __init__(self, version: Version = V3_1) -> None:
         self.version = version

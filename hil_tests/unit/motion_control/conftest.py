@@ -42,7 +42,7 @@ SHUTDOWN, SWITCH_ON, ENABLE, QUICK_STOP, DISABLE = 0x06, 0x07, 0x0F, 0x02, 0x00
 
 @dataclass
 class Drive:
-    """What a test does to the drive and reads from it."""
+    """A test's access to the drive: commands and readings."""
 
     store: ObjectStore
     axis: ServoAxis
@@ -153,8 +153,7 @@ def drive() -> Drive:
 
 
 LAGS = STEERING.inductance * STEERING.torque_constant**2 / (STEERING.resistance**2 * STEERING.inertia)
-"""By this share the current that brakes a shaft is more than the speed of the same instant explains: the
-winding's time constant over the mechanical one."""
+"""Excess of a braking current over that of the present speed: winding's over mechanical time constant."""
 
 
 def into_the_supply(drive: Drive) -> float:

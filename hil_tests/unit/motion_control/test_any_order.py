@@ -1,4 +1,4 @@
-"""Whatever is written, in whatever order: no exception, a real state, never torque without being enabled."""
+"""Any writes in any order: no exception, a real state, never torque without being enabled."""
 
 from contextlib import suppress
 
@@ -38,7 +38,7 @@ COMMANDS = (0x00, 0x02, 0x06, 0x07, 0x0F, 0x1F, 0x3F, 0x5F, 0x7F, 0x80, 0x10F, 0
 
 
 class ForeignNode(RuleBasedStateMachine):
-    """Someone on the bus who does anything."""
+    """A client on the bus that writes anything."""
 
     drive: Drive
 

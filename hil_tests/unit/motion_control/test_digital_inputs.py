@@ -127,7 +127,7 @@ MOVES = {
 
 
 def sets_out(drive: "Drive", pin: int, move: str, direction: int) -> None:
-    """Enable a drive on a closed limit switch, and tell it to go."""
+    """Enable a drive on a closed limit switch, and command it to go."""
     mode, address, value = MOVES[move]
     drive.write(INPUT_EXECUTION, LIMITS)
     drive.axis.pins = pin

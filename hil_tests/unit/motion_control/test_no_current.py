@@ -1,4 +1,4 @@
-"""Whatever fails around a drive, in whatever mode: current flows only while the state allows it."""
+"""Any fault around a drive, in any mode: current flows only while the state allows it."""
 
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
@@ -12,7 +12,7 @@ from hil_tests.unit.motion_control.conftest import STEERING, Drive, into_the_sup
 from hil_tests.unit.motion_control.test_any_order import POWERED
 
 SETTLED_MS = 10
-"""What the winding's inductance keeps going is over by then (its time constant is 0.1 ms)."""
+"""Time after which the inductive current of the winding is over (its time constant is 0.1 ms)."""
 LEAK = 0.05
 """A: a millivolt of rounding, and what the shaft's speed changes within one tick."""
 

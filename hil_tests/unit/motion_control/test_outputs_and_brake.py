@@ -64,7 +64,7 @@ def with_brake(drive: "Drive") -> None:
 
 
 def closed(drive: "Drive") -> bool:
-    """The brake's pin and what the plant is told always agree."""
+    """Return True if the brake is closed; its pin and the plant's input must agree."""
     held = bool(drive.axis.outputs & BRAKE_CLOSED)
     assert held != bool(drive.axis.outputs & 1)
     return held

@@ -1,4 +1,4 @@
-"""A joystick's bytes to what the station says: devices made of rows, no joystick."""
+"""From a joystick's bytes to the station's messages: devices made of rows, no joystick."""
 
 import struct
 

@@ -1,4 +1,4 @@
-"""A terminal's bytes to what a hand at it says: what is down, what is let go, and what is never assumed."""
+"""From a terminal's bytes to the operator's commands: keys down, keys let go, and nothing assumed."""
 
 from itertools import pairwise
 
@@ -124,7 +124,7 @@ def test_keys_arm_and_stop(key: bytes, requested: ButtonRequest) -> None:
 
 
 def test_the_emergency_stop_is_no_order_to_arm() -> None:
-    """What rested after it has not rested since someone else armed."""
+    """A key at rest after it has not been at rest since another station armed."""
     hand = Keyboard(1.0)
     reported(hand, b"\r")
     hand.command(LINK, 0, armed=False)

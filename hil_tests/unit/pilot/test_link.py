@@ -9,7 +9,7 @@ AHEAD: Nanoseconds = 77 * SECOND
 
 
 def joined(up: Nanoseconds, down: Nanoseconds, seconds: int = 3) -> Link:
-    """Ask and answer for some seconds."""
+    """Exchange requests and answers for some seconds."""
     link = Link()
     for turn in range(2 * seconds):
         requested = link.question(turn * SECOND // 2 + 1)

@@ -48,7 +48,7 @@ TRACK_M: Final = 0.5
 BRUSH_TOP: Final = 10.0
 """rad/s at full stick."""
 RACES_AT: Final = 8.0
-"""Above this speed of the brush the robot stops and latches; rad/s."""
+"""Speed of the brush above which the robot stops and latches; rad/s."""
 GUIDED_MPS: Final = 0.2
 ARM: Final = Arm()
 
@@ -71,7 +71,7 @@ class Sweep:
 
 @dataclass(frozen=True, slots=True)
 class Sensed:
-    """What is known of the cart."""
+    """Sensed state of the cart."""
 
     ahead: float
     brush: float
@@ -212,7 +212,7 @@ def cart(change: Callable[[dict[str, Any]], None] = lambda _table: None) -> Robo
 
 
 class PaperDriver:
-    """A `firmware_bridge.drivers.driver.Driver` that does at once what it is told, and keeps it."""
+    """A `firmware_bridge.drivers.driver.Driver` that executes each command at once, and keeps it."""
 
     reports = frozenset(Reports)
     failure: StartupError | None = None
@@ -339,7 +339,7 @@ class PaperCart:
         self.brush = 0.0
 
     def runs(self, cycles: int = 1) -> None:
-        """Let cycles pass: the station speaks, the devices of due links tell, the pipeline runs."""
+        """Let cycles pass: the station sends, the devices of due links report, the pipeline runs."""
         for _ in range(cycles):
             self.now += self.robot.cycle
             if self.talks:
@@ -352,7 +352,7 @@ class PaperCart:
             self.pipeline.run(self.now)
 
     def arms(self) -> None:
-        """Let the operator be heard for a while, then arm."""
+        """Let the operator's messages arrive for a while, then arm."""
         self.runs(10)
         verdict = self.requests(ARM)
         assert verdict.accepted, verdict.reason
@@ -365,11 +365,11 @@ class PaperCart:
         return {hold.name for hold in self.pipeline.holds}
 
     def newest(self, axis: str) -> Demand:
-        """Return what the axis was told last."""
+        """Return the axis' last set-point."""
         return self.drivers[axis].demands[-1]
 
     def reported(self) -> dict[str, int]:
-        """Return how often each axis has been told something."""
+        """Return the number of set-points of each axis."""
         return {name: len(driver.demands) for name, driver in self.drivers.items()}
 
     def speaks(self) -> None:

@@ -1,4 +1,4 @@
-"""Since when a battery is low: from the first of the newest low samples, and not before a sample says so."""
+"""Begin of a low battery: the first of the newest low samples, and no earlier one."""
 
 import pytest
 
@@ -9,7 +9,7 @@ from firmware_bridge.units import SECOND
 
 
 def low_since(*volts: float) -> int | None:
-    """Return what it says after one sample a second, the first at second 1."""
+    """Return its result after one sample a second, the first at second 1."""
     robot = kinds.find("rars")
     assert robot.battery is not None
     charge, since = Charge(robot), None

@@ -101,7 +101,7 @@ def test_any_word_but_on_lets_that_row_go(power: Power) -> None:
 def test_one_that_sends_nothing_any_more_is_waited_for_as_long_as_its_link_allows(
     cycles: int, *, held: bool
 ) -> None:
-    """250 ms: by then it has heard that its power goes off, or its own watch has stopped it."""
+    """250 ms: by then it has received that its power goes off, or its own watch has stopped it."""
     cart = PaperCart()
     cart.runs(10)
     cart.requests(EnterMode("brushless"))

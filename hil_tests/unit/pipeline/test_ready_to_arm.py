@@ -1,4 +1,4 @@
-"""What is to be known before a robot is armed: each device is heard, and the controls were let go."""
+"""Conditions for arming a robot: each device has reported, and the controls were let go."""
 
 import pytest
 
@@ -67,7 +67,7 @@ def test_who_lets_go_after_a_silence_has_let_go_however_soon_he_goes_on(
 def test_who_let_go_before_the_silence_was_seen_has_not() -> None:
     cart = PaperCart()
     cart.arms()
-    cart.speaks()  # the last thing that is heard
+    cart.speaks()  # the last message that is received
     cart.talks = False
     cart.runs(20)
     cart.talks, cart.ahead = True, 0.5
@@ -90,7 +90,7 @@ def test_a_bridge_that_has_just_stood_still_is_not_armed() -> None:
     cart = PaperCart()
     cart.runs(10)
     cart.now += SECOND
-    cart.speaks()  # what waited in the port is heard first
+    cart.speaks()  # packets that waited in the port come first
     for driver in cart.drivers.values():
         driver.received(cart.now)
     verdict = cart.requests(Arm())

@@ -83,7 +83,7 @@ SILENT: Final = RARS.silent_after["left"]
 
 
 def seen(left_rad_s: float, age: int) -> Snapshot[Any, Any]:
-    """RARS's left wheel told a speed so long ago; all others have just told that they rest."""
+    """Return RARS with a speed report of the left wheel so long ago; all others just reported rest."""
     now = 10 * SECOND
     axes = {axis.name: Feedback(axis.name, received_at=now, sampled_at=now) for axis in RARS.axes}
     axes["left"] = replace(axes["left"], velocity=left_rad_s, received_at=now - age)
@@ -106,7 +106,7 @@ def seen(left_rad_s: float, age: int) -> Snapshot[Any, Any]:
     ("mode", "left_rad_s", "age", "rests"),
     [
         ("left_failed", 5.0, SILENT, True),
-        ("left_failed", 5.0, SILENT - 1, False),  # it is heard, and turns
+        ("left_failed", 5.0, SILENT - 1, False),  # it reports, and turns
         ("left_failed", 0.0, 0, True),
         ("right_failed", 5.0, SILENT, False),  # not the one that this mode does without
         ("", 5.0, SILENT, False),

@@ -12,7 +12,7 @@ LIMIT: Final = 500 * MILLISECOND
 
 @pytest.mark.parametrize(("gap", "armed"), [(LIMIT - 1, True), (LIMIT, False), (3 * SECOND, False)])
 def test_it_moves_nothing_until_it_is_armed_again(gap: int, *, armed: bool) -> None:
-    """All else is well: the axes and the operator are heard as ever when it goes on."""
+    """All else is well: axes and operator are received as ever when it goes on."""
     cart = PaperCart()
     cart.arms()
     cart.ahead = 0.3

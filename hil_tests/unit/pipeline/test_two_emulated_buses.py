@@ -27,7 +27,7 @@ STOP: Final = 5300
 
 
 class Ground:
-    """A station that keeps what it hears."""
+    """A station that keeps the received messages."""
 
     def __init__(self) -> None:
         self.codec: Final = Codec(255, 190)
@@ -84,7 +84,7 @@ class TwoBuses:
         return self.ground.acknowledged[-1]
 
     def speed(self, axis: str) -> float:
-        """What the bridge knows of an axis's speed, rad/s."""
+        """Return the bridge's value of an axis's speed, rad/s."""
         return self.bridge.seen.facts.axes[axis].velocity
 
     def held(self) -> set[str]:

@@ -1,4 +1,4 @@
-"""What is a difference and what is none: both edges of the tolerance, missing, extra, lost and late."""
+"""Differences and tolerated ones: both edges of the tolerance, missing, extra, lost and late."""
 
 import hypothesis.strategies as st
 import pytest

@@ -1,4 +1,4 @@
-"""When a recorded bridge was asked to end, and that a replay does not compare what came of it."""
+"""End request of a recorded bridge, and a replay that does not compare the packets after it."""
 
 import shutil
 from dataclasses import replace

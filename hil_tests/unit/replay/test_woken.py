@@ -1,4 +1,4 @@
-"""A bridge that is woken when the recorded one was: late, at once, and after what it hears."""
+"""A bridge that is woken when the recorded one was: late, at once, and after its input."""
 
 from emulators.replay.woken import Woken
 from firmware_bridge.packet import Packet, Reaction
@@ -23,7 +23,7 @@ class Asking:
         return Reaction((), self.wake_at)
 
 
-# What it asks for, at 100: it spoke at 100, 150 and 400; a machine is up to 50 late.
+# Its requested wake is at 100: it spoke at 100, 150 and 400; a machine is up to 50 late.
 @every(
     ("requested", "after_wake", "after_word"),
     [

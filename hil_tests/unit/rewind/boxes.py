@@ -32,7 +32,7 @@ class Slotted:
 
 
 class Narrow(Slotted):
-    """Hides a slot of its base behind one of the same name."""
+    """Class that hides a slot of its base behind one of the same name."""
 
     __slots__ = ("left", "only")
     only: int

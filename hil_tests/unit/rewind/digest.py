@@ -83,6 +83,6 @@ def _hidden(thing: Any) -> str:
 
 
 def _plant(plant: FmuPlant) -> str:
-    """Return every variable of the plant, asked for one by one."""
-    names = [variable.name for variable in plant._references._variables.values()]  # noqa: SLF001 - tells no list
+    """Return every variable of the plant, read one by one."""
+    names = [variable.name for variable in plant._references._variables.values()]  # noqa: SLF001 - private
     return repr([plant.steps_done, *(plant.read(name).hex() for name in names)])

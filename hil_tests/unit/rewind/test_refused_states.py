@@ -1,4 +1,4 @@
-"""What is left alone, and what cannot be kept: it is refused, with its place."""
+"""States that are left alone, and states that cannot be kept: those are refused, with their place."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -97,7 +97,7 @@ def test_a_state_that_no_one_sees_is_refused_with_its_place(made: Callable[[], A
 
 
 def test_after_a_refusal_nothing_is_taken_for_known() -> None:
-    """What was found on the way to the refusal, and what hangs on it, is looked for again."""
+    """Objects found on the way to the refusal, and those behind them, are looked for again."""
     box = Box(things=[])
     rewind = Rewind(box)
     rewind.snapshot()

@@ -1,4 +1,4 @@
-"""Mistakes in the robot file of RARS, a row each: what is written, where it is told, in which words."""
+"""Mistakes in the robot file of RARS, a row each: the wrong text, the reported key, and the message."""
 
 from dataclasses import dataclass
 
@@ -18,7 +18,7 @@ settings = {{ axis = "left", output = 1 }}
 
 @dataclass(frozen=True, slots=True)
 class Mistake:
-    """What is written in place of what, where it is told, and words that must be told."""
+    """Wrong text and the text in its place, the key of the report, and words that it must have."""
 
     title: str
     change: tuple[str, str]

@@ -57,8 +57,10 @@ OTHERS: Final = (
     *("geometry.balance.margin_m", "geometry.balance.tool_distance_m", "geometry.base.half_support_width_m"),
     *("geometry.tank.axis_x_m", "geometry.tank.axis_y_m", "geometry.wall.cable", "geometry.wall.l"),
 )
-"""How keys begin that say what the bridge does: set-points, limits, gains, times, and what it takes as true
-of a motor, of a joint's sensor, of the way to a tipping edge, of a cable."""
+"""Prefixes of keys for the bridge's own behavior: set-points, limits, gains, times, and assumptions.
+
+The assumptions are on a motor, on a joint's sensor, on the way to a tipping edge, on a cable.
+"""
 
 
 def leaves(value: object, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], float]]:

@@ -1,4 +1,4 @@
-"""A mistake in a robot file is told by the real command line: one clear line for each, exit status 2."""
+"""A mistake in a robot file is reported by the real command line: one clear line for each, exit status 2."""
 
 import json
 import tomllib
@@ -27,7 +27,7 @@ def robots(*words: str) -> Result:
 
 
 def reported_of(file: Path) -> list[str]:
-    """Check a file, which must be refused; return what is said of it, a line each."""
+    """Check a file, which must be refused; return the reported problems, a line each."""
     result = robots(str(file))
     assert isinstance(result.exception, SystemExit), result.exception
     assert result.exit_code == 2

@@ -1,4 +1,4 @@
-"""Whether a cycle fits on the line: prices against published times, and what is said when it does not."""
+"""Time of a cycle on the line: prices against published times, and the report of one that does not fit."""
 
 import re
 

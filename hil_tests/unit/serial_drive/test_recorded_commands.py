@@ -1,4 +1,4 @@
-"""What the bridge says over a serial line, against exchanges that others have recorded.
+"""The bridge's commands over a serial line, against exchanges that others have recorded.
 
 A1 and B1: EPOS2 Application Notes Collection, April 2013, p. 11-164 and 166; B2 to B6 from the source of an
 EPOS2 driver on USB, the others computed with a CRC of our own.
@@ -45,7 +45,7 @@ COMMANDS: Final = (
 
 
 class Asking:
-    """A node that asks once, and notes what comes of it."""
+    """A node that sends one request, and notes its result."""
 
     def __init__(self, request: Request) -> None:
         self.left: tuple[Packet, ...] = (command(request, LINE),)
@@ -74,7 +74,7 @@ def test_a_command_is_the_recorded_bytes(generation: Generation, request_: Reque
 
 
 def test_the_recorded_dialogue_on_rs232() -> None:
-    """Application Notes p. 11-166, with the handshake that the guide tells."""
+    """Application Notes p. 11-166, with the handshake of the guide."""
     node = Asking(reading(2, at.DEVICE_TYPE))
     line = MaxonLine(node, V1, LINE)
     assert stated(line.wake(0)) == b"\x10"

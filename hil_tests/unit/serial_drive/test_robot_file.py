@@ -60,7 +60,7 @@ def test_what_is_wrong_is_refused_by_file_and_key(stated: dict[str, object], key
 
 
 def test_the_command_line_puts_any_robot_on_a_line() -> None:
-    """The first drive is the gateway where the file names none; what is not said stays the file's."""
+    """The first drive is the gateway where the file names none; other settings stay the file's."""
     link = over_serial(RARS, Generation.V1, 38_400).epos2_link(LINK)
     stated = (link.driver, link.gateway, link.protocol, link.line_rate)
     assert stated == (Epos2Driver.SERIAL, 1, Generation.V1, 38_400)

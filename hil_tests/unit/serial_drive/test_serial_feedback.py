@@ -1,4 +1,4 @@
-"""What is made of the objects that are read in a cycle: state, one instant for all positions, restarts."""
+"""Feedback from the objects that are read in a cycle: state, one instant for all positions, restarts."""
 
 import pytest
 

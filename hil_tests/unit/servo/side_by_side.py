@@ -98,7 +98,7 @@ class Motors:
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What is done to one axis before an advance."""
+    """Action on one axis before an advance."""
 
     axis: int
     kind: int
@@ -176,7 +176,7 @@ class Side:
         self.axes = [ServoAxis(f"axis{k}", 4 * raw.encoder_pulses) for k, raw in enumerate(settings)]
         for axis, raw in zip(self.axes, settings, strict=True):
             configure(axis, raw)
-        # The motors of plant.c: one told whole, one by its constant, the others not at all.
+        # The motors of plant.c: one fully known, one by its constant, the others unknown.
         set_winding(self.axes[0], 0.04, 0.6, 1 / 3000)
         if len(self.axes) > 1:
             set_winding(self.axes[1], 0.04)
@@ -205,7 +205,7 @@ class Side:
         return events
 
     def lives(self, leg: Leg) -> list[Event] | str:
-        """Run on; where wild gains drive the motors out of all bounds, return what the bank says of them."""
+        """Run on; where wild gains drive the motors out of all bounds, return the bank's error text."""
         try:
             return self.runs(leg)
         except ServoError as refusal:

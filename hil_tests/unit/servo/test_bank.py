@@ -1,4 +1,4 @@
-"""Axes and plant together: events, current loop, open winding, and what a bad plant says."""
+"""Axes and plant together: events, current loop, open winding, and the error for a bad plant."""
 
 from dataclasses import replace
 from itertools import pairwise

@@ -165,7 +165,7 @@ def test_an_event_comes_at_its_exact_tick_and_names_its_axis(pair: Pair) -> None
     for side in (twin, one):
         side.runs(Leg((), 600))
         side.axes[3].call = 1
-        # The call is heard in the next ms, and reported when the tick that heard it is over.
+        # The call is received in the next ms, and reported when the tick that received it is over.
         assert side.bank.advance(side.bank.now + 95 * 100_000) == (60_100_000, ("axis3",))
     assert not difference(twin, one)
 

@@ -1,4 +1,4 @@
-"""The kernel's edges: its record, where it is found, what it says of a plant that fails."""
+"""The kernel's edges: its record, its place, and its error for a plant that fails."""
 
 import ctypes
 import subprocess

@@ -34,7 +34,7 @@ GAINS = Settings(
 PLAIN = DcMotor(1.0, 0.5e-3, 0.04, 2e-4)
 SUPPLY_V = 24.0
 TOLERANCE_J = 5e-5
-"""What a tick may be wrong by in which a load begins to slow the shaft down: no one has seen it yet."""
+"""Allowance for a tick in which a load begins to slow the shaft down, which is not yet detected."""
 SHARE = 1e-4
 """... and so much of what rotor and winding hold when the stage opens."""
 
@@ -281,9 +281,7 @@ def test_a_constant_that_no_one_reported_is_learnt_from_below(speed: float, curr
 
 
 def test_a_winding_that_is_not_what_was_reported_is_not_fed_by_what_was() -> None:
-    """A winding with a short has a hundredth of its inductance: what would end the told one's current is
-    too much.
-    """
+    """A winding with a short has a hundredth of its inductance: the given one's decay voltage is too much."""
     bench = Bench(MOTOR)
     shorted = DcMotor(0.1, 5e-6, MOTOR.torque_constant, MOTOR.inertia)
     bench.plant.becomes(0, shorted)

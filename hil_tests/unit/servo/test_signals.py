@@ -1,4 +1,4 @@
-"""Pins, index and current threshold: what an axis notices, in which millisecond, and whom it tells."""
+"""Pins, index and current threshold: the events of an axis, their millisecond, and their receivers."""
 
 from math import tau
 

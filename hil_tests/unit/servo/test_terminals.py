@@ -22,11 +22,11 @@ COMMANDS = tuple(library.Run)
 NAMES = ("M1", "M2", "M3", "M4")
 ANGLE = 1
 SUPPLY = 12
-"""Where the plant has it."""
+"""Index of the plant's output with it."""
 
 
 class Bench:
-    """A shield that is told directly, and motors of the test's plant."""
+    """A shield with direct commands, and motors of the test's plant."""
 
     def __init__(self, plant: side_by_side.Motors, counts_per_turn: int, supply: int | None) -> None:
         self.plant = plant

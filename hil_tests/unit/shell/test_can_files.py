@@ -45,7 +45,7 @@ def written(path: Path) -> Path:
                 channel=0,
             )
             out.on_message_received(message)
-        if path.suffix != ".trc":  # its writer says that it knows none
+        if path.suffix != ".trc":  # its writer supports none
             out.on_message_received(
                 can.Message(timestamp=(EPOCH + 71 * SECOND) / SECOND, is_error_frame=True)
             )

@@ -67,7 +67,7 @@ def test_what_was_waited_for_is_lived_and_what_came_on_top_is_not(
 
 
 class Patient:
-    """Answers a word, and gives its host 500 ms for the next, as a drive on an RS232 line does."""
+    """Device that answers a command, and gives its host 500 ms for the next, as a drive on RS232 does."""
 
     def __init__(self) -> None:
         self.did: list[str] = []

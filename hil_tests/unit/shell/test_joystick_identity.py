@@ -1,4 +1,4 @@
-"""What a joystick says of itself, by the kernel's own words: linux/joystick.h."""
+"""Identity of a joystick, by the kernel's own structures: linux/joystick.h."""
 
 import fcntl
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What prints, and whoever takes nothing: who speaks is not held up, and is told later what was lost."""
+"""Printer with a blocked reader: the sender is not held up, and later receives the number of lost lines."""
 
 import io
 import os

@@ -22,7 +22,7 @@ def device(tmp_path: Path) -> Callable[[], PseudoTerminal]:
 
 
 def news(line: ReturningLine) -> list[tuple[int, bytes]]:
-    """What comes next, within a second."""
+    """Return the next input, within a second."""
     clock = Clock()
     assert clock.wait([line.fileno()], SECOND), "nothing came"
     return line.read(clock.now())

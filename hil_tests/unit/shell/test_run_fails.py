@@ -1,4 +1,4 @@
-"""What goes wrong in a run, or while it stops, ends neither the stop nor what others are told."""
+"""Failures in a run, or while it stops: they end neither the stop nor the reports to others."""
 
 import os
 import signal
@@ -18,7 +18,7 @@ STOPS: Final = [0x100, 0x100, 0x100]
 
 
 class Unhurried(Winding):
-    """It says when it may be left."""
+    """Node that reports if it may be left."""
 
     unattended = "its wheels may turn"
     leave = False
@@ -31,7 +31,7 @@ class Unhurried(Winding):
 
 
 class Interrupted(Unhurried):
-    """At its 2nd tick two signals come, and a third one while it stops."""
+    """Node at whose 2nd tick two signals come, and a third one while it stops."""
 
     def tick(self, number: int) -> None:
         if number == 2:
@@ -98,7 +98,7 @@ PLACES: Final = ("receive", "wake", "stop", "stopping", "finished", "holding", "
 
 
 class Fault:
-    """It happens twice at one place: the second time while the node stops."""
+    """Fault that happens twice at one place: the second time while the node stops."""
 
     def __init__(self, place: str, failure: Callable[[], BaseException]) -> None:
         self.place = place
@@ -112,7 +112,7 @@ class Fault:
 
 
 class Failing(Winding):
-    """Fails where its fault is; is asked to stop at its 4th tick, where it did not fail before."""
+    """Node that fails where its fault is; its stop is requested at its 4th tick, if it had not failed."""
 
     def __init__(self, fault: Fault, port: Flat) -> None:
         super().__init__()

@@ -19,7 +19,7 @@ NUMBERS = count()
 
 
 class Ticking:
-    """Sends a frame every 5 ms and notes when; may do something else at its nth tick."""
+    """Node that sends a frame every 5 ms and notes the time; may do something else at its nth tick."""
 
     period = 5 * MILLISECOND
 
@@ -171,7 +171,7 @@ def test_a_node_that_is_late_and_cannot_stop_is_not_woken_after_a_signal() -> No
 
 @pytest.fixture
 def hang_ups_end() -> Iterator[None]:
-    """Whoever runs the tests may have told them to ignore it."""
+    """Restore the default of SIGHUP, which the test runner may have set to be ignored."""
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     yield
     signal.signal(signal.SIGHUP, before)
@@ -208,7 +208,7 @@ def test_a_second_signal_ends_at_once() -> None:
 
 
 class Gripping(Winding):
-    """Asked to end, by a signal at its 2nd tick, it holds something until it is asked again."""
+    """Node that, at the end request by a signal at its 2nd tick, holds something until a second request."""
 
     holding = False
     requested = 0

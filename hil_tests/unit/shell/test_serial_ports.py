@@ -25,7 +25,7 @@ from hil_tests.unit.epos2.quiet_motion import QuietMotion
 from hil_tests.unit.world.players import Player
 
 TIOCGEXCL = 0x80045440
-"""Whether a terminal is one client's alone (Linux, asm-generic/ioctls.h)."""
+"""Request that reads if a terminal is one client's alone (Linux, asm-generic/ioctls.h)."""
 REQUESTED_V2 = encode_v2(Frame(0x10, bytes.fromhex("00100001")))
 ANSWERED_V2 = bytes.fromhex("90 02 00 04 00 00 00 00 92 01 02 00 9A ED")
 
@@ -127,7 +127,7 @@ def test_a_client_that_takes_the_line_for_itself_and_leaves_can_come_again() -> 
     with closing(SeenOpening(reports_dtr=False)) as port:
         for _ in range(3):
             with serial.Serial(port.path, exclusive=True) as client:
-                # The superuser may open it all the same: the system is asked whether it is taken.
+                # The superuser may open it all the same: the system reports if it is taken.
                 fcntl.ioctl(client.fileno(), termios.TIOCEXCL)
                 assert _taken(client.fileno())
                 client.write(b"e\r")
@@ -240,7 +240,7 @@ def test_a_link_of_one_member_reaches_that_one_only() -> None:
 
 
 class Client:
-    """Opens the line again and again, asks, and goes away in the middle of the last dialogue."""
+    """Client that opens the line again and again, and leaves in the middle of the last dialogue."""
 
     def __init__(self, drive: SerialEpos2, path: str) -> None:
         self.answers: list[bytes] = []

@@ -39,7 +39,7 @@ def dialect(protocol: str, encoders: int | None = None) -> Dialect:
 
 
 def stated(protocol: str, words: str, *given: Any) -> list[str]:
-    """What a dialect says, in hexadecimal; text where it is a line."""
+    """Return a dialect's bytes, in hexadecimal; text where it is a line."""
     made = [say.data for say in getattr(dialect(protocol), words)(*given)]
     return [data.decode().rstrip("\r") if data.endswith(b"\r") else data.hex(" ") for data in made]
 
@@ -103,7 +103,7 @@ def test_counters_are_unwrapped(protocol: str, counts: tuple[int, int], moved: i
 
 
 def test_a_motor_that_is_not_counted_is_believed_and_states_so() -> None:
-    """The third one over ArduinoIO: it goes as commanded, and tells neither place nor speed."""
+    """The third one over ArduinoIO: it goes as commanded, and reports neither place nor speed."""
     one = motor("arduinoio", 2)
     assert one.reports == frozenset()
     assert motor("arduinoio", 2, 3).reports == {Reports.POSITION, Reports.VELOCITY, Reports.STOP}
@@ -202,7 +202,7 @@ def test_a_stop_ends_with_the_boards_reset_and_reports_of_its_own_stop_where_it_
 
 
 def test_what_answers_a_task_that_a_stop_has_ended_is_nobodys() -> None:
-    """The bridge lives on; and motors that it has not released are not, whoever drove them before."""
+    """The bridge lives on; motors that it has not released count as driven, by any earlier driver."""
     fleet = shield_fleet(over("ros-arduino-bridge"), "board")
     board, one = fleet.link, fleet.drivers[0]
     requested = one.begin((Task.IDENTIFY, Task.CONFIGURE), SECOND)
@@ -228,7 +228,7 @@ def test_what_answers_a_task_that_a_stop_has_ended_is_nobodys() -> None:
 def test_a_start_shows_whether_the_reset_of_a_board_works_that_does_not_stop_by_itself(
     protocol: str, remark: str, *, wires: bool
 ) -> None:
-    """By what a firmware says when it begins; ArduinoIO says nothing, and a cut wire lets nothing begin."""
+    """Start by a firmware's own greeting; ArduinoIO sends none, and a cut wire lets nothing begin."""
     link = shield_fleet(over(protocol), "board").link
     board = Board(FIRMWARES[protocol], four_motors(), encoders=over(protocol).shield_link("board").counted)
     now, ended = 5 * SECOND, False

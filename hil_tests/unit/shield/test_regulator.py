@@ -1,4 +1,4 @@
-"""What a motor is told, however soon one word follows another: the guard finds nothing to refuse in it."""
+"""Commands to a motor, in any fast sequence: the guard finds nothing to refuse in them."""
 
 from typing import Final
 

@@ -34,7 +34,7 @@ RPM: Final = 600
 
 
 class Came(NamedTuple):
-    """What came of it: emergency codes, the true speed of the shaft in rpm, and what the console says."""
+    """Result: emergency codes, the true speed of the shaft in rpm, and the console's output."""
 
     codes: list[int]
     rpm: float

@@ -166,7 +166,7 @@ def test_an_axis_is_reported_its_motor_by_the_plant_and_learns_only_what_the_pla
 
 @pytest.mark.parametrize("rpm", [1500, -1500])
 def test_the_kernel_s_open_winding_carries_no_current_above_a_plant_in_c(rpm: int) -> None:
-    """As the twin's does above motors in Python: the same lines, here above an FMU's own equations."""
+    """Same as in the reference implementation above motors in Python: here above an FMU's own equations."""
     order = Order((1,), PROFILES["70/10"], 1_000_000, plant=ensure("single_axis"), axes=("axis",))
     _, bank = drives(order)
     (axis,) = bank.axes

@@ -9,7 +9,7 @@ from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, to_se
 
 
 class Echo:
-    """Answers each packet at once on the link on which it came, and says something by itself at 1 s."""
+    """Node that answers each packet at once on its link, and sends one by itself at 1 s."""
 
     def __init__(self) -> None:
         self.received: list[tuple[float, bytes]] = []

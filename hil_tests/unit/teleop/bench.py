@@ -1,4 +1,4 @@
-"""A ground station and an Operator, joined directly: what one sends, the other hears."""
+"""A ground station and an Operator, joined directly: each receives the other's messages."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -36,7 +36,7 @@ def hold(name: str, reason: str, remedy: str = "", severity: Severity = Severity
 
 @dataclass
 class Bench(Generic[G, M, S]):
-    """One station (255/190), one robot (1/1), and a bridge that says yes unless told otherwise."""
+    """One station (255/190), one robot (1/1), and a bridge that accepts unless set otherwise."""
 
     robot: Robot[G]
     rows: Station[G, M, S]
@@ -53,7 +53,7 @@ class Bench(Generic[G, M, S]):
     verdict: Verdict | None = None
     trust: Trust = EVERYBODY
     received: list[Any] = field(default_factory=list)
-    """Everything that has been reported."""
+    """All reported messages."""
 
     def __post_init__(self) -> None:
         self.restart()
@@ -70,14 +70,14 @@ class Bench(Generic[G, M, S]):
         )
 
     def restart(self) -> None:
-        """Begin with an operator that has heard nothing."""
+        """Begin with an operator that has received nothing."""
         self.operator = Operator(
             self.robot, self.rows, self.rest, rolling=self.rolling, modes=self.modes, trust=self.trust
         )
 
     @property
     def command(self) -> M:
-        """What the operator wants now."""
+        """The operator's present command."""
         return self.operator.intent.command
 
     def decide(self, request: Request) -> Verdict:
@@ -110,7 +110,7 @@ class Bench(Generic[G, M, S]):
         )
 
     def report(self, *holds: Hold) -> list[Any]:
-        """Let a cycle pass; return what the station hears of it."""
+        """Let a cycle pass; return the messages that the station receives of it."""
         self.now += CYCLE
         self.facts = replace(self.facts, now=self.now, received_at=self.operator.intent.received_at)
         sent = self.operator.report(self.snapshot(), holds, self.now)
@@ -135,7 +135,7 @@ class Bench(Generic[G, M, S]):
         )
 
     def sensors(self, values: Mapping[str, float]) -> None:
-        """Let the sensors tell these values, and no others anything."""
+        """Set these sensor values; the other sensors report nothing."""
         self.facts = replace(
             self.facts, sensors={name: Reading(value, self.now, self.now) for name, value in values.items()}
         )
@@ -207,7 +207,7 @@ def acks(messages: list[Any]) -> list[tuple[int, int]]:
 
 
 def bench_of(name: str) -> Bench[Any, Any, Any]:
-    """Return a bench of an installed robot, whose body tells nothing."""
+    """Return a bench of an installed robot, whose kinematic model reports nothing."""
     robot = kinds.find(name)
     kind = kinds.kind_of(robot)
     return Bench(robot, kind.station, kind.rest, None, ())

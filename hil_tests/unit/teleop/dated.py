@@ -1,4 +1,4 @@
-"""A ground station that has a clock of its own, and answers what it is asked about it."""
+"""A ground station that has a clock of its own, and answers requests for its time."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BEAT = dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
 
 
 class Station:
-    """A ground station with a clock of its own, whose words come `late` after it has said them."""
+    """A ground station with a clock of its own, whose messages arrive `late` after it has sent them."""
 
     def __init__(self, bench: RarsBench, source: int = HERE, *, key: bytes | None = None) -> None:
         self.bench = bench
@@ -31,7 +31,7 @@ class Station:
         self.late: Nanoseconds = 0
         self.answers = QUESTIONS
         self.answers_at_once = False
-        """However late its other messages come."""
+        """True if its answers come at once, in spite of late other messages."""
         self.requested: list[Any] = []
         self.sends(BEAT)
 
@@ -39,7 +39,7 @@ class Station:
         return self.codec.encode(message, (NOW + sent_at + self.ahead - EPOCH) // UNIT)
 
     def sends(self, message: Any) -> list[Any]:
-        """Say something that comes now, `late` after it was said."""
+        """Send a message that arrives now, `late` after it was sent."""
         return self.comes(self.frame(message, self.bench.now - self.late))
 
     def comes(self, frame: bytes, source: int | None = None) -> list[Any]:

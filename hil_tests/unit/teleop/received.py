@@ -1,4 +1,4 @@
-"""What a station hears, sorted: kinds of messages, and texts."""
+"""Messages received by a station, sorted: types of messages, and texts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How old words are on the wire: what is asked and of whom, which answers count, which row tells."""
+"""Age of commands on the wire: the requests and their receivers, valid answers, and the deciding row."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def test_set_points_of_another_clock_than_timesyncs_are_taken_above_their_fastes
 def test_a_timesync_that_runs_behind_the_set_points_makes_no_word_younger(
     behind_ms: int, less_ms: int
 ) -> None:
-    """By TIMESYNC alone it would be said just now; the fastest word so far has come at once."""
+    """Check TIMESYNC: by it alone the command would be fresh; the fastest one so far has come at once."""
     station = driving(boot_ahead=1_000 * SECOND + behind_ms * MILLISECOND, seconds=4.0)
     assert age_of(station) == (pytest.approx(0.0, abs=0.003), False)
     station.late = (behind_ms + less_ms) * MILLISECOND
@@ -177,7 +177,7 @@ def test_a_station_whose_stamps_count_frames_does_not_date_its_words() -> None:
 def test_only_an_answer_of_who_drives_to_an_open_question_counts() -> None:
     station = driving(answers=set())
     other = Station(station.bench, THERE)
-    ages = station.bench.operator._session.ages  # noqa: SLF001 - what is not told anywhere
+    ages = station.bench.operator._session.ages  # noqa: SLF001 - not reported anywhere
     question = next(one for one in reversed(station.requested) if one.get_type() == "TIMESYNC")
     station.comes(other.answer(question), THERE)
     assert ages.trips.newest(station.bench.now) is None, "of another place"

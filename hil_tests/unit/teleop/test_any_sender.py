@@ -1,4 +1,4 @@
-"""Whoever speaks: two stations, messages for others, echoes, frames of any kind."""
+"""Any sender: two stations, messages for others, echoes, frames of any kind."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who is told what: telemetry to stations, answers to who asked, nothing gained by a forged address."""
+"""Receivers of messages: telemetry to stations, answers to the requester, nothing for a forged address."""
 
 from __future__ import annotations
 

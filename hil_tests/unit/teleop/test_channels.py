@@ -26,7 +26,7 @@ HERE, THERE = number_of("10.0.0.1", 14550), number_of("10.0.0.2", 14550)
 
 
 def override(**values: int) -> Any:
-    """Return a message with these channels, as ch3=1600; of all others it says nothing."""
+    """Return a message with these channels, as ch3=1600; all others are left unset."""
     raw = [values.get(f"ch{number}", KEPT) for number in range(1, 19)]
     return dialect.MAVLink_rc_channels_override_message(1, 1, *raw)
 

@@ -28,7 +28,7 @@ RESOLUTIONS = st.sampled_from([1, 10_000, MILLISECOND])
 
 
 class Word(NamedTuple):
-    """Something that was said, and when it comes."""
+    """A sent message, and its time of arrival."""
 
     sent_at: Nanoseconds
     delay: Nanoseconds

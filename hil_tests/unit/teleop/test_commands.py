@@ -1,4 +1,4 @@
-"""Each row of the command table: what it asks of the bridge, and what it answers."""
+"""Each row of the command table: its request to the bridge, and its answer."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 ACCEPTED, TEMPORARILY_REJECTED, DENIED, UNSUPPORTED = 0, 1, 2, 3
 NAN = math.nan
 
-# command, parameters, result, what the bridge is asked
+# command, parameters, result, requests to the bridge
 TABLE: list[tuple[int, tuple[float, ...], int, list[Request]]] = [
     (400, (1,), ACCEPTED, [Arm()]),
     (400, (1, 21196), DENIED, []),

@@ -1,4 +1,4 @@
-"""Who drives: what is obeyed of whom, and how control is taken, handed over, given up and lost."""
+"""Station in control: the commands obeyed, and control taken, handed over, given up and lost."""
 
 from __future__ import annotations
 
@@ -339,7 +339,7 @@ def test_frames_for_another_robot_on_the_link_are_none_that_were_lost(bench: Rar
         for _other in range(3):
             bench.stick(target=2)
         bench.now = cycle * 50 * MILLISECOND
-    assert bench.operator._session.ages.losses.share == 0.0  # noqa: SLF001 - what is told of it
+    assert bench.operator._session.ages.losses.share == 0.0  # noqa: SLF001 - the reported share
 
 
 def test_a_station_that_calls_itself_as_the_robot_is_named_once(bench: RarsBench) -> None:

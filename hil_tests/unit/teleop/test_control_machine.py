@@ -29,7 +29,7 @@ STOPS = [(STOP, (1.0,)), (CLEAR, (0.0,)), (ARM, (0.0, FORCE))]
 
 
 class Ownership(RuleBasedStateMachine):
-    """The model: who drives, whether he yields, and when he was heard."""
+    """The model: the station in control, its consent to yield, and its last message."""
 
     @initialize()
     def begin(self) -> None:
@@ -39,7 +39,7 @@ class Ownership(RuleBasedStateMachine):
         self.yields = False
         self.received_at = 0
         self.answered_at: dict[int, int] = {}
-        """When a stop of a station was answered that did not drive."""
+        """Times at which a stop of a station that was not in control was answered."""
 
     def received(self, who: int) -> bool:
         """Note that a station speaks; return whether it may drive."""

@@ -1,4 +1,4 @@
-"""Exchanges with a station byte for byte, and what else a ground station asks as it connects."""
+"""Exchanges with a station byte for byte, and further requests of a ground station as it connects."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ def zeros(count: int) -> str:
     return "00 " * count
 
 
-# Station 255/190 asks, robot 1/1 answers with its first frame; made with pymavlink 2.4.50's `all` dialect.
+# Station 255/190 sends a request, robot 1/1 answers with its first frame; made with pymavlink 2.4.50's `all`
+# dialect.
 EXCHANGES = {
     "arm": (
         f"FD 20 00 00 00 FF BE 4C 00 00 00 00 80 3F {zeros(24)} 90 01 01 01 9E 4E",

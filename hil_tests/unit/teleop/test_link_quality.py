@@ -1,4 +1,4 @@
-"""What the station in control reads about its link: both edges of each figure, each way, and its words."""
+"""Link quality for the station in control: both edges of each figure, each direction, and the texts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hil_tests.rows import every
 QUESTION = (111, 1)
 REQUESTED_AT = 7 * SECOND
 WHOLE = 2 * SECOND
-"""How old a word may be here: not the usual limit, so that who reads another one is seen."""
+"""Age limit of a command here: not the usual one, so that a reader of another one is seen."""
 UNDATED = "link: the age of this station's commands is unknown, only their loss is noticed"
 
 
@@ -24,7 +24,7 @@ def link(
     dated: bool = True,
     requested_for: Nanoseconds | None = None,
 ) -> Link:
-    """Return a link on which one question was answered after `trip`, or one was asked so long ago."""
+    """Return a link on which one request was answered after `trip`, or one was sent so long ago."""
     ages = Ages(signed=False)
     now = REQUESTED_AT + (trip or requested_for or 0)
     if trip is not None or requested_for is not None:

@@ -1,4 +1,4 @@
-"""Which axes of MANUAL_CONTROL count for a robot, what is neutral, and what is said of those that are not."""
+"""Axes of MANUAL_CONTROL that count for a robot, their neutral, and the reports on the others."""
 
 import re
 from dataclasses import replace
@@ -37,8 +37,10 @@ RESTING = {
     "MAVProxy": channels(1500, 0, 0, 0, 0),
     "MAVProxy, version 2": channels(1500, 1500, 65535, 65535, 65535),
 }
-"""What stations send while no one touches anything: QGroundControl's Joystick.cc, MAVSDK's manual_control
-plugin, MAVProxy's joystick module."""
+"""Values sent by stations with the stick untouched.
+
+QGroundControl's Joystick.cc, MAVSDK's manual_control plugin, MAVProxy's joystick module.
+"""
 
 
 @pytest.mark.parametrize("robot", ROBOTS)

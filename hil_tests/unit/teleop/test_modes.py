@@ -1,4 +1,4 @@
-"""The ways to be driven: their names and numbers, who asks for them how, and what counts in each."""
+"""Modes of control: their names and numbers, each station's request for them, and the valid inputs."""
 
 from __future__ import annotations
 

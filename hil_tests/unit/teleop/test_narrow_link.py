@@ -1,4 +1,4 @@
-"""A link whose bandwidth is told: what is sent fits into half of it, and nothing is lost but how often."""
+"""A link of given bandwidth: the traffic fits into half of it, and only the rate is reduced."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ RADIO = 57_600
 
 
 def bench_at(bandwidth_bit_s: int | None) -> RarsBench:
-    """Return RARS on a link that carries so much; a driver, so that all is told."""
+    """Return RARS on a link that carries so much; with a driver, so that all telemetry is sent."""
     bench = rars()
     bench.robot = bench.robot.discriminated_by(bandwidth_bit_s)
     bench.restart()

@@ -19,7 +19,7 @@ EVERY = 40 * MILLISECOND
 
 
 def repeats(numbered: Numbered, frames: Iterator[tuple[int, int]]) -> list[bool]:
-    """Whether two were seen after each of these frames, 40 ms apart: number and content."""
+    """Return for each of these frames, 40 ms apart, True if two senders were seen: number and content."""
     return [
         numbered.receive(number & 0xFF, content, at * EVERY) or numbered.two
         for at, (number, content) in enumerate(frames)
@@ -83,7 +83,7 @@ def test_when_one_of_them_is_gone_there_is_one() -> None:
 
 
 class Two:
-    """Two stations on one link, 255/190 both, and what each says 20 times a second."""
+    """Two stations on one link, 255/190 both, and the message of each, 20 times a second."""
 
     def __init__(self) -> None:
         self.bench: RarsBench = rars()
@@ -95,7 +95,7 @@ class Two:
             codec.encode(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
 
     def say(self, first: Any, second: Any, seconds: float) -> list[str]:
-        """Let both speak so long; return what they are told."""
+        """Let both send so long; return the texts that they receive."""
         received: list[str] = []
         for _ in range(round(seconds * 20)):
             for codec, message in ((self.first, first), (self.second, second)):

@@ -1,4 +1,4 @@
-"""What a stick and a velocity mean for RARS; forward, left and up are positive."""
+"""Meaning of a stick and a velocity for RARS; forward, left and up are positive."""
 
 import math
 from typing import Any
@@ -15,7 +15,7 @@ from hil_tests.unit.teleop.received import texts
 RARS = rars().robot
 DEG = math.pi / 180.0
 HELD = 30 * DEG
-"""Where the steering was before."""
+"""Earlier angle of the steering."""
 
 
 def stick(x: int = 0, y: int = 0x7FFF, z: int = 0, r: int = 0, buttons: int = 0) -> Motion:

@@ -1,4 +1,4 @@
-"""What a stick and a velocity are before a robot gives them a meaning; forward, left and up are positive."""
+"""Stick and velocity before a robot gives them a meaning; forward, left and up are positive."""
 
 import math
 from typing import Any

@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
 HERE, THERE = number_of("10.0.0.1", 14550), number_of("10.0.0.2", 14550)
 ARMED_WITHIN = 1500 * MILLISECOND
-"""FirmwarePlugin::_armVehicleAndValidate waits so long for the heartbeat that says so."""
+"""Time that FirmwarePlugin::_armVehicleAndValidate waits for the heartbeat with the armed flag."""
 
 
 class QGroundControl:
-    """What it makes of the messages that it reads."""
+    """QGroundControl's view of the messages that it reads."""
 
     def __init__(self, bench: RarsBench) -> None:
         self.bench = bench

@@ -1,4 +1,4 @@
-"""The robot's status for its operator: heartbeat, holds and faults of drives, each told once."""
+"""The robot's status for its operator: heartbeat, interlock events and drive faults, each reported once."""
 
 from __future__ import annotations
 

@@ -149,7 +149,7 @@ def test_the_stop_button_requests_until_the_robot_is_stopped_and_not_on(bench: R
 
 @pytest.mark.parametrize("within_ns", [0, 1, 49_999_999])
 def test_the_stop_button_stops_at_once_after_a_clear(bench: RarsBench, within_ns: int) -> None:
-    """The newest snapshot says still that the emergency stop is latched."""
+    """The newest snapshot still has the emergency stop latched."""
     bench.stick(buttons=4)
     bench.report()
     bench.order(5300, 1)

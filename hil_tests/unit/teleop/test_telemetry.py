@@ -1,4 +1,4 @@
-"""What the operator is informed of, how often, and with which sign."""
+"""Telemetry for the operator: its contents, rates and signs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whose frames are believed: signatures, replays, allowed places; and what is obeyed of everybody else."""
+"""Trusted frames: signatures, replays, allowed places; and the commands obeyed of all others."""
 
 from __future__ import annotations
 
@@ -315,7 +315,7 @@ def test_a_clock_that_was_set_back_lets_no_old_stream_in_and_uses_no_stamp_twice
 
 
 def test_a_station_whose_clock_is_ahead_raises_our_stamps_and_locks_no_one_out(keyed: RarsBench) -> None:
-    """So that it hears us; whether another stream is too old is a matter of our own clock."""
+    """So that it receives us; the age limit of another stream is a matter of our own clock."""
     keyed.now = 100 * SECOND
     ahead = Signer(at=500 * SECOND)
     assert believed(keyed, ahead.states(BEAT))
@@ -331,7 +331,7 @@ def test_a_station_whose_clock_is_ahead_raises_our_stamps_and_locks_no_one_out(k
 
 
 def test_who_is_not_believed_is_named_for_the_console_once(keyed: RarsBench) -> None:
-    """On the link only who is believed is told, and there may be no one."""
+    """On the link only trusted stations receive the report, and there may be none."""
     for _ in range(3):
         for signer in (Signer(None), Signer(OTHER, system=254)):
             receives(keyed, signer.states(BEAT))

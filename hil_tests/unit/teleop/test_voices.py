@@ -1,4 +1,4 @@
-"""How each place is spoken to: in its version of MAVLink, and as often as it has asked for."""
+"""Messages to each place: in its version of MAVLink, and at the intervals that it requested."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SENT = {
     *(0, 1, 4, 22, 24, 30, 32, 33, 44, 47, 74, 76, 77, 109, 110, 111, 118, 120, 147, 148, 160, 175),
     *(242, 244, 245, 251, 252, 253, 6),
 }
-"""Below 256: the numbers of all that this bridge says."""
+"""Numbers below 256 of all messages that this bridge sends."""
 
 
 class Old:
@@ -144,7 +144,7 @@ def test_who_signs_what_he_states_sends_nothing_unsigned() -> None:
 
 
 def counted(bench: RarsBench, hands: tuple[Hand, ...], cycles: int = 40) -> dict[int, Counter[str]]:
-    """Let cycles pass; return what each station was told."""
+    """Let cycles pass; return each station's received messages."""
     received: dict[int, Counter[str]] = {hand.source: Counter() for hand in hands}
     for _ in range(cycles):
         bench.now += CYCLE

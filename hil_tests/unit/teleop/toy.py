@@ -51,7 +51,7 @@ class Glide:
 
 @dataclass(frozen=True, slots=True)
 class Felt:
-    """What is known of the toy."""
+    """Sensed state of the toy."""
 
     ahead: float = 0.0
     right: float = 0.0

@@ -1,4 +1,4 @@
-"""Nodes that do as they are told, for tests of what carries them."""
+"""Nodes that follow a script, for tests of the code that carries them."""
 
 from collections.abc import Callable, Sequence
 
@@ -7,7 +7,7 @@ from firmware_bridge.units import NEVER, Nanoseconds
 
 
 class Player:
-    """Sends packets at given instants, and notes when it hears what."""
+    """Node that sends packets at given instants, and notes the received ones with their times."""
 
     def __init__(self, *plan: tuple[Nanoseconds, Packet]) -> None:
         self.received: list[tuple[Nanoseconds, Packet]] = []

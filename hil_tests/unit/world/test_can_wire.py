@@ -1,4 +1,4 @@
-"""The CAN bus: exact times, arbitration, everybody else hears, load."""
+"""The CAN bus: exact times, arbitration, reception by all other nodes, load."""
 
 import hypothesis.strategies as st
 import pytest

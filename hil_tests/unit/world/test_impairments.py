@@ -1,4 +1,4 @@
-"""What a fault does to a datagram link, beside its own delay, jitter and loss."""
+"""Effects of a fault on a datagram link, beside its own delay, jitter and loss."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ Received = list[tuple[Nanoseconds, bytes]]
 
 
 def carried(*impairments: Impairment, jitter: Nanoseconds = 0) -> tuple[Received, DatagramWire]:
-    """What arrives of a datagram each ms, by a link of 1 ms and its own chance."""
+    """Return the arrivals of a datagram each ms, by a link of 1 ms and its own chance."""
     wire = DatagramWire(MILLISECOND, jitter, 0.0, np.random.default_rng(7))
     world, hearer = World(), Player()
     story = Player(*((k * MILLISECOND, Packet("operator", 0, bytes((k,)))) for k in range(COUNT)))

@@ -183,7 +183,7 @@ def test_the_trace_is_the_sum_of_its_lines() -> None:
     world.attach("drive", Player(), {"can": bus})
     world.attach("other", Player(), {"can": bus})
     world.run(SECOND)
-    # 48 bits, 3 bits of space, 56 bits: one line for each frame, however many hear it.
+    # 48 bits, 3 bits of space, 56 bits: one line for each frame, for any number of receivers.
     lines = b"48000 can0 master 00000080 \n" + b"106000 can0 master 00000701 05\n"
     assert world.trace_sha256 == hashlib.sha256(lines).hexdigest()
 

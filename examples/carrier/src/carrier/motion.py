@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """What the operator commands, what the gate allows, and what the bridge demands."""
+    """The operator's command, the motion that the gate allows, and the bridge's set-point."""
 
     speed_mps: float = 0.0
     """Of the axle's middle."""
@@ -15,7 +15,7 @@ class Motion:
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """What the wheels tell."""
+    """State of the wheels."""
 
     speed_mps: float
     turn_rad_s: float

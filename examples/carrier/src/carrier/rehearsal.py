@@ -1,4 +1,4 @@
-"""The robot on the bench: what a step may ask of it, how a station says it, what is drawn."""
+"""The robot on the bench: the inputs of a mission's step, the station's messages, and the figures."""
 
 from pathlib import Path
 from typing import Annotated, Final, Literal
@@ -24,7 +24,7 @@ _RELAY: Final = 181
 
 
 class OwnStep(DifferentialStep):
-    """What the operator does at one instant: one field for each of a mission's inputs."""
+    """The operator's input at one instant: one field for each of a mission's inputs."""
 
     lamp: Annotated[bool | None, Sends(_RELAY, lambda on, _: (0.0, float(on)), -1)] = None
     press: Annotated[Literal["lamp", "emergency_stop"] | None, Presses(BUTTONS)] = None

@@ -26,9 +26,9 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
         self._client: Final = NodeClient(axis.link, axis.epos2.node)
         super().__init__(axis, CanFeedback(axis), self._client, configuration(axis, link, outputs))
         self._answers: Final = canopen.SDO_RESPONSE + axis.epos2.node
-        """Where its SDO server answers."""
+        """Identifier of its SDO server's answers."""
         self.wake_at: Nanoseconds = NEVER
-        """When it wants to be woken. Asked for after every packet: so it is an attribute."""
+        """Time of its next wake-up. Read after every packet: so it is an attribute."""
         self._requests: deque[ObjectRequest] = deque()
         """Beside the tasks; the first one is under way."""
 
@@ -43,7 +43,7 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
         return self._waiting(self._tasks.set_zero(position, now))
 
     def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Have it seek its zero as the robot file says."""
+        """Have it home by the robot file."""
         self._drop_requests()
         return self._waiting(self._tasks.begin((Task.HOME,), now))
 
@@ -70,7 +70,7 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
         self._feedback.synchronised(now)
 
     def rewritten(self, what: str, now: Nanoseconds) -> None:
-        """Learn what someone else has written to its objects."""
+        """Note a foreign write to its objects."""
         self._tasks.rewritten(what, now)
         self.wake_at = self._scripts.wake_at
 

@@ -1,4 +1,4 @@
-"""The CAN bus as one link of the robot: SYNC makes the drives report, a heartbeat says that it lives."""
+"""The CAN bus as one link of the robot: SYNC samples the drives, a heartbeat shows the bridge is alive."""
 
 from collections.abc import Iterable
 from typing import Final
@@ -18,7 +18,7 @@ ANSWERS_WITHIN: Final[Nanoseconds] = 10 * MILLISECOND
 """The drives answer a SYNC within a millisecond; later ones are not waited for."""
 _WRITES: Final = (sdo.DownloadRequest, sdo.Segment)
 REMEMBERED: Final[Nanoseconds] = SECOND
-"""So long a frame of another master counts: it may be back any moment."""
+"""Time for which a second controller's frame counts: it may be back any moment."""
 
 
 def can_fleet(robot: AnyRobot, name: str) -> Fleet:
@@ -38,7 +38,7 @@ class CanLink:
         self.beat_every = table.bridge_heartbeat_ms * MILLISECOND
         self.remark = ""
         self.listens_for = table.bridge_silent_ms * MILLISECOND
-        """Whoever keeps the drives' watch content beats within that time."""
+        """The heartbeat producer that satisfies the drives' consumers sends within that time."""
         self.late = 0
         """Always: the samples of a cycle leave at its SYNC."""
         self.lost: str | None = None
@@ -50,16 +50,16 @@ class CanLink:
         self._beat = Packet(name, canopen.ERROR_CONTROL + table.bridge_node, beat)
         self._sync = Packet(name, canopen.SYNC, b"")
         self._masters = _masters(self._drives, table)
-        """What only a master sends: our own frames do not come back to us."""
+        """Identifiers that only a master sends: our own frames do not come back to us."""
         self._master: tuple[Nanoseconds, str, Packet] | None = None
-        """When one was heard last, what it is, and its frame."""
+        """Time of the last such frame, its kind, and the frame."""
 
     def hint(self, _now: Nanoseconds) -> str:
-        """Report nothing: the drives are asked one by one, and a task that fails says what is missing."""
+        """Return no hint: the drives are queried one by one, and a failed task reports its cause."""
         return ""
 
     def master(self, now: Nanoseconds) -> str | None:
-        """Return what was heard of another master lately, with its frame."""
+        """Return the recent traffic of a second controller, with its frame."""
         if self._master is None or now >= self._master[0] + REMEMBERED:
             return None
         _, what, packet = self._master
@@ -97,10 +97,10 @@ class CanLink:
 
 
 def _masters(drives: Iterable[Epos2OnCan], table: Epos2Link) -> dict[int, str]:
-    """Return what only the master of these drives sends, in words, by its identifier.
+    """Return the frames that only the master of these drives sends, as text, by identifier.
 
-    Requests for objects are not in it: an engineer may read a drive while the robot drives. What he writes
-    is the drive's own matter.
+    Requests for objects are not in it: an engineer may read a drive while the robot drives. His writes are
+    the drive's own matter.
     """
     beat = canopen.ERROR_CONTROL + table.bridge_node
     axes = [drive.axis for drive in drives]

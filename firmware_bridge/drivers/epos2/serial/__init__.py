@@ -1,1 +1,1 @@
-"""EPOS2 drives over maxon's serial protocol: what is asked in which order, at what cost."""
+"""EPOS2 drives over maxon's serial protocol: requests, their order, and their cost."""

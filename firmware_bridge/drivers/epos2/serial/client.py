@@ -17,10 +17,12 @@ from firmware_bridge.wire.maxon.frame import Failure
 from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, Request, WriteObject
 
 RAW: Final = 4
-"""Bytes that either command carries, whatever the object's size."""
+"""Size in bytes of either command's data, whatever the object's size."""
 TRY_WITHIN: Final[Nanoseconds] = 2 * SECOND
-"""A node that does not answer holds up the whole line for half a second each time; so it is not asked again
-later than this, whatever attempts are left."""
+"""Time after which a request is not repeated, whatever attempts are left.
+
+A node that does not answer holds up the whole line for half a second each time.
+"""
 
 
 def reading(node: int, address: Address) -> ReadObject:
@@ -34,7 +36,7 @@ def writing(node: int, address: Address, raw: bytes) -> WriteObject:
 
 
 def value_in(address: Address, answer: ObjectRead) -> bytes:
-    """Return what an answer says of an object; the bytes beyond its size mean nothing."""
+    """Return an object's value in an answer; the bytes beyond its size mean nothing."""
     return answer.raw[: OBJECTS[address].type.size or RAW]
 
 
@@ -75,7 +77,7 @@ class SerialClient:
 
     @property
     def busy(self) -> bool:
-        """Whether a transfer is under way."""
+        """True while a transfer is under way."""
         return self._transfer is not None
 
     @property

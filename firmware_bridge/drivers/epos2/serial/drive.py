@@ -46,7 +46,7 @@ from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, Request,
 TARGET: Final = {Command.SPEED: at.TARGET_VELOCITY, Command.POSITION: at.TARGET_POSITION}
 _NEWEST_ERROR: Final = ReadRow(NEWEST_ERROR, DataType.UNSIGNED32, "newest error")
 RECEIVED_BEATS: Final = 3
-"""After so many beats a drive has begun to watch; it does so at the first that it hears (CiA 301)."""
+"""Heartbeats after which a drive has begun to watch; it does so at the first that it receives (CiA 301)."""
 NOTICED_CYCLES: Final = 4
 """So many cycles after its watch has ended at the latest a drive's fault is read."""
 
@@ -59,7 +59,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
     def __init__(self, axis: Axis, robot: AnyRobot, exchange: Exchange) -> None:
         """Take the axis, its robot, and the line."""
         self.present = False
-        """Whether it answered last; one that does not is not asked in every cycle."""
+        """True where its last answer came; a drive without one is not queried in every cycle."""
         self._exchange = exchange
         link = robot.epos2_link(axis.link)
         traffic = through_gateway(axis, link, robot.nodes_on(axis.link))
@@ -73,7 +73,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         )
         rows = configuration(axis, link, outputs_at(robot, axis), traffic)
         self._watch = next(row for row in rows if row.address == at.CONSUMER_HEARTBEAT_1)
-        """What it has of its set-up in memory alone: one that restarts loses it."""
+        """The part of its set-up that is in memory alone: a restart loses it."""
         super().__init__(
             axis,
             feedback,
@@ -88,17 +88,17 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
 
     @property
     def guarded(self) -> bool:
-        """Whether it answers node guarding: it is there, and its own heartbeat has been switched off."""
+        """True where it answers node guarding: it is there, and its own heartbeat has been switched off."""
         return self.present and self._tasks.set_up
 
     @property
     def listens(self) -> bool:
-        """Whether no one may speak to it: it shall notice the bridge's silence."""
+        """True while nothing may be sent to it: it shall notice the bridge's silence."""
         return self.busy and self._proof.listens
 
     @property
     def wake_at(self) -> Nanoseconds:
-        """When it wants to be woken."""
+        """Time of its next wake-up."""
         return self._scripts.wake_at
 
     def begin(self, tasks: tuple[Task, ...], now: Nanoseconds) -> tuple[Packet, ...]:
@@ -113,7 +113,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         return self._sent(self._tasks.set_zero(position, now))
 
     def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Have it seek its zero as the robot file says."""
+        """Have it home by the robot file."""
         return self.begin((Task.HOME,), now)
 
     def command(self, demand: Demand) -> tuple[Packet, ...]:
@@ -164,14 +164,14 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         return self._sent(self._tasks.go_on(self._scripts.wake(now), now))
 
     def lose(self, now: Nanoseconds) -> None:
-        """Take notice that the line is gone: the set-up counts no longer, someone may have changed it."""
+        """Note that the line is gone: the set-up counts no longer, since it may have been changed."""
         self.present = self._tasks.set_up = False
         self._taken.clear()
         self._feedback.lose()
         self._tasks.fail("the serial line is gone", now)
 
     def ended(self, job: Job, request: Request, result: Result, now: Nanoseconds) -> None:
-        """Take the answer to a set-point, a network command, or an object that was asked for."""
+        """Take the answer to a set-point, a network command, or an object request."""
         self._note(result)
         if not succeeded(result):
             if job is self._writes:
@@ -220,7 +220,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         return self._exchange.go_on()
 
     def _write(self, frame: bytes) -> None:
-        """Write the target, where it counts, and the controlword: first where that takes the power."""
+        """Write the target, where it counts, and the Controlword: first where that disables the power."""
         axis, taken = self._axis, self._taken
         word, target = SET_POINT[axis.command].unpack(frame)
         address = TARGET[axis.command]
@@ -252,7 +252,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
 
 
 class _Requested:
-    """Ends a request when its command has ended."""
+    """An owner that ends a request when its command has ended."""
 
     __slots__ = ("_note", "_request", "_requested_at")
 

@@ -1,7 +1,7 @@
-"""What the drivers want from one serial line, in order of urgency; the line carries one command at a time.
+"""The drivers' jobs for one serial line, in order of urgency; the line carries one command at a time.
 
-Bytes and handshake are `firmware_bridge.drivers.epos2.serial.line`'s. It refuses to know what a command
-means.
+Bytes and handshake are `firmware_bridge.drivers.epos2.serial.line`'s. The meaning of a command is not known
+here.
 """
 
 from dataclasses import dataclass
@@ -20,11 +20,11 @@ PATIENCE: Final[Nanoseconds] = 4 * SECOND
 """Longer than the line takes to give a command up; only one that the guard kept back comes to this."""
 
 Result: TypeAlias = Answer | Failure
-"""What the drive, or the gateway for it, has answered; or why there is no answer."""
+"""The answer of the drive, or of the gateway for it; or the reason why there is no answer."""
 
 
 class Rank(IntEnum):
-    """Which job goes first."""
+    """Rank of a job, the most urgent first."""
 
     SET_POINT = 0
     BEAT = 1
@@ -37,7 +37,7 @@ _READS: Final = frozenset({Rank.SAMPLE, Rank.ROTATING})
 
 
 class Owner(Protocol):
-    """Whoever has jobs done."""
+    """The owner of jobs."""
 
     def ended(self, job: "Job", request: Request, result: Result, now: Nanoseconds) -> None:
         """Learn how a command ended; the rest of the job follows only after a success."""
@@ -50,7 +50,7 @@ class Job:
     rank: Rank
     owner: Owner
     left: tuple[Request, ...]
-    """What has not been sent yet."""
+    """The requests that have not been sent yet."""
     begun: bool = False
     over: bool = False
 
@@ -62,9 +62,9 @@ class Exchange:
         """Take the name of the line."""
         self._link = link
         self.gone = False
-        """Whether the line has vanished; jobs fail until it is back."""
+        """True while the line has vanished; jobs fail until it is back."""
         self.idle_at: Nanoseconds = 0
-        """When the last command ended that had nothing behind it."""
+        """Time when the last command ended that had nothing behind it."""
         self.under_way: Job | None = None
         self._request: Request | None = None
         self._until: Nanoseconds = NEVER
@@ -72,11 +72,11 @@ class Exchange:
         self.clock: Nanoseconds = 0
         """The newest instant that is known."""
         self.requested_at: Nanoseconds = 0
-        """When the newest command began."""
+        """Time when the newest command began."""
 
     @property
     def wake_at(self) -> Nanoseconds:
-        """When it wants to be woken."""
+        """Time of its next wake-up."""
         return 0 if self.gone and self._waiting else self._until
 
     def put(self, job: Job) -> None:
@@ -90,7 +90,7 @@ class Exchange:
             self._waiting.remove(job)
 
     def drop_reads(self, owner: Owner) -> None:
-        """Forget what an owner has only asked to be told."""
+        """Forget an owner's requests that only read."""
         for job in [job for job in self._waiting if job.owner is owner and job.rank in _READS]:
             self.drop(job)
 
@@ -108,7 +108,7 @@ class Exchange:
         return (command(request, self._link),)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Take what the line says; what answers no command of ours is ignored."""
+        """Take the line's packet; one that answers no command of ours is ignored."""
         self.clock = now
         if packet.address == LINE_LOST and not packet.payload:
             self.gone = True

@@ -1,7 +1,7 @@
-"""What is read from every drive over a serial line, how often, and what the answers make known.
+"""Readings from every drive over a serial line, their periods, and the state in their answers.
 
-A serial line carries one command at a time. What safety and odometry hang on is read in every cycle; the rest
-takes turns, so that no cycle has more of it than one object.
+A serial line carries one command at a time. Values that safety and odometry depend on are read in every
+cycle; the rest takes turns, so that no cycle has more of it than one object.
 """
 
 from dataclasses import dataclass
@@ -56,7 +56,7 @@ class SerialFeedback(DriveFeedback):
         super().__init__(axis)
         self._cycle_at: Nanoseconds = NEVER_RECEIVED
         self._position: tuple[int, Nanoseconds] | None = None
-        """What this cycle has read, and when it was asked for."""
+        """This cycle's position, and the time of its request."""
         self._before: tuple[int, Nanoseconds] | None = None
         """The same of the sample before, counted on across the counter's wrap."""
 
@@ -66,7 +66,7 @@ class SerialFeedback(DriveFeedback):
         self._position = None
 
     def position_read(self, counter: int, requested_at: Nanoseconds) -> None:
-        """Take the position. The drive read it when it was asked, whenever this machine's port gave it."""
+        """Take the position. The drive read it at the request, whenever this machine's port delivered it."""
         self._position = counter, requested_at
 
     def statusword_read(self, word: int, now: Nanoseconds) -> None:

@@ -1,7 +1,7 @@
 """A node's commands on one link put on a serial line: they become bytes, one after the other.
 
-It is to commands what a controller is to CAN frames: behind it is only the wire. It refuses to know what a
-command means. Commands for a line that is gone are dropped; the node knows.
+It is to commands what a controller is to CAN frames: behind it is only the wire. The meaning of a command is
+not known here. Commands for a line that is gone are dropped; the node knows.
 """
 
 from collections import deque
@@ -30,7 +30,7 @@ class MaxonLine:
         self.commands = 0
         """Commands that have begun so far."""
         self.busy: Nanoseconds = 0
-        """How long commands have been under way so far."""
+        """Total time of commands under way so far."""
         self._begun_at: Nanoseconds = 0
         self._generation = generation
         self._host = host_end(generation, TIMEOUT)
@@ -43,7 +43,7 @@ class MaxonLine:
 
     @property
     def holding(self) -> bool:
-        """Whether the node holds something after it was asked to end."""
+        """True while the node keeps the robot from moving after a command to end."""
         return holds(self.node)
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:

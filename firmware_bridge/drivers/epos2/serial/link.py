@@ -1,8 +1,8 @@
 """A serial line as the bridge's link: one drive is on it, and passes commands on to the others over CAN.
 
-Each drive watches someone who falls silent with the bridge. Those behind the gateway hear the bridge's own
-heartbeat, which the gateway puts on the bus. The gateway itself does not hear what it sends; it watches the
-answers of another drive to node guarding, which come only as long as the bridge has them asked for.
+Each drive watches a node that falls silent with the bridge. Those behind the gateway receive the bridge's own
+heartbeat, which the gateway puts on the bus. The gateway itself does not receive its own frames; it watches
+the answers of another drive to node guarding, which come only as long as the bridge requests them.
 """
 
 from collections.abc import Iterable, Sequence
@@ -50,7 +50,7 @@ class SerialLink:
         self.beat_every = table.bridge_heartbeat_ms * MILLISECOND
         self.remark = ""
         self.listens_for: Nanoseconds = 0
-        """Frames of another master on the bus behind the gateway do not come to this end of the line."""
+        """Frames of a second controller on the bus behind the gateway do not come to this end of the line."""
         self.late = 0
         self.longest_cycle: Nanoseconds = 0
         """From the begin of a cycle to the end of its last command, where no drive had tasks to do."""
@@ -67,15 +67,15 @@ class SerialLink:
         self._cycle = 0
         self._began_at: Nanoseconds = 0
         self._calm = False
-        """Whether this cycle began without tasks; those take what time the line has left."""
+        """True where this cycle began without tasks; those take the time that the line has left."""
 
     @property
     def lost(self) -> str | None:
-        """Why no drive can be reached."""
+        """The reason why no drive can be reached."""
         return LOST if self._exchange.gone else None
 
     def hint(self, _now: Nanoseconds) -> str:
-        """Report nothing: the drives are asked one by one, and a task that fails says what is missing."""
+        """Return no hint: the drives are queried one by one, and a failed task reports its cause."""
         return ""
 
     def master(self, _now: Nanoseconds) -> None:
@@ -83,7 +83,7 @@ class SerialLink:
 
     @property
     def wake_at(self) -> Nanoseconds:
-        """When a command is overdue."""
+        """Time when a command is overdue."""
         return self._exchange.wake_at
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
@@ -125,7 +125,7 @@ class SerialLink:
         return self._exchange.go_on()
 
     def ended(self, _job: Job, _request: Request, _result: Result, _now: Nanoseconds) -> None:
-        """Do nothing: who misses a beat says so itself."""
+        """Do nothing: a drive that misses a heartbeat reports it itself."""
 
     def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take what became of a command, or of the line."""

@@ -1,9 +1,9 @@
-"""Whether a robot's cycle fits on a serial line of it: each command with its price, from the bytes up.
+"""Timing of a robot's cycle on its serial line: each command with its cost, from the bytes up.
 
-A command costs the time of its bytes, what this machine's port keeps back at each turn of the talk, and,
+A command costs the time of its bytes, the latency of this machine's port at each turn of the dialog, and,
 where it goes through the gateway, 0.13 ms (EPOS2 Application Notes, p. 168) and its frames on the CAN bus at
 their longest. A plan that does not fit is refused before anything moves: a line that is too slow would
-otherwise make every cycle late, and no one would know.
+otherwise make every cycle late without a report.
 """
 
 from collections.abc import Iterator, Sequence
@@ -34,11 +34,11 @@ FRAMES: Final = 2
 HANDSHAKES: Final = {True: 4, False: 2}
 """V1's single bytes beside the frames, where a command is answered and where it is not."""
 TURNS: Final = {True: 3, False: 2}
-"""How often in V1's dialogue the host waits for the device; in V2's it does once."""
+"""The host's waits for the device in V1's dialog, with and without an answer; in V2's it waits once."""
 WORDS: Final = {Command.SPEED: ("controlword",), Command.POSITION: ("controlword", "released controlword")}
 """Of one set-point: a position's bit is released in the middle of the cycle, too."""
 LONGEST_CYCLE_MS: Final = 1_000
-"""What a robot file may say."""
+"""Longest cycle that a robot file may set."""
 
 
 class PlanError(Exception):
@@ -59,16 +59,16 @@ class Plan:
 
     cycle: Nanoseconds
     beat: tuple[Entry, ...]
-    """What keeps the drives' watch quiet, once."""
+    """The commands that satisfy the drives' heartbeat consumers, once."""
     beat_every: Nanoseconds
     reads: tuple[Entry, ...]
-    """What is read in every cycle."""
+    """The reads of every cycle."""
     set_points: tuple[Entry, ...]
     in_turn: tuple[Entry, ...]
 
     @property
     def samples(self) -> tuple[Entry, ...]:
-        """What leaves before the set-points; a longer cycle has to hold more beats."""
+        """The commands before the set-points; a longer cycle has to hold more heartbeats."""
         return (*self.beat * -(-self.cycle // self.beat_every), *self.reads)
 
     @property
@@ -78,12 +78,12 @@ class Plan:
 
     @property
     def time(self) -> Nanoseconds:
-        """How long the line is busy in the fullest cycle."""
+        """Time that the line is busy in the fullest cycle."""
         return sum(entry.time for entry in self.entries)
 
     @property
     def answers_within(self) -> Nanoseconds:
-        """How long all samples take at most; one command more may have begun before them."""
+        """Longest time of all samples; one command more may have begun before them."""
         return sum(entry.time for entry in self.samples) + max(entry.time for entry in self.entries)
 
     def excess(self) -> tuple[Entry, Nanoseconds] | None:

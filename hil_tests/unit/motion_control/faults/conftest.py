@@ -40,14 +40,14 @@ def moving(drive: "Drive", rpm: int = 3000) -> None:
 
 
 def falls(drive: "Drive", code: int, within_ms: int = 100) -> None:
-    """Expect this one emergency, with the reaction that its row says, and no current after it."""
+    """Expect this one emergency, with the reaction of its row, and no current after it."""
     already = list(drive.reported)
     drive.runs_until(lambda: drive.reported != already, within_ms)
     fell(drive, *already, code)
 
 
 def fell(drive: "Drive", *codes: int) -> None:
-    """Expect it to have reported these, and to react to the last one as its row says, without current."""
+    """Expect it to have reported these, and to react to the last one by its row, without current."""
     assert drive.reported == list(codes)
     if EMERGENCIES[codes[-1]].reaction is FaultReaction.DISABLE:
         assert drive.stands_in(State.FAULT)
@@ -56,7 +56,7 @@ def fell(drive: "Drive", *codes: int) -> None:
 
 
 def stays_without_current(drive: "Drive") -> None:
-    """What the winding's inductance has kept going is over in some ms; then nothing flows."""
+    """Check the current: the winding's inductance keeps it going for some ms; then nothing flows."""
     assert not drive.axis.powered
     drive.run(10)
     for _ in range(50):

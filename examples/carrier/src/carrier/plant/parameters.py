@@ -1,4 +1,4 @@
-"""The robot in numbers: every parameter with unit and source; named sets; what its robot file tells.
+"""The robot in numbers: every parameter with unit and source; named sets; those from its robot file.
 
 The robot is made up; ASSUME marks what was chosen.
 """
