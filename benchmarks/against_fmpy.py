@@ -24,10 +24,10 @@ from benchmarks.measure import REPEATS, processor_seconds, show
 from emulators.bench import mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.rig import Rig
-from emulators.robots.rars import REHEARSAL
+from emulators.robots.rars import BENCH_SETUP
 from emulators.run import HAND_STREAM
 from emulators.servo import kernel
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 from fmu.build import ensure
 from fmu.plant import FmuPlant
@@ -92,10 +92,10 @@ def driven(way: Way, simulated_s: float) -> Result:
     """Drive the mission's beginning one way, above a plant of FMI 2.0."""
     os.environ[kernel.VARIABLE] = way.servo
     robot = find("rars")
-    script = mission.find(MISSION, robot, REHEARSAL)
-    operator = ScriptedOperator(robot, REHEARSAL, script, np.random.default_rng([SEED, HAND_STREAM]))
+    script = mission.find(MISSION, robot, BENCH_SETUP)
+    operator = ScriptedOperator(robot, BENCH_SETUP, script, np.random.default_rng([SEED, HAND_STREAM]))
     plant_path = ensure(robot.plant.fmu, 2)
-    rig = Rig(robot, REHEARSAL, operator, plant_path=plant_path, seed=SEED, noise=script.noise)
+    rig = Rig(robot, BENCH_SETUP, operator, plant_path=plant_path, seed=SEED, noise=script.noise)
     if way.by_fmpy:
         plant = rig.devices.plant
         plant.step = FmpyStep(plant).step  # type: ignore[method-assign] # here the comparison is made

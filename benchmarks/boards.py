@@ -48,7 +48,7 @@ def _register_writes() -> tuple[bytes, ...]:
     """Return Firmata's messages that set three motors going."""
     writes = [bytes((0, 0x21))]
     for port in PORTS[:MOTORS]:
-        writes += [library.set_speed(port, 150), *library.run(port, library.Run.FORWARD)]
+        writes += [library.set_speed(port, 150), *library.run(port, library.RunArgument.FORWARD)]
     pairs = [bytes(half for byte in data for half in (byte & 0x7F, byte >> 7)) for data in writes]
     return (bytes((0xF0, 0x78, 0, 0, 0xF7)), *(b"\xf0\x76\x60\x00" + it + b"\xf7" for it in pairs))
 

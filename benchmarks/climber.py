@@ -16,9 +16,9 @@ from benchmarks.realtime import COMPILED, SEED, undisturbed
 from emulators.bench import mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.rig import Rig
-from emulators.robots.climber import REHEARSAL
+from emulators.robots.climber import BENCH_SETUP
 from emulators.run import HAND_STREAM
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 
 MISSION: Final = "square"
@@ -31,9 +31,9 @@ NAMES: Final = ("RARS, circles", "climber, square", "climber, square, cameras at
 def drive(robot_name: str, simulated_s: float) -> None:
     """Run the mission; RuntimeError where the robot stood."""
     robot = find(robot_name)
-    script = mission.find(MISSION, robot, REHEARSAL)
-    operator = ScriptedOperator(robot, REHEARSAL, script, np.random.default_rng([SEED, HAND_STREAM]))
-    one = Rig(robot, REHEARSAL, operator, seed=SEED, noise=script.noise)
+    script = mission.find(MISSION, robot, BENCH_SETUP)
+    operator = ScriptedOperator(robot, BENCH_SETUP, script, np.random.default_rng([SEED, HAND_STREAM]))
+    one = Rig(robot, BENCH_SETUP, operator, seed=SEED, noise=script.noise)
     one.run(from_seconds(simulated_s))
     if np.ptp(one.samples.column("y_m")) < DRIVEN_M:
         raise RuntimeError("the climber stood")

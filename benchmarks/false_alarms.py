@@ -13,11 +13,11 @@ from typing import Final
 import numpy as np
 
 from emulators.bench import mission as missions
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.operator import ScriptedOperator
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 
 MINUTES: Final = 5
@@ -48,10 +48,10 @@ ALARMS: Final = (
 
 def alarms(robot: AnyRobot, mission: str, seed: int) -> tuple[float, list[str]]:
     """Drive a mission; return its seconds, and what was held although nothing has failed."""
-    rehearsal = rehearsal_of(robot)
-    script = missions.find(mission, robot, rehearsal)
-    operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng(seed))
-    rig = Rig(robot, rehearsal, operator, seed=seed, noise=script.noise, faults=script.fault)
+    bench_setup = bench_setup_of(robot)
+    script = missions.find(mission, robot, bench_setup)
+    operator = ScriptedOperator(robot, bench_setup, script, np.random.default_rng(seed))
+    rig = Rig(robot, bench_setup, operator, seed=seed, noise=script.noise, faults=script.fault)
     rig.run(from_seconds(script.duration_s))
     held = [f"{hold.name}: {hold.reason}" for hold in rig.holds if hold.name.startswith(ALARMS)]
     rig.finish()

@@ -57,7 +57,7 @@ def advances(side: Side, ticks: int) -> Callable[[], None]:
     return run
 
 
-def turning(library: ctypes.CDLL, count: int, servo: kernel.Found) -> Side:
+def turning(library: ctypes.CDLL, count: int, servo: kernel.KernelLibrary) -> Side:
     """Return drives on their way to a position that is far away."""
     side = Side(Motors(library, count=count), (SANE,) * count, servo)
     for axis in side.axes:

@@ -23,13 +23,13 @@ from emulators import world
 from emulators.bench import mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.rig import BRIDGE, OPERATOR_STATION, Rig
-from emulators.robots.rars import REHEARSAL
+from emulators.robots.rars import BENCH_SETUP
 from emulators.run import HAND_STREAM
 from emulators.servo import kernel
 from emulators.servo.axis import TICK
 from emulators.servo.bank import ServoBank
 from emulators.world import Physics
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 
 MISSION: Final = "circles"
@@ -74,9 +74,9 @@ def rig_and_operator(servo: str = "") -> tuple[Rig, ScriptedOperator]:
     """Build both, for those who ask the operator, too."""
     os.environ[kernel.VARIABLE] = servo
     robot = find("rars")
-    script = mission.find(MISSION, robot, REHEARSAL)
-    operator = ScriptedOperator(robot, REHEARSAL, script, np.random.default_rng([SEED, HAND_STREAM]))
-    return Rig(robot, REHEARSAL, operator, seed=SEED, noise=script.noise), operator
+    script = mission.find(MISSION, robot, BENCH_SETUP)
+    operator = ScriptedOperator(robot, BENCH_SETUP, script, np.random.default_rng([SEED, HAND_STREAM]))
+    return Rig(robot, BENCH_SETUP, operator, seed=SEED, noise=script.noise), operator
 
 
 def seconds_of(call: Callable[[], object]) -> float:

@@ -23,9 +23,9 @@ from benchmarks.realtime import COMPILED, SEED, print_rows, rows_of, split
 from emulators.bench import mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.rig import BRIDGE, OPERATOR_STATION, Rig
-from emulators.robots.rome import REHEARSAL
+from emulators.robots.rome import BENCH_SETUP
 from emulators.run import HAND_STREAM
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 
 MISSION: Final = "circle"
@@ -38,9 +38,9 @@ NAMES: Final = ("RARS, circles", "ROME, circle", "ROME, circle, cameras at 240 H
 def rig(*, captured: bool) -> Rig:
     """Build the robot with its operator, at the start of the mission."""
     robot = find("rome+cameras" if captured else "rome")
-    script = mission.find(MISSION, robot, REHEARSAL)
-    operator = ScriptedOperator(robot, REHEARSAL, script, np.random.default_rng([SEED, HAND_STREAM]))
-    return Rig(robot, REHEARSAL, operator, seed=SEED, noise=script.noise)
+    script = mission.find(MISSION, robot, BENCH_SETUP)
+    operator = ScriptedOperator(robot, BENCH_SETUP, script, np.random.default_rng([SEED, HAND_STREAM]))
+    return Rig(robot, BENCH_SETUP, operator, seed=SEED, noise=script.noise)
 
 
 def drive(simulated_s: float, *, captured: bool) -> None:

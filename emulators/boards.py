@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from emulators.arduino_omni.motors import Load
+from emulators.arduino_omni.motors import MotorLoad
 from emulators.arduino_omni.shield.motor_shield import PORTS
 from emulators.servo.seam import plant_inputs, plant_outputs
 from fmu.errors import PlantError
@@ -25,7 +25,7 @@ def axes_of(path: Path) -> tuple[str, ...]:
     return tuple(name.removeprefix(_VOLTAGE) for name in inputs if name.startswith(_VOLTAGE))
 
 
-def fmu_load(path: Path, axes: Sequence[str] = ()) -> Load:
+def fmu_load(path: Path, axes: Sequence[str] = ()) -> MotorLoad:
     """Put the FMU's axes at the terminals M1, M2 and so on, in their order, or the FMU's own.
 
     Where it has a battery, that is the shield's supply. PlantError for an FMU that cannot be used.
@@ -44,7 +44,7 @@ def fmu_load(path: Path, axes: Sequence[str] = ()) -> Load:
         optional_outputs=(SUPPLY,),
     )
     supply = plant.output_names.index(SUPPLY) if SUPPLY in plant.output_names else None
-    return Load(plant, names, tuple(_constant(plant, name) for name in names), supply)
+    return MotorLoad(plant, names, tuple(_constant(plant, name) for name in names), supply)
 
 
 def _constant(plant: FmuPlant, axis: str) -> float:

@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from emulators.motion_capture.bodies import Body
+from emulators.motion_capture.bodies import TrackedBody
 from emulators.motion_capture.exposure import Cameras, Up
 from emulators.motion_capture.film import FLOOR, SPACE, Film, Physics
 from emulators.motion_capture.system import DATA, DEFAULT, MotionCapture, Timing
@@ -59,7 +59,7 @@ def captured(
             if sensor.link == name and isinstance(sensor.settings, CaptureBody)
         ]
         bodies = [
-            Body(body, NAME, film) if isinstance(body, int) else Body(place, body, film)
+            TrackedBody(body, NAME, film) if isinstance(body, int) else TrackedBody(place, body, film)
             for place, body in enumerate(dict.fromkeys(one.body for one in seen), 1)
         ]
         found[name] = MotionCapture(

@@ -9,7 +9,7 @@ from typing import Final
 from emulators.arduino_omni.ar2.board import Ar2Board
 from emulators.arduino_omni.ar2.firmwares import FIRMWARES as AR2_FIRMWARES
 from emulators.arduino_omni.board import FIRMWARES, Board
-from emulators.arduino_omni.motors import Load
+from emulators.arduino_omni.motors import MotorLoad
 from emulators.carried_bank import CarriedBank
 from emulators.epos2.drive import Epos2
 from emulators.epos2.objects.catalogue import PROFILES
@@ -189,7 +189,7 @@ def _shield(robot: AnyRobot, plant: FmuPlant) -> tuple[str, Board, ShieldBank]:
         raise RobotFileError(robot.name, Problem("axes", problem))
     supply = plant.output_names.index(SUPPLY)
     holds, hoists = (_puts(plant, kind, names) for kind in (HELD, LIFTED))
-    load = Load(plant, names, constants, supply, counts_per_turn=counts, holds=holds, hoists=hoists)
+    load = MotorLoad(plant, names, constants, supply, counts_per_turn=counts, holds=holds, hoists=hoists)
     auto_stop = None if firmware.auto_stop is None else link.auto_stop_ms
     wiring = tuple(axis.shield.encoder_pins for axis in axes)
     board = Board(firmware, load, encoders=link.counted, auto_stop=auto_stop, wiring=wiring)

@@ -11,7 +11,7 @@ from emulators.wires.usb import ChunkWire
 from firmware_bridge.drivers.ar2.board import Ar2Board
 from firmware_bridge.drivers.epos2.serial.line import MaxonLine
 from firmware_bridge.drivers.epos2.serial.link import SerialLink
-from firmware_bridge.drivers.fleet import Link
+from firmware_bridge.drivers.fleet import DeviceLink
 from firmware_bridge.drivers.shield.board import Board
 from firmware_bridge.node import Node
 from firmware_bridge.robot import AnyRobot
@@ -21,7 +21,7 @@ from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class EmulatedLine:
     """One serial line of one robot."""
 
     wire: SerialWire
@@ -32,8 +32,8 @@ class Line:
 
     @classmethod
     def of(
-        cls, robot: AnyRobot, node: Node, link: Link, host: str, before: "Line | None" = None
-    ) -> "Line | None":
+        cls, robot: AnyRobot, node: Node, link: DeviceLink, host: str, before: "EmulatedLine | None" = None
+    ) -> "EmulatedLine | None":
         """Put a node on a line, under the name `host`; None where this link is no serial one.
 
         `before` is the line of a node that was: its wire, its plug and what it has carried go on.
@@ -76,7 +76,7 @@ class BoardLine:
 
     @classmethod
     def of(
-        cls, robot: AnyRobot, node: Node, link: Link, before: "Line | BoardLine | None" = None
+        cls, robot: AnyRobot, node: Node, link: DeviceLink, before: "EmulatedLine | BoardLine | None" = None
     ) -> "BoardLine | None":
         """Put a node on a line to a board; None where this link is to none; `before` as for other lines."""
         if not isinstance(link, Board | Ar2Board):
@@ -110,12 +110,12 @@ def _table(robot: AnyRobot, name: str) -> ShieldLink | Ar2Link:
     return robot.ar2_link(name) if name in robot.ar2_links else robot.shield_link(name)
 
 
-AnyLine: TypeAlias = Line | BoardLine
+AnyLine: TypeAlias = EmulatedLine | BoardLine
 
 
 def line_of(
-    robot: AnyRobot, node: Node, link: Link, host: str, before: AnyLine | None = None
+    robot: AnyRobot, node: Node, link: DeviceLink, host: str, before: AnyLine | None = None
 ) -> AnyLine | None:
     """Put a node on the line of a link, as its kind wants; None where the link is no line."""
-    own = before if isinstance(before, Line) else None
-    return Line.of(robot, node, link, host, own) or BoardLine.of(robot, node, link, before)
+    own = before if isinstance(before, EmulatedLine) else None
+    return EmulatedLine.of(robot, node, link, host, own) or BoardLine.of(robot, node, link, before)

@@ -15,7 +15,7 @@ from pydantic import Field, ValidationError
 
 from firmware_bridge.robot.problems import near, nearest, problems_of
 from firmware_bridge.robot.table import NonNegative, Positive, Table
-from fmu.parts.catalogue import RE25, RE40, RE50, Sheet
+from fmu.parts.catalogue import RE25, RE40, RE50, MotorSheet
 
 FILE: Final = Path(__file__).with_name("motors.csv")
 MOST_SHOWN: Final = 12
@@ -55,7 +55,7 @@ class Motor(Table):
         return (voltage_v - self.resistance_ohm * self.no_load_current_a) / self.torque_constant_nm_a
 
 
-def _of(title: str, sheet: Sheet, continuous_current_a: float) -> Motor:
+def _of(title: str, sheet: MotorSheet, continuous_current_a: float) -> Motor:
     return Motor(
         title=title,
         resistance_ohm=sheet["resistance"],

@@ -16,7 +16,7 @@ from emulators.servo.axis import ServoAxis
 from emulators.servo.motor import MOTOR, DcMotor
 from emulators.servo.sensors import HALL_LINES, HALL_LOW, INDEX_MISSING
 from emulators.servo.winding import set_winding
-from firmware_bridge.wire.cia402 import Command, command_of
+from firmware_bridge.wire.cia402 import ControlwordCommand, command_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 
@@ -28,7 +28,7 @@ NO_TORQUE: Final = 1e-9
 UNKNOWN: Final = f"no particular motor ({MOTOR.torque_constant:g} N m/A, {MOTOR.resistance:g} Ohm)"
 
 
-class Load(NamedTuple):
+class ShaftLoad(NamedTuple):
     """Load on the shaft: kg m2 and N m."""
 
     inertia_kg_m2: float
@@ -51,7 +51,7 @@ class Mounted:
     """Turns of the motor for one of the load."""
     gear_inertia: float = 0.0
     """Inertia of the gear at the motor's shaft, kg m2."""
-    load: Load | None = None
+    load: ShaftLoad | None = None
     """Load at the output of the gear; without a motor at its shaft, the rotor's own included."""
 
     @property
@@ -65,7 +65,7 @@ class Mounted:
         """The motor with all that hangs on it, seen at its shaft."""
         motor, load = self.motor, self.load
         if motor is None:
-            load = load or Load(MOTOR.inertia, MOTOR.friction)
+            load = load or ShaftLoad(MOTOR.inertia, MOTOR.friction)
             return DcMotor(
                 MOTOR.resistance,
                 MOTOR.inductance,
@@ -74,7 +74,7 @@ class Mounted:
                 load.friction_nm / self.gear,
                 MOTOR.damping,
             )
-        load = load or Load(0.0, 0.0)
+        load = load or ShaftLoad(0.0, 0.0)
         return DcMotor(
             motor.resistance_ohm,
             motor.inductance_h,
@@ -132,7 +132,7 @@ class Comparison:
         store.on_write(at.CONTROLWORD, self._look)
 
     def _look(self, word: int) -> None:
-        if command_of(word) is Command.ENABLE_OPERATION:
+        if command_of(word) is ControlwordCommand.ENABLE_OPERATION:
             found = tuple(self._mounted.contradicts(self._store.get))
             if found and found != self._reported:
                 self._say("; ".join(found))

@@ -7,11 +7,11 @@ from typing import Final
 import numpy as np
 
 from emulators.bench.adapter import Adapter
+from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.columns import SAMPLE_EVERY, Column, Samples, columns_of, electric
 from emulators.bench.faults import BRIDGE, OPERATOR_STATION, SECOND_BRIDGE, Fault, Faults, Site
 from emulators.bench.mission import Noise
-from emulators.bench.records import Holds
-from emulators.bench.rehearsal import Rehearsal
+from emulators.bench.records import InterlockLog
 from emulators.bench.second_station import SecondStation
 from emulators.captured import TRUTH, captured
 from emulators.devices import devices
@@ -22,10 +22,10 @@ from emulators.wires import DatagramWire, FaultyCanWire
 from emulators.world import Wire, World
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.intent import ConfirmZero
-from firmware_bridge.kinds import kind_of
 from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
+from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.slow_link.conditions import Conditions
 from firmware_bridge.slow_link.node import before_operator
@@ -66,7 +66,7 @@ class Rig:
     def __init__(
         self,
         robot: AnyRobot,
-        rehearsal: Rehearsal,
+        bench_setup: BenchSetup,
         operator: Node,
         *,
         plant_path: Path | None = None,
@@ -78,7 +78,7 @@ class Rig:
         stands: tuple[ConfirmZero, ...] = (),
     ) -> None:
         self.robot: Final = robot
-        columns = columns_of(electric(robot), rehearsal.columns)
+        columns = columns_of(electric(robot), bench_setup.columns)
         outputs = [column.plant for column in columns if column.plant]
         self.devices: Final = devices(
             robot,
@@ -114,7 +114,7 @@ class Rig:
         self.faults: Final = Faults(self._site, seed)
         self.faults.plan(faults)
         self.samples: Final = Samples(columns)
-        self._holds: Final = Holds(self.bridge.holds)
+        self._holds: Final = InterlockLog(self.bridge.holds)
         self.holds: Final = self._holds.records
         self._next_sample: Nanoseconds = 0
         self._rewind = Rewind(self)
@@ -176,12 +176,12 @@ class Rig:
         """Start a second bridge on the buses; no one is at its operator's link, and no cameras serve it."""
         if self.world.here(SECOND_BRIDGE):
             self.world.detach(SECOND_BRIDGE)
-        second = guarded(Bridge(self.robot, kind_of(self.robot)), self.robot)
+        second = guarded(Bridge(self.robot, robot_type_of(self.robot)), self.robot)
         alone = {name: DatagramWire(name=f"second {name}") for name in (*self.capture_wires, OPERATOR)}
         self.world.attach(SECOND_BRIDGE, second, {**self.can_wires, **alone})
 
     def _start_bridge(self, stands: tuple[ConfirmZero, ...] = ()) -> None:
-        self.bridge = Bridge(self.robot, kind_of(self.robot), stands=stands)
+        self.bridge = Bridge(self.robot, robot_type_of(self.robot), stands=stands)
         self.guard = guarded(self.bridge, self.robot)
 
     def _lines(self) -> Node:

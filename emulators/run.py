@@ -9,6 +9,7 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from emulators.arduino_omni.board import Board
+from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.columns import Samples, electric
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
@@ -16,12 +17,12 @@ from emulators.bench.page import page
 from emulators.bench.path_error import Followed, path_error
 from emulators.bench.piloted import PilotedMission
 from emulators.bench.radial_error import radial_error
-from emulators.bench.rehearsal import Rehearsal
-from emulators.bench.summary import LineRun, Run, Summary, as_json, summarise
+from emulators.bench.summary import LineRun, RunFigures, Summary, as_json, summarise
 from emulators.extras import installed
 from emulators.line import AnyLine
 from emulators.recorded import recorded
 from emulators.rig import Rig
+from firmware_bridge import renamed
 from firmware_bridge.node import Node
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.shell.run_file import AsRun, run_file
@@ -37,11 +38,11 @@ Progress: TypeAlias = Callable[[Nanoseconds], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class RunOrder:
     """The mission to drive, and the place of the results."""
 
     robot: AnyRobot
-    rehearsal: Rehearsal
+    bench_setup: BenchSetup
     mission_name: str
     mission: Mission
     seed: int
@@ -56,7 +57,7 @@ class Order:
         return from_seconds(self.mission.duration_s)
 
 
-def drive(order: Order, progress: Progress) -> Summary:
+def drive(order: RunOrder, progress: Progress) -> Summary:
     """Drive a mission and leave summary, recordings, pictures and a page in the folder.
 
     PlantError where the plant cannot be used; OSError where the folder cannot be written.
@@ -64,7 +65,7 @@ def drive(order: Order, progress: Progress) -> Summary:
     order.folder.mkdir(parents=True, exist_ok=True)
     rig = Rig(
         order.mission.on(order.robot),
-        order.rehearsal,
+        order.bench_setup,
         operator_of(order),
         plant_path=order.plant,
         seed=order.seed,
@@ -81,7 +82,7 @@ def drive(order: Order, progress: Progress) -> Summary:
             progress(until)
     wall_s = time.perf_counter() - begun
     rig.finish()
-    run = Run(
+    run = RunFigures(
         robot=order.robot.name,
         mission=order.mission_name,
         seed=order.seed,
@@ -106,7 +107,7 @@ def drive(order: Order, progress: Progress) -> Summary:
         faults,
         path=path,
         radial_error_m=swing,
-        figures=order.rehearsal.figures,
+        figures=order.bench_setup.figures,
     )
     for name, text in run_file(AsRun(order.mission.on(order.robot))).items():
         (order.folder / name).write_text(text, encoding="utf-8")
@@ -121,26 +122,26 @@ def drive(order: Order, progress: Progress) -> Summary:
             order.folder,
             title,
             order.robot,
-            order.rehearsal.panels,
+            order.bench_setup.panels,
             rig.samples,
             holds=rig.holds,
             faults=faults,
-            more=order.rehearsal.pictures,
+            more=order.bench_setup.pictures,
         )
-    shown = page(summary, order.rehearsal.remarks(order.robot), pictures, order.again)
+    shown = page(summary, order.bench_setup.remarks(order.robot), pictures, order.again)
     (order.folder / "report.html").write_text(shown, encoding="utf-8")
     return summary
 
 
-def operator_of(order: Order) -> Node:
+def operator_of(order: RunOrder) -> Node:
     """Return who drives the mission: its operator with his stick, or its pilot."""
     if order.mission.pilot is not None:
         return PilotedMission(order.mission.on(order.robot), order.mission.step, order.mission.pilot)
     hand = np.random.default_rng([order.seed, HAND_STREAM])
-    return ScriptedOperator(order.robot, order.rehearsal, order.mission, hand)
+    return ScriptedOperator(order.robot, order.bench_setup, order.mission, hand)
 
 
-def swings(order: Order, samples: Samples) -> float | None:
+def swings(order: RunOrder, samples: Samples) -> float | None:
     """Return how far the robot swung about its pilot's path; None where it has none."""
     mission = order.mission
     if mission.pilot is None:
@@ -148,7 +149,7 @@ def swings(order: Order, samples: Samples) -> float | None:
     return radial_error(samples, mission.pilot.placed, mission.settled_after_s)
 
 
-def _carried(rig: Rig, order: Order, link: str, line: AnyLine) -> LineRun:
+def _carried(rig: Rig, order: RunOrder, link: str, line: AnyLine) -> LineRun:
     """Return what a line has carried, and a board behind it to its shield."""
     carried, board = line.carried(order.robot, order.duration), rig.devices.boards.get(link)
     if not isinstance(board, Board):
@@ -156,11 +157,14 @@ def _carried(rig: Rig, order: Order, link: str, line: AnyLine) -> LineRun:
     return replace(carried, i2c_percent=round(100.0 * board.mega.bus.busy / order.duration, 3))
 
 
-def followed(order: Order) -> list[Followed]:
+def followed(order: RunOrder) -> list[Followed]:
     """Return which paths a mission has guides follow, and from when on."""
-    paths = order.rehearsal.paths
+    paths = order.bench_setup.paths
     return [
         Followed(step.at_s, paths[step.guide](order.robot) if step.guide in paths else None)
         for step in order.mission.step
         if step.guide is not None and paths
     ]
+
+
+__getattr__ = renamed.module(__name__, __name__, Order="RunOrder")

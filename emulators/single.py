@@ -16,7 +16,7 @@ from emulators.epos2.objects.saved_parameters import Volatile
 from emulators.epos2.serial.serial_drive import SerialEpos2
 from emulators.mounted import Comparison, Mounted, Torque
 from emulators.servo.axis import ServoAxis
-from emulators.servo.bank import Plant, ServoBank
+from emulators.servo.bank import ServoBank, ServoPlant
 from emulators.servo.fmu_axes import fmu_bank, fmu_plant, set_motor
 from emulators.servo.motor import SUPPLY_MV, DcMotors
 from emulators.servo.winding import set_winding
@@ -30,7 +30,7 @@ QUADRATURE: Final = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class DrivesOrder:
     """The drives to emulate: nodes and type, on a bus of this bit rate."""
 
     nodes: Sequence[int]
@@ -59,14 +59,16 @@ class Order:
         return list(self.axes) or [f"motor{node}" for node in self.nodes]
 
 
-def drives(order: Order, say: Callable[[str], None] | None = None) -> tuple[dict[str, Epos2], ServoBank]:
+def drives(
+    order: DrivesOrder, say: Callable[[str], None] | None = None
+) -> tuple[dict[str, Epos2], ServoBank]:
     """Build the drives by the names of their axes, and what moves them.
 
     `say` takes what a client has set up otherwise than it is mounted. PlantError where the FMU cannot be
     used, StorageError where saved parameters cannot be read.
     """
     names = order.names
-    plant: Plant = (
+    plant: ServoPlant = (
         DcMotors((order.mounted.shaft,) * len(names))
         if order.plant is None
         else fmu_plant(order.plant, names, order.plant_parameters)
@@ -91,7 +93,7 @@ def drives(order: Order, say: Callable[[str], None] | None = None) -> tuple[dict
     return made, fmu_bank(plant, axes) if isinstance(plant, FmuPlant) else ServoBank(plant, axes)
 
 
-def _drive(order: Order, node: int, axis: ServoAxis) -> Epos2:
+def _drive(order: DrivesOrder, node: int, axis: ServoAxis) -> Epos2:
     switch = 0 if order.dip_off else node
     profile = numbered(order.profile, node)
     kept = None if order.parameters is None else ParameterFile(order.parameters / f"node-{node}.json")

@@ -45,17 +45,17 @@ class Wire(Protocol):
 
     name: str
 
-    def join(self, world: "World", station: "Station", link: str) -> None:
+    def join(self, world: "World", station: "WorldNode", link: str) -> None:
         """Connect a station, which calls this wire `link`."""
 
-    def leave(self, station: "Station") -> None:
+    def leave(self, station: "WorldNode") -> None:
         """Disconnect a station; what it has not wholly sent is lost."""
 
-    def carry(self, sender: "Station", packet: Packet) -> None:
+    def carry(self, sender: "WorldNode", packet: Packet) -> None:
         """Take a packet for transmission from now on."""
 
 
-class Station:
+class WorldNode:
     """A node at its place in the world."""
 
     __slots__ = ("links", "listens", "name", "node", "receive", "silent_from", "wake", "wake_at")
@@ -80,7 +80,7 @@ class World:
         self._physics: Physics = _Stillness() if physics is None else physics
         self._moved_to: Nanoseconds = -1
         self._crowd = 0
-        self._stations: dict[str, Station] = {}
+        self._stations: dict[str, WorldNode] = {}
         self._gone: dict[str, Nanoseconds] = {}
         self._agenda: list[tuple[Nanoseconds, int, Callable[[Any], None], Any]] = []
         """Scheduled events, in order. The list is short, and so takes less comparing than a heap."""
@@ -91,11 +91,11 @@ class World:
         self._observers: External[Callable[[bytes], None]] = External()
         self._rewind = Rewind(self)
 
-    def attach(self, name: str, node: Node, links: Mapping[str, Wire]) -> Station:
+    def attach(self, name: str, node: Node, links: Mapping[str, Wire]) -> WorldNode:
         """Put a node on its wires, by the names that it has for them; it is first woken now."""
         if name in self._stations:
             raise WorldError(f"there is a node '{name}' already")
-        station = Station(name, node, links)
+        station = WorldNode(name, node, links)
         for link, wire in station.links.items():
             wire.join(self, station, link)
         self._stations[name] = station
@@ -179,7 +179,7 @@ class World:
         self._sequence = sequence = self._sequence + 1
         insort(self._agenda, (at, sequence, call, argument))
 
-    def deliver(self, station: Station, packet: Packet) -> None:
+    def deliver(self, station: WorldNode, packet: Packet) -> None:
         """Hand a packet to a station that listens to it, now, and take what it sends in answer."""
         now = self.now
         if now < station.silent_from:
@@ -212,7 +212,7 @@ class World:
         """The SHA-256 of each wire's own lines of the trace, by the wire's name; none before its first."""
         return {wire: trace.sha256 for wire, trace in sorted(self._traces.items())}
 
-    def _station(self, name: str) -> Station:
+    def _station(self, name: str) -> WorldNode:
         if name not in self._stations:
             raise WorldError(f"there is no node '{name}'; there are: {', '.join(self._stations) or 'none'}")
         return self._stations[name]
@@ -239,7 +239,7 @@ class World:
             elif name not in self._gone:
                 raise WorldError(f"the physics wakes '{name}', and there is no such node")
 
-    def _take(self, station: Station, reaction: Reaction) -> None:
+    def _take(self, station: WorldNode, reaction: Reaction) -> None:
         if reaction.sent and self.now < station.silent_from:
             for packet in reaction.sent:
                 wire = station.links.get(packet.link)
@@ -249,13 +249,13 @@ class World:
         if reaction.wake_at != station.wake_at:
             self._command(station, reaction.wake_at)
 
-    def _command(self, station: Station, wake_at: Nanoseconds) -> None:
+    def _command(self, station: WorldNode, wake_at: Nanoseconds) -> None:
         at = max(wake_at, self.now)
         station.wake_at = at
         if at != NEVER:
             self.call_at(at, self._wake, station)
 
-    def _wake(self, station: Station) -> None:
+    def _wake(self, station: WorldNode) -> None:
         if station.wake_at == self.now:
             station.wake_at = NEVER
             self._take(station, station.wake(self.now))

@@ -31,7 +31,7 @@ USUAL_AGE_LIMIT: Final = AgeLimit()
 class Intent(Immutable, Generic[M_co]):
     """The newest command for motion, and when it came."""
 
-    __slots__ = ("command", "dated", "deflected", "received_at", "sent_at")
+    __slots__ = ("command", "deflected", "received_at", "sent_at", "timestamped")
 
     def __init__(
         self,
@@ -39,7 +39,7 @@ class Intent(Immutable, Generic[M_co]):
         received_at: Nanoseconds = NEVER_RECEIVED,
         sent_at: Nanoseconds | None = None,
         *,
-        dated: bool = False,
+        timestamped: bool = False,
         deflected: str = "",
     ) -> None:
         self.command: Final = command
@@ -47,7 +47,7 @@ class Intent(Immutable, Generic[M_co]):
         """Arrival of the newest motion command; `NEVER_RECEIVED` before the first."""
         self.sent_at: Final = sent_at
         """Time of its sending, by the robot's clock, or later; None where it is unknown."""
-        self.dated: Final = dated
+        self.timestamped: Final = timestamped
         """True where that time is exact to within half a round trip; else it may be older."""
         self.deflected: Final = deflected
         """The operator's controls that are not neutral, as text; empty if none, or at velocity zero."""
@@ -141,7 +141,7 @@ Request: TypeAlias = (
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class Answer:
     """The bridge's answer to a request, with the reason for people."""
 
     accepted: bool

@@ -6,6 +6,7 @@ A robot file's keys, methods of what a robot package makes, and arguments that i
 import functools
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from importlib import import_module
 from typing import Any, Final, TypeVar
 
 T = TypeVar("T")
@@ -128,6 +129,19 @@ def with_new_keys(table: Mapping[str, Any], file: str, known: Iterable[str]) -> 
             warn(f"{name}.{old}", f"{name}.{new}", file)
             made[name] = {new if key == old else key: value for key, value in inner.items()}
     return made
+
+
+def module(old: str, new: str, **names: str) -> Callable[[str], Any]:
+    """Return the `__getattr__` of a module that is called `new` now, with what its names are called there."""
+
+    def read(name: str) -> Any:
+        target, made = names.get(name, name), vars(import_module(new))
+        if name.startswith("__") or target not in made:
+            raise AttributeError(f"module '{old}' has no attribute '{name}'")
+        warn(f"{old}.{name}", f"{new}.{target}")
+        return made[target]
+
+    return read
 
 
 def arguments(**new_by_old: str) -> Callable[[type[T]], type[T]]:

@@ -96,7 +96,7 @@ def export(
         importlib.import_module(f"fmu.export.{name}")
         for name in ("blocks", "code", "description", "documentation", "twin")
     )
-    program, units = blocks.Program(model), _units(fmi)
+    program, units = blocks.ModelCode(model), _units(fmi)
     written = (*_HEADERS, f"fmi{fmi}_shell.h", *(unit for unit in units if unit not in _GENERATED))
     files = {name: (_HERE / "export" / "c" / name).read_text(encoding="utf-8") for name in written}
     files |= code.generate(program, token, files["core.h"]) | _fmi_headers(fmi)

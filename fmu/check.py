@@ -16,7 +16,7 @@ from fmu.errors import PlantError, PlantWarning
 from fmu.loading import must_be_file
 from fmu.plant import OTHER_BITS, FmuPlant
 from fmu.references import References
-from fmu.verify import Verdict
+from fmu.verify import ComparisonResult
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,13 +29,13 @@ class Findings:
     variables: int
     description: tuple[str, ...]
     start: str
-    fingerprint: Verdict
+    fingerprint: ComparisonResult
     references: References
 
     @property
     def problems(self) -> tuple[str, ...]:
         """Every error, for any use."""
-        bits = (OTHER_BITS,) if self.fingerprint is Verdict.OTHER else ()
+        bits = (OTHER_BITS,) if self.fingerprint is ComparisonResult.OTHER else ()
         return (*self.description, *((self.start,) if self.start else ()), *bits)
 
     def lacking(
@@ -80,7 +80,7 @@ def examine(path: Path) -> Findings:
     )
 
 
-def _started(path: Path) -> tuple[str, Verdict]:
+def _started(path: Path) -> tuple[str, ComparisonResult]:
     """Load, initialise and step an FMU; return what was wrong, and whose bits it gives."""
     try:
         with warnings.catch_warnings():
@@ -89,4 +89,4 @@ def _started(path: Path) -> tuple[str, Verdict]:
                 plant.step()
                 return "", plant.fingerprint
     except PlantError as error:
-        return " ".join(str(error).removeprefix(f"{path}: ").split()), Verdict.NONE
+        return " ".join(str(error).removeprefix(f"{path}: ").split()), ComparisonResult.NONE

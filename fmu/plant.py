@@ -16,7 +16,7 @@ from fmu.calls import OK_OR_WARNING, SECOND_NS, STATUS, Mirrored, PlantRecord, p
 from fmu.errors import PlantError, PlantWarning
 from fmu.references import References, Variable
 from fmu.states import Copy, StateError
-from fmu.verify import Verdict, compare
+from fmu.verify import ComparisonResult, compare
 
 __all__ = ["FmuPlant", "PlantError", "variables_of"]
 
@@ -219,11 +219,11 @@ class FmuPlant:
             plant.enterInitializationMode(startTime=0.0)
         plant.exitInitializationMode()
 
-    def _verified(self, version: int) -> Verdict:
+    def _verified(self, version: int) -> ComparisonResult:
         """Compare the FMU's fingerprint, and warn where it is another one."""
         try:
             verdict = compare(self.path, self._fmu, version, self._references)
-            if verdict is Verdict.OTHER:
+            if verdict is ComparisonResult.OTHER:
                 warnings.warn(f"{self.path}: {OTHER_BITS}", PlantWarning, stacklevel=3)
         except BaseException:
             self.close()

@@ -13,7 +13,7 @@ from fmu.fingerprint import RESOURCE, Fingerprint, measure
 from fmu.references import References
 
 
-class Verdict(StrEnum):
+class ComparisonResult(StrEnum):
     """Result of the comparison."""
 
     SAME = "same"
@@ -64,17 +64,17 @@ def recorded(path: Path) -> Fingerprint | None:
             return None
 
 
-def compare(path: Path, fmu: Any, major: int, references: References) -> Verdict:
+def compare(path: Path, fmu: Any, major: int, references: References) -> ComparisonResult:
     """Run a loaded FMU (FMPy's object, of FMI 2 or 3) against its fingerprint, beside the instance it has."""
     wanted = recorded(path)
     if wanted is None:
-        return Verdict.NONE
+        return ComparisonResult.NONE
     try:
         inputs = references.find(list(wanted.inputs), ("input",), {})
         outputs = references.find(wanted.outputs, ("output",), {})
     except PlantError:
         # The measured variables were renamed. A master that needs them reports that itself.
-        return Verdict.NONE
+        return ComparisonResult.NONE
     second = copy.copy(fmu)
     if major == 2:  # noqa: PLR2004 - the version
         second.instantiate(callbacks=fmu.callbacks)
@@ -89,7 +89,7 @@ def compare(path: Path, fmu: Any, major: int, references: References) -> Verdict
         same = False
     finally:
         (second.fmi2FreeInstance if major == 2 else second.fmi3FreeInstance)(second.component)  # noqa: PLR2004
-    return Verdict.SAME if same else Verdict.OTHER
+    return ComparisonResult.SAME if same else ComparisonResult.OTHER
 
 
 def _initialise(second: Any, major: int) -> None:

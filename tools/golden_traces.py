@@ -19,14 +19,14 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from emulators.bench import mission
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.operator import ScriptedOperator
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
 from emulators.run import HAND_STREAM
 from emulators.servo import kernel
 from emulators.trace import parse_trace_line
 from firmware_bridge.dissector import Carried, first_difference
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 from fmu.build import ensure
 from fmu.verify import recorded
@@ -54,8 +54,8 @@ class Driven:
 def missions() -> list[str]:
     """Return the names of the shipped missions that a hand drives: a pilot's sines are each machine's own."""
     robot = find(ROBOT)
-    rehearsal = rehearsal_of(robot)
-    return [name for name in rehearsal.shipped() if mission.find(name, robot, rehearsal).pilot is None]
+    bench_setup = bench_setup_of(robot)
+    return [name for name in bench_setup.shipped() if mission.find(name, robot, bench_setup).pilot is None]
 
 
 def plant() -> str:
@@ -69,10 +69,10 @@ def plant() -> str:
 def drive(name: str) -> Driven:
     """Drive the first seconds of a mission."""
     robot = find(ROBOT)
-    rehearsal = rehearsal_of(robot)
-    script = mission.find(name, robot, rehearsal)
-    operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng([SEED, HAND_STREAM]))
-    rig = Rig(robot, rehearsal, operator, seed=SEED, noise=script.noise, faults=script.fault)
+    bench_setup = bench_setup_of(robot)
+    script = mission.find(name, robot, bench_setup)
+    operator = ScriptedOperator(robot, bench_setup, script, np.random.default_rng([SEED, HAND_STREAM]))
+    rig = Rig(robot, bench_setup, operator, seed=SEED, noise=script.noise, faults=script.fault)
     lines: list[bytes] = []
     rig.world.observe(lines.append)
     rig.run(from_seconds(SECONDS))

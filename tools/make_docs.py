@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Final
 
-from firmware_bridge.kinds import names
+from firmware_bridge.robot_types import names
 from validation.pages.pages import pages
 
 ROOT: Final = Path(__file__).parents[1]

@@ -47,10 +47,10 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ),
     ("safety/guard/ar2", ("safety/test_guard_ar2", "safety/test_guard_ar2_rules")),
     ("safety/guard/*", (*GUARD, *ACROSS, "safety/test_guard_zero", *LINES)),
-    ("safety/following", (*FOLLOWING, "unit/pipeline/test_untrusted")),
+    ("safety/tracking", (*FOLLOWING, "unit/pipeline/test_untrusted")),
     ("safety/snapshot", ("safety/test_snapshot", *FOLLOWING, *GATE)),
     ("safety/charge", ("unit/pipeline/test_charge",)),
-    ("safety/operator_rows", (*GATE, "safety/test_one_cause_one_hold", "safety/test_snapshot")),
+    ("safety/operator_interlocks", (*GATE, "safety/test_one_cause_one_hold", "safety/test_snapshot")),
     ("safety/rules", (*GATE, "safety/test_rules", "unit/pipeline/test_rest")),
     (
         "safety/*",
@@ -80,7 +80,7 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
 """Modules of `firmware_bridge` or an example, and files of `hil_tests`; what stands first counts."""
 SLOW: Final = ("*_property", "*_imports", "*_machine", "*_garbage", "*_emulated_*", "*/test_any_sender")
 """Files that never count: one of them takes as long as all others of its room."""
-NONE: Final = ("carrier/plant/*", "carrier/rehearsal", "carrier/cases")
+NONE: Final = ("carrier/plant/*", "carrier/bench_setup", "carrier/cases")
 """The bench's half of an example."""
 
 

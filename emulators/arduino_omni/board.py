@@ -10,7 +10,7 @@ from typing import Final
 
 from emulators.arduino_omni.mega.mega import Mega, Sketch
 from emulators.arduino_omni.mega.pins import ENCODER_PINS
-from emulators.arduino_omni.motors import SUPPLY_V, Load, Motors
+from emulators.arduino_omni.motors import SUPPLY_V, MotorLoad, Motors
 from emulators.arduino_omni.shield.motor_shield import MotorShield
 from emulators.arduino_omni.sketches.arduinoio import ArduinoIoSketch
 from emulators.arduino_omni.sketches.firmata import FirmataSketch
@@ -81,7 +81,7 @@ class Board:
     def __init__(
         self,
         firmware: Firmware,
-        load: Load,
+        load: MotorLoad,
         *,
         encoders: int | None = None,
         auto_stop: int | None = None,

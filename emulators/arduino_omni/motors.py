@@ -29,7 +29,7 @@ from emulators.arduino_omni.shield.tb6612 import (
     COAST,
     COUNTS,
     ON_RESISTANCE,
-    Output,
+    BridgeDuty,
     Thermal,
     limited,
     locked,
@@ -37,7 +37,7 @@ from emulators.arduino_omni.shield.tb6612 import (
 )
 from emulators.servo.axis import TICK
 from emulators.servo.motor import DcMotor, DcMotors
-from emulators.servo.seam import WIDEST_ANGLE, Plant, no_measurement
+from emulators.servo.seam import WIDEST_ANGLE, ServoPlant, no_measurement
 from emulators.servo.terminals import Terminals, Wired, terminals
 from firmware_bridge.units import MICROSECOND, NEVER, Nanoseconds
 from fmu.errors import PlantError
@@ -58,10 +58,10 @@ EDGES_A_TICK: Final = TICK // EDGE
 
 
 @dataclass(frozen=True, slots=True)
-class Load:
+class MotorLoad:
     """The load on the terminals M1, M2 and so on: a plant, and its data that the shield needs."""
 
-    plant: Plant
+    plant: ServoPlant
     names: tuple[str, ...]
     torque_constants: tuple[float, ...]
     """N m/A, or V s/rad: of each motor."""
@@ -76,7 +76,7 @@ class Load:
     """Function that lifts a motor's load into the air, 1, or puts it down, 0; None: this plant cannot."""
 
 
-def four_motors(motor: DcMotor = MOTOR) -> Load:
+def four_motors(motor: DcMotor = MOTOR) -> MotorLoad:
     """Return a motor at each of the shield's terminals."""
     count = len(PORTS)
     names = tuple(port.name for port in PORTS)
@@ -85,7 +85,7 @@ def four_motors(motor: DcMotor = MOTOR) -> Load:
     def hold(place: int, torque: float) -> None:
         motors.becomes(place, replace(motor, friction=motor.friction + torque))
 
-    return Load(motors, names, (motor.torque_constant,) * count, rests=True, holds=hold)
+    return MotorLoad(motors, names, (motor.torque_constant,) * count, rests=True, holds=hold)
 
 
 def counted(turned: Sequence[int], most: int = EDGES_A_TICK) -> list[int]:
@@ -127,7 +127,7 @@ class Motors(Shafts):
     def __init__(
         self,
         shield: MotorShield,
-        load: Load,
+        load: MotorLoad,
         wiring: tuple[tuple[int, int], ...] = ENCODER_PINS,
         *,
         supply: float = SUPPLY_V,
@@ -158,12 +158,12 @@ class Motors(Shafts):
         """Ticks to be run before someone looks."""
         self._changes = -1
         """The chip's count of output changes when these were read."""
-        self._outputs: list[Output] = []
+        self._outputs: list[BridgeDuty] = []
         self._untold = True
         """True until `_native` has received the outputs."""
         self._starts: Nanoseconds = NEVER
         """Start of the chip's oscillator, at which the outputs change by themselves."""
-        self._started: list[Output] = []
+        self._started: list[BridgeDuty] = []
         self._native: Final = terminals(
             load.plant,
             Wired(
@@ -280,7 +280,7 @@ class Motors(Shafts):
         if self._starts != NEVER:
             self._started = self._outputs_at(self._starts)
 
-    def _outputs_at(self, at: Nanoseconds) -> list[Output]:
+    def _outputs_at(self, at: Nanoseconds) -> list[BridgeDuty]:
         return [self._shield.output(port, at) for port in PORTS[: len(self._load.names)]]
 
     def _run(self) -> None:
@@ -317,7 +317,7 @@ class Motors(Shafts):
         while self._ticks < until:
             self._tick(self._outputs)
 
-    def _still(self, outputs: Sequence[Output]) -> bool:
+    def _still(self, outputs: Sequence[BridgeDuty]) -> bool:
         """Return whether nothing will change: all stands, and no one drives."""
         driven = any(it.cw != it.ccw for it in outputs)
         count, state = len(outputs), self._plant.outputs
@@ -329,7 +329,7 @@ class Motors(Shafts):
             begin = CHANNELS_A_CHIP * place
             chip.advance(currents[begin : begin + CHANNELS_A_CHIP], self._ticks * TICK)
 
-    def _passed(self, motor: int, output: Output, current: float) -> Output:
+    def _passed(self, motor: int, output: BridgeDuty, current: float) -> BridgeDuty:
         """Return the motor's drive after the half bridge, its faults and its cable."""
         if motor in self.faults.cut or self._locked:
             return COAST
@@ -339,7 +339,7 @@ class Motors(Shafts):
             output = limited(output, current)
         return self.chips[motor // CHANNELS_A_CHIP].passes(output) if self.faults.warms else output
 
-    def _tick(self, outputs: Sequence[Output]) -> None:
+    def _tick(self, outputs: Sequence[BridgeDuty]) -> None:
         faults, plant, supply = self.faults, self._plant, self._supplied()
         resistance = on_resistance(supply)
         count = len(outputs)

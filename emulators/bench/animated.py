@@ -10,7 +10,7 @@ from html import escape
 from typing import Final
 
 from emulators.bench.columns import ODOMETRY, POSE, Samples
-from emulators.bench.summary import Held
+from emulators.bench.summary import InterlockEntry
 from emulators.bench.web import document
 
 EVERY: Final = 5
@@ -63,7 +63,7 @@ show(0);
 """
 
 
-def animated(title: str, samples: Samples, holds: Sequence[Held]) -> str:
+def animated(title: str, samples: Samples, holds: Sequence[InterlockEntry]) -> str:
     """Return the page of a run; rows before the robot knew where it was are left out."""
     rows = _rows(samples)
     box, span = _box(rows["x"], rows["y"])

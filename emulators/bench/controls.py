@@ -7,9 +7,9 @@ from typing import Final
 
 import numpy as np
 
+from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.foreign_datagrams import velocity
 from emulators.bench.mission import Mission
-from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Holds, Input, Presses, Slope, Step, inputs
 from emulators.bench.stick import Ramp, Tremor
 from firmware_bridge.robot import AnyRobot
@@ -28,7 +28,7 @@ class Controls:
     def __init__(
         self,
         robot: AnyRobot,
-        rehearsal: Rehearsal,
+        bench_setup: BenchSetup,
         mission: Mission,
         period: Nanoseconds,
         generator: np.random.Generator,
@@ -37,11 +37,11 @@ class Controls:
         self.released_at: Nanoseconds = NEVER
         """Release time of the button that is down."""
         self._robot = robot
-        self._rehearsal = rehearsal
+        self._rehearsal = bench_setup
         self._input = mission.input
-        self._ramps = {channel.name: Ramp() for channel in rehearsal.channels}
-        self._full = {channel.name: channel.full(robot) for channel in rehearsal.channels}
-        trembling = [channel for channel in rehearsal.channels if channel.trembles_with]
+        self._ramps = {channel.name: Ramp() for channel in bench_setup.channels}
+        self._full = {channel.name: channel.full(robot) for channel in bench_setup.channels}
+        trembling = [channel for channel in bench_setup.channels if channel.trembles_with]
         self._trembles_with = {channel.name: channel.trembles_with for channel in trembling}
         self._tremors = {
             channel.name: Tremor(mission.noise.stick, period, generator) for channel in trembling

@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Annotated, Any, Final
 
+from emulators.bench.bench_setup import Channel, StickAxes, TwistAxes
 from emulators.bench.cases import Case, Situation
 from emulators.bench.columns import Column, Curve, Panel
-from emulators.bench.rehearsal import Channel, StickAxes, Twist
 from emulators.bench.step import Finite, Holds, Positive, Slope, Step
 from firmware_bridge.differential.body import G, M, S, ramp_of
 from firmware_bridge.robot import AnyRobot, Robot
@@ -45,9 +45,9 @@ def stick(values: Mapping[str, float], robot: AnyRobot) -> StickAxes:
     return StickAxes(x=values["speed"] / limits.speed_mps, r=-values["turn"] / limits.turn_rate_rad_s)
 
 
-def twist(values: Mapping[str, float], _robot: AnyRobot) -> Twist:
+def twist(values: Mapping[str, float], _robot: AnyRobot) -> TwistAxes:
     """Return the velocity for a speed and a turn rate."""
-    return Twist(values["speed"], yaw_rate=-values["turn"])
+    return TwistAxes(values["speed"], yaw_rate=-values["turn"])
 
 
 def remarks(robot: AnyRobot) -> Mapping[str, str]:

@@ -8,7 +8,7 @@ from firmware_bridge.teleop.mavlink import Message
 from firmware_bridge.units import Nanoseconds
 
 
-class Kind(StrEnum):
+class Subject(StrEnum):
     """Subject of an entry."""
 
     STEP = "step"
@@ -24,18 +24,18 @@ class Kind(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class LogEntry:
     """One line of the diary."""
 
     at: Nanoseconds
-    kind: Kind
+    kind: Subject
     text: str
     severity: int | None = None
     """MAV_SEVERITY of a text."""
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class OdometryEntry:
     """One ODOMETRY, turned back into the robot's words: left and counter-clockwise positive."""
 
     received_at: Nanoseconds
@@ -47,10 +47,10 @@ class Place:
     yaw_rate_rad_s: float
 
 
-def place_of(message: Message, now: Nanoseconds) -> Place:
+def place_of(message: Message, now: Nanoseconds) -> OdometryEntry:
     """Read an ODOMETRY message."""
     w, _, _, z = message.q
-    return Place(
+    return OdometryEntry(
         received_at=now,
         measured_at=message.time_usec * 1000,
         x_m=message.x,
@@ -65,8 +65,8 @@ def place_of(message: Message, now: Nanoseconds) -> Place:
 class Diary:
     """Record of one operator's whole run."""
 
-    entries: list[Entry] = field(default_factory=list)
-    odometry: list[Place] = field(default_factory=list)
+    entries: list[LogEntry] = field(default_factory=list)
+    odometry: list[OdometryEntry] = field(default_factory=list)
     values: dict[str, float] = field(default_factory=dict)
     """The newest of each named value and parameter."""
     parameters: dict[str, float] = field(default_factory=dict)
@@ -75,10 +75,10 @@ class Diary:
     status: int = 0
     """MAV_STATE."""
 
-    def note(self, at: Nanoseconds, kind: Kind, text: str, severity: int | None = None) -> None:
+    def note(self, at: Nanoseconds, kind: Subject, text: str, severity: int | None = None) -> None:
         """Add a line."""
-        self.entries.append(Entry(at, kind, text, severity))
+        self.entries.append(LogEntry(at, kind, text, severity))
 
-    def texts(self, kind: Kind) -> list[str]:
+    def texts(self, kind: Subject) -> list[str]:
         """Return the texts of one kind, in order."""
         return [entry.text for entry in self.entries if entry.kind is kind]

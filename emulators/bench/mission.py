@@ -12,9 +12,9 @@ from typing import Annotated, Self
 
 from pydantic import AfterValidator, Field, ValidationError, create_model, model_validator
 
+from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.faults import FaultTable, misfits
 from emulators.bench.piloted import Pilot, by_hand
-from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import (
     Finite,
     Holds,
@@ -128,47 +128,47 @@ class Mission(Table):
         return self
 
 
-def parse(text: str, file: str, robot: AnyRobot, rehearsal: Rehearsal) -> Mission:
+def parse(text: str, file: str, robot: AnyRobot, bench_setup: BenchSetup) -> Mission:
     """Read a mission for a robot from TOML text; `file` names it in a MissionFileError."""
     try:
         table = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise MissionFileError(file, Problem("", f"not valid TOML: {error}")) from error
-    steps = Annotated[tuple[rehearsal.step, ...], Field(min_length=1, strict=False)]  # type: ignore[name-defined] # mypy takes no class from a variable, pydantic does
+    steps = Annotated[tuple[bench_setup.step, ...], Field(min_length=1, strict=False)]  # type: ignore[name-defined] # mypy takes no class from a variable, pydantic does
     model = create_model("Mission", __base__=Mission, step=(steps, ...))
     try:
         mission = model.model_validate(table)
     except ValidationError as error:
         raise MissionFileError(file, *problems_of(error, model)) from error
-    problems = (*cannot_say(mission, robot, rehearsal), *starmap(Problem, misfits(mission.fault, robot)))
+    problems = (*cannot_say(mission, robot, bench_setup), *starmap(Problem, misfits(mission.fault, robot)))
     if problems:
         raise MissionFileError(file, *problems)
     return mission
 
 
-def load(path: Path, robot: AnyRobot, rehearsal: Rehearsal) -> Mission:
+def load(path: Path, robot: AnyRobot, bench_setup: BenchSetup) -> Mission:
     """Read a mission file; MissionFileError where it is missing, unreadable or wrong."""
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise MissionFileError(str(path), Problem("", f"cannot be read: {error}")) from error
-    return parse(text, str(path), robot, rehearsal)
+    return parse(text, str(path), robot, bench_setup)
 
 
-def find(name: str, robot: AnyRobot, rehearsal: Rehearsal) -> Mission:
+def find(name: str, robot: AnyRobot, bench_setup: BenchSetup) -> Mission:
     """Read the robot's shipped mission of this name, or one from a path that ends in .toml."""
     if name.endswith(".toml"):
-        return load(Path(name), robot, rehearsal)
-    shipped = rehearsal.shipped()
+        return load(Path(name), robot, bench_setup)
+    shipped = bench_setup.shipped()
     if name in shipped:
-        return load(shipped[name], robot, rehearsal)
+        return load(shipped[name], robot, bench_setup)
     problem = f"no such mission of {robot.name}; {near(name, shipped)} (a path to a .toml file works, too)"
     raise MissionFileError(name, Problem("", problem))
 
 
-def cannot_say(mission: Mission, robot: AnyRobot, rehearsal: Rehearsal) -> Iterator[Problem]:
+def cannot_say(mission: Mission, robot: AnyRobot, bench_setup: BenchSetup) -> Iterator[Problem]:
     """Yield what the input that is in the operator's hand cannot say."""
-    channels = {channel.name: channel for channel in rehearsal.channels}
+    channels = {channel.name: channel for channel in bench_setup.channels}
     held = mission.input
     for index, step in enumerate(mission.step):
         held = step.input or held
@@ -186,7 +186,7 @@ def cannot_say(mission: Mission, robot: AnyRobot, rehearsal: Rehearsal) -> Itera
                 full = channels[row.channel].full(robot)
                 if abs(row.into(value, robot)) > full + _TOLERANCE:
                     yield Problem(where, f"'{step.title}' is beyond full stick; input = 'twist' can say it")
-            elif held is Input.TWIST and value and _needs_stick(row, rehearsal):
+            elif held is Input.TWIST and value and _needs_stick(row, bench_setup):
                 yield Problem(where, f"'{step.title}' needs the stick")
 
 
@@ -210,6 +210,6 @@ def _unconfirmed(index: int, step: Step, robot: AnyRobot) -> Iterator[Problem]:
             yield Problem(f"step[{index}].home[{place}]", problem)
 
 
-def _needs_stick(row: object, rehearsal: Rehearsal) -> bool:
-    only = {channel.name for channel in rehearsal.channels if channel.stick_only}
+def _needs_stick(row: object, bench_setup: BenchSetup) -> bool:
+    only = {channel.name for channel in bench_setup.channels if channel.stick_only}
     return isinstance(row, Presses) or (isinstance(row, Holds) and row.channel in only)

@@ -10,17 +10,17 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from emulators.bench import orders
+from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.controls import Controls
 from emulators.bench.foreign_datagrams import datagram
-from emulators.bench.log import Diary, Kind, place_of
+from emulators.bench.log import Diary, Subject, place_of
 from emulators.bench.mission import Mission
-from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Step
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect, text_of
-from firmware_bridge.teleop.texts import Listener
+from firmware_bridge.teleop.texts import TextCollector
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, from_seconds
 
 SYSTEM: Final = 255
@@ -33,7 +33,7 @@ class ScriptedOperator:
     """One operator with a ground station, system 255; `diary` records the course of the mission."""
 
     def __init__(
-        self, robot: AnyRobot, rehearsal: Rehearsal, mission: Mission, generator: np.random.Generator
+        self, robot: AnyRobot, bench_setup: BenchSetup, mission: Mission, generator: np.random.Generator
     ) -> None:
         """Take the mission in hand; `generator` is drawn from only where the mission has a tremor."""
         self.diary = Diary()
@@ -44,9 +44,9 @@ class ScriptedOperator:
         self._component: int = robot.operator.component_id
         self._mission = mission
         self._codec = Codec(SYSTEM, COMPONENT)
-        self._listener = Listener()
+        self._listener = TextCollector()
         self._period = SECOND // mission.send_hz
-        self._controls = Controls(robot, rehearsal, mission, self._period, generator)
+        self._controls = Controls(robot, bench_setup, mission, self._period, generator)
         self._pending: list[orders.Pending] = []
         self._titles: dict[int, str] = {}
         self._step = 0
@@ -115,7 +115,7 @@ class ScriptedOperator:
         return due
 
     def _take(self, step: Step, now: Nanoseconds) -> list[bytes]:
-        self.diary.note(now, Kind.STEP, step.title)
+        self.diary.note(now, Subject.STEP, step.title)
         self._controls.move(step, now)
         if step.silent_s is not None:
             self._silent_until = now + from_seconds(step.silent_s)
@@ -153,7 +153,7 @@ class ScriptedOperator:
         for pending in [one for one in orders.first_of_each(self._pending) if one.due <= now]:
             if pending.tries == orders.MOST_TRIES:
                 self._pending.remove(pending)
-                self.diary.note(now, Kind.UNANSWERED, pending.title)
+                self.diary.note(now, Subject.UNANSWERED, pending.title)
             else:
                 messages.append(pending.message(self._system, self._component, now))
         return messages
@@ -163,7 +163,7 @@ class ScriptedOperator:
         if self.diary.armed is None:
             self._greetings.append(dialect.MAVLink_param_request_list_message(self._system, self._component))
         if armed != self.diary.armed:
-            self.diary.note(now, Kind.STATUS, "armed" if armed else "disarmed")
+            self.diary.note(now, Subject.STATUS, "armed" if armed else "disarmed")
         self.diary.armed = armed
         self.diary.status = message.system_status
 
@@ -187,11 +187,11 @@ class ScriptedOperator:
             waiting[0].title if waiting else self._titles.get(message.command, f"command {message.command}")
         )
         result = orders.RESULTS.get(message.result, f"result {message.result}")
-        self.diary.note(now, Kind.ANSWERED, f"{title}: {result}")
+        self.diary.note(now, Subject.ANSWERED, f"{title}: {result}")
 
     def _on_text(self, message: Message, now: Nanoseconds) -> None:
         for received in self._listener.receive(message):
-            self.diary.note(now, Kind.REPORTED, received.text, received.severity)
+            self.diary.note(now, Subject.REPORTED, received.text, received.severity)
 
     def _located(self, message: Message, now: Nanoseconds) -> None:
         self.diary.odometry.append(place_of(message, now))

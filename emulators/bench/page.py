@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from emulators.bench.report import numbers, span
-from emulators.bench.summary import Faulted, Held, Summary
+from emulators.bench.summary import Faulted, InterlockEntry, Summary
 from emulators.bench.web import document, picture, table
 
 MEASURED: Final = ("measured", "value", "unit", "remark")
@@ -39,7 +39,7 @@ def beginning(title: str, again: str, rows: Iterable[Sequence[str]]) -> Iterator
     yield table(MEASURED, rows, (1,))
 
 
-def held(holds: Sequence[Held]) -> Iterator[str]:
+def held(holds: Sequence[InterlockEntry]) -> Iterator[str]:
     """Yield the interlocks that held."""
     yield "<h2>Interlocks that held</h2>"
     yield table(HELD, map(_held, holds), SPAN) if holds else "<p>none</p>"
@@ -51,7 +51,7 @@ def shown(pictures: Iterable[Path]) -> Iterator[str]:
         yield f"<figure>{picture(path.read_bytes(), 'png', path.stem)}</figure>"
 
 
-def _held(hold: Held) -> tuple[str, ...]:
+def _held(hold: InterlockEntry) -> tuple[str, ...]:
     return (*span(hold), hold.name, hold.reason, hold.remedy)
 
 

@@ -10,14 +10,14 @@ from matplotlib.figure import Figure
 
 from emulators.bench.columns import ODOMETRY, POSE, SAMPLE_EVERY, Floats, Sample, Samples
 from emulators.bench.halo import HALO
-from emulators.bench.records import HoldRecord
+from emulators.bench.records import InterlockEvent
 from emulators.bench.style import BLUE, GREEN, INK, VERMILION
 from firmware_bridge.units import to_seconds
 
 MOVING_MPS: Final = 0.01
 
 
-def path_picture(figure: Figure, samples: Samples, holds: Sequence[HoldRecord]) -> None:
+def path_picture(figure: Figure, samples: Samples, holds: Sequence[InterlockEvent]) -> None:
     """Draw the robot's path, where a plant provides it, and its path by the bridge's own odometry."""
     figure.set_size_inches(7.6, 7.4)
     axes = figure.add_subplot()

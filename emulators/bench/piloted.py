@@ -8,18 +8,18 @@ from pydantic import AfterValidator
 
 from emulators.bench import orders
 from emulators.bench.step import Finite, NonNegative, Positive, Sends, Step, inputs
-from firmware_bridge.kinds import kind_of
-from firmware_bridge.motion.model import Model, Unicycle
+from firmware_bridge.motion.model import MotionModel, Unicycle
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.pilot import path_file
-from firmware_bridge.pilot.follower import Follower
+from firmware_bridge.pilot.follower import PathDriver
 from firmware_bridge.pilot.paths import PATHS, Path, placed
 from firmware_bridge.pilot.predictor import Predictor
-from firmware_bridge.pilot.station import Station
+from firmware_bridge.pilot.station import PilotStation
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near
 from firmware_bridge.robot.table import Table
+from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 
 
@@ -58,17 +58,17 @@ class Pilot(Table):
         turned = math.radians(self.turned_deg)
         return placed(self.shape(), at, offset_m=self.offset_m, turned_rad=turned)
 
-    def follower(self, robot: AnyRobot) -> Follower:
+    def follower(self, robot: AnyRobot) -> PathDriver:
         """Return who drives along it, no faster than the session's agreed delay lets the robot go.
 
         PathError where its file is none.
         """
         self.shape()  # a missing or wrong path file is reported before anything moves
-        kind = kind_of(robot)
+        kind = robot_type_of(robot)
         made = kind.model
-        model: Model = Unicycle() if made is None else made(robot)
+        model: MotionModel = Unicycle() if made is None else made(robot)
         fastest = robot.operator.speed_share * kind.station.largest(robot).forward_mps
-        return Follower(
+        return PathDriver(
             self.placed,
             speed_mps=min(self.speed_mps, fastest),
             look_ahead_m=self.look_ahead_m,
@@ -90,7 +90,7 @@ class PilotedMission:
     def __init__(self, robot: AnyRobot, steps: tuple[Step, ...], pilot: Pilot) -> None:
         self.follower: Final = pilot.follower(robot)
         operator = robot.operator
-        self.station: Final = Station(self.follower, (operator.system_id, operator.component_id))
+        self.station: Final = PilotStation(self.follower, (operator.system_id, operator.component_id))
         self._robot: Final = robot
         self._steps: Final = steps
         self._taken = 0

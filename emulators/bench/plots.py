@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from emulators.bench.columns import Panel, Samples, current
 from emulators.bench.fault_marks import mark_faults
 from emulators.bench.path_picture import path_picture
-from emulators.bench.records import FaultRecord, HoldRecord
+from emulators.bench.records import FaultRecord, InterlockEvent
 from emulators.bench.style import PALE, STYLE
 from emulators.bench.time_pictures import currents_picture, holds_picture, panels_picture
 from firmware_bridge.robot import AnyRobot
@@ -34,7 +34,7 @@ def draw(
     panels: Sequence[Panel],
     samples: Samples,
     *,
-    holds: Sequence[HoldRecord],
+    holds: Sequence[InterlockEvent],
     faults: Sequence[FaultRecord] = (),
     more: Mapping[str, Picture] = NO_PICTURES,
 ) -> list[Path]:

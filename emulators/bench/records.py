@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge import renamed
+from firmware_bridge.safety.snapshot import ActiveInterlock
 from firmware_bridge.units import Nanoseconds, to_seconds
 
 
@@ -22,7 +23,7 @@ class FaultRecord:
 
 
 @dataclass(frozen=True, slots=True)
-class HoldRecord:
+class InterlockEvent:
     """One interlock from the instant at which it held to the instant at which it let go."""
 
     name: str
@@ -44,15 +45,15 @@ class HoldRecord:
         return None if self.ended is None else to_seconds(self.ended)
 
 
-class Holds:
+class InterlockLog:
     """The holds of a run from beginning to end; one shorter than a look may pass unseen."""
 
-    def __init__(self, standing: Sequence[Hold] = ()) -> None:
-        self.records: Final[list[HoldRecord]] = []
+    def __init__(self, standing: Sequence[ActiveInterlock] = ()) -> None:
+        self.records: Final[list[InterlockEvent]] = []
         self._noted = standing
         """The holds as they were noted last."""
 
-    def note(self, holds: Sequence[Hold], now: Nanoseconds) -> None:
+    def note(self, holds: Sequence[ActiveInterlock], now: Nanoseconds) -> None:
         """Note which hold now."""
         if holds is self._noted:
             return
@@ -66,4 +67,7 @@ class Holds:
                     if hold is not None:
                         standing[hold.name] = hold
         for hold in standing.values():
-            self.records.append(HoldRecord(hold.name, hold.reason, hold.since, remedy=hold.remedy))
+            self.records.append(InterlockEvent(hold.name, hold.reason, hold.since, remedy=hold.remedy))
+
+
+__getattr__ = renamed.module(__name__, __name__, HoldRecord="InterlockEvent", Holds="InterlockLog")

@@ -6,7 +6,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from emulators.bench.summary import Faulted, Held, Summary
+from emulators.bench.summary import Faulted, InterlockEntry, Summary
 
 TRACE_DIGITS = 16
 """Number of digits of the hash to compare two runs by eye; the whole one is in `summary.json`."""
@@ -83,7 +83,7 @@ def _over_time(title: str, *headings: str) -> Table:
     return table
 
 
-def span(row: Faulted | Held) -> tuple[str, str]:
+def span(row: Faulted | InterlockEntry) -> tuple[str, str]:
     """Return in words from when to when."""
     return f"{row.began_s:.2f} s", "end" if row.ended_s is None else f"{row.ended_s:.2f} s"
 
@@ -95,7 +95,7 @@ def _faulted(faults: tuple[Faulted, ...]) -> Table:
     return table
 
 
-def _held(holds: tuple[Held, ...]) -> Table:
+def _held(holds: tuple[InterlockEntry, ...]) -> Table:
     table = _over_time("interlocks that held", "interlock", "reason")
     for hold in holds:
         table.add_row(*span(hold), hold.name, hold.reason)

@@ -8,9 +8,9 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from emulators.bench.foreign_datagrams import Stray
-from firmware_bridge.kinds import kind_of
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.table import Table
+from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.teleop.modes import number_of_own
 
 Finite = Annotated[float, Field(allow_inf_nan=False)]
@@ -125,12 +125,12 @@ class Step(Table):
 
 def guides(robot: AnyRobot) -> tuple[str, ...]:
     """Return who may drive a robot, in the order of their numbers; the first is the operator."""
-    return ("", *kind_of(robot).guides)
+    return ("", *robot_type_of(robot).guides)
 
 
 def modes(robot: AnyRobot) -> tuple[str, ...]:
     """Return a robot's modes, in the order of their places; the first is the whole robot."""
-    return ("", *kind_of(robot).modes)
+    return ("", *robot_type_of(robot).modes)
 
 
 def of_key(step: type[Step], key: str) -> object:

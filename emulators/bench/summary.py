@@ -10,7 +10,7 @@ import numpy as np
 
 from emulators.bench.columns import ODOMETRY, POSE, SAMPLE_EVERY, Floats, Samples, current
 from emulators.bench.path_error import PathError
-from emulators.bench.records import FaultRecord, HoldRecord
+from emulators.bench.records import FaultRecord, InterlockEvent
 from firmware_bridge import renamed
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
@@ -43,7 +43,7 @@ class LineRun:
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class RunFigures:
     """Settings of a run, and the figures of its wires and clocks."""
 
     robot: str
@@ -60,7 +60,7 @@ class Run:
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class InterlockEntry:
     """One hold, in seconds from the start of the run."""
 
     name: str
@@ -121,7 +121,7 @@ class Summary:
     """Hash of each link alone, by its name: it shows which one a change has reached."""
     guard_refusals: int
     """Packets of the bridge that the guard let nothing of through, and silences that it filled."""
-    interlock_events: tuple[Held, ...]
+    interlock_events: tuple[InterlockEntry, ...]
     faults: tuple[Faulted, ...] = ()
     lines: tuple[LineRun, ...] = ()
     """The serial lines between bridge and drives; none where the bridge is on the CAN bus itself."""
@@ -129,21 +129,21 @@ class Summary:
     """The robot's own numbers; in the file each is a key like the others."""
 
     @property
-    def holds(self) -> tuple[Held, ...]:
+    def holds(self) -> tuple[InterlockEntry, ...]:
         """The interlock events, with the names of the release before."""
         renamed.warn("holds", "interlock_events", "Summary")
         return self.as_before()
 
-    def as_before(self) -> tuple[Held, ...]:
+    def as_before(self) -> tuple[InterlockEntry, ...]:
         """Return the interlock events under their names of the release before."""
         return tuple(replace(one, name=renamed.old_interlock(one.name)) for one in self.interlock_events)
 
 
 def summarise(
-    run: Run,
+    run: RunFigures,
     axes: Sequence[str],
     samples: Samples,
-    holds: Sequence[HoldRecord],
+    holds: Sequence[InterlockEvent],
     faults: Sequence[FaultRecord] = (),
     *,
     path: PathError = NO_PATH,
@@ -189,9 +189,9 @@ def summarise(
     )
 
 
-def held(hold: HoldRecord) -> Held:
+def held(hold: InterlockEvent) -> InterlockEntry:
     """Return a hold as it stands in a summary."""
-    return Held(hold.name, hold.reason, *_span(hold), hold.remedy)
+    return InterlockEntry(hold.name, hold.reason, *_span(hold), hold.remedy)
 
 
 def mean_acceleration(speed_mps: Floats) -> Floats:
@@ -229,9 +229,12 @@ def as_json(summary: Summary) -> str:
     return json.dumps(table | table.pop("figures"), indent=2, ensure_ascii=False) + "\n"
 
 
-def _span(record: HoldRecord | FaultRecord) -> tuple[float, float | None]:
+def _span(record: InterlockEvent | FaultRecord) -> tuple[float, float | None]:
     return to_seconds(record.began), None if record.ended is None else to_seconds(record.ended)
 
 
 def _largest(values: Floats) -> float:
     return float(np.abs(values).max()) if values.size else 0.0
+
+
+__getattr__ = renamed.module(__name__, __name__, Held="InterlockEntry", Run="RunFigures")

@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 
 from emulators.bench.columns import Curve, Panel, Samples, current
 from emulators.bench.halo import HALO
-from emulators.bench.records import HoldRecord
+from emulators.bench.records import InterlockEvent
 from emulators.bench.style import (
     AXIS_COLORS,
     BLUE,
@@ -34,7 +34,11 @@ REASON_LETTERS: Final = 70
 
 
 def panels_picture(
-    figure: Figure, robot: AnyRobot, panels: Sequence[Panel], samples: Samples, holds: Sequence[HoldRecord]
+    figure: Figure,
+    robot: AnyRobot,
+    panels: Sequence[Panel],
+    samples: Samples,
+    holds: Sequence[InterlockEvent],
 ) -> None:
     """Draw the robot's own panels below each other, those of which there is a curve."""
     panels = [panel for panel in panels if any(samples.has(curve.column) for curve in panel.curves)]
@@ -90,7 +94,7 @@ def currents_picture(figure: Figure, robot: AnyRobot, samples: Samples) -> None:
     figure.align_ylabels()
 
 
-def holds_picture(figure: Figure, samples: Samples, holds: Sequence[HoldRecord]) -> None:
+def holds_picture(figure: Figure, samples: Samples, holds: Sequence[InterlockEvent]) -> None:
     """Draw a row for each interlock, with its first reason."""
     names = list(dict.fromkeys(hold.name for hold in holds))
     figure.set_size_inches(10.0, 1.6 + 0.55 * len(names))
@@ -150,11 +154,11 @@ def _limit(axes: Axes, limit: float, unit: str, panel: Panel, samples: Samples) 
         axes.axhline(-limit, color=VERMILION, linewidth=1.0, linestyle=":")
 
 
-def _seconds_held(hold: HoldRecord, end: float) -> float:
+def _seconds_held(hold: InterlockEvent, end: float) -> float:
     return (end if hold.ended is None else to_seconds(hold.ended)) - to_seconds(hold.began)
 
 
-def _shade(axes: Axes, holds: Sequence[HoldRecord], samples: Samples) -> None:
+def _shade(axes: Axes, holds: Sequence[InterlockEvent], samples: Samples) -> None:
     """Shade the time in which anything held, once, however many interlocks held at that time."""
     end = to_seconds(samples[-1].at)
     shaded: list[tuple[float, float]] = []

@@ -58,7 +58,7 @@ class BenchOptions:
             metavar="NAME|FILE",
             help="A shipped mission of the robot, or a mission file (.toml).",
             show_default="the robot's first; with --path one that drives along it",
-            autocompletion=completing("emulators.bench.rehearsal:mission_names"),
+            autocompletion=completing("emulators.bench.bench_setup:mission_names"),
         ),
     ] = None
     seed: Annotated[
@@ -91,14 +91,14 @@ def run(given: BenchOptions) -> None:
     """Run the command `bench`; an error ends the program with a message."""
     from emulators.bench import mission as missions
     from emulators.bench.along import along_mission
+    from emulators.bench.bench_setup import bench_setup_of
     from emulators.bench.mission import MissionFileError
-    from emulators.bench.rehearsal import rehearsal_of
     from emulators.bench.report import show
     from emulators.cli.beginning import report_beginning
     from emulators.cli.fitted import fitted
     from emulators.extras import installed, remedy_of
     from emulators.progress_bar import progress_bar
-    from emulators.run import Order, drive
+    from emulators.run import RunOrder, drive
     from emulators.servo.bank import ServoError
     from firmware_bridge.bridge.bridge import FAILED as NOT_STARTED
     from firmware_bridge.cli.robot_argument import find_robot
@@ -119,24 +119,24 @@ def run(given: BenchOptions) -> None:
         written_by("--out"),
     ):
         machine, along = fitted(find_robot(given.robot), given)
-        rehearsal = rehearsal_of(machine)
+        bench_setup = bench_setup_of(machine)
         if given.mission is None and along:
-            name, script = "path", missions.parse(along_mission(along), "--path", machine, rehearsal)
+            name, script = "path", missions.parse(along_mission(along), "--path", machine, bench_setup)
         else:
-            chosen = given.mission or next(iter(rehearsal.shipped()), "none")
-            name, script = Path(chosen).stem, missions.find(chosen, machine, rehearsal)
+            chosen = given.mission or next(iter(bench_setup.shipped()), "none")
+            name, script = Path(chosen).stem, missions.find(chosen, machine, bench_setup)
         script = script.over(given.link, given.max_delay)
         script = script.predicted() if given.predictor else script
         script.on(machine)
         folder = given.out or RESULTS / f"{machine.name}-{name}"
-        order = Order(machine, rehearsal, name, script, given.seed, folder, given.plant, _again())
+        order = RunOrder(machine, bench_setup, name, script, given.seed, folder, given.plant, _again())
         report_beginning(machine, given.plant)
         if not installed("plots"):
             say(f"no pictures this time: {remedy_of('plots')}", err=True)
         with progress_bar() as bar:
             task = bar.add_task(f"{machine.name}, {name}", total=order.duration)
             summary = drive(order, lambda now: bar.update(task, completed=now))
-    show(terminal(), summary, rehearsal.remarks(machine))
+    show(terminal(), summary, bench_setup.remarks(machine))
     say(f"results: {folder}/")
     for hold in summary.interlock_events:
         if hold.name == NOT_STARTED.name:

@@ -2,7 +2,7 @@
 
 from typing import Any, Final
 
-from firmware_bridge.cli.commands import Command, Group, Row, Rows
+from firmware_bridge.cli.commands import CliCommand, Group, Row, Rows
 
 
 class ByName(Rows):
@@ -15,42 +15,42 @@ class ByName(Rows):
 
 
 COMMANDS: Final[tuple[Row, ...]] = (
-    Command(
+    CliCommand(
         "new",
         "emulators.cli.new:new",
         "Write a package for a robot of your own: robot file, rules, plant, missions; it drives at once.",
     ),
-    Command(
+    CliCommand(
         "bench",
         "emulators.cli.bench:bench",
         "Drive a mission in virtual time: bridge, bus, drives and plant, all in this process.",
     ),
-    Command(
+    CliCommand(
         "replay",
         "emulators.cli.replay:replay",
         "Play a recording again in virtual time, and show the first packet that differs from it.",
     ),
-    Command(
+    CliCommand(
         "report",
         "emulators.cli.report:report",
         "Make the page, the pictures and the table of a recorded drive, as `bench` makes them of its runs.",
     ),
-    Command(
+    CliCommand(
         "study",
         "emulators.cli.study:study",
         "Make a source's figures and numbers again: printed, independent, ours, and why they differ.",
     ),
-    Command(
+    CliCommand(
         "fmea",
         "emulators.cli.fmea:fmea",
         "Try every fault in every state of a robot, and say who notices, when, and how far it goes.",
     ),
-    Command(
+    CliCommand(
         "faults",
         "emulators.cli.faults:faults",
         "List the faults that a mission or a test can name; of a robot those that it can have, and where.",
     ),
-    Command(
+    CliCommand(
         "doctor",
         "emulators.cli.doctor:doctor",
         "Look at this machine: what is there, what is missing, what to be careful of, and how to fix it.",
@@ -71,27 +71,27 @@ robot; the word `robot` in front of the robot's name may be left out.""",
         # An option in front of the robot's name is the robot's.
         context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False},
     ),
-    Command(
+    CliCommand(
         "emulate robot",
         "emulators.cli.emulate_robot:emulate",
         "Put the robot's emulated drives and its plant on a real CAN bus, a serial line, or both.",
     ),
-    Command(
+    CliCommand(
         "emulate epos2",
         "emulators.cli.emulate_epos2:emulate",
         "Put EPOS2 drives on a real CAN bus, a serial line, or both.",
     ),
-    Command(
+    CliCommand(
         "emulate board",
         "emulators.cli.emulate_board:emulate",
         "Put an Arduino Mega 2560 with an Adafruit Motor Shield V2 on a serial line.",
     ),
-    Command(
+    CliCommand(
         "emulate ar2",
         "emulators.cli.emulate_ar2:emulate",
         "Put the board of an AR2 arm on a serial line, in real time, with the arm on its drivers.",
     ),
-    Command(
+    CliCommand(
         "emulate capture",
         "emulators.cli.emulate_capture:emulate",
         "Stream what an OptiTrack system would see as NatNet over UDP unicast, in real time.",
@@ -101,38 +101,38 @@ robot; the word `robot` in front of the robot's name may be left out.""",
         "List, build and check plants: models of robots as FMUs.",
         "Example: `firmware-bridge fmu check my_plant.fmu`",
     ),
-    Command("fmu list", "emulators.cli.plants:list_models", "List the models that can be built."),
-    Command(
+    CliCommand("fmu list", "emulators.cli.plants:list_models", "List the models that can be built."),
+    CliCommand(
         "fmu show",
         "emulators.cli.plants:show",
         "List a plant's parameters: name, unit, default, meaning; and its inputs and outputs.",
     ),
-    Command(
+    CliCommand(
         "fmu build",
         "emulators.cli.plants:build_model",
         "Build a robot's plant, or a model, as an FMU, with its sources inside.",
     ),
-    Command(
+    CliCommand(
         "fmu check",
         "emulators.cli.plants:check",
         "Check an FMU: whether it is valid, starts, computes the right bits, and which robots it fits.",
     ),
-    Command(
+    CliCommand(
         "epos2 objects",
         "emulators.cli.documents:objects",
         "List every object: type, access, PDO, range, default, and how far it is known.",
     ),
-    Command(
+    CliCommand(
         "epos2 eds",
         "emulators.cli.documents:eds",
         "Write the electronic data sheet, for any CANopen master's tools.",
     ),
-    Command(
+    CliCommand(
         "epos2 dcf",
         "emulators.cli.documents:dcf",
         "Read every object of a running drive, emulated or real, and write its device configuration file.",
     ),
-    Command(
+    CliCommand(
         "epos2 fidelity",
         "emulators.cli.documents:fidelity",
         "Say what of the emulation is proven, documented, by analogy or assumed, and from where.",

@@ -32,10 +32,10 @@ def doctor(
     from rich.text import Text
 
     from emulators.doctor.gather import gather
-    from emulators.doctor.rows import ROWS, Verdict, lacks
+    from emulators.doctor.rows import ROWS, CheckResult, lacks
     from firmware_bridge.cli.tables import terminal
 
-    styles = {Verdict.OK: "green", Verdict.CAREFUL: "yellow", Verdict.MISSING: "yellow"}
+    styles = {CheckResult.OK: "green", CheckResult.CAREFUL: "yellow", CheckResult.MISSING: "yellow"}
     facts = gather()
     findings = [(row, row.judge(facts)) for row in ROWS]
     missing = lacks(facts)

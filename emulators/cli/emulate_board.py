@@ -18,7 +18,7 @@ from firmware_bridge.shell.black_box import SERIAL_LOG
 if TYPE_CHECKING:
     from emulators.arduino_omni.board import Firmware
     from emulators.arduino_omni.faults import Planned
-    from emulators.arduino_omni.motors import Load
+    from emulators.arduino_omni.motors import MotorLoad
 
 
 EXAMPLES: Final = """Examples:
@@ -215,7 +215,7 @@ def _plan(given: BoardOptions) -> "list[Planned]":
     return plan
 
 
-def _load(given: BoardOptions) -> "Load":
+def _load(given: BoardOptions) -> "MotorLoad":
     from emulators.arduino_omni.motors import four_motors
     from emulators.boards import fmu_load
     from fmu.errors import PlantError

@@ -7,7 +7,7 @@ from typing import Annotated, Final
 
 import typer
 
-from emulators.motion_capture.bodies import Body, Circling
+from emulators.motion_capture.bodies import Circling, TrackedBody
 from emulators.motion_capture.exposure import Cameras, Hidden, Lost, Swapped, Up
 from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import one_message, refusal
@@ -131,15 +131,15 @@ def version_of(text: str) -> Version:
     return Version(int(major), int(minor))
 
 
-def bodies_named(names: Sequence[str]) -> list[Body]:
+def bodies_named(names: Sequence[str]) -> list[TrackedBody]:
     """Return bodies on circles, each a metre wider than the last; a name given twice ends the program."""
     if len(set(names)) != len(names):
         raise refusal(f"--body: {', '.join(names)}: each needs a name of its own")
-    return [Body(number, name, Circling(float(number))) for number, name in enumerate(names, 1)]
+    return [TrackedBody(number, name, Circling(float(number))) for number, name in enumerate(names, 1)]
 
 
 def _spans(
-    option: str, texts: Sequence[str] | None, bodies: Sequence[Body]
+    option: str, texts: Sequence[str] | None, bodies: Sequence[TrackedBody]
 ) -> Iterator[tuple[int, Nanoseconds, Nanoseconds]]:
     """Read NAME@FROM-TO; what is none ends the program."""
     numbers = {body.name: body.id for body in bodies}

@@ -24,7 +24,7 @@ from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
 from firmware_bridge.wire.maxon.frame import Generation
 
 if TYPE_CHECKING:
-    from emulators.mounted import Load, Mounted
+    from emulators.mounted import Mounted, ShaftLoad
     from firmware_bridge.wire.epos2.address import Address
 
 EXAMPLES: Final = """Examples:
@@ -193,7 +193,7 @@ def run(given: DrivesOptions) -> None:
     from emulators.epos2.serial.serial_drive import baud_of
     from emulators.gateway import Cluster
     from emulators.servo.bank import ServoError
-    from emulators.single import Order, drives
+    from emulators.single import DrivesOrder, drives
     from firmware_bridge.cli.links import on_the_line, opened
     from firmware_bridge.cli.node_numbers import numbers
     from firmware_bridge.cli.real_time import carry
@@ -214,7 +214,7 @@ def run(given: DrivesOptions) -> None:
         names = names or _axes(plant, len(nodes))
     rate = given.bit_rate or DEFAULT_BIT_RATE
     near = on_the_line(given, nodes)
-    order = Order(
+    order = DrivesOrder(
         nodes=nodes,
         profile=replace(
             _profile(given.profile, rate, _choices(given), latency=given.realistic_latency),
@@ -342,8 +342,8 @@ def _text(mounted: "Mounted", plant: Path | None) -> str:
     return f"mounted: the plant {plant.name}, encoders with {mounted.pulses} pulses {index} index"
 
 
-def _load(text: str, *, named: bool) -> "Load":
-    from emulators.mounted import Load
+def _load(text: str, *, named: bool) -> "ShaftLoad":
+    from emulators.mounted import ShaftLoad
 
     try:
         inertia, friction = (float(part) for part in text.split(","))
@@ -353,7 +353,7 @@ def _load(text: str, *, named: bool) -> "Load":
     if not (least and inertia < float("inf") and 0.0 <= friction < float("inf")):
         than = "not less than" if named else "more than"
         raise refusal(f"--load {text}: the inertia must be {than} 0, the friction not less")
-    return Load(inertia, friction)
+    return ShaftLoad(inertia, friction)
 
 
 def _commissioned(file: Path) -> "Mapping[Address, int]":

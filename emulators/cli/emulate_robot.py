@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from emulators.epos2.objects.saved_parameters import Storage
     from firmware_bridge.cli.links import Openers
-    from firmware_bridge.cli.places import Place
+    from firmware_bridge.cli.places import BusAddress
     from firmware_bridge.robot import AnyRobot, Axis
     from firmware_bridge.shell.ports import Port
 
@@ -256,19 +256,19 @@ def _storage(axis: "Axis", given: RobotOptions) -> "Storage":
 def _outside(machine: "AnyRobot", baud: int, given: RobotOptions) -> "tuple[Openers, str]":
     """Return what opens each link, and how they are called in words."""
     from firmware_bridge.cli.links import opened
-    from firmware_bridge.cli.places import Place, places_of
+    from firmware_bridge.cli.places import BusAddress, places_of
 
     single = len(machine.epos2_links) == 1
     if single and not given.link:
         return opened(
             given, generation_of(given.protocol), baud, next(iter(machine.epos2_links.values())).bit_rate
         )
-    places = places_of(machine, given.link, Place(given.interface, given.channel, given.serial))
+    places = places_of(machine, given.link, BusAddress(given.interface, given.channel, given.serial))
     openers = {CAN if single else name: _opener(machine, name, place) for name, place in places.items()}
     return openers, ", ".join(f"{place.title} ({name})" for name, place in places.items())
 
 
-def _opener(machine: "AnyRobot", name: str, place: "Place") -> "Callable[[], Port]":
+def _opener(machine: "AnyRobot", name: str, place: "BusAddress") -> "Callable[[], Port]":
     from firmware_bridge.shell.ports import open_can
 
     if place.device is not None:

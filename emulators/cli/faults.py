@@ -11,7 +11,7 @@ from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.robot_argument import find_robot, names
 
 if TYPE_CHECKING:
-    from emulators.bench.faults import Kind
+    from emulators.bench.faults import FaultKind
     from firmware_bridge.robot import AnyRobot
 
 EXAMPLES: Final = """Examples:
@@ -102,11 +102,11 @@ DEVICES: Final[Mapping[str, Callable[[], dict[str, str]]]] = MappingProxyType(
 )
 
 
-def _who(kind: "Kind") -> str:
+def _who(kind: "FaultKind") -> str:
     return kind.fault.among.value if "node" in kind.fault.model_fields else ""
 
 
-def _keys(kind: "Kind") -> Iterator[str]:
+def _keys(kind: "FaultKind") -> Iterator[str]:
     for name, field in kind.fault.model_fields.items():
         if name not in COMMON:
             yield name if field.is_required() else f"({name})"

@@ -130,22 +130,22 @@ def _show(cells: "Sequence[Cell]", failures: int) -> None:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    from emulators.fmea.effect import Verdict
+    from emulators.fmea.effect import Assessment
     from firmware_bridge.cli.tables import terminal
 
-    verdicts = [it for it in Verdict if any(cell.effect.verdict is it for cell in cells)]
+    verdicts = [it for it in Assessment if any(cell.effect.verdict is it for cell in cells)]
     table = Table(box=SIMPLE_HEAD, title=f"{failures} failures")
     table.add_column("state")
     for verdict in verdicts:
         table.add_column(verdict, justify="right")
-    counted: dict[str, Counter[Verdict]] = {}
+    counted: dict[str, Counter[Assessment]] = {}
     for cell in cells:
         counted.setdefault(cell.state, Counter())[cell.effect.verdict] += 1
     for state, of in counted.items():
         table.add_row(state, *(str(of[it]) for it in verdicts))
     terminal().print(table)
     excused = Counter(
-        cell.why for cell in cells if cell.why and cell.effect.verdict in {Verdict.MISSED, Verdict.LATE}
+        cell.why for cell in cells if cell.why and cell.effect.verdict in {Assessment.MISSED, Assessment.LATE}
     )
     for why, count in excused.items():
         say(f"  {count}: {why}")

@@ -9,7 +9,7 @@ from typing import Annotated, Final
 
 import typer
 
-from firmware_bridge import kinds as installed
+from firmware_bridge import robot_types as installed
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import one_message, say, written_by
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final, TypeAlias
 
 import typer
 
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import FAILED, one_message, say
 from firmware_bridge.cli.robot_argument import find_robot
@@ -50,7 +50,7 @@ def list_models() -> None:
     table = Table(title="plants")
     for heading in ("model", "what it is", "states", "inputs", "outputs", "parameters", "robots"):
         table.add_column(heading, overflow="fold")
-    robots = kinds.readable()
+    robots = robot_types.readable()
     failed = False
     for name in names():
         try:
@@ -103,7 +103,7 @@ def _model_shown(name: str) -> Shown:
     from emulators.devices import plant_of
     from fmu.plants import find
 
-    robot = kinds.find(name) if name.partition(kinds.SIGN)[0] in kinds.names() else None
+    robot = robot_types.find(name) if name.partition(robot_types.SIGN)[0] in robot_types.names() else None
     plant = find(name) if robot is None else plant_of(robot)
     model = plant.model()
     rows: list[Sequence[str]] = [
@@ -158,7 +158,9 @@ def build_model(
     target = out or Path(f"{model}.fmu")
     others, missing = reachable()
     with one_message(PlantError, OSError, RobotFileError):
-        robot = kinds.find(model) if model.partition(kinds.SIGN)[0] in kinds.names() else None
+        robot = (
+            robot_types.find(model) if model.partition(robot_types.SIGN)[0] in robot_types.names() else None
+        )
         plant = find(model) if robot is None else plant_of(robot)
         place(plant, fmi, target, others)
         size = target.stat().st_size
@@ -184,17 +186,17 @@ def check(
     """
     from fmu.check import examine
     from fmu.errors import PlantError
-    from fmu.verify import Verdict
+    from fmu.verify import ComparisonResult
 
     bits = {
-        Verdict.SAME: "those that its equations give, in a run of its own",
-        Verdict.OTHER: "others than its equations give",
-        Verdict.NONE: "not compared: the FMU carries no fingerprint of ours that fits its variables",
+        ComparisonResult.SAME: "those that its equations give, in a run of its own",
+        ComparisonResult.OTHER: "others than its equations give",
+        ComparisonResult.NONE: "not compared: the FMU carries no fingerprint of ours that fits its variables",
     }
     named = [] if robot is None else [find_robot(robot)]
     with one_message(PlantError):
         found = examine(file)
-    lacking = {one.name: _lacking(one, found) for one in named or kinds.readable()}
+    lacking = {one.name: _lacking(one, found) for one in named or robot_types.readable()}
     fits = [name for name, reasons in lacking.items() if not reasons]
     problems = [*found.problems, *(reason for one in named for reason in lacking[one.name])]
     rows = {
@@ -215,7 +217,7 @@ def check(
 
 
 def _lacking(robot: "AnyRobot", found: "Findings") -> tuple[str, ...]:
-    from emulators.bench.rehearsal import rehearsal_of
+    from emulators.bench.bench_setup import bench_setup_of
     from emulators.devices import SUPPLY
     from emulators.servo.bank import plant_inputs, plant_outputs
     from emulators.stepper_bank import ANGLES
@@ -225,7 +227,7 @@ def _lacking(robot: "AnyRobot", found: "Findings") -> tuple[str, ...]:
     # A board's steppers take no voltage: their joints have inputs and outputs of their own.
     axes = [axis.name for axis in robot.axes if axis.link not in robot.ar2_links]
     joints, angles = (JOINTS, ANGLES) if robot.ar2_links else ((), ())
-    wanted = [column.plant for column in rehearsal_of(robot).columns if column.plant]
+    wanted = [column.plant for column in bench_setup_of(robot).columns if column.plant]
     supply = (SUPPLY,) if axes else ()
     outputs = dict.fromkeys((*plant_outputs(axes), *supply, *angles, *wanted))
     reasons = found.lacking((*plant_inputs(axes), *joints), tuple(outputs), units(axes))

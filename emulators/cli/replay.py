@@ -7,7 +7,7 @@ from typing import Annotated, Final
 import typer
 
 from emulators.cli.options import SerialOption
-from emulators.replay import Order, RecordingFileError
+from emulators.replay import RecordingFileError, ReplayOrder
 from emulators.replay import replay as play
 from emulators.replay.order import Into
 from emulators.servo.bank import ServoError
@@ -134,7 +134,7 @@ def run(given: ReplayOptions) -> None:
     with one_message(ValueError, OverflowError):
         limit = None if given.until is None else from_seconds(given.until)
     with one_message(RecordingFileError, PlanError, ShieldPlanError, PlantError, ServoError):
-        order = Order(
+        order = ReplayOrder(
             machine,
             given.recording,
             given.operator,

@@ -64,10 +64,10 @@ class ReportOptions:
 
 def run(given: ReportOptions) -> None:
     """Run the command `report`; an error ends the program with a message."""
-    from emulators.bench.rehearsal import rehearsal_of
+    from emulators.bench.bench_setup import bench_setup_of
     from emulators.extras import installed, remedy_of
     from emulators.progress_bar import progress_bar
-    from emulators.replay import Into, Order, RecordingFileError
+    from emulators.replay import Into, RecordingFileError, ReplayOrder
     from emulators.replay.files import named
     from emulators.replay.measured import measured
     from emulators.replay.recordings import cut_off
@@ -83,19 +83,19 @@ def run(given: ReportOptions) -> None:
         say(f"no pictures this time: {remedy_of('plots')}", err=True)
     with one_message(RobotFileError, RecordingFileError, LookupError), written_by("--out"):
         machine, stands, mode = _as_run(given)
-        rehearsal = rehearsal_of(machine)
-        order = Order(machine, folder, into=Into.BRIDGE, stands=stands, mode=mode)
+        bench_setup = bench_setup_of(machine)
+        order = ReplayOrder(machine, folder, into=Into.BRIDGE, stands=stands, mode=mode)
         out.mkdir(parents=True, exist_ok=True)
         with progress_bar() as bar:
             task = bar.add_task(folder.name, total=None)
             numbers = measured(
-                order, rehearsal.columns, lambda now, end: bar.update(task, completed=now, total=end)
+                order, bench_setup.columns, lambda now, end: bar.update(task, completed=now, total=end)
             )
         title, again = (
             f"{machine.name}, {folder.resolve().name}",
             shlex.join(("firmware-bridge", *sys.argv[1:])),
         )
-        made = written(out, title, machine, rehearsal, numbers, again=again, animate=given.animate)
+        made = written(out, title, machine, bench_setup, numbers, again=again, animate=given.animate)
         for text in filter(None, map(cut_off, named(order))):
             say(text)
     if numbers.difference:

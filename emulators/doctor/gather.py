@@ -27,7 +27,7 @@ from emulators.doctor.facts import (
 )
 from emulators.servo import kernel
 from emulators.servo.seam import ServoError
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.shell.clock import Clock, resolution
 from firmware_bridge.units import MILLISECOND, Nanoseconds
@@ -95,9 +95,9 @@ def gather(sleeps: int = SLEEPS) -> Facts:
 
 def _unwatched() -> Iterator[tuple[str, bool]]:
     """Yield the links of installed robots without a watchdog, and whether that is accepted."""
-    for name in kinds.robots():
+    for name in robot_types.robots():
         with suppress(RobotFileError):
-            for link, table in kinds.find(name).shield_links.items():
+            for link, table in robot_types.find(name).shield_links.items():
                 if table.unwatched:
                     yield f"{name}:{link}", table.accept_no_watchdog
 

@@ -14,7 +14,7 @@ from firmware_bridge.shell.runner import LATE
 from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 
 
-class Verdict(Enum):
+class CheckResult(Enum):
     """Result of a check."""
 
     OK = "ok"
@@ -26,13 +26,13 @@ class Verdict(Enum):
 class Finding:
     """Result and remedy of a check; no remedy where there is nothing to fix."""
 
-    verdict: Verdict
+    verdict: CheckResult
     found: str
     remedy: str = ""
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class Check:
     """A check. `needed` marks one without which the program, or its bench, does not work."""
 
     title: str
@@ -63,15 +63,15 @@ _BUS_OFF: Final = "BUS-OFF"
 
 
 def _ok(found: str) -> Finding:
-    return Finding(Verdict.OK, found)
+    return Finding(CheckResult.OK, found)
 
 
 def _careful(found: str, remedy: str) -> Finding:
-    return Finding(Verdict.CAREFUL, found, remedy)
+    return Finding(CheckResult.CAREFUL, found, remedy)
 
 
 def _missing(found: str, remedy: str) -> Finding:
-    return Finding(Verdict.MISSING, found, remedy)
+    return Finding(CheckResult.MISSING, found, remedy)
 
 
 def python(facts: Facts) -> Finding:
@@ -286,23 +286,23 @@ def _extra(name: str, lacking: tuple[str, ...]) -> str:
 
 
 ROWS: Final = (
-    Row("Python", python, needed=True),
-    Row("libraries", libraries, needed=True),
-    Row("extras", extras),
-    Row("C compiler", compiler, needed=True),
-    Row("plants", plants),
-    Row("servo kernel", kernel),
-    Row("compiled core", core),
-    Row("SocketCAN", socketcan),
-    Row("virtual CAN", vcan),
-    Row("CAN interfaces", adapters),
-    Row("serial ports", ports),
-    Row("watchdogs", watchdogs),
-    Row("clock", clock),
-    Row("load", load),
+    Check("Python", python, needed=True),
+    Check("libraries", libraries, needed=True),
+    Check("extras", extras),
+    Check("C compiler", compiler, needed=True),
+    Check("plants", plants),
+    Check("servo kernel", kernel),
+    Check("compiled core", core),
+    Check("SocketCAN", socketcan),
+    Check("virtual CAN", vcan),
+    Check("CAN interfaces", adapters),
+    Check("serial ports", ports),
+    Check("watchdogs", watchdogs),
+    Check("clock", clock),
+    Check("load", load),
 )
 
 
 def lacks(facts: Facts) -> tuple[str, ...]:
     """Return the titles of what is missing and needed."""
-    return tuple(row.title for row in ROWS if row.needed and row.judge(facts).verdict is Verdict.MISSING)
+    return tuple(row.title for row in ROWS if row.needed and row.judge(facts).verdict is CheckResult.MISSING)

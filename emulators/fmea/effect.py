@@ -11,8 +11,8 @@ from typing import Final
 import numpy as np
 
 from emulators.bench.columns import SAMPLE_EVERY, Floats
-from emulators.bench.log import Entry, Kind
-from emulators.bench.records import HoldRecord
+from emulators.bench.log import LogEntry, Subject
+from emulators.bench.records import InterlockEvent
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds, from_seconds
 
@@ -40,7 +40,7 @@ LATE_MS: Final = 500.0
 """Limit from which an unreported deviation counts as noticed late. ASSUME."""
 
 
-class Verdict(StrEnum):
+class Assessment(StrEnum):
     """Assessment of a cell."""
 
     NOTICED = "noticed"
@@ -64,9 +64,9 @@ class Course:
     places: Mapping[str, Floats]
     """The plant's places, in m and rad, by the columns' names, every 10 ms."""
     units: Mapping[str, str]
-    holds: tuple[HoldRecord, ...]
+    holds: tuple[InterlockEvent, ...]
     """Interlock events that began since."""
-    texts: tuple[Entry, ...]
+    texts: tuple[LogEntry, ...]
     """Texts that the operator has received since."""
     began: Nanoseconds
     ends: Nanoseconds = NEVER
@@ -77,7 +77,7 @@ class Course:
 class Effect:
     """Effect of one failure in one state."""
 
-    verdict: Verdict
+    verdict: Assessment
     noticed_by: str
     """The interlock that held first, or the first words."""
     after_ms: float | None
@@ -96,12 +96,12 @@ def watched(rig: VirtualRig, lasts_s: float | None = None) -> Course:
     rig.runs(LETS_GO_S)
     rig.operator.lets_go()
     rig.runs(WATCHED_S - LETS_GO_S)
-    units = {column.name: column.unit for column in rig.rehearsal.columns if column.plant}
+    units = {column.name: column.unit for column in rig.bench_setup.columns if column.plant}
     while (places := _places(rig, units, first)) and _stands(places, units) is None:
         if rig.bench.world.now - began >= from_seconds(STANDS_WITHIN_S):
             break
         rig.runs(RESTS_S)
-    reported = (entry for entry in rig.operator.diary if entry.at >= began and entry.kind is Kind.REPORTED)
+    reported = (entry for entry in rig.operator.diary if entry.at >= began and entry.kind is Subject.REPORTED)
     holds = tuple(hold for hold in rig.interlock_history if hold.began >= began)
     ends = NEVER if lasts_s is None else began + from_seconds(lasts_s)
     return Course(places, units, holds, tuple(reported), began, ends)
@@ -122,11 +122,11 @@ def effect(well: Course, ill: Course) -> Effect:
     shares = np.max([_share(ill, well, name) for name in well.places], axis=0)
     other = np.flatnonzero(shares > 1.0)
     moved_ms = _moved_until(ill.places, ill.units) * EACH_MS
-    by, at, verdict = "", None, Verdict.STANDS if other.size else Verdict.TOLERATED
+    by, at, verdict = "", None, Assessment.STANDS if other.size else Assessment.TOLERATED
     if holds:
-        by, at, verdict = holds[0].name, holds[0].began, Verdict.NOTICED
+        by, at, verdict = holds[0].name, holds[0].began, Assessment.NOTICED
     elif texts:
-        by, at, verdict = texts[0].text, texts[0].at, Verdict.REPORTED
+        by, at, verdict = texts[0].text, texts[0].at, Assessment.REPORTED
     first = min((at for at in (*(hold.began for hold in holds), *(text.at for text in texts))), default=None)
     after_ms = None if at is None else (at - ill.began) / MILLISECOND
     noticed_ms = None if first is None else (first - ill.began) / MILLISECOND
@@ -134,10 +134,10 @@ def effect(well: Course, ill: Course) -> Effect:
         # Who stands does no harm, and need not say why.
         due_ms = float(other[0]) * EACH_MS + LATE_MS
         if moved_ms > due_ms and (noticed_ms is None or noticed_ms > due_ms):
-            verdict = Verdict.MISSED if noticed_ms is None else Verdict.LATE
+            verdict = Assessment.MISSED if noticed_ms is None else Assessment.LATE
     stands = _stands(ill.places, ill.units)
     if stands is None and _stands(well.places, well.units) is not None:
-        verdict = Verdict.MISSED
+        verdict = Assessment.MISSED
     return Effect(
         verdict,
         by,

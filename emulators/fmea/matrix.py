@@ -7,7 +7,7 @@ from functools import partial
 from multiprocessing import get_context
 
 from emulators.bench.faults.failures import Failure, failures_of
-from emulators.fmea.effect import LASTS_S, Effect, Verdict, effect, watched
+from emulators.fmea.effect import LASTS_S, Assessment, Effect, effect, watched
 from emulators.fmea.reasons import ALONE, reason
 from emulators.fmea.states import states_of
 from emulators.testing.rig import VirtualRig
@@ -27,7 +27,7 @@ class Cell:
     @property
     def late(self) -> bool:
         """True if its motion is uncommanded, and is not noticed in time."""
-        return self.effect.verdict in {Verdict.MISSED, Verdict.LATE}
+        return self.effect.verdict in {Assessment.MISSED, Assessment.LATE}
 
     @property
     def wrong(self) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from emulators.bench.web import document
-from emulators.fmea.effect import Verdict
+from emulators.fmea.effect import Assessment
 from emulators.fmea.matrix import Cell
 
 COLUMNS: Final = (
@@ -23,10 +23,10 @@ thead th { position: sticky; top: 0; background: #fff }
 small { color: #666; display: block }
 """
 LEGEND: Final = (
-    (Verdict.NOTICED, "an interlock is active: which, and after how long"),
-    (Verdict.REPORTED, "the operator was informed, and no interlock is active"),
-    (Verdict.TOLERATED, "the robot does what it would have done"),
-    (Verdict.STANDS, "nothing was reported, and the robot came to rest"),
+    (Assessment.NOTICED, "an interlock is active: which, and after how long"),
+    (Assessment.REPORTED, "the operator was informed, and no interlock is active"),
+    (Assessment.TOLERATED, "the robot does what it would have done"),
+    (Assessment.STANDS, "nothing was reported, and the robot came to rest"),
 )
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from emulators.bench.rehearsal import Channel
+from emulators.bench.bench_setup import Channel
 from emulators.bench.step import Holds, inputs
 from emulators.testing.rig import VirtualRig
 
@@ -17,27 +17,27 @@ STOPPED_S: Final = 2.0
 
 
 @dataclass(frozen=True, slots=True)
-class State:
+class OperatingState:
     """One state, and how an armed robot at rest is brought to it."""
 
     name: str
     enter: Callable[[VirtualRig], None]
 
 
-def states_of(rig: VirtualRig) -> tuple[State, ...]:
+def states_of(rig: VirtualRig) -> tuple[OperatingState, ...]:
     """Return the states of a robot: without power, at rest, each thing that it can do, and its stops."""
-    channels = rig.rehearsal.channels
+    channels = rig.bench_setup.channels
     whole = [channel for channel in channels if not channel.stick_only]
     requests = {f"{channel.name} {SHARE:.0%}": _command(rig, [channel]) for channel in channels}
     if len(whole) > 1:
         requests[f"{', '.join(channel.name for channel in whole)} {SHARE:.0%}"] = _command(rig, whole)
     first = next(iter(requests.values()))
     return (
-        State("disarmed", _disarmed),
-        State("at rest", lambda rig: rig.runs(STOPPED_S)),
-        *(State(name, _driving(command)) for name, command in requests.items()),
-        State("stopping", _stopping(first)),
-        State("emergency stop", _stopped(first)),
+        OperatingState("disarmed", _disarmed),
+        OperatingState("at rest", lambda rig: rig.runs(STOPPED_S)),
+        *(OperatingState(name, _driving(command)) for name, command in requests.items()),
+        OperatingState("stopping", _stopping(first)),
+        OperatingState("emergency stop", _stopped(first)),
     )
 
 
@@ -47,7 +47,7 @@ def _command(rig: VirtualRig, channels: list[Channel]) -> Mapping[str, float]:
 
 
 def _steps(rig: VirtualRig, channel: Channel) -> Iterator[tuple[str, float]]:
-    for key, row in inputs(rig.rehearsal.step).items():
+    for key, row in inputs(rig.bench_setup.step).items():
         if isinstance(row, Holds) and row.channel == channel.name:
             # The first key is the channel's own, in its unit or in a multiple of it.
             yield key, SHARE * channel.full(rig.robot) / row.into(1.0, rig.robot)

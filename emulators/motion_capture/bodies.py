@@ -13,22 +13,22 @@ from firmware_bridge.units import Nanoseconds, to_seconds
 from firmware_bridge.wire.natnet.frame import Point, Quaternion
 
 
-class Place(NamedTuple):
+class Attitude(NamedTuple):
     """Position and attitude of a body."""
 
     position: Point = (0.0, 0.0, 0.0)
     attitude: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
 
-HERE: Final = Place()
+HERE: Final = Attitude()
 
 
-def on_floor(x: float, y: float, heading: float, height: float = 0.0) -> Place:
+def on_floor(x: float, y: float, heading: float, height: float = 0.0) -> Attitude:
     """Return the place of a body on a floor, turned to the left by `heading`."""
-    return Place((x, y, height), (0.0, 0.0, math.sin(heading / 2.0), math.cos(heading / 2.0)))
+    return Attitude((x, y, height), (0.0, 0.0, math.sin(heading / 2.0), math.cos(heading / 2.0)))
 
 
-Truth: TypeAlias = Callable[[Nanoseconds], Place]
+Truth: TypeAlias = Callable[[Nanoseconds], Attitude]
 """Pose of a body at an exposure; exposures are requested in their order, some ms later."""
 
 
@@ -40,7 +40,7 @@ class Circling:
     speed_mps: float = 0.5
     height_m: float = 0.2
 
-    def __call__(self, now: Nanoseconds) -> Place:
+    def __call__(self, now: Nanoseconds) -> Attitude:
         """Return where it is."""
         angle = self.speed_mps / self.radius_m * to_seconds(now)
         x, y = self.radius_m * math.cos(angle), self.radius_m * math.sin(angle)
@@ -51,16 +51,16 @@ class Circling:
 class Standing:
     """The truth of a body that stays."""
 
-    place: Place = HERE
+    place: Attitude = HERE
 
-    def __call__(self, now: Nanoseconds) -> Place:
+    def __call__(self, now: Nanoseconds) -> Attitude:
         """Return where it is."""
         del now
         return self.place
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class TrackedBody:
     """One rigid body: its number and name in the software, its markers from its pivot, and its truth."""
 
     id: int

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Final
 
-from emulators.motion_capture.bodies import Body, Place, product, turned
+from emulators.motion_capture.bodies import Attitude, TrackedBody, product, turned
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.natnet.frame import (
     BodyFlag,
@@ -102,10 +102,10 @@ class Shaken:
 class Exposure:
     """The room, seen again and again."""
 
-    bodies: Sequence[Body]
+    bodies: Sequence[TrackedBody]
     cameras: Cameras
     disturbances: list[Hidden | Swapped | Shaken] = field(default_factory=list)
-    _last: dict[int, Place] = field(default_factory=dict)
+    _last: dict[int, Attitude] = field(default_factory=dict)
     """Last seen pose of each body."""
 
     def bodies_at(
@@ -137,13 +137,13 @@ class Exposure:
                 return True
         return False
 
-    def _swapped(self, body: Body, now: Nanoseconds) -> Place:
+    def _swapped(self, body: TrackedBody, now: Nanoseconds) -> Attitude:
         place = body.truth(now)
         for one in self.disturbances:
             if isinstance(one, Swapped) and one.body == body.id and one.begin <= now < one.end:
                 position = _moved(place.position, turned(place.attitude, one.aside))
                 turn = (0.0, 0.0, math.sin(one.turn / 2.0), math.cos(one.turn / 2.0))
-                place = Place(position, product(place.attitude, turn))
+                place = Attitude(position, product(place.attitude, turn))
         return place
 
     def _noise(self, body: int, now: Nanoseconds) -> float:
@@ -155,27 +155,29 @@ class Exposure:
         return math.hypot(self.cameras.noise_m, *shaken)
 
     @staticmethod
-    def _noisy(place: Place, noise: float, errors: Sequence[float]) -> Place:
+    def _noisy(place: Attitude, noise: float, errors: Sequence[float]) -> Attitude:
         x, y, z, roll, pitch, yaw = errors
         half = 0.5 * noise / ARM_M
         position = _moved(place.position, (x * noise, y * noise, z * noise))
-        return Place(position, _unit(product(place.attitude, (roll * half, pitch * half, yaw * half, 1.0))))
+        return Attitude(
+            position, _unit(product(place.attitude, (roll * half, pitch * half, yaw * half, 1.0)))
+        )
 
-    def _lost(self, body: int) -> Place:
+    def _lost(self, body: int) -> Attitude:
         if self.cameras.lost is Lost.NAN:
-            return Place((_NAN, _NAN, _NAN), (_NAN, _NAN, _NAN, _NAN))
-        nothing = Place((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
+            return Attitude((_NAN, _NAN, _NAN), (_NAN, _NAN, _NAN, _NAN))
+        nothing = Attitude((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
         return nothing if self.cameras.lost is Lost.ZERO else self._last.get(body, nothing)
 
     def outside(self, point: Point) -> Point:
         """Return a point, or a vector, in the stream's axes."""
         return point if self.cameras.up is Up.Z else (point[0], point[2], -point[1])
 
-    def _outside(self, place: Place) -> Place:
+    def _outside(self, place: Attitude) -> Attitude:
         qx, qy, qz, qw = place.attitude
-        return Place(self.outside(place.position), (*self.outside((qx, qy, qz)), qw))
+        return Attitude(self.outside(place.position), (*self.outside((qx, qy, qz)), qw))
 
-    def _markers(self, body: Body, place: Place, *, tracked: bool) -> Iterable[LabeledMarker]:
+    def _markers(self, body: TrackedBody, place: Attitude, *, tracked: bool) -> Iterable[LabeledMarker]:
         seen = MarkerFlag.POINT_CLOUD if tracked else MarkerFlag.OCCLUDED | MarkerFlag.POINT_CLOUD
         for number, marker in enumerate(body.markers, 1):
             position = self.outside(_moved(place.position, turned(place.attitude, marker)))

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Final, Protocol
 
-from emulators.motion_capture.bodies import Place, on_floor
+from emulators.motion_capture.bodies import Attitude, on_floor
 from firmware_bridge.units import Nanoseconds
 
 FLOOR: Final = ("x", "y", "heading")
@@ -32,7 +32,7 @@ class Doubles(Protocol):
 
 
 class Outputs(Protocol):
-    """Outputs of a plant, as `emulators.servo.seam.Plant` has them."""
+    """Outputs of a plant, as `emulators.servo.seam.ServoPlant` has them."""
 
     @property
     def outputs(self) -> Doubles:
@@ -71,16 +71,16 @@ class Film:
             self._next_at = self._exposed_at(self._number)
         return self._physics.advance(until)
 
-    def __call__(self, now: Nanoseconds) -> Place:
+    def __call__(self, now: Nanoseconds) -> Attitude:
         """Return where the body was, by the newest picture of this instant or before, or by the oldest."""
         for at, picture in reversed(self._pictures):
             if at <= now:
                 return self._place(picture)
         return self._place(self._pictures[0][1])
 
-    def _place(self, picture: list[float]) -> Place:
+    def _place(self, picture: list[float]) -> Attitude:
         if not self._in_space:
             x, y, heading = picture
             return on_floor(x, y, heading)
         x, y, z, qx, qy, qz, qw = picture
-        return Place((x, y, z), (qx, qy, qz, qw))
+        return Attitude((x, y, z), (qx, qy, qz, qw))

@@ -16,7 +16,7 @@ from typing import Final
 
 from numpy.random import Generator
 
-from emulators.motion_capture.bodies import Body
+from emulators.motion_capture.bodies import TrackedBody
 from emulators.motion_capture.chance import Chance
 from emulators.motion_capture.exposure import NORMALS, Cameras, Exposure, Hidden, Shaken, Swapped
 from emulators.motion_capture.server import Server
@@ -62,7 +62,7 @@ class MotionCapture:
 
     def __init__(
         self,
-        bodies: Sequence[Body],
+        bodies: Sequence[TrackedBody],
         generator: Generator,
         *,
         version: Version = DEFAULT,
@@ -164,7 +164,7 @@ def _timecode(now: Nanoseconds) -> int:
     return hours % 24 << 24 | minute << 16 | second << 8 | rest * _FRAMES_OF_TIMECODE // SECOND
 
 
-def _models(bodies: Sequence[Body], exposure: Exposure) -> tuple[Model, ...]:
+def _models(bodies: Sequence[TrackedBody], exposure: Exposure) -> tuple[Model, ...]:
     """Return what the bodies and their markers are called, in the stream's axes."""
     found: list[Model] = []
     for body in bodies:

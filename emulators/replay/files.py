@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from emulators.recorded import CHUNKS, FRAMES, SIGHTS, WORDS
-from emulators.replay.order import Order
+from emulators.replay.order import ReplayOrder
 from emulators.replay.recordings import RecordingFileError, is_lines, is_telemetry
 
 PACKED: Final = ("", ".gz", ".xz")
@@ -25,7 +25,7 @@ class Files:
     """File of the operator."""
 
 
-def files_of(order: Order) -> Files:
+def files_of(order: ReplayOrder) -> Files:
     """Return the files with the bridge's input; RecordingFileError for a telemetry log alone."""
     named = order.recording
     if named.is_dir():
@@ -41,7 +41,7 @@ def files_of(order: Order) -> Files:
     return Files(frames=named, words=order.operator)
 
 
-def named(order: Order) -> tuple[Path, ...]:
+def named(order: ReplayOrder) -> tuple[Path, ...]:
     """Return every file that is there of a recording."""
     folder = order.recording
     parts = [folder]
@@ -59,7 +59,7 @@ def within(folder: Path, name: str) -> Path | None:
     return next((file for file in found if file.is_file() and file.stat().st_size), None)
 
 
-def one_file(order: Order, name: str) -> Path:
+def one_file(order: ReplayOrder, name: str) -> Path:
     """Return the file that was named, or the run's of this name; RecordingFileError."""
     if not order.recording.is_dir():
         return order.recording

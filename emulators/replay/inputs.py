@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from emulators.replay.ending import end_requested_at
 from emulators.replay.files import files_of, within
-from emulators.replay.order import Order
+from emulators.replay.order import ReplayOrder
 from emulators.replay.recordings import (
     Recording,
     RecordingFileError,
@@ -61,7 +61,7 @@ class Inputs:
         return chunks_of(recording)
 
 
-def inputs_of(order: Order) -> Inputs:
+def inputs_of(order: ReplayOrder) -> Inputs:
     """Read the files of an order; RecordingFileError where they do not go together, or a link is missing."""
     robot = order.robot
     found = _found(order)
@@ -76,13 +76,13 @@ def inputs_of(order: Order) -> Inputs:
     return inputs
 
 
-def _ended(order: Order, begin: Nanoseconds) -> Nanoseconds | None:
+def _ended(order: ReplayOrder, begin: Nanoseconds) -> Nanoseconds | None:
     events = within(order.recording, EVENTS_LOG) if order.recording.is_dir() else None
     requested = None if events is None else end_requested_at(events)
     return None if requested is None else requested - begin
 
 
-def _found(order: Order) -> dict[str, Recording]:
+def _found(order: ReplayOrder) -> dict[str, Recording]:
     """Return what each link of the robot has carried, the operator's last where it was recorded."""
     robot, files = order.robot, files_of(order)
     kinds = kinds_of(robot)
@@ -109,7 +109,7 @@ def _found(order: Order) -> dict[str, Recording]:
     return found
 
 
-def _placed(words: Recording, order: Order) -> Recording:
+def _placed(words: Recording, order: ReplayOrder) -> Recording:
     """Return the stations' messages, each with its sender's place, where the run's folder records that."""
     file = within(order.recording, STATIONS_LOG) if order.recording.is_dir() else None
     if file is None:

@@ -8,8 +8,8 @@ their times.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from emulators.line import AnyLine, Line, line_of
-from emulators.replay.order import Order
+from emulators.line import AnyLine, EmulatedLine, line_of
+from emulators.replay.order import ReplayOrder
 from emulators.replay.recordings import duration_of
 from emulators.replay.senders import BRIDGE
 from emulators.replay.stage import RECORDING
@@ -17,9 +17,9 @@ from emulators.wires import CanWire, DatagramWire, PlayedLine, SerialWire
 from emulators.world import Wire
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.dissector import kinds_of
-from firmware_bridge.kinds import kind_of
 from firmware_bridge.node import CAN, OPERATOR, Node
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.shell.last_places import RECORDED, LastPlaces
 from firmware_bridge.units import Nanoseconds
@@ -50,13 +50,13 @@ class Machine:
         return {name: lane.wire for name, lane in self.lanes.items()}
 
 
-def machine_of(order: Order, *, timed: bool) -> Machine:
+def machine_of(order: ReplayOrder, *, timed: bool) -> Machine:
     """Return a bridge that was not woken yet; not `timed`, its packets arrive as they leave.
 
     A bus is timed even so, unless it was recorded where the bridge is: its folder has it as it left.
     """
     robot = order.robot
-    bridge = Bridge(robot, kind_of(robot), stands=order.stands, mode=order.mode)
+    bridge = Bridge(robot, robot_type_of(robot), stands=order.stands, mode=order.mode)
     if order.recording.is_dir():
         bridge.offer(LastPlaces(order.recording / RECORDED).read())
     node: Node = guarded(bridge, robot)
@@ -84,7 +84,7 @@ def _bus(bit_rate: int) -> Lane:
 
 
 def _as_it_was(kind: str, line: AnyLine) -> Lane:
-    if isinstance(line, Line):
+    if isinstance(line, EmulatedLine):
         played = PlayedLine(line.wire.baud, RECORDING, line.link.name)
         return Lane(kind, played, played.duration)
     chunks = line.wire

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 from emulators.bench.columns import ODOMETRY, SAMPLE_EVERY, Column, Samples, columns_of, electric
-from emulators.bench.records import HoldRecord, Holds
+from emulators.bench.records import InterlockEvent, InterlockLog
 from emulators.replay.comparison import first, in_words
 from emulators.replay.on_all_links import on_all_links
-from emulators.replay.order import Order
-from emulators.replay.stage import Stage
+from emulators.replay.order import ReplayOrder
+from emulators.replay.stage import ReplayStage
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import Nanoseconds, to_seconds
@@ -29,7 +29,7 @@ class Measured:
     """A run by what its devices have measured, its times from the begin of the recording."""
 
     samples: Samples
-    holds: Sequence[HoldRecord]
+    holds: Sequence[InterlockEvent]
     packets: int
     """Number of packets in the recording, on all links."""
     lasts: Nanoseconds
@@ -81,14 +81,14 @@ class _Table:
         return tuple([read(seen) for _, read in self.reads])
 
 
-def measured(order: Order, own: tuple[Column, ...], progress: Progress) -> Measured:
+def measured(order: ReplayOrder, own: tuple[Column, ...], progress: Progress) -> Measured:
     """Play a recording into the bridge of its robot; `own` are the robot's columns. RecordingFileError.
 
     It goes on behind a difference: the devices have measured what they have.
     """
     stage, table = on_all_links(order), _table(order.robot, own)
     assert stage.bridge is not None  # noqa: S101 - the bridge is what all links end at
-    samples, holds = Samples(tuple(column for column, _ in table.reads), truth=False), Holds()
+    samples, holds = Samples(tuple(column for column, _ in table.reads), truth=False), InterlockLog()
     try:
         differs = None
         for now in range(stage.lead, stage.end, SAMPLE_EVERY):
@@ -108,9 +108,9 @@ def measured(order: Order, own: tuple[Column, ...], progress: Progress) -> Measu
     return Measured(samples, events, len(stage.recorded), lasts, words, differs.at - stage.lead)
 
 
-def _since(record: HoldRecord, stage: Stage) -> HoldRecord:
+def _since(record: InterlockEvent, stage: ReplayStage) -> InterlockEvent:
     ended = None if record.ended is None else record.ended - stage.lead
-    return HoldRecord(
+    return InterlockEvent(
         record.name, record.reason, max(0, record.began - stage.lead), ended, remedy=record.remedy
     )
 

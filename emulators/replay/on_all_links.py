@@ -14,13 +14,13 @@ from emulators.replay.comparison import EXACT, Comparison, Frames
 from emulators.replay.earlier_texts import answers_of
 from emulators.replay.inputs import Inputs, inputs_of
 from emulators.replay.machine import Machine, machine_of
-from emulators.replay.order import Order
+from emulators.replay.order import ReplayOrder
 from emulators.replay.player import Player
 from emulators.replay.recordings import RESOLUTION, RecordingFileError
 from emulators.replay.senders import BRIDGE, Sent
 from emulators.replay.stage import (
     RECORDING,
-    Stage,
+    ReplayStage,
     call_at,
     end_of,
     first_of,
@@ -49,7 +49,7 @@ LOOK_EVERY: Final[Nanoseconds] = 50 * MILLISECOND
 """Virtual time between two checks for its first packet."""
 
 
-def on_all_links(order: Order) -> Stage:
+def on_all_links(order: ReplayOrder) -> ReplayStage:
     """Put the bridge on its links with the recorded traffic; RecordingFileError."""
     inputs = inputs_of(order)
     if inputs.ended is not None:
@@ -71,10 +71,12 @@ def on_all_links(order: Order) -> Stage:
     comparisons = tuple(_compared(order, machine, name, all_, end) for name, all_ in sent.items())
     recorded = sorted((one for all_ in sent.values() for one in all_), key=lambda one: one.entry.at)
     kinds = kinds_of(order.robot)
-    return Stage(world.run, comparisons, recorded, len(script), end, lead, bridge=machine.bridge, kinds=kinds)
+    return ReplayStage(
+        world.run, comparisons, recorded, len(script), end, lead, bridge=machine.bridge, kinds=kinds
+    )
 
 
-def _woken(machine: Machine, sent: Mapping[str, list[Sent]], order: Order, start: Nanoseconds) -> Woken:
+def _woken(machine: Machine, sent: Mapping[str, list[Sent]], order: ReplayOrder, start: Nanoseconds) -> Woken:
     """Return the bridge as its machine woke it; the instants on a timed bus are not its own."""
     untimed = [name for name, lane in machine.lanes.items() if not isinstance(lane.wire, CanWire)]
     all_ = [one for name in untimed for one in sent.get(name, ())]
@@ -87,7 +89,9 @@ def _others(sent: list[Sent]) -> list[Sent]:
     return [one for one in sent if one.sender != BRIDGE]
 
 
-def _compared(order: Order, machine: Machine, name: str, sent: list[Sent], end: Nanoseconds) -> Comparison:
+def _compared(
+    order: ReplayOrder, machine: Machine, name: str, sent: list[Sent], end: Nanoseconds
+) -> Comparison:
     """Compare what the bridge sends on a link with what it is recorded to have sent there."""
     wire, kind = machine.lanes[name].wire, machine.lanes[name].kind
     if kind == OPERATOR:
@@ -108,7 +112,7 @@ def _compared(order: Order, machine: Machine, name: str, sent: list[Sent], end: 
     return frames
 
 
-def _switched_on(order: Order, inputs: Inputs) -> tuple[Nanoseconds, Nanoseconds]:
+def _switched_on(order: ReplayOrder, inputs: Inputs) -> tuple[Nanoseconds, Nanoseconds]:
     """Return the lead before the recording, and the start of the bridge, counted from there.
 
     A bridge without input is run until it sends its first packet on a link that is in the recording. To a

@@ -21,7 +21,7 @@ class Into(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class ReplayOrder:
     """One replay."""
 
     robot: AnyRobot

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 from emulators.replay.comparison import first, in_words
-from emulators.replay.order import Into, Order
+from emulators.replay.order import Into, ReplayOrder
 from emulators.replay.recordings import is_lines, is_telemetry
 from emulators.replay.stages import STAGES
 from firmware_bridge.units import MILLISECOND, Nanoseconds
@@ -18,7 +18,7 @@ Progress: TypeAlias = Callable[[Nanoseconds, Nanoseconds], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class ReplayResult:
     """Result of a replay."""
 
     into: Into
@@ -32,7 +32,7 @@ class Outcome:
     """The first difference in words; None where there is none."""
 
 
-def replay(order: Order, progress: Progress = lambda _now, _end: None) -> Outcome:
+def replay(order: ReplayOrder, progress: Progress = lambda _now, _end: None) -> ReplayResult:
     """Play a recording; RecordingFileError where a file cannot be used, PlantError where the plant cannot."""
     into = order.into or _suitable(order)
     stage = STAGES[into](order)
@@ -49,12 +49,12 @@ def replay(order: Order, progress: Progress = lambda _now, _end: None) -> Outcom
         stage.finish()
     compared = sum(one.compared for one in stage.comparisons)
     if difference is None:
-        return Outcome(into, stage.played, compared, stage.end - stage.lead, None)
+        return ReplayResult(into, stage.played, compared, stage.end - stage.lead, None)
     words = in_words(difference, stage.recorded, stage.lead, stage.kinds)
-    return Outcome(into, stage.played, compared, difference.at - stage.lead, words)
+    return ReplayResult(into, stage.played, compared, difference.at - stage.lead, words)
 
 
-def _suitable(order: Order) -> Into:
+def _suitable(order: ReplayOrder) -> Into:
     """Return what a recording suits: the folder of a run, and what lines have carried, the bridge."""
     if is_telemetry(order.recording):
         return Into.BENCH

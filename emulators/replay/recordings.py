@@ -68,7 +68,7 @@ class RecordingFileError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class RecordedPacket:
     """One packet of a recording; it had wholly arrived at `at`."""
 
     at: Nanoseconds
@@ -84,7 +84,7 @@ class Recording:
     """The packets of one file, in order."""
 
     name: str
-    entries: tuple[Entry, ...]
+    entries: tuple[RecordedPacket, ...]
     origin: Nanoseconds = 0
     """The instant from which those of the packets count, from the bench's epoch on."""
 
@@ -114,10 +114,10 @@ def read_can(path: Path, channel: str | None) -> Recording:
 
     `channel` chooses one where frames of several buses stand in the log.
     """
-    found: dict[str, list[Entry]] = {}
+    found: dict[str, list[RecordedPacket]] = {}
     for where, at, bus, packet in _foreign(path) if can_files.is_foreign(path) else _candump(path):
         if not packet.address & ERROR:
-            found.setdefault(bus, []).append(Entry(at, packet, where))
+            found.setdefault(bus, []).append(RecordedPacket(at, packet, where))
     if not found:
         raise RecordingFileError(f"{path.name}: holds no CAN frame")
     buses = ", ".join(sorted(found))
@@ -172,7 +172,7 @@ def read_lines(path: Path) -> Recording:
             if not whole:
                 break
             raise RecordingFileError(f"{where}: {error}") from None
-        entries.append(Entry(at, packet, where, direction))
+        entries.append(RecordedPacket(at, packet, where, direction))
     if not entries:
         raise RecordingFileError(f"{path.name}: holds nothing that a line has carried")
     return _in_order(path.name, entries)
@@ -180,11 +180,11 @@ def read_lines(path: Path) -> Recording:
 
 def read_telemetry(path: Path) -> Recording:
     """Read a telemetry log; RecordingFileError."""
-    entries: list[Entry] = []
+    entries: list[RecordedPacket] = []
     try:
         for at, message in parse_tlog(_content(path)):
             where = f"{path.name}, message {len(entries) + 1}"
-            entries.append(Entry(at, Packet(OPERATOR, 0, message), where))
+            entries.append(RecordedPacket(at, Packet(OPERATOR, 0, message), where))
     except RecordingError as error:
         if not (entries and isinstance(error, CutOffError)):
             raise RecordingFileError(f"{path.name}: {error}") from None
@@ -269,7 +269,7 @@ def _lines(path: Path) -> Iterator[tuple[int, str, bool]]:
             ) from None
 
 
-def _in_order(name: str, entries: list[Entry]) -> Recording:
+def _in_order(name: str, entries: list[RecordedPacket]) -> Recording:
     for before, after in pairwise(entries):
         if after.at < before.at:
             raise RecordingFileError(f"{after.where}: its instant is before that of the one above it")

@@ -12,9 +12,9 @@ from typing import Final
 import numpy as np
 
 from emulators.bench.animated import animated
+from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.columns import Floats, current
 from emulators.bench.page import beginning, held, shown
-from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.summary import held as as_held
 from emulators.bench.web import document
 from emulators.extras import installed
@@ -32,7 +32,7 @@ def written(
     folder: Path,
     title: str,
     robot: AnyRobot,
-    rehearsal: Rehearsal,
+    bench_setup: BenchSetup,
     run: Measured,
     *,
     again: str,
@@ -45,8 +45,8 @@ def written(
         # Half a second for Matplotlib, which no one needs before.
         from emulators.bench.plots import draw  # noqa: PLC0415 - see above
 
-        pictures = draw(folder, title, robot, rehearsal.panels, run.samples, holds=run.holds)
-    rows = list(numbers(robot, run, rehearsal.remarks(robot)))
+        pictures = draw(folder, title, robot, bench_setup.panels, run.samples, holds=run.holds)
+    rows = list(numbers(robot, run, bench_setup.remarks(robot)))
     parts = (
         *beginning(title, again, rows),
         *_differs(run),

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
-from emulators.replay.recordings import Entry, Recording
+from emulators.replay.recordings import RecordedPacket, Recording
 from firmware_bridge.dissector.canopen import MASTER, Canopen
 from firmware_bridge.recording import Direction, mavlink_origin
 from firmware_bridge.robot import AnyRobot
@@ -17,7 +17,7 @@ UNKNOWN: Final = "unknown"
 class Sent:
     """A recorded packet, and who has sent it: `BRIDGE`, an axis, or a name for someone else."""
 
-    entry: Entry
+    entry: RecordedPacket
     sender: str
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 
 from emulators.replay.comparison import Comparison
-from emulators.replay.order import Order
+from emulators.replay.order import ReplayOrder
 from emulators.replay.recordings import RESOLUTION
 from emulators.replay.senders import Sent
 from emulators.world import World
@@ -21,7 +21,7 @@ Duration: TypeAlias = Callable[[Packet], Nanoseconds]
 
 
 @dataclass(frozen=True, slots=True)
-class Stage:
+class ReplayStage:
     """A world at its start, what is compared in it, and how to move it on."""
 
     run: Callable[[Nanoseconds], None]
@@ -39,18 +39,18 @@ class Stage:
     """The kinds of links that are called otherwise, as `dissector.Dissector` takes them."""
 
 
-def not_after(order: Order, sent: Sequence[Sent], lead: Nanoseconds = 0) -> list[Sent]:
+def not_after(order: ReplayOrder, sent: Sequence[Sent], lead: Nanoseconds = 0) -> list[Sent]:
     """Return the packets recorded up to the requested end."""
     until = NEVER if order.until is None else order.until + lead
     return [one for one in sent if one.entry.at <= until]
 
 
-def end_of(order: Order, *links: Sequence[Sent]) -> Nanoseconds:
+def end_of(order: ReplayOrder, *links: Sequence[Sent]) -> Nanoseconds:
     """Return the instant by which the last packet has come, or is missing."""
     return max(sent[-1].entry.at for sent in links if sent) + order.tolerance + RESOLUTION + 1
 
 
-def to_compare(order: Order, frames: Sequence[Sent], senders: Collection[str]) -> list[Sent]:
+def to_compare(order: ReplayOrder, frames: Sequence[Sent], senders: Collection[str]) -> list[Sent]:
     """Return the frames of these senders, but for services that are left out."""
     return [
         one for one in frames if one.sender in senders and service_name(one.entry.packet) not in order.without

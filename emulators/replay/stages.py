@@ -12,14 +12,14 @@ from functools import partial
 from types import MappingProxyType
 from typing import Final
 
-from emulators.bench.rehearsal import rehearsal_of
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.devices import devices
 from emulators.recorded import FRAMES, WORDS
 from emulators.replay.comparison import Frames
 from emulators.replay.earlier_texts import answers_of
 from emulators.replay.files import one_file
 from emulators.replay.on_all_links import on_all_links
-from emulators.replay.order import Into, Order
+from emulators.replay.order import Into, ReplayOrder
 from emulators.replay.player import Player
 from emulators.replay.recordings import (
     Recording,
@@ -33,7 +33,7 @@ from emulators.replay.recordings import (
 from emulators.replay.senders import BRIDGE, Sent, frames_of, messages_of
 from emulators.replay.stage import (
     RECORDING,
-    Stage,
+    ReplayStage,
     begin_of,
     call_at,
     end_of,
@@ -57,7 +57,7 @@ SHARED: Final = LSS_RESPONSE
 """Identifier with which every drive answers, so the sender of an answer is ambiguous."""
 
 
-def _drives(order: Order) -> Stage:
+def _drives(order: ReplayOrder) -> ReplayStage:
     """Put the drives of the recording on a bus, with its other nodes."""
     if order.stands:
         raise RecordingFileError(f"{order.recording.name}: the drives take no position, a bridge does")
@@ -90,10 +90,10 @@ def _drives(order: Order) -> Stage:
             comparison.take(now, sender, packet)
 
     bus.observe(note)
-    return Stage(world.run, (comparison,), frames, len(played), end, lead, emulated.plant.close)
+    return ReplayStage(world.run, (comparison,), frames, len(played), end, lead, emulated.plant.close)
 
 
-def _bench(order: Order) -> Stage:
+def _bench(order: ReplayOrder) -> ReplayStage:
     """Put the robot on the bench with the recorded operator."""
     file = one_file(order, WORDS)
     if not is_telemetry(file) or order.operator is not None:
@@ -108,18 +108,20 @@ def _bench(order: Order) -> Stage:
     from_devices = [one for one in messages if one.sender != BRIDGE]
     answers = answers_of(messages, BRIDGE)
     operator = Player(script_of(from_devices, lambda _: 0))
-    rig = Rig(robot, rehearsal_of(robot), operator, plant_path=order.plant, stands=order.stands)
+    rig = Rig(robot, bench_setup_of(robot), operator, plant_path=order.plant, stands=order.stands)
     rig.operator_wire.observe(answers.take)
-    return Stage(rig.run, (answers,), messages, len(from_devices), end_of(order, messages), finish=rig.finish)
+    return ReplayStage(
+        rig.run, (answers,), messages, len(from_devices), end_of(order, messages), finish=rig.finish
+    )
 
 
-STAGES: Final[Mapping[Into, Callable[[Order], Stage]]] = MappingProxyType(
+STAGES: Final[Mapping[Into, Callable[[ReplayOrder], ReplayStage]]] = MappingProxyType(
     {Into.DRIVES: _drives, Into.BRIDGE: on_all_links, Into.BENCH: _bench}
 )
 """Constructors of each world; RecordingFileError, PlantError."""
 
 
-def _can_log(order: Order, lead: Nanoseconds) -> Recording:
+def _can_log(order: ReplayOrder, lead: Nanoseconds) -> Recording:
     """Read the CAN log of an order; unless it is the bench's own, it begins at `lead`."""
     file = one_file(order, FRAMES)
     if is_telemetry(file):

@@ -7,7 +7,7 @@ same record and gives the same results.
 import ctypes
 from typing import ClassVar, Final
 
-from emulators.servo.record import FIELDS, Record
+from emulators.servo.record import FIELDS, ServoRecord
 from emulators.servo.recorder import Recorder
 from firmware_bridge.units import MICROSECOND, Nanoseconds
 
@@ -80,7 +80,7 @@ FOREVER: Final = 1 << 62
 LONGEST_REST_MS: Final = 0xFFFF
 
 
-class ServoAxis(Record, ctypes.Structure):
+class ServoAxis(ServoRecord, ctypes.Structure):
     """The state of one axis. Positions and velocities of the demand carry `fraction` binary places.
 
     Velocity unit: 2^-fraction qc per ms. Acceleration unit: velocity unit per ms. Currents in mA, voltages

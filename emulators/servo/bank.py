@@ -8,12 +8,12 @@ from math import floor, tau
 from typing import Final, Protocol
 
 from emulators.servo.axis import TICK, ServoAxis
-from emulators.servo.kernel import Found, Kernel, NativePlant, choose
-from emulators.servo.pins import Line
+from emulators.servo.kernel import Kernel, KernelLibrary, NativePlant, choose
+from emulators.servo.pins import PinWire
 from emulators.servo.seam import (
     WIDEST_ANGLE,
-    Plant,
     ServoError,
+    ServoPlant,
     Wiring,
     no_measurement,
     plant_inputs,
@@ -22,7 +22,7 @@ from emulators.servo.seam import (
 from emulators.servo.twin import Twin
 from firmware_bridge.units import Nanoseconds
 
-__all__ = ["Plant", "ServoBank", "ServoError", "plant_inputs", "plant_outputs"]
+__all__ = ["ServoBank", "ServoError", "ServoPlant", "plant_inputs", "plant_outputs"]
 
 
 class Engine(Protocol):
@@ -41,14 +41,14 @@ class ServoBank:
 
     def __init__(
         self,
-        plant: Plant,
+        plant: ServoPlant,
         axes: Sequence[ServoAxis],
         *,
         supply: int | None = None,
         analogue: tuple[str, float] | None = None,
-        input_lines: Sequence[Line] = (),
-        output_lines: Sequence[Line] = (),
-        servo: Found | None = None,
+        input_lines: Sequence[PinWire] = (),
+        output_lines: Sequence[PinWire] = (),
+        servo: KernelLibrary | None = None,
     ) -> None:
         """Take a plant whose inputs and outputs begin as in `plant_inputs` and `plant_outputs`.
 

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import ClassVar, Final, NoReturn, Protocol, runtime_checkable
 
 from emulators.servo.axis import ServoAxis
-from emulators.servo.pins import Line
-from emulators.servo.seam import Plant, ServoError, Wiring, no_measurement
+from emulators.servo.pins import PinWire
+from emulators.servo.seam import ServoError, ServoPlant, Wiring, no_measurement
 from fmu.calls import PlantRecord
 
 VARIABLE: Final = "FIRMWARE_BRIDGE_SERVO"
@@ -62,7 +62,7 @@ ACTIONS: Final = {
 
 
 @runtime_checkable
-class NativePlant(Plant, Protocol):
+class NativePlant(ServoPlant, Protocol):
     """A plant whose step is three functions of the FMI at known addresses."""
 
     @property
@@ -74,7 +74,7 @@ class NativePlant(Plant, Protocol):
 
 
 class LineRecord(ctypes.Structure):
-    """One wire between a pin and the plant: `emulators.servo.pins.Line`."""
+    """One wire between a pin and the plant: `emulators.servo.pins.PinWire`."""
 
     _fields_: ClassVar = [
         ("axis", ctypes.c_int64),
@@ -109,14 +109,14 @@ class BankRecord(ctypes.Structure):
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class KernelLibrary:
     """The kernel's library, or why there is none to use."""
 
     library: ctypes.CDLL | None
     reason: str = ""
 
 
-def choose(command: str | None = None) -> Found:
+def choose(command: str | None = None) -> KernelLibrary:
     """Return the kernel, or why the twin is to serve; where none is chosen the environment decides.
 
     `native` insists on the kernel: ServoError where there is none. `twin` does without. Empty takes the best.
@@ -126,7 +126,7 @@ def choose(command: str | None = None) -> Found:
     if command not in {"", NATIVE, TWIN}:
         raise ServoError(f"{VARIABLE}={command}: say '{NATIVE}', '{TWIN}', or nothing for the best there is")
     if command == TWIN:
-        return Found(None, "the reference was requested")
+        return KernelLibrary(None, "the reference was requested")
     found = find()
     if command == NATIVE and found.library is None:
         raise ServoError(f"the native servo cannot serve: {found.reason}")
@@ -134,15 +134,15 @@ def choose(command: str | None = None) -> Found:
 
 
 @cache
-def find() -> Found:
+def find() -> KernelLibrary:
     """Load the library beside this file."""
     path = _HERE / LIBRARY
     if not path.exists():
-        return Found(None, "its kernel was not built (install a C compiler, then this package again)")
+        return KernelLibrary(None, "its kernel was not built (install a C compiler, then this package again)")
     return load(path)
 
 
-def load(path: Path) -> Found:
+def load(path: Path) -> KernelLibrary:
     """Load a library; one that was built from other sources, and so for other records, is not used."""
     try:
         library = ctypes.CDLL(str(path))
@@ -151,10 +151,10 @@ def load(path: Path) -> Found:
         for run in (library.servo_run, library.servo_turn):
             run.argtypes, run.restype = (ctypes.c_void_p, ctypes.c_int64), ctypes.c_int64
     except (OSError, AttributeError) as error:
-        return Found(None, f"its kernel cannot be loaded: {error}")
+        return KernelLibrary(None, f"its kernel cannot be loaded: {error}")
     if built_from != source():
-        return Found(None, "its kernel was built from other sources (install this package again)")
-    return Found(library)
+        return KernelLibrary(None, "its kernel was built from other sources (install this package again)")
+    return KernelLibrary(library)
 
 
 def source() -> int:
@@ -224,5 +224,5 @@ class Kernel:
         no_measurement(_QUANTITIES[ended], name, record.fault_value, record.tick)
 
 
-def _line_records(lines: Sequence[Line]) -> "ctypes.Array[LineRecord]":
+def _line_records(lines: Sequence[PinWire]) -> "ctypes.Array[LineRecord]":
     return (LineRecord * len(lines))(*(LineRecord(line.axis, line.mask, line.variable) for line in lines))

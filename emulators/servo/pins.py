@@ -23,7 +23,7 @@ BRAKE_CLOSED: Final = 1 << 15
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class PinWire:
     """One wire: the axis' number, the bit, and which of the plant's outputs or inputs it is."""
 
     axis: int
@@ -43,7 +43,7 @@ def pin_inputs(axes: Sequence[str]) -> tuple[str, ...]:
 
 def input_lines(
     outputs: Sequence[str], axes: Sequence[str], mirrored: Sequence[str] = ()
-) -> tuple[Line, ...]:
+) -> tuple[PinWire, ...]:
     """Return the wires from a plant with these outputs to the input pins of the axes.
 
     What a drive counts as positive is the plant's negative side for a `mirrored` axis: its limit switches are
@@ -52,7 +52,7 @@ def input_lines(
     return _lines(outputs, [_input_masks(axis, MIRRORED if axis in mirrored else SWITCHES) for axis in axes])
 
 
-def output_lines(inputs: Sequence[str], axes: Sequence[str]) -> tuple[Line, ...]:
+def output_lines(inputs: Sequence[str], axes: Sequence[str]) -> tuple[PinWire, ...]:
     """Return the wires from the output pins of the axes to a plant with these inputs."""
     return _lines(inputs, [_output_masks(axis) for axis in axes])
 
@@ -67,9 +67,9 @@ def _output_masks(axis: str) -> dict[str, int]:
     return numbered | {f"brake_{axis}": BRAKE_CLOSED}
 
 
-def _lines(names: Sequence[str], masks: Sequence[Mapping[str, int]]) -> tuple[Line, ...]:
+def _lines(names: Sequence[str], masks: Sequence[Mapping[str, int]]) -> tuple[PinWire, ...]:
     return tuple(
-        Line(axis, mask, names.index(name))
+        PinWire(axis, mask, names.index(name))
         for axis, named in enumerate(masks)
         for name, mask in named.items()
         if name in names

@@ -7,7 +7,7 @@ a C header.
 from typing import Final
 
 
-class Record:
+class ServoRecord:
     """Sixty-four-bit signed integers, in the order of meaning, which is the order of the record in C."""
 
     # Fixed: the encoder that is mounted, in quadcounts per turn of the shaft.
@@ -200,4 +200,4 @@ class Record:
     recording: int
 
 
-FIELDS: Final[tuple[str, ...]] = tuple(Record.__annotations__)
+FIELDS: Final[tuple[str, ...]] = tuple(ServoRecord.__annotations__)

@@ -7,7 +7,7 @@ is kept are the axis' own numbers.
 import ctypes
 from typing import ClassVar, Final
 
-from emulators.servo.record import FIELDS, Record
+from emulators.servo.record import FIELDS, ServoRecord
 
 MOVEMENT_START: Final = 1 << 0
 """The velocity demand has left 0."""
@@ -51,7 +51,7 @@ class Recorder(ctypes.Structure):
         self.numbers = (ctypes.c_int64 * 0)()
 
     def start(
-        self, axis: Record, fields: tuple[str, ...], *, capacity: int, period: int, preceding: int
+        self, axis: ServoRecord, fields: tuple[str, ...], *, capacity: int, period: int, preceding: int
     ) -> None:
         """Record these fields again every `period` ticks; `preceding` samples are from before the trigger."""
         if not self.numbers:
@@ -79,12 +79,12 @@ class Recorder(ctypes.Structure):
         return [tuple(self.numbers[at * width : (at + 1) * width]) for at in range(self.capacity)]
 
 
-def is_moving(axis: Record) -> int:
+def is_moving(axis: ServoRecord) -> int:
     """Return 1 while a movement is demanded, else 0."""
     return 1 if axis.powered and axis.velocity_demand else 0
 
 
-def record(axis: Record, recorder: Recorder) -> None:
+def record(axis: ServoRecord, recorder: Recorder) -> None:
     """Run one tick of an axis that is recorded: look for the trigger, take the sample that is due."""
     moving, pins = is_moving(axis), axis.pins
     if not recorder.triggered:
@@ -101,7 +101,7 @@ def record(axis: Record, recorder: Recorder) -> None:
         _sample(axis, recorder)
 
 
-def _sample(axis: Record, recorder: Recorder) -> None:
+def _sample(axis: ServoRecord, recorder: Recorder) -> None:
     width = recorder.width
     begin = recorder.next * width
     for place in range(width):

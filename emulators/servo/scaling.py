@@ -5,7 +5,7 @@ from functools import lru_cache
 from typing import Final
 
 from emulators.servo.axis import FASTEST_RPM, FOREVER, LARGEST_SPEED, OFF, ServoAxis
-from emulators.servo.record import Record
+from emulators.servo.record import ServoRecord
 
 MILLISECONDS_PER_MINUTE: Final = 60_000
 SWITCHED_OFF: Final = 0xFFFF_FFFF
@@ -74,12 +74,12 @@ def _speed(rpm: int, turn: int) -> int:
     return nearest(bounded * turn, MILLISECONDS_PER_MINUTE)
 
 
-def speed_rpm(axis: Record, units: int) -> int:
+def speed_rpm(axis: ServoRecord, units: int) -> int:
     """Return velocity units in rpm, nearest."""
     return nearest(units * MILLISECONDS_PER_MINUTE, axis.resolution << axis.fraction)
 
 
-def raw_speed_rpm(axis: Record) -> int:
+def raw_speed_rpm(axis: ServoRecord) -> int:
     """Return the last ms's quadcounts in rpm, to nearest: 0x606C as recorded of two drives, 59, 117, 410 ...
 
     ASSUME: halves, and negative speeds, which no recording has, away from zero.

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Final, NoReturn, Protocol
 
 from emulators.servo.axis import TICK
-from emulators.servo.pins import Line
+from emulators.servo.pins import PinWire
 from firmware_bridge.units import to_seconds
 
 WIDEST_READING: Final = 1 << 30
@@ -30,7 +30,7 @@ class Doubles(Protocol):
     def __setitem__(self, index: int, value: float, /) -> None: ...
 
 
-class Plant(Protocol):
+class ServoPlant(Protocol):
     """Plant that turns voltages into motion, one tick at a time."""
 
     @property
@@ -55,9 +55,9 @@ class Wiring:
     """Index of the plant's output that is the supply voltage in V; None: it is constant."""
     dividers: tuple[float, ...]
     """Dividers before the first analogue input of each axis that sees the supply; 0 where none does."""
-    input_lines: tuple[Line, ...] = ()
+    input_lines: tuple[PinWire, ...] = ()
     """Lines from the plant's outputs to the drives' input pins."""
-    output_lines: tuple[Line, ...] = ()
+    output_lines: tuple[PinWire, ...] = ()
     """Lines from the drives' output pins to the plant's inputs."""
 
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from types import MappingProxyType
 from typing import Final
 
-from emulators.servo.pins import Line
+from emulators.servo.pins import PinWire
 
 MASTER: Final = 1 << 16
 """Mark in the place of a pin's mask: the line carries a count."""
@@ -23,10 +23,10 @@ def sensor_outputs(axes: Sequence[str]) -> tuple[str, ...]:
     return tuple(f"{sensor}_{axis}" for axis in axes for sensor in SENSORS)
 
 
-def sensor_lines(outputs: Sequence[str], axes: Sequence[str]) -> tuple[Line, ...]:
+def sensor_lines(outputs: Sequence[str], axes: Sequence[str]) -> tuple[PinWire, ...]:
     """Return the wires from a plant with these outputs to the sensors' inputs of the axes."""
     return tuple(
-        Line(number, mask, outputs.index(f"{sensor}_{axis}"))
+        PinWire(number, mask, outputs.index(f"{sensor}_{axis}"))
         for number, axis in enumerate(axes)
         for sensor, mask in SENSORS.items()
         if f"{sensor}_{axis}" in outputs

@@ -35,7 +35,7 @@ _MOST_LEGS: Final = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Leg:
+class ProfileLeg:
     """A part of the profile: the velocity at its end, in velocity units, and how long it takes, in ms."""
 
     to: int
@@ -49,16 +49,16 @@ class Plan:
     Straight ahead it is taken off: a limit of the velocity is not passed by a single unit.
     """
 
-    legs: tuple[Leg, ...]
+    legs: tuple[ProfileLeg, ...]
     spare: int = 0
 
     def mirrored(self) -> "Plan":
         """Return the same in the other direction."""
-        return Plan(tuple(Leg(-leg.to, leg.ms) for leg in self.legs), -self.spare)
+        return Plan(tuple(ProfileLeg(-leg.to, leg.ms) for leg in self.legs), -self.spare)
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class ProfileLimits:
     """Limits of a move, in velocity units and acceleration units."""
 
     cruise: int
@@ -72,20 +72,24 @@ def duration(change: int, acceleration: int) -> int:
     return max(1, -(-abs(change) * _HALF_PI // usable)) | 1
 
 
-def ramp(speed: int, target: int, limits: Limits) -> Plan:
+def ramp(speed: int, target: int, limits: ProfileLimits) -> Plan:
     """Plan the way from one velocity to another; a reversal passes through 0."""
     if speed == target:
         return Plan(())
     if (speed < 0) != (target < 0) and speed and target:
-        down = Leg(0, duration(speed, limits.deceleration))
-        return Plan((down, Leg(target, duration(target, limits.acceleration))))
+        down = ProfileLeg(0, duration(speed, limits.deceleration))
+        return Plan((down, ProfileLeg(target, duration(target, limits.acceleration))))
     slower = abs(target) < abs(speed)
     return Plan(
-        (Leg(target, duration(target - speed, limits.deceleration if slower else limits.acceleration)),)
+        (
+            ProfileLeg(
+                target, duration(target - speed, limits.deceleration if slower else limits.acceleration)
+            ),
+        )
     )
 
 
-def move(way: int, speed: int, limits: Limits) -> Plan:
+def move(way: int, speed: int, limits: ProfileLimits) -> Plan:
     """Plan the way to rest exactly `way` position units from here, beginning with this speed.
 
     Where the way is too short to brake, or leads back, the axis comes to rest first and returns.
@@ -99,16 +103,16 @@ def move(way: int, speed: int, limits: Limits) -> Plan:
     braking = duration(speed, limits.deceleration)
     covered = braking // 2 * speed
     if speed > 0 and covered == way:
-        return Plan((Leg(0, braking),))
+        return Plan((ProfileLeg(0, braking),))
     if speed > 0 and covered < way:
         plan = _approach(way, speed, limits)
         if plan.legs:
             return plan
     back = move(way - covered, 0, limits)
-    return Plan((Leg(0, braking), *back.legs), back.spare)
+    return Plan((ProfileLeg(0, braking), *back.legs), back.spare)
 
 
-def _approach(way: int, speed: int, limits: Limits) -> Plan:
+def _approach(way: int, speed: int, limits: ProfileLimits) -> Plan:
     """Plan a move straight ahead; no legs where none are found."""
     top = limits.cruise
     if speed <= top:
@@ -121,7 +125,7 @@ def _approach(way: int, speed: int, limits: Limits) -> Plan:
     return Plan(())
 
 
-def _fastest(way: int, speed: int, top: int, limits: Limits) -> int:
+def _fastest(way: int, speed: int, top: int, limits: ProfileLimits) -> int:
     """Return the fastest cruise between `speed` and `top` from which the way suffices to brake."""
     low, high = speed, top
     while low < high:
@@ -135,7 +139,7 @@ def _fastest(way: int, speed: int, top: int, limits: Limits) -> int:
     return low
 
 
-def _fitted(way: int, speed: int, top: int, limits: Limits) -> Plan | None:
+def _fitted(way: int, speed: int, top: int, limits: ProfileLimits) -> Plan | None:
     """Lower the cruise from `top` until rise, cruise and fall pass the way by less than one unit per ms."""
     height, rise, fall = top, 1, 1
     for _ in range(_ATTEMPTS):
@@ -154,21 +158,23 @@ def _fitted(way: int, speed: int, top: int, limits: Limits) -> Plan | None:
             duration(height - speed, limits.acceleration if height > speed else limits.deceleration) <= rise
             and duration(height, limits.deceleration) <= fall
         ):
-            level = (Leg(height, flat),) if flat else ()
-            return Plan((Leg(height, rise), *level, Leg(0, fall)), left - height * (weight + flat))
+            level = (ProfileLeg(height, flat),) if flat else ()
+            return Plan(
+                (ProfileLeg(height, rise), *level, ProfileLeg(0, fall)), left - height * (weight + flat)
+            )
         height = min(before, height)
     return None
 
 
 def load(axis: ServoAxis) -> None:
     """Plan the axis' requested ramp or move, and give it the legs."""
-    limits = Limits(axis.cruise, axis.acceleration, axis.deceleration)
+    limits = ProfileLimits(axis.cruise, axis.acceleration, axis.deceleration)
     if axis.profile == MOVE:
         plan = move(axis.target_position - axis.position_demand, axis.velocity_demand, limits)
     else:
         plan = ramp(axis.velocity_demand, axis.target_velocity, limits)
     axis.shape = SINE
-    empty = Leg(axis.velocity_demand, 0)
+    empty = ProfileLeg(axis.velocity_demand, 0)
     first, second, third, fourth = (*plan.legs, *(empty,) * (_MOST_LEGS - len(plan.legs)))
     axis.leg_from, axis.leg_at = axis.velocity_demand, 0
     axis.leg_to, axis.leg_ms = first.to, first.ms

@@ -21,7 +21,7 @@ class Knot:
 
 
 @dataclass(frozen=True, slots=True)
-class Segment:
+class SplineSegment:
     """A knot, and the way to the next in `ms`: linear t/T + square (t/T)2 + cube (t/T)3; position units."""
 
     start: int
@@ -47,14 +47,14 @@ class Segment:
         return -(-largest // self.ms**2)
 
 
-def segment(start: Knot, end: Knot, ms: int) -> Segment:
+def segment(start: Knot, end: Knot, ms: int) -> SplineSegment:
     """Return the cubic that has position and velocity of both knots; `ms` is at least 1."""
     way = end.position - start.position
     first, last = start.velocity * ms, end.velocity * ms
-    return Segment(start.position, first, 3 * way - 2 * first - last, first + last - 2 * way, ms)
+    return SplineSegment(start.position, first, 3 * way - 2 * first - last, first + last - 2 * way, ms)
 
 
-def begin(axis: ServoAxis, first: Segment) -> None:
+def begin(axis: ServoAxis, first: SplineSegment) -> None:
     """Run a segment from the next ms on; the position regulator takes over."""
     regulate_position(axis)
     axis.profile = SPLINE
@@ -65,7 +65,7 @@ def begin(axis: ServoAxis, first: Segment) -> None:
     judge_again(axis, there=False)
 
 
-def prepare(axis: ServoAxis, following: Segment) -> None:
+def prepare(axis: ServoAxis, following: SplineSegment) -> None:
     """Prepare the segment that starts at the end of the present one."""
     axis.next_linear, axis.next_square, axis.next_cube = following.linear, following.square, following.cube
     axis.next_ms = following.ms

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Final, Protocol
 
 from emulators.servo.kernel import ACTIONS, Ended, NativePlant, choose
-from emulators.servo.seam import Plant, no_measurement
+from emulators.servo.seam import ServoPlant, no_measurement
 
 
 class TerminalsRecord(ctypes.Structure):
@@ -157,7 +157,7 @@ class Terminals:
             no_measurement("angle", self._names[record.fault_axis], record.fault_value, record.tick)
 
 
-def terminals(plant: Plant, wired: Wired, places: Counts, edges: Counts) -> Terminals | None:
+def terminals(plant: ServoPlant, wired: Wired, places: Counts, edges: Counts) -> Terminals | None:
     """Return what runs this plant's motors in C; None where there is no library, or no FMI functions.
 
     `places` and `edges` are each encoder's, of 64 bits, and never get longer: C writes them where they are.

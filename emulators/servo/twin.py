@@ -16,7 +16,7 @@ from emulators.servo.seam import (
     WIDEST_ANGLE,
     WIDEST_READING,
     WIDEST_STEP,
-    Plant,
+    ServoPlant,
     Wiring,
     no_measurement,
 )
@@ -27,7 +27,7 @@ from emulators.servo.winding import CURRENT_PLACES, Winding
 class Twin:
     """Axes and plant, tick by tick. One tick: sample, regulate, write the voltages, step the plant."""
 
-    def __init__(self, plant: Plant, axes: Sequence[ServoAxis], wiring: Wiring) -> None:
+    def __init__(self, plant: ServoPlant, axes: Sequence[ServoAxis], wiring: Wiring) -> None:
         self.tick = 0
         """Number of ticks that have been run."""
         self._plant: Final = plant

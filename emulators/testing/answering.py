@@ -20,7 +20,7 @@ from firmware_bridge.units import from_seconds
 from firmware_bridge.wire.arduino import ar2, arduinoio, firmata, mw, mw_messages, ros_arduino_bridge
 from firmware_bridge.wire.canopen import SDO_REQUEST, SDO_RESPONSE
 from firmware_bridge.wire.epos2.address import DEVICE_TYPE
-from firmware_bridge.wire.maxon.frame import Answered, Frame, Generation
+from firmware_bridge.wire.maxon.frame import Frame, Generation, MaxonAnswer
 from firmware_bridge.wire.maxon.lines import host_end
 from firmware_bridge.wire.sdo import UploadResponse, decode_response, encode_upload
 
@@ -134,7 +134,7 @@ class LineCall(_Line):
         self._looks += 1
         outcome = self._host.receive(self._line.read(ROOM), 0)
         self._line.write(self._host.taken())
-        if isinstance(outcome, Answered) and outcome.body[:4] == NO_ERROR:
+        if isinstance(outcome, MaxonAnswer) and outcome.body[:4] == NO_ERROR:
             self._missing.pop(0)
             self._looks = 0
         return not self._missing

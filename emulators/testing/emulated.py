@@ -9,7 +9,7 @@ from emulators.testing.answering import ARM, BoardCall, LineCall, RollCall
 from emulators.testing.buses import Bus
 from emulators.testing.errors import RigError
 from emulators.testing.process import Process
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from firmware_bridge.wire.maxon.frame import Generation
 
 READY_WITHIN_S: Final = 60.0

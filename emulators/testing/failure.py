@@ -58,7 +58,7 @@ def _drawn(rig: VirtualRig, test: str, folder: Path) -> list[Path]:
     from emulators.bench.plots import draw  # noqa: PLC0415 - see above
 
     title = f"{rig.robot.name} · {test} · seed {rig.seed}"
-    shown, more = rig.rehearsal.panels, rig.rehearsal.pictures
+    shown, more = rig.bench_setup.panels, rig.bench_setup.pictures
     return draw(
         folder,
         title,

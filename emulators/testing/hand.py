@@ -5,12 +5,13 @@ from typing import Final
 
 from pydantic import ValidationError
 
-from emulators.bench.log import Entry
+from emulators.bench.bench_setup import BenchSetup
+from emulators.bench.log import LogEntry
 from emulators.bench.mission import Mission, cannot_say
 from emulators.bench.operator import ScriptedOperator
-from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Holds, Step, inputs
 from emulators.testing.errors import RigError
+from firmware_bridge import renamed
 from firmware_bridge.renamed import warn
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import problems_of
@@ -23,27 +24,29 @@ FORWARD: Final = "speed_mps"
 """The key of a step by which every robot on the ground is driven ahead."""
 
 
-class Hand:
+class TestOperator:
     """A human at the ground station; his words take effect with the station's next message, within 50 ms."""
+
+    __test__ = False
 
     def __init__(
         self,
         robot: AnyRobot,
-        rehearsal: Rehearsal,
+        bench_setup: BenchSetup,
         station: ScriptedOperator,
         story: Mission,
         clock: Callable[[], Nanoseconds],
     ) -> None:
         self._robot: Final = robot
-        self._rehearsal: Final = rehearsal
-        self._step: Final = rehearsal.step
+        self._rehearsal: Final = bench_setup
+        self._step: Final = bench_setup.step
         self._station: Final = station
         self._clock: Final = clock
         self.story = story
         """The operator's actions so far, as a mission."""
 
     @property
-    def diary(self) -> tuple[Entry, ...]:
+    def diary(self) -> tuple[LogEntry, ...]:
         """The operator's actions, the received texts, and the results of the orders, the oldest first."""
         return tuple(self._station.diary.entries)
 
@@ -131,3 +134,6 @@ class Hand:
         if problems:
             raise RigError(f"{self._robot.name}: its operator cannot do that: {problems}")
         self.takes_over(story)
+
+
+__getattr__ = renamed.module(__name__, __name__, Hand="TestOperator")

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Final
 
 from emulators.testing.rig import VirtualRig
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 
 MOST: Final = 16
 """Limit of those kept at once; the least recently used one goes."""

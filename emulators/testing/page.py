@@ -15,7 +15,7 @@ LOOK: Final = ".failed, .error { color: #a00; font-weight: bold } .skipped { col
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class CaseOutcome:
     """One test as it ended."""
 
     name: str
@@ -34,7 +34,7 @@ class Outcome:
     """The line that runs it again."""
 
 
-def page(title: str, ended: Iterable[Outcome]) -> str:
+def page(title: str, ended: Iterable[CaseOutcome]) -> str:
     """Return the page: the failures, each whole, and all tests in a table."""
     outcomes = tuple(ended)
     failed = [one for one in outcomes if one.outcome in {"failed", "error"}]
@@ -45,14 +45,14 @@ def page(title: str, ended: Iterable[Outcome]) -> str:
     return document(title, f"{head}{_contents(failed)}{body}{all_of_them}", LOOK)
 
 
-def _contents(failed: Sequence[Outcome]) -> str:
+def _contents(failed: Sequence[CaseOutcome]) -> str:
     rows = "".join(
         f'<li><a href="#failure{place}">{escape(one.name)}</a></li>' for place, one in enumerate(failed)
     )
     return f"<ol>{rows}</ol>"
 
 
-def _failure(place: int, one: Outcome) -> Iterator[str]:
+def _failure(place: int, one: CaseOutcome) -> Iterator[str]:
     yield f'<h2 id="failure{place}">{escape(one.name)} <span class="{one.outcome}">{one.outcome}</span></h2>'
     yield f"<p>{escape(one.of)}</p><p>again: <code>{escape(one.again)}</code></p>"
     yield f"<pre>{escape(one.error)}</pre>"
@@ -69,12 +69,12 @@ def _picture(path: Path) -> str:
     return f"<p>{picture(path.read_bytes(), 'png', path.stem)}</p>"
 
 
-def _table(outcomes: Sequence[Outcome]) -> str:
+def _table(outcomes: Sequence[CaseOutcome]) -> str:
     heads = "".join(f"<th>{head}</th>" for head in ("", "test", "of", "took", "why"))
     return f"<table><tr>{heads}</tr>{''.join(map(_row, outcomes))}</table>"
 
 
-def _row(one: Outcome) -> str:
+def _row(one: CaseOutcome) -> str:
     why = one.error if one.outcome == "skipped" else ""
     return (
         f'<tr><td class="{one.outcome}">{one.outcome}</td><td>{escape(one.name)}</td>'

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from emulators.testing.buses import Bus
     from emulators.testing.emulated import Drives
     from emulators.testing.kept import Kept
-    from emulators.testing.page import Outcome
+    from emulators.testing.page import CaseOutcome
     from emulators.testing.plant import VirtualPlant
     from emulators.testing.process import Process
     from emulators.testing.real import RealDrives
@@ -229,7 +229,7 @@ def recording(rig: "VirtualRig") -> "Recording":
 def plant(rig_robot: str, pytestconfig: pytest.Config) -> Iterator["VirtualPlant"]:
     """Return the robot's plant alone, in virtual time, as it is when nothing has moved yet."""
     from emulators.testing.plant import VirtualPlant  # noqa: PLC0415 - for tests that use it alone
-    from firmware_bridge.kinds import find  # noqa: PLC0415 - as above
+    from firmware_bridge.robot_types import find  # noqa: PLC0415 - as above
 
     _virtual_only(pytestconfig, "a plant")
     made = VirtualPlant(find(rig_robot, plant_too=True))
@@ -324,13 +324,13 @@ def _notes(item: pytest.Item, report: pytest.TestReport, name: str, value: str) 
     report.user_properties.append((name, value))
 
 
-def _outcome(report: pytest.TestReport) -> "Outcome":
+def _outcome(report: pytest.TestReport) -> "CaseOutcome":
     """Return a report as the page has it."""
-    from emulators.testing.page import Outcome  # noqa: PLC0415 - see above
+    from emulators.testing.page import CaseOutcome  # noqa: PLC0415 - see above
 
     known = {str(name): str(value) for name, value in report.user_properties}
     reason = report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longreprtext
-    return Outcome(
+    return CaseOutcome(
         name=report.nodeid,
         outcome="error" if report.failed and report.when != "call" else report.outcome,
         seconds=report.duration,

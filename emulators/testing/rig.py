@@ -8,17 +8,17 @@ from typing import Final
 import numpy as np
 from pydantic import ValidationError
 
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.columns import Samples
 from emulators.bench.faults import KINDS, FaultError, read
 from emulators.bench.faults.failures import failures_of
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
-from emulators.bench.records import FaultRecord, HoldRecord
-from emulators.bench.rehearsal import rehearsal_of
+from emulators.bench.records import FaultRecord, InterlockEvent
 from emulators.rig import Rig
 from emulators.run import HAND_STREAM
 from emulators.testing.errors import RigError
-from emulators.testing.hand import FOR_GOOD_S, Hand
+from emulators.testing.hand import FOR_GOOD_S, TestOperator
 from emulators.testing.recording import Recording
 from firmware_bridge import renamed
 from firmware_bridge.robot import AnyRobot
@@ -35,7 +35,7 @@ UNIT_WORDS: Final = {"m/s": "mps", "rad/s": "rad_s"}
 """Spelling of a unit in a column's name, where that is not the unit in small letters."""
 
 
-class Body:
+class LatestSample:
     """The newest sample of the robot, every 10 ms: `body.speed_mps`, or without the unit, `body.speed`."""
 
     def __init__(self, robot: str, samples: Samples) -> None:
@@ -67,20 +67,22 @@ class VirtualRig:
         """Build it, switched off; LookupError where the robot has no rehearsal, PlantError for no plant."""
         self.robot: Final = robot
         self.seed: Final = seed
-        self.rehearsal: Final = rehearsal_of(robot)
-        step = self.rehearsal.step
+        self.bench_setup: Final = bench_setup_of(robot)
+        step = self.bench_setup.step
         arms = step(at_s=ARM_S, title="arms", arm=True)
-        stands = self.rehearsal.stands
+        stands = self.bench_setup.stands
         zero = {axis.role: stands.get(axis.role, 0.0) for axis in robot.axes if axis.zero_confirmed}
         confirmed = (step(at_s=0.0, title="confirms where it stands", zero=zero),) if zero else ()
         story = Mission(title=f"a test of {robot.name}", duration_s=FOR_GOOD_S, step=(*confirmed, arms))
         hand = np.random.default_rng([seed, HAND_STREAM])
-        station = ScriptedOperator(robot, self.rehearsal, story, hand)
-        self.bench: Final = Rig(robot, self.rehearsal, station, seed=seed)
+        station = ScriptedOperator(robot, self.bench_setup, story, hand)
+        self.bench: Final = Rig(robot, self.bench_setup, station, seed=seed)
         """The bench below, for its other attributes."""
         self.recording: Final = Recording(self.bench)
-        self.operator: Final = Hand(robot, self.rehearsal, station, story, lambda: self.bench.world.now)
-        self.body: Final = Body(robot.name, self.bench.samples)
+        self.operator: Final = TestOperator(
+            robot, self.bench_setup, station, story, lambda: self.bench.world.now
+        )
+        self.body: Final = LatestSample(robot.name, self.bench.samples)
         self.began: Nanoseconds = 0
         """Time at which the robot was armed, and a test's own story begins."""
         self.whole = True
@@ -97,7 +99,7 @@ class VirtualRig:
         return self._active("rig.interlock_events", str)
 
     @property
-    def interlock_history(self) -> tuple[HoldRecord, ...]:
+    def interlock_history(self) -> tuple[InterlockEvent, ...]:
         """All interlock events so far, the oldest first: `began_s` and `ended_s` are s of virtual time."""
         return tuple(self.bench.holds)
 
@@ -108,7 +110,7 @@ class VirtualRig:
         return self._active("rig.holds", renamed.old_interlock)
 
     @property
-    def held(self) -> tuple[HoldRecord, ...]:
+    def held(self) -> tuple[InterlockEvent, ...]:
         """The same as `interlock_history`, with the names of the release before."""
         renamed.warn("held", "interlock_history", "rig")
         return tuple(replace(one, name=renamed.old_interlock(one.name)) for one in self.bench.holds)
@@ -199,3 +201,6 @@ class VirtualRig:
     def finish(self) -> None:
         """Let go of the plant."""
         self.bench.finish()
+
+
+__getattr__ = renamed.module(__name__, __name__, Body="LatestSample")

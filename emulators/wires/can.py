@@ -9,7 +9,7 @@ from collections import deque
 from typing import Final
 
 from emulators.wires.ends import End, Observed
-from emulators.world import Station, World, WorldError
+from emulators.world import World, WorldError, WorldNode
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import INTERFRAME_BITS, arbitration_rank, frame_bits
@@ -23,7 +23,7 @@ class Controller(End):
 
     __slots__ = ("queue",)
 
-    def __init__(self, station: Station, link: str, world: World) -> None:
+    def __init__(self, station: WorldNode, link: str, world: World) -> None:
         super().__init__(station, link, world)
         self.queue: deque[tuple[Packet, int, int]] = deque()
 
@@ -42,7 +42,7 @@ class CanWire(Observed):
         self.destroyed = 0
         self.clashes = 0
         """Number of times that two nodes began one identifier at once; a real bus then has a bit error."""
-        self._controllers: dict[Station, Controller] = {}
+        self._controllers: dict[WorldNode, Controller] = {}
         self._contenders: list[Controller] = []
         """The controllers in the order in which they joined."""
         self._idle_from: Nanoseconds = 0
@@ -51,19 +51,19 @@ class CanWire(Observed):
         self._recent_time: Nanoseconds = 0
         self._peak_time: Nanoseconds = 0
 
-    def join(self, world: World, station: Station, link: str) -> None:
+    def join(self, world: World, station: WorldNode, link: str) -> None:
         """Connect a station, which calls this wire `link`."""
         controller = Controller(station, link, world)
         self._ends.join(controller)
         self._controllers[station] = controller
         self._contenders.append(controller)
 
-    def leave(self, station: Station) -> None:
+    def leave(self, station: WorldNode) -> None:
         """Disconnect a station; a frame that it is sending is destroyed."""
         super().leave(station)
         self._contenders.remove(self._controllers.pop(station))
 
-    def carry(self, sender: Station, packet: Packet) -> None:
+    def carry(self, sender: WorldNode, packet: Packet) -> None:
         """Queue a frame; ValueError for what is no frame."""
         address, controller = packet.address, self._controllers[sender]
         controller.queue.append((packet, frame_bits(address, packet.payload), arbitration_rank(address)))

@@ -10,11 +10,11 @@ from typing import TypeAlias
 from numpy.random import Generator
 
 from emulators.wires.ends import End, Observed
-from emulators.world import Station, World, WorldError
+from emulators.world import World, WorldError, WorldNode
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, Nanoseconds
 
-_Flight: TypeAlias = tuple[Station, Packet]
+_Flight: TypeAlias = tuple[WorldNode, Packet]
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +66,7 @@ class DatagramWire(Observed):
         self._generator = generator
         self._impairments: list[Impairment] = []
 
-    def join(self, world: World, station: Station, link: str) -> None:
+    def join(self, world: World, station: WorldNode, link: str) -> None:
         """Connect a station, which calls this wire `link`."""
         self._ends.join(End(station, link, world))
 
@@ -74,7 +74,7 @@ class DatagramWire(Observed):
         """Lose, delay or double packets from now on, as described."""
         self._impairments.append(what)
 
-    def carry(self, sender: Station, packet: Packet) -> None:
+    def carry(self, sender: WorldNode, packet: Packet) -> None:
         """Send a packet on its way, or lose it."""
         self.sent += 1
         delay, generator = self.delay, self._generator
@@ -90,7 +90,7 @@ class DatagramWire(Observed):
         else:
             world.call_at(world.now + delay, self._arrive, (sender, packet))
 
-    def _carry_impaired(self, sender: Station, packet: Packet, at: Nanoseconds) -> None:
+    def _carry_impaired(self, sender: WorldNode, packet: Packet, at: Nanoseconds) -> None:
         world = self._ends.world
         now = world.now
         self._impairments = [one for one in self._impairments if now < one.end]

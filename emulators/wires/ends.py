@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import TypeAlias
 
 from emulators.rewind import External
-from emulators.world import Station, World, WorldError
+from emulators.world import World, WorldError, WorldNode
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds
 
@@ -17,7 +17,7 @@ class End:
 
     __slots__ = ("link", "station", "world")
 
-    def __init__(self, station: Station, link: str, world: World) -> None:
+    def __init__(self, station: WorldNode, link: str, world: World) -> None:
         self.station = station
         self.link = link
         self.world = world
@@ -30,7 +30,7 @@ class Ends:
         self.wire = wire
         self.all: list[End] = []
         self.observers: External[Observer] = External()
-        self.not_receiving: frozenset[Station] = frozenset()
+        self.not_receiving: frozenset[WorldNode] = frozenset()
         """Stations that the packet in hand does not reach."""
         self._world: World | None = None
 
@@ -48,11 +48,11 @@ class Ends:
         self._world = end.world
         self.all.append(end)
 
-    def leave(self, station: Station) -> None:
+    def leave(self, station: WorldNode) -> None:
         """Remove the end of a station."""
         self.all = [end for end in self.all if end.station is not station]
 
-    def hand_over(self, sender: Station, packet: Packet) -> None:
+    def hand_over(self, sender: WorldNode, packet: Packet) -> None:
         """Give a packet that has wholly arrived to observers, trace and everybody but its sender."""
         world, not_receiving, sent_on = self.world, self.not_receiving, packet.link
         for observer in self.observers:
@@ -75,7 +75,7 @@ class Observed:
         self.name = name
         self._ends = Ends(name)
 
-    def leave(self, station: Station) -> None:
+    def leave(self, station: WorldNode) -> None:
         """Disconnect a station."""
         self._ends.leave(station)
 

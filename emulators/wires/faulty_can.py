@@ -13,7 +13,7 @@ from typing import Final
 from emulators.wires.can import CanWire, Controller
 from emulators.wires.confinement import RECOVERY_BITS, Condition, Confinement
 from emulators.wires.disturbance import Disturbance, Effect, Standing
-from emulators.world import Station, World, WorldError
+from emulators.world import World, WorldError, WorldNode
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.can import INTERFRAME_BITS
@@ -52,14 +52,14 @@ class FaultyCanWire(CanWire):
         self._sound = depth is None
         """True if nothing is wrong, and no counter remembers that anything was."""
         self._standing: list[Standing] = []
-        self._counters: dict[Station, Confinement] = {}
+        self._counters: dict[WorldNode, Confinement] = {}
         self._known: frozenset[str] = frozenset()
         """The names of all stations that have ever been on it."""
-        self._parked: dict[Station, deque[Packet]] = {}
+        self._parked: dict[WorldNode, deque[Packet]] = {}
         """Packets that wait where a controller is off the bus, or where no node acknowledges its frames."""
-        self._full: set[Station] = set()
+        self._full: set[WorldNode] = set()
         """Stations whose transmit queue, ..."""
-        self._overrun: set[Station] = set()
+        self._overrun: set[WorldNode] = set()
         """... or receive queue overflows, and has reported it."""
         self._beyond: frozenset[str] = frozenset()
         """The stations on the far side of a cut."""
@@ -107,7 +107,7 @@ class FaultyCanWire(CanWire):
         """Have a station's controller report that it has lost a frame, without the frame itself."""
         self._report(self._named(name), CONTROLLER, RECEIVE_OVERFLOW, loss)
 
-    def waiting(self, station: Station) -> int:
+    def waiting(self, station: WorldNode) -> int:
         """Return how many frames of a station have not wholly left."""
         return len(self._controllers[station].queue) + len(self._parked.get(station, ()))
 
@@ -115,14 +115,14 @@ class FaultyCanWire(CanWire):
         """Return a station's error counters; WorldError where there is none of this name."""
         return self._counters[self._named(name)]
 
-    def join(self, world: World, station: Station, link: str) -> None:
+    def join(self, world: World, station: WorldNode, link: str) -> None:
         """Connect a station, which calls this wire `link`."""
         super().join(world, station, link)
         self._counters[station] = Confinement()
         self._known |= {station.name}
         self._try_again()
 
-    def leave(self, station: Station) -> None:
+    def leave(self, station: WorldNode) -> None:
         """Disconnect a station."""
         super().leave(station)
         del self._counters[station]
@@ -131,7 +131,7 @@ class FaultyCanWire(CanWire):
         self._overrun.discard(station)
         self._thrown_off.pop(station.name, None)
 
-    def carry(self, sender: Station, packet: Packet) -> None:
+    def carry(self, sender: WorldNode, packet: Packet) -> None:
         """Queue a frame; a station that cannot send now sends it when it can."""
         if self._sound:
             super().carry(sender, packet)
@@ -154,7 +154,7 @@ class FaultyCanWire(CanWire):
 
     # Frames
 
-    def _met(self, effect: Effect, sender: Station) -> Disturbance | None:
+    def _met(self, effect: Effect, sender: WorldNode) -> Disturbance | None:
         """Return the disturbance with this effect that meets a frame of this sender now."""
         now = self._ends.world.now
         for standing in self._standing:
@@ -164,10 +164,10 @@ class FaultyCanWire(CanWire):
                 return what
         return None
 
-    def _receiver(self, fault: Disturbance | None) -> Station | None:
+    def _receiver(self, fault: Disturbance | None) -> WorldNode | None:
         return None if fault is None or fault.receiver is None else self._named(fault.receiver)
 
-    def _spoilt(self, fault: Disturbance | None) -> tuple[Station | None, bool]:
+    def _spoilt(self, fault: Disturbance | None) -> tuple[WorldNode | None, bool]:
         """Return who alone sees a frame wrongly, if that is so, and whether its flag damages it for all."""
         receiver = self._receiver(fault)
         if receiver is None:
@@ -191,7 +191,7 @@ class FaultyCanWire(CanWire):
                 self._pass(controller, wrong, hearers)
         self._sound = self._is_sound()
 
-    def _hearers(self, sender: Station) -> list[Station]:
+    def _hearers(self, sender: WorldNode) -> list[WorldNode]:
         """Return the stations whose controllers receive a frame of this one, and acknowledge it."""
         if sender.name in self._swapped:
             return []
@@ -211,7 +211,7 @@ class FaultyCanWire(CanWire):
             return False
         return any(self.waiting(one) > 0 for one in self._counters if one.name in self._swapped)
 
-    def _pass(self, controller: Controller, wrong: Station | None, hearers: list[Station]) -> None:
+    def _pass(self, controller: Controller, wrong: WorldNode | None, hearers: list[WorldNode]) -> None:
         """End a frame that has gone well for all but one at most."""
         sender = controller.station
         full = self._receiver(self._met(Effect.OVERRUN, sender))
@@ -234,7 +234,7 @@ class FaultyCanWire(CanWire):
                 self._overrun.add(full)
                 self._report(full, CONTROLLER, RECEIVE_OVERFLOW, Loss.OBJECT)
 
-    def _damage(self, controller: Controller, first: Station | None, hearers: list[Station]) -> None:
+    def _damage(self, controller: Controller, first: WorldNode | None, hearers: list[WorldNode]) -> None:
         """End a frame with an error flag: everybody counts, and it waits to be sent again."""
         self.damaged += 1
         self._idle_after_flag(controller)
@@ -276,7 +276,7 @@ class FaultyCanWire(CanWire):
 
     # Controllers
 
-    def _on_counters(self, station: Station, *, changed: bool) -> None:
+    def _on_counters(self, station: WorldNode, *, changed: bool) -> None:
         if not changed:
             return
         counters = self._counters[station]
@@ -293,7 +293,7 @@ class FaultyCanWire(CanWire):
         else:
             self._report(station, CONTROLLER, ACTIVE_AGAIN)
 
-    def _return(self, station: Station) -> None:
+    def _return(self, station: WorldNode) -> None:
         if station in self._parked and station in self._counters:
             self._counters[station].recover()
             self._report(station, RESTARTED)
@@ -306,20 +306,20 @@ class FaultyCanWire(CanWire):
             if self._counters[station].condition is not Condition.OFF and self._hearers(station):
                 self._send_parked(station)
 
-    def _send_parked(self, station: Station) -> None:
+    def _send_parked(self, station: WorldNode) -> None:
         for packet in self._parked.pop(station, ()):
             super().carry(station, packet)
 
-    def _report(self, station: Station, address: int, state: int = 0, loss: Loss = Loss.UNKNOWN) -> None:
+    def _report(self, station: WorldNode, address: int, state: int = 0, loss: Loss = Loss.UNKNOWN) -> None:
         counters = self._counters[station]
         payload = encode_report(state, loss, counters.transmit, counters.receive)
         link = self._controllers[station].link
         self._ends.world.deliver(station, Packet(link, address, payload))
 
-    def _on_it(self, name: str) -> Station | None:
+    def _on_it(self, name: str) -> WorldNode | None:
         return next((station for station in self._counters if station.name == name), None)
 
-    def _named(self, name: str) -> Station:
+    def _named(self, name: str) -> WorldNode:
         station = self._on_it(name)
         if station is None:
             raise WorldError(f"there is no node '{name}' on wire '{self.name}'")

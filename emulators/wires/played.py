@@ -3,11 +3,11 @@
 from typing import Final, TypeAlias
 
 from emulators.wires.serial import BITS_PER_BYTE, SerialWire
-from emulators.world import Station
+from emulators.world import WorldNode
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import SECOND, Nanoseconds
 
-_Flight: TypeAlias = tuple[Station, Packet]
+_Flight: TypeAlias = tuple[WorldNode, Packet]
 
 
 class PlayedLine(SerialWire):
@@ -21,7 +21,7 @@ class PlayedLine(SerialWire):
         """Return how long the bytes take, in ns."""
         return len(packet.payload) * BITS_PER_BYTE * SECOND // self.baud
 
-    def carry(self, sender: Station, packet: Packet) -> None:
+    def carry(self, sender: WorldNode, packet: Packet) -> None:
         """Queue another one's bytes; bring the player's."""
         if sender.name == self._player:
             world = self._ends.world

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Final
 
 from emulators.wires.ends import End, Observed
-from emulators.world import Station, World, WorldError
+from emulators.world import World, WorldError, WorldNode
 from firmware_bridge.node import Clocked
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import SECOND, Nanoseconds
@@ -54,7 +54,7 @@ class _Uart(End):
 
     __slots__ = ("begun_at", "buffer", "clock", "overruns", "queue", "rate", "reading", "sending", "since")
 
-    def __init__(self, station: Station, link: str, world: World) -> None:
+    def __init__(self, station: WorldNode, link: str, world: World) -> None:
         super().__init__(station, link, world)
         self.queue: deque[int] = deque()
         self.sending = False
@@ -91,9 +91,9 @@ class SerialWire(Observed):
         self.bytes = 0
         """Carried so far, both ways."""
         self._inboxes = dict(inboxes)
-        self._uarts: dict[Station, _Uart] = {}
+        self._uarts: dict[WorldNode, _Uart] = {}
 
-    def join(self, world: World, station: Station, link: str) -> None:
+    def join(self, world: World, station: WorldNode, link: str) -> None:
         """Connect a station, which calls this wire `link`; WorldError for a third one."""
         if len(self._uarts) == _ENDS:
             raise WorldError(f"line '{self.name}' has two ends, and '{station.name}' would be a third")
@@ -101,7 +101,7 @@ class SerialWire(Observed):
         self._ends.join(uart)
         self._uarts[station] = uart
 
-    def leave(self, station: Station) -> None:
+    def leave(self, station: WorldNode) -> None:
         """Disconnect a station; what it has not sent yet is lost."""
         super().leave(station)
         self._uarts.pop(station).queue.clear()
@@ -110,7 +110,7 @@ class SerialWire(Observed):
         """Return how many bytes for the station of this name found its buffer full."""
         return sum(uart.overruns for uart in self._uarts.values() if uart.station.name == name)
 
-    def carry(self, sender: Station, packet: Packet) -> None:
+    def carry(self, sender: WorldNode, packet: Packet) -> None:
         """Queue bytes behind those that are still being sent."""
         uart = self._uarts[sender]
         uart.queue.extend(packet.payload)

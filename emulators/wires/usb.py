@@ -8,7 +8,7 @@ from typing import Final
 
 from emulators.wires.datagram import DatagramWire
 from emulators.wires.serial import Inbox, SerialWire
-from emulators.world import Station
+from emulators.world import WorldNode
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
@@ -26,7 +26,7 @@ class ChunkWire(DatagramWire):
         self.bytes = 0
         """Carried so far, both ways."""
 
-    def carry(self, sender: Station, packet: Packet) -> None:
+    def carry(self, sender: WorldNode, packet: Packet) -> None:
         """Send a chunk on its way."""
         self.bytes += len(packet.payload)
         super().carry(sender, packet)

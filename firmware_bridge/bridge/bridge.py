@@ -19,13 +19,13 @@ from firmware_bridge.bridge.pipeline import Pipeline
 from firmware_bridge.bridge.stops import AxisStop
 from firmware_bridge.drivers.driver import BRING_UP, Stop, Task
 from firmware_bridge.drivers.fleets import fleets_of
-from firmware_bridge.intent import ConfirmZero, Disarm, EmergencyStop, Request, Verdict
-from firmware_bridge.kind import AnyKind
+from firmware_bridge.intent import Answer, ConfirmZero, Disarm, EmergencyStop, Request
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.safety.row import Row, Severity
-from firmware_bridge.safety.snapshot import Hold, Snapshot
+from firmware_bridge.robot_type import AnyRobotType
+from firmware_bridge.safety.interlock_base import InterlockBase, Severity
+from firmware_bridge.safety.snapshot import ActiveInterlock, Snapshot
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.teleop.session import EVERYBODY
 from firmware_bridge.teleop.trust import Trust
@@ -41,9 +41,9 @@ PLACE_DIGITS: Final = 4
 """Of a place that is kept for the next run."""
 HELD: Final = "the robot would not stand without power: Ctrl-C within 5 s powers down"
 ENDING: Final = "the bridge is ending; only an emergency stop or a forced disarm is obeyed now"
-STARTING: Final = Row("starting", "wait")
-ENDS: Final = Row("ending", "start the bridge again", severity=Severity.NOTICE)
-FAILED: Final = Row("start-up failed", "correct it and start the bridge again")
+STARTING: Final = InterlockBase("starting", "wait")
+ENDS: Final = InterlockBase("ending", "start the bridge again", severity=Severity.NOTICE)
+FAILED: Final = InterlockBase("start-up failed", "correct it and start the bridge again")
 
 
 class Phase(Enum):
@@ -66,7 +66,7 @@ class Bridge:
     def __init__(
         self,
         robot: AnyRobot,
-        kind: AnyKind,
+        kind: AnyRobotType,
         trust: Trust = EVERYBODY,
         stands: tuple[ConfirmZero, ...] = (),
         mode: str = "",
@@ -134,7 +134,7 @@ class Bridge:
     @property
     def holding(self) -> bool:
         """True after a command to end, while it keeps a robot from moving until a second one."""
-        return self.phase is Phase.STOPPING and self._permission.letting_go.held
+        return self.phase is Phase.STOPPING and self._permission.power_down.held
 
     @property
     def unconfirmed(self) -> tuple[str, ...]:
@@ -172,7 +172,7 @@ class Bridge:
         return self._pipeline.seen
 
     @property
-    def holds(self) -> tuple[Hold, ...]:
+    def holds(self) -> tuple[ActiveInterlock, ...]:
         """The interlock events of the newest report."""
         return self._pipeline.holds
 
@@ -319,16 +319,15 @@ class Bridge:
         return self._task is None and self.phase is Phase.FAILED
 
     def _come_to_rest(self, now: Nanoseconds) -> None:
-        demanded, rests = self._pipeline.come_to_rest(now)
+        (demanded, rests), permission = self._pipeline.come_to_rest(now), self._permission
         self._outbox += demanded
         if not self.holding:
             self._requested_at = NEVER
         elif self._requested_at == NEVER:
             self._requested_at = now
-        self._outbox += self._pipeline.reported((self._waiting(now), *self._permission.holds), now)
-        permission = self._permission
+        self._outbox += self._pipeline.reported((self._waiting(now), *permission.holds), now)
         done = rests and permission.let_go and not permission.stops.under_way
-        late = now >= self._rest_until and not permission.letting_go.under_way
+        late = now >= self._rest_until and not permission.power_down.under_way
         gone = self.holding and permission.stops.no_axis_left
         if done or gone or (late and not permission.stops.escalating):
             self._leave(now)
@@ -340,7 +339,7 @@ class Bridge:
 
     def _begin_to_leave(self, now: Nanoseconds) -> None:
         self._left, self._leave_until = None, now + LEFT_WITHIN
-        self._permission.letting_go.ordered(now)
+        self._permission.power_down.ordered(now)
         given_up = self._permission.stops.given_up
         for driver in self._fleets.drivers:
             if driver not in given_up:
@@ -373,28 +372,29 @@ class Bridge:
             # That ends the task, and the start-up goes on without it.
             self._outbox += self._fleets.command_all(Stop.POWER_OFF)
 
-    def _decide(self, request: Request, now: Nanoseconds) -> Verdict:
+    def _decide(self, request: Request, now: Nanoseconds) -> Answer:
         stops = isinstance(request, EmergencyStop) or (isinstance(request, Disarm) and request.force)
         if isinstance(request, Disarm) and stops and self.phase in (Phase.FAILED, Phase.LEAVING):
             # The drives are on their way there, and a demand would end it.
-            return Verdict(accepted=True, reason="disarmed by force: the power is being disabled already")
+            return Answer(accepted=True, reason="disarmed by force: the power is being disabled already")
         if self.phase is Phase.RUNNING or stops:
-            verdict = self._pipeline.decide(request, now)
+            answer = self._pipeline.decide(request, now)
             if self._task is None:
                 # It is remembered: no power comes on. Nothing is sent to the devices while it only listens.
                 self._outbox[:] = [packet for packet in self._outbox if packet.link == OPERATOR]
-            return verdict
-        hold = self._waiting(now)
-        return Verdict(accepted=False, reason=hold.reason, temporary=self.phase is Phase.STARTING)
+            return answer
+        reason, temporary = self._waiting(now).reason, self.phase is Phase.STARTING
+        return Answer(accepted=False, reason=reason, temporary=temporary)
 
-    def _waiting(self, now: Nanoseconds) -> Hold:
+    def _waiting(self, now: Nanoseconds) -> ActiveInterlock:
         """Say why nothing moves before the drives are ready, or after they failed."""
         if self.failure is not None:
-            return Hold(FAILED.name, self.failure, FAILED, self._began_at)
+            return ActiveInterlock(FAILED.name, self.failure, FAILED, self._began_at)
         if self.phase is not Phase.STARTING:
             again = self._requested_at <= now < self._requested_at + SECOND_REQUEST_WITHIN
-            return Hold(ENDS.name, HELD if again else ENDING, ENDS, self._began_at)
+            return ActiveInterlock(ENDS.name, HELD if again else ENDING, ENDS, self._began_at)
         waiting = [driver.axis.title for driver in self._fleets.drivers if driver.busy]
         step = "" if self._task is None else f" ({self._task.value}: {', '.join(waiting)})"
         hints = "".join(f"; {hint}" for hint in self._fleets.hints(now))
-        return Hold(STARTING.name, f"the drives are being set up{step}{hints}", STARTING, self._began_at)
+        reason = f"the drives are being set up{step}{hints}"
+        return ActiveInterlock(STARTING.name, reason, STARTING, self._began_at)

@@ -7,7 +7,7 @@ unreferenced.
 from collections.abc import Callable, Iterable
 from typing import Final
 
-from firmware_bridge.intent import ConfirmZero, Verdict
+from firmware_bridge.intent import Answer, ConfirmZero
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 WITHIN: Final[Nanoseconds] = 5 * SECOND
@@ -25,7 +25,7 @@ class ConfirmedAtStart:
         """Let what is left wait, however long: one of its own is under way, as a homing is."""
         self._until = NEVER
 
-    def confirm(self, decide: Callable[[ConfirmZero], Verdict], now: Nanoseconds) -> None:
+    def confirm(self, decide: Callable[[ConfirmZero], Answer], now: Nanoseconds) -> None:
         """Ask for what is left; called in every cycle of a bridge that runs."""
         if not self._left:
             return

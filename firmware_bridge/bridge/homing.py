@@ -19,9 +19,9 @@ from firmware_bridge.intent import (
 )
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
-from firmware_bridge.safety.following import DEVIATION
-from firmware_bridge.safety.row import Row, Severity
-from firmware_bridge.safety.snapshot import Facts, Hold
+from firmware_bridge.safety.interlock_base import InterlockBase, Severity
+from firmware_bridge.safety.snapshot import ActiveInterlock, Facts
+from firmware_bridge.safety.tracking import DEVIATION
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds, to_seconds
 
 STOPS: Final = (Disarm, EmergencyStop, EnterMode, Pause, ChangeDriver)
@@ -30,10 +30,10 @@ MEANWHILE: Final = ("not armed", "stick not neutral", "reference lost", "axis re
 """Rows that keep no axis from its homing: it is what they wait for, or no stick moves it."""
 PREPARED_WITHIN: Final[Nanoseconds] = 2 * SECOND
 """Time for reading back before the start, and after the end, beside the one in the robot file."""
-UNDER_WAY: Final = Row(
+UNDER_WAY: Final = InterlockBase(
     "homing", "wait; or disarm, that stops it", stops=frozenset(), severity=Severity.NOTICE
 )
-FAILED: Final = Row(
+FAILED: Final = InterlockBase(
     "not homed",
     "look what held it, then home it again, or confirm its position",
     stops=frozenset(),
@@ -41,7 +41,7 @@ FAILED: Final = Row(
 )
 
 
-class Homing:
+class HomingSequence:
     """The homing of one axis after the other."""
 
     __slots__ = ("_driver", "_high", "_low", "_place", "_reason", "_sampled_at", "_since", "holds")
@@ -55,11 +55,11 @@ class Homing:
         self._place = self._low = self._high = 0.0
         """Position, with its lowest and highest value, in its unit: its own count jumps at the end."""
         self._sampled_at: Nanoseconds = NEVER_RECEIVED
-        self.holds: tuple[Hold, ...] = ()
+        self.holds: tuple[ActiveInterlock, ...] = ()
         """Reports: one under way, or the reason why the last one failed."""
 
     @property
-    def under_way(self) -> tuple[Hold, ...]:
+    def under_way(self) -> tuple[ActiveInterlock, ...]:
         """The hold of the homing that is under way; it keeps whatever else would move."""
         return () if self._driver is None else self.holds
 
@@ -68,7 +68,7 @@ class Homing:
         """The set-point of the axis whose homing may go on; empty without one."""
         return {} if self._driver is None else {self._driver.axis.name: Homed()}
 
-    def kept_by(self, axis: Axis, holds: tuple[Hold, ...]) -> Hold | None:
+    def kept_by(self, axis: Axis, holds: tuple[ActiveInterlock, ...]) -> ActiveInterlock | None:
         """Return the first of the holds that stop an axis which keeps it from being homed; or None."""
         homing = axis.zero.homing
         first = () if homing is None else homing.after
@@ -87,7 +87,7 @@ class Homing:
         if isinstance(request, STOPS):
             self._reason = "it was stopped by an order"
 
-    def watch(self, holds: tuple[Hold, ...], facts: Facts) -> None:
+    def watch(self, holds: tuple[ActiveInterlock, ...], facts: Facts) -> None:
         """Look once in a cycle whether it may go on; `holds` are those that stop its axis."""
         driver, now = self._driver, facts.now
         if driver is None:
@@ -113,7 +113,7 @@ class Homing:
         self.holds = ()
         if driver.failure is not None:
             self.interrupt(driver.failure.problem, now)
-        elif driver.feedback.zero_lost:
+        elif driver.feedback.reference_lost:
             self.interrupt(self._reason or "its drive was stopped", now)
         self._driver = None
 
@@ -135,8 +135,8 @@ class Homing:
 
     def _forget(self, facts: Facts) -> None:
         """Report no failure any more of an axis whose zero is known."""
-        self.holds = tuple(hold for hold in self.holds if facts.axes[hold.axis].zero_lost)
+        self.holds = tuple(hold for hold in self.holds if facts.axes[hold.axis].reference_lost)
 
-    def _report(self, row: Row, reason: str, now: Nanoseconds) -> None:
+    def _report(self, row: InterlockBase, reason: str, now: Nanoseconds) -> None:
         name = "" if self._driver is None else self._driver.axis.name
-        self.holds = (Hold(f"{row.name}: {name}", reason, row, now, name),)
+        self.holds = (ActiveInterlock(f"{row.name}: {name}", reason, row, now, name),)

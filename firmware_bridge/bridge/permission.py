@@ -8,12 +8,13 @@ from collections.abc import Collection
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.bridge.fleets import Fleets
-from firmware_bridge.bridge.homing import Homing
-from firmware_bridge.bridge.letting_go import HELD, LettingGo
+from firmware_bridge.bridge.homing import HomingSequence
+from firmware_bridge.bridge.power_down import HELD, PowerDown
 from firmware_bridge.bridge.stops import Stops
 from firmware_bridge.drivers.driver import BRING_UP, Driver, Power, Stop, Task
 from firmware_bridge.intent import (
     NEVER_RECEIVED,
+    Answer,
     Arm,
     ClearEmergencyStop,
     Disarm,
@@ -22,13 +23,12 @@ from firmware_bridge.intent import (
     Pause,
     Request,
     Resume,
-    Verdict,
 )
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.rules import Rules
-from firmware_bridge.safety.snapshot import Hold, Snapshot
+from firmware_bridge.safety.snapshot import ActiveInterlock, Snapshot
 from firmware_bridge.units import SECOND, Nanoseconds
 
 G = TypeVar("G", bound=Table)
@@ -56,14 +56,14 @@ class Permission(Generic[G, M, S]):
         """
         self._rules: Final = rules
         self._fleets = fleets
-        self.homing: Final = Homing()
+        self.homing: Final = HomingSequence()
         """Homing of one axis now."""
         self._outbox = outbox
         self._silent_after = robot.silent_after
         self._final = False
         self.stops: Final = Stops(robot, fleets)
         """Supervision of the axes' stops."""
-        self.letting_go: Final = LettingGo(robot, fleets, outbox)
+        self.power_down: Final = PowerDown(robot, fleets, outbox)
         """Check of the robot's standstill before its power is disabled."""
         self.armed = False
         self.emergency_stopped = False
@@ -90,14 +90,14 @@ class Permission(Generic[G, M, S]):
         return self.emergency_stopped or self.powered_off
 
     @property
-    def holds(self) -> tuple[Hold, ...]:
+    def holds(self) -> tuple[ActiveInterlock, ...]:
         """The reports about stops, power down and homing."""
-        return self.stops.holds + self.letting_go.holds + self.homing.holds
+        return self.stops.holds + self.power_down.holds + self.homing.holds
 
     @property
     def let_go(self) -> bool:
         """True where the power goes for good: ordered off at standstill, or proved unnecessary for it."""
-        return self.letting_go.let_go or (self.powered_off and self._brakes_until == NEVER_RECEIVED)
+        return self.power_down.let_go or (self.powered_off and self._brakes_until == NEVER_RECEIVED)
 
     def ordered_off(self, now: Nanoseconds, *, rests: bool) -> Stop:
         """Return what a forced disarm demands of all axes now: brake first, and no power from rest on."""
@@ -113,12 +113,12 @@ class Permission(Generic[G, M, S]):
 
     def end_start_ups(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """End the start-ups that were requested: a stop was ordered. Not those by which a slope is held."""
-        if self.letting_go.under_way:
+        if self.power_down.under_way:
             return ()
         waiting = [driver for driver in self._fleets.drivers if driver.busy and not driver.stopping]
         return tuple([packet for driver in waiting for packet in driver.begin((), now)])
 
-    def part(self, holds: tuple[Hold, ...], clearing: Collection[str]) -> None:
+    def part(self, holds: tuple[ActiveInterlock, ...], clearing: Collection[str]) -> None:
         """Require neutral controls where an interlock event's row needs it.
 
         One that is `clearing` does not: an operator whose stick has been neutral since its cause ended has
@@ -127,49 +127,49 @@ class Permission(Generic[G, M, S]):
         if any(hold.row.parts and hold.name not in clearing for hold in holds):
             self.neutral_required = True
 
-    def watch(self, holds: tuple[Hold, ...]) -> None:
+    def watch(self, holds: tuple[ActiveInterlock, ...]) -> None:
         """Do what the holds' rows say: disarm, latch the emergency stop, take an axis's power."""
         for hold in holds:
             if hold.row.latches:
                 self.emergency_stopped = True
             if hold.row.disarms or hold.row.latches:
                 self.armed = False
-            if hold.row.takes_power:
+            if hold.row.disables_power:
                 self.untrusted.add(hold.axis)
 
     def set_zero(
-        self, driver: Driver, position: float | None, seen: Snapshot[M, S], holds: tuple[Hold, ...]
-    ) -> Verdict:
+        self, driver: Driver, position: float | None, seen: Snapshot[M, S], holds: tuple[ActiveInterlock, ...]
+    ) -> Answer:
         """Have a device count from where its axis was seen to stand, or home it where no one has looked.
 
         One without power is enabled before. `holds` are those that stop this axis.
         """
         kept = self._keeps_zeros(seen)
         if kept is not None:
-            return Verdict(accepted=False, reason=f"zero: {kept}", temporary=True)
+            return Answer(accepted=False, reason=f"zero: {kept}", temporary=True)
         if driver.axis.name in self.untrusted:
             reason = f"zero: the power of {driver.axis.called} was disabled; arm once, that enables it"
-            return Verdict(accepted=False, reason=reason, temporary=True)
+            return Answer(accepted=False, reason=reason, temporary=True)
         now, feedback = seen.facts.now, driver.feedback
         if not self._ready(driver, now):
             failed = f" (last try: {driver.failure.problem})" if driver.failure is not None else ""
             self._enable(driver, now)
             reason = f"zero: enabling {driver.axis.called}{failed} first, repeat it then"
-            return Verdict(accepted=False, reason=reason, temporary=True)
-        if abs(feedback.velocity) > driver.axis.rests_below:
-            return Verdict(accepted=False, reason=f"zero: {driver.axis.called} moves", temporary=True)
+            return Answer(accepted=False, reason=reason, temporary=True)
+        if abs(feedback.velocity) > driver.axis.standstill_below:
+            return Answer(accepted=False, reason=f"zero: {driver.axis.called} moves", temporary=True)
         if position is None:
             return self._home(driver, holds, now)
         self._outbox += driver.set_zero(position, now)
-        return Verdict(accepted=True, reason=f"zero: {driver.axis.called} counts from there")
+        return Answer(accepted=True, reason=f"zero: {driver.axis.called} counts from there")
 
-    def _home(self, driver: Driver, holds: tuple[Hold, ...], now: Nanoseconds) -> Verdict:
+    def _home(self, driver: Driver, holds: tuple[ActiveInterlock, ...], now: Nanoseconds) -> Answer:
         axis = driver.axis
         hold = self.homing.kept_by(axis, holds)
         if hold is not None:
-            return Verdict(accepted=False, reason=f"home: {hold.reason}; {hold.remedy}", temporary=True)
+            return Answer(accepted=False, reason=f"home: {hold.reason}; {hold.remedy}", temporary=True)
         self._outbox += self.homing.begin(driver, now)
-        return Verdict(accepted=True, reason=f"home: {axis.called} is homing")
+        return Answer(accepted=True, reason=f"home: {axis.called} is homing")
 
     def _keeps_zeros(self, seen: Snapshot[M, S]) -> str | None:
         """Return why no axis' position may be confirmed, or None."""
@@ -181,13 +181,13 @@ class Permission(Generic[G, M, S]):
             return "the emergency stop is latched; clear it first"
         if self.powered_off:
             return "the power was disabled by force; arm once, that enables it"
-        if not self.rules.at_rest(seen):
+        if not self.rules.at_standstill(seen):
             return "the robot still moves"
         return self.stops.holds[0].reason if self.stops.escalating else None
 
-    def decide(self, request: Request, seen: Snapshot[M, S], holds: tuple[Hold, ...]) -> Verdict:
+    def decide(self, request: Request, seen: Snapshot[M, S], holds: tuple[ActiveInterlock, ...]) -> Answer:
         """Answer one request; `seen` and `holds` are of this instant."""
-        verdict = Verdict(accepted=True, reason="")
+        verdict = Answer(accepted=True, reason="")
         self.homing.ordered(request)
         self._outbox += self.stops.ordered(request)
         match request:
@@ -203,18 +203,18 @@ class Permission(Generic[G, M, S]):
                 verdict = self._enter(mode, seen)
             case Pause():
                 self.paused = True
-                verdict = Verdict(accepted=True, reason="paused: the robot comes to rest, and waits")
+                verdict = Answer(accepted=True, reason="paused: the robot comes to rest, and waits")
             case Resume():
                 verdict = self._resume(seen)
         return verdict
 
-    def _stop(self, *, final: bool) -> Verdict:
+    def _stop(self, *, final: bool) -> Answer:
         self.emergency_stopped = True
         self._final = self._final or final
         self.armed = False
-        return Verdict(accepted=True, reason="emergency stop: it stays until it is cleared")
+        return Answer(accepted=True, reason="emergency stop: it stays until it is cleared")
 
-    def _disarm_by_force(self, seen: Snapshot[M, S]) -> Verdict:
+    def _disarm_by_force(self, seen: Snapshot[M, S]) -> Answer:
         now = seen.facts.now
         self.order_off(now)
         # Its own demand may be above zero still: what was measured counts.
@@ -226,11 +226,11 @@ class Permission(Generic[G, M, S]):
             if stop is Stop.POWER_OFF
             else "it brakes, then the power is disabled"
         )
-        return Verdict(accepted=True, reason=f"disarmed by force: {does}")
+        return Answer(accepted=True, reason=f"disarmed by force: {does}")
 
-    def _arm(self, seen: Snapshot[M, S], holds: tuple[Hold, ...]) -> Verdict:
+    def _arm(self, seen: Snapshot[M, S], holds: tuple[ActiveInterlock, ...]) -> Answer:
         if self.armed:
-            return Verdict(accepted=True, reason="armed already")
+            return Answer(accepted=True, reason="armed already")
         premature = self._premature(seen)
         if premature is not None:
             return premature
@@ -240,43 +240,41 @@ class Permission(Generic[G, M, S]):
             return self._awaken(asleep, now)
         for hold in holds:
             if hold.row.blocks_arming:
-                return Verdict(accepted=False, reason=f"arm: {hold.reason}; {hold.remedy}", temporary=True)
+                return Answer(accepted=False, reason=f"arm: {hold.reason}; {hold.remedy}", temporary=True)
         self.armed = True
         self.paused = False
         self.untrusted.clear()
-        return Verdict(accepted=True, reason="armed")
+        return Answer(accepted=True, reason="armed")
 
-    def _premature(self, seen: Snapshot[M, S]) -> Verdict | None:
+    def _premature(self, seen: Snapshot[M, S]) -> Answer | None:
         if self.emergency_stopped:
-            return Verdict(accepted=False, reason="arm: the emergency stop is latched; clear it first")
+            return Answer(accepted=False, reason="arm: the emergency stop is latched; clear it first")
         for hold in self.stops.holds if self.stops.escalating else ():
-            return Verdict(accepted=False, reason=f"arm: {hold.reason}", temporary=True)
+            return Answer(accepted=False, reason=f"arm: {hold.reason}", temporary=True)
         for hold in self.homing.under_way:
-            return Verdict(accepted=False, reason=f"arm: {hold.reason}; {hold.remedy}", temporary=True)
+            return Answer(accepted=False, reason=f"arm: {hold.reason}; {hold.remedy}", temporary=True)
         for lost in seen.facts.links_lost.values():
-            return Verdict(accepted=False, reason=f"arm: {lost}; plug it in again", temporary=True)
-        if not self.rules.at_rest(seen):
-            return Verdict(accepted=False, reason="arm: the robot still moves", temporary=True)
+            return Answer(accepted=False, reason=f"arm: {lost}; plug it in again", temporary=True)
+        if not self.rules.at_standstill(seen):
+            return Answer(accepted=False, reason="arm: the robot still moves", temporary=True)
         return self._requested(seen)
 
-    def _requested(self, seen: Snapshot[M, S]) -> Verdict | None:
+    def _requested(self, seen: Snapshot[M, S]) -> Answer | None:
         """Refuse where something would move as soon as the robot is armed."""
         if not seen.facts.neutral:
-            return Verdict(
-                accepted=False, reason=f"arm: {seen.facts.deflected or 'the stick is not neutral'}"
-            )
+            return Answer(accepted=False, reason=f"arm: {seen.facts.deflected or 'the stick is not neutral'}")
         requested = self.rules.body.requested(seen.command, seen.body)
         if requested:
             moved = " and ".join(sorted(requested))
             reason = f"arm: the {moved} would move at once; return the stick to neutral, or disarm"
-            return Verdict(accepted=False, reason=reason)
+            return Answer(accepted=False, reason=reason)
         return None
 
     def _used(self) -> list[Driver]:
         without = self.rules.without
         return [driver for driver in self._fleets.drivers if driver.axis.name not in without]
 
-    def _awaken(self, asleep: list[Driver], now: Nanoseconds) -> Verdict:
+    def _awaken(self, asleep: list[Driver], now: Nanoseconds) -> Answer:
         """Begin to enable drives again; the operator arms again when they are."""
         self.powered_off = False
         self.untrusted.clear()
@@ -285,55 +283,55 @@ class Permission(Generic[G, M, S]):
             before = f" (last try: {driver.failure.problem})" if driver.failure is not None else ""
             named.append(f"{driver.axis.called}{before}")
             self._enable(driver, now)
-        return Verdict(accepted=False, reason=f"enabling {', '.join(named)} again, arm again", temporary=True)
+        return Answer(accepted=False, reason=f"enabling {', '.join(named)} again, arm again", temporary=True)
 
     def _enable(self, driver: Driver, now: Nanoseconds) -> None:
         if not driver.busy:
             lost = not driver.configured or self._silent(driver, now)
             self._outbox += driver.begin(BRING_UP if lost else (Task.ENABLE,), now)
 
-    def _disarm(self, seen: Snapshot[M, S]) -> Verdict:
+    def _disarm(self, seen: Snapshot[M, S]) -> Answer:
         self.armed = False
-        moves = "" if self.rules.at_rest(seen) else "the robot comes to rest, "
-        return Verdict(accepted=True, reason=f"disarmed: {moves}the drives hold still")
+        moves = "" if self.rules.at_standstill(seen) else "the robot comes to rest, "
+        return Answer(accepted=True, reason=f"disarmed: {moves}the drives hold still")
 
-    def _resume(self, seen: Snapshot[M, S]) -> Verdict:
+    def _resume(self, seen: Snapshot[M, S]) -> Answer:
         if self.paused and not seen.facts.neutral:
-            return Verdict(
+            return Answer(
                 accepted=False, reason=f"continue: {seen.facts.deflected or 'the stick is not neutral'}"
             )
         self.paused = False
-        return Verdict(accepted=True, reason="the robot goes on")
+        return Answer(accepted=True, reason="the robot goes on")
 
-    def _clear(self, seen: Snapshot[M, S]) -> Verdict:
+    def _clear(self, seen: Snapshot[M, S]) -> Answer:
         if not self.emergency_stopped:
-            return Verdict(accepted=True, reason="no emergency stop is latched")
+            return Answer(accepted=True, reason="no emergency stop is latched")
         if self._final:
-            return Verdict(
+            return Answer(
                 accepted=False, reason="this emergency stop is cleared by a restart of the bridge only"
             )
-        if not self.rules.at_rest(seen):
-            return Verdict(accepted=False, reason="clear: the robot still moves", temporary=True)
+        if not self.rules.at_standstill(seen):
+            return Answer(accepted=False, reason="clear: the robot still moves", temporary=True)
         self.emergency_stopped = False
-        return Verdict(accepted=True, reason="emergency stop cleared; arm to move")
+        return Answer(accepted=True, reason="emergency stop cleared; arm to move")
 
-    def _enter(self, mode: str, seen: Snapshot[M, S]) -> Verdict:
+    def _enter(self, mode: str, seen: Snapshot[M, S]) -> Answer:
         if mode not in self._rules:
             known = ", ".join(name for name in self._rules if name) or "none"
-            return Verdict(accepted=False, reason=f"mode: this robot has no '{mode}'; it has {known}")
+            return Answer(accepted=False, reason=f"mode: this robot has no '{mode}'; it has {known}")
         if mode == self.mode:
             return self._resume(seen)
         rules = self._rules[mode]
         # By the mode's own body: an axis that it does without, and that reports nothing, is not known to be
         # still.
-        if self.armed or not rules.at_rest(rules.sensed(seen)):
-            return Verdict(accepted=False, reason="mode: stop and disarm first", temporary=True)
-        kept = self.letting_go.kept_by(rules.carriers, seen.facts.now)
+        if self.armed or not rules.at_standstill(rules.sensed(seen)):
+            return Answer(accepted=False, reason="mode: stop and disarm first", temporary=True)
+        kept = self.power_down.kept_by(rules.carriers, seen.facts.now)
         if kept is not None:
             reason = f"mode: {kept}; {HELD.remedy.partition(';')[0]}"
-            return Verdict(accepted=False, reason=reason, temporary=True)
+            return Answer(accepted=False, reason=reason, temporary=True)
         self.mode = mode
-        return Verdict(accepted=True, reason=f"mode: {mode or 'the whole robot'}; arm to move")
+        return Answer(accepted=True, reason=f"mode: {mode or 'the whole robot'}; arm to move")
 
     def _ready(self, driver: Driver, now: Nanoseconds) -> bool:
         feedback = driver.feedback

@@ -15,23 +15,23 @@ from firmware_bridge.bridge.zeros import Zeros
 from firmware_bridge.drivers.driver import Demand, Feedback, Level, Stop
 from firmware_bridge.intent import (
     NEVER_RECEIVED,
+    Answer,
     Arm,
     ChangeDriver,
     ConfirmZero,
     Follow,
     Request,
     ResetOdometry,
-    Verdict,
 )
-from firmware_bridge.kind import Guide, Kind
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot
 from firmware_bridge.robot.table import Table
+from firmware_bridge.robot_type import PathFollower, RobotType
 from firmware_bridge.safety.charge import Charge
-from firmware_bridge.safety.following import Followers
 from firmware_bridge.safety.gate import Gate
 from firmware_bridge.safety.rules import Rules
-from firmware_bridge.safety.snapshot import Facts, Group, Hold, Ruling, Snapshot
+from firmware_bridge.safety.snapshot import ActiveInterlock, Decision, Facts, Group, Snapshot
+from firmware_bridge.safety.tracking import Followers
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.units import NEVER, Nanoseconds
 
@@ -48,7 +48,7 @@ class Pipeline(Generic[G, M, S]):
     def __init__(
         self,
         robot: Robot[G],
-        kind: Kind[G, M, S],
+        kind: RobotType[G, M, S],
         *,
         rules: Mapping[str, Rules[G, M, S]],
         fleets: Fleets,
@@ -71,7 +71,7 @@ class Pipeline(Generic[G, M, S]):
         self._charge: Final = Charge(robot)
         self._zeros: Final = Zeros(robot, kind.station.gauges, fleets)
         self._followers: Final = Followers(robot)
-        self._guide: Guide[M, S] | None = None
+        self._guide: PathFollower[M, S] | None = None
         """The path follower in the operator's place; None while the operator commands."""
         self._command: M | None = None
         """The path follower's newest command."""
@@ -80,12 +80,12 @@ class Pipeline(Generic[G, M, S]):
         self._counted: Mapping[str, Feedback] | None = None
         """The samples up to which the pose has been carried on."""
         self._ran_at: Nanoseconds | None = None
-        self._stood_still: Nanoseconds = 0
+        self._bridge_stalled: Nanoseconds = 0
         self.gate_deadline: Nanoseconds = NEVER
         """Time when a timeout trips an interlock if nothing is received."""
         self.seen: Snapshot[M, S] = self.known(0)
         """The newest cycle's snapshot."""
-        self.holds: tuple[Hold, ...] = ()
+        self.holds: tuple[ActiveInterlock, ...] = ()
         """The newest cycle's interlock events."""
 
     def run(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], tuple[Packet, ...]]:
@@ -94,21 +94,21 @@ class Pipeline(Generic[G, M, S]):
         elapsed = self._elapsed(now)
         self._lapse(now)
         known = self._guided(self.known(now), elapsed)
-        ruling = self._gate.rule(known)
-        self._watch_homing(ruling.holds + self._permission.stops.holds, known.facts)
+        decision = self._gate.rule(known)
+        self._watch_homing(decision.holds + self._permission.stops.holds, known.facts)
         if self._operator.take_let_go() or known.facts.neutral:
             self._permission.neutral_required = False
-        self._permission.part(ruling.holds, self._gate.clearing)
-        self._permission.watch(ruling.holds)
-        if any(hold.row.parts for hold in ruling.holds):
+        self._permission.part(decision.holds, self._gate.clearing)
+        self._permission.watch(decision.holds)
+        if any(hold.row.parts for hold in decision.holds):
             self._operator.forget()
         self.gate_deadline = self._gate.next_deadline(known.facts)
-        self._demanded = rules.body.ramped(self._demanded, ruling.allowed, known.body, elapsed)
+        self._demanded = rules.body.ramped(self._demanded, decision.allowed, known.body, elapsed)
         sent = self._stopped(
-            self._stop_requested(ruling.stopped), self._demands(known), self._levels(ruling), now
+            self._stop_requested(decision.stopped), self._demands(known), self._levels(decision), now
         )
         self._advance(known.facts)
-        self._keep(known, ruling.holds + self._permission.holds)
+        self._keep(known, decision.holds + self._permission.holds)
         return sent, self._operator.report(self.seen, self.holds, now)
 
     def come_to_rest(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], bool]:
@@ -119,7 +119,9 @@ class Pipeline(Generic[G, M, S]):
         """
         self._permission.homing.interrupt("the bridge is ending", now)
         known = self.known(now)
-        self._permission.watch(tuple([hold for hold in self._gate.rule(known).holds if hold.row.takes_power]))
+        self._permission.watch(
+            tuple([hold for hold in self._gate.rule(known).holds if hold.row.disables_power])
+        )
         rules = self._permission.rules
         rest = rules.body.rested(self._demanded, rules.groups)
         self._demanded = rules.body.ramped(self._demanded, rest, known.body, self._elapsed(now))
@@ -153,10 +155,10 @@ class Pipeline(Generic[G, M, S]):
         if refused is not None:
             raise ValueError(refused)
 
-    def decide(self, request: Request, now: Nanoseconds) -> Verdict:
+    def decide(self, request: Request, now: Nanoseconds) -> Answer:
         """Answer one request of the operator."""
         if isinstance(request, ResetOdometry):
-            return Verdict(accepted=True, reason=self._locating.begin_again())
+            return Answer(accepted=True, reason=self._locating.begin_again())
         if isinstance(request, Follow):
             return self._follow(request.guide)
         if isinstance(request, ChangeDriver):
@@ -164,14 +166,14 @@ class Pipeline(Generic[G, M, S]):
             self._permission.neutral_required = True
             self._operator.take_let_go()  # the neutral stick was another station's
             self._permission.homing.ordered(request)
-            return Verdict(accepted=True, reason="")
+            return Answer(accepted=True, reason="")
         if isinstance(request, Arm):
             self._operator.take_let_go()  # that was before
         known = self.known(now)
         if isinstance(request, ConfirmZero):
             refused = self._zeros.refuses(request)
             if refused is not None:
-                return Verdict(accepted=False, reason=refused)
+                return Answer(accepted=False, reason=refused)
             holds = self._against(request.axis, self._gate.rule(known).holds)
             return self._permission.set_zero(*self._zeros.place(request), known, holds)
         holds = self._gate.rule(known).holds
@@ -201,11 +203,11 @@ class Pipeline(Generic[G, M, S]):
             stood=self._zeros.saw(axes),
             following=self._followers.saw(axes),
             sent_at=operator.intent.sent_at,
-            dated=operator.intent.dated,
+            timestamped=operator.intent.timestamped,
             age_limit=operator.age_limit,
-            stood_still=self._stood_still
+            stood_still=self._bridge_stalled
             if self._ran_at is None
-            else max(self._stood_still, now - self._ran_at),
+            else max(self._bridge_stalled, now - self._ran_at),
         )
         return Snapshot(
             facts=facts,
@@ -216,7 +218,7 @@ class Pipeline(Generic[G, M, S]):
             located=self._locating.located,
         )
 
-    def reported(self, holds: tuple[Hold, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+    def reported(self, holds: tuple[ActiveInterlock, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Report without judging: before the devices are ready, and after they failed."""
         self._lapse(now)
         self.seen, self.holds = self.known(now), holds
@@ -224,7 +226,7 @@ class Pipeline(Generic[G, M, S]):
 
     def _lapse(self, now: Nanoseconds) -> None:
         """Let no one drive where the driver is gone and the robot rests; the next one arms again."""
-        if self._permission.rules.at_rest(self.seen) and self._operator.lapse(now):
+        if self._permission.rules.at_standstill(self.seen) and self._operator.lapse(now):
             self._permission.armed = False
 
     def _guided(self, known: Snapshot[M, S], elapsed: Nanoseconds) -> Snapshot[M, S]:
@@ -249,25 +251,23 @@ class Pipeline(Generic[G, M, S]):
             located=known.located,
         )
 
-    def _follow(self, name: str) -> Verdict:
+    def _follow(self, name: str) -> Answer:
         made = self._kind.guides.get(name)
         if name and made is None:
             known = ", ".join(self._kind.guides) or "none"
-            return Verdict(
-                accepted=False, reason=f"path follower: this robot has no '{name}'; it has {known}"
-            )
+            return Answer(accepted=False, reason=f"path follower: this robot has no '{name}'; it has {known}")
         if name and not self._permission.armed:
-            return Verdict(accepted=False, reason="path follower: arm the robot first")
+            return Answer(accepted=False, reason="path follower: arm the robot first")
         self._guide = None if made is None else made(self._robot)
         self._command = None
-        return Verdict(accepted=True, reason=f"path follower: {name or 'the operator'}")
+        return Answer(accepted=True, reason=f"path follower: {name or 'the operator'}")
 
-    def _against(self, axis: str, holds: tuple[Hold, ...]) -> tuple[Hold, ...]:
+    def _against(self, axis: str, holds: tuple[ActiveInterlock, ...]) -> tuple[ActiveInterlock, ...]:
         """Return the holds that stop an axis."""
         group = self._group_of[axis]
         return tuple(hold for hold in holds if hold.row.stops is None or group in hold.row.stops)
 
-    def _watch_homing(self, holds: tuple[Hold, ...], facts: Facts) -> None:
+    def _watch_homing(self, holds: tuple[ActiveInterlock, ...], facts: Facts) -> None:
         homing = self._permission.homing
         for axis in homing.demands:
             holds = self._against(axis, holds)
@@ -294,7 +294,7 @@ class Pipeline(Generic[G, M, S]):
             demands,
             now,
             self._permission.rules.without,
-            holding=self._permission.letting_go.held,
+            holding=self._permission.power_down.held,
         )
         self._permission.watch(stops.holds)
         sent = escalated + self._fleets.command(changed, levels, now)
@@ -307,18 +307,18 @@ class Pipeline(Generic[G, M, S]):
         if permission.emergency_stopped or permission.powered_off:
             rests = self._rests(known) and self._demand_rests(known)
             return self._without_power(known, rests=rests) or self._demands_of_body(known)
-        permission.letting_go.not_requested(known.facts.now)
+        permission.power_down.not_requested(known.facts.now)
         return self._demands_of_body(known)
 
     def _without_power(self, known: Snapshot[M, S], *, rests: bool) -> Mapping[str, Demand]:
         """Return the stop that disables all axes' power, or keeps it at standstill; none while they move."""
         permission, now = self._permission, known.facts.now
         if permission.powered_off:
-            permission.letting_go.ordered(now)
+            permission.power_down.ordered(now)
             # Not for an axis that shall have no power already: to brake would give it back.
             return self._used(self._all(permission.ordered_off(now, rests=permission.rules.stands(known))))
         without = permission.rules.without
-        stop = permission.letting_go.stop_for(rests=rests, now=now, without=without)
+        stop = permission.power_down.stop_for(rests=rests, now=now, without=without)
         return {} if stop is None else self._used(self._all(stop))
 
     def _demands_of_body(self, known: Snapshot[M, S]) -> Mapping[str, Demand]:
@@ -334,23 +334,23 @@ class Pipeline(Generic[G, M, S]):
     def _rests(self, known: Snapshot[M, S]) -> bool:
         """Return whether the robot is at standstill; untrusted axes, whose power is off, are not judged."""
         permission = self._permission
-        if permission.rules.at_rest(known):
+        if permission.rules.at_standstill(known):
             return True
         if not permission.untrusted:
             return False
         believed = permission.rules.believed(known, permission.untrusted)
-        return believed is not None and permission.rules.at_rest(believed)
+        return believed is not None and permission.rules.at_standstill(believed)
 
     def _demand_rests(self, known: Snapshot[M, S]) -> bool:
         rules = self._permission.rules
         return not rules.body.requested(self._demanded, known.body) & rules.travelling
 
-    def _levels(self, ruling: Ruling[M]) -> Mapping[str, Level]:
+    def _levels(self, decision: Decision[M]) -> Mapping[str, Level]:
         """Return the levels of the outputs: by the motion, or by a stop of everything."""
         if self._kind.switched is None:
             return NO_LEVELS
-        levels = self._kind.switched(ruling.allowed)
-        stopped = ruling.stopped == self._permission.rules.groups
+        levels = self._kind.switched(decision.allowed)
+        stopped = decision.stopped == self._permission.rules.groups
         return {**levels, **self._kind.on_stop} if stopped else levels
 
     def _all(self, demand: Demand) -> Mapping[str, Demand]:
@@ -370,7 +370,7 @@ class Pipeline(Generic[G, M, S]):
                 pose = body.advanced(pose, before, axes, facts.sensors)
             locating.rolled(pose, axes[body.rolling[0]].sampled_at, facts.sensors)
 
-    def _keep(self, known: Snapshot[M, S], holds: tuple[Hold, ...]) -> None:
+    def _keep(self, known: Snapshot[M, S], holds: tuple[ActiveInterlock, ...]) -> None:
         """Keep this cycle's snapshot and set-points; a path follower that was held back begins again."""
         self.seen = Snapshot(
             facts=known.facts,
@@ -386,5 +386,5 @@ class Pipeline(Generic[G, M, S]):
 
     def _elapsed(self, now: Nanoseconds) -> Nanoseconds:
         before, self._ran_at = self._ran_at, now
-        self._stood_still = 0 if before is None else now - before
-        return self._stood_still
+        self._bridge_stalled = 0 if before is None else now - before
+        return self._bridge_stalled

@@ -19,8 +19,8 @@ from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN, StopStep, gentle_wi
 from firmware_bridge.intent import NEVER_RECEIVED, Disarm, EmergencyStop, Pause, Request
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.safety.row import Row, Severity
-from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.safety.interlock_base import InterlockBase, Severity
+from firmware_bridge.safety.snapshot import ActiveInterlock
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 RESTS: Final = 0.01
@@ -52,7 +52,7 @@ class AxisStop:
 
     __slots__ = (
         "_due", "_failed_at", "_gentle_until", "_rested", "_rests_below", "_row", "_silent_after",
-        "_slowing_from", "_ways", "begun_at", "confirmed_at", "driver", "left_out", "link", "off", "place",
+        "_slowing_from", "_ways", "begun_at", "confirmed_at", "driver", "excluded", "link", "off", "place",
         "progress", "since", "steps", "until",
     )  # fmt: skip
 
@@ -66,11 +66,11 @@ class AxisStop:
         self._rests_below: Final = RESTS * axis.top_speed
         self._silent_after: Final = link.silent_ms * MILLISECOND
         stops = None if link.stops is None else frozenset(link.stops)
-        self._row: Final = Row(
+        self._row: Final = InterlockBase(
             NOT_ACKNOWLEDGED, REMEDY, stops=stops, severity=Severity.CRITICAL, disarms=stops is None
         )
         self.progress = Progress.NOT_REQUESTED
-        self.left_out = False
+        self.excluded = False
         """The robot's mode does without the axis: what becomes of it holds nothing back."""
         self._rested = False
         """True where it was at standstill in its last report before the stop."""
@@ -192,7 +192,7 @@ class AxisStop:
         driver = self.driver
         if self.escalates or not driver.busy or driver.stopping:
             return False
-        moves = self._received(now) and abs(driver.feedback.velocity) > driver.axis.rests_below
+        moves = self._received(now) and abs(driver.feedback.velocity) > driver.axis.standstill_below
         return holding or not moves
 
     def late(self, now: Nanoseconds) -> bool:
@@ -213,7 +213,7 @@ class AxisStop:
             patience = 0 if step.received else step.judged_after(0.0)
         return now >= max(self.begun_at, driver.feedback.received_at) + patience
 
-    def hold(self) -> Hold | None:
+    def hold(self) -> ActiveInterlock | None:
         """Return what the operator is informed of; None while no step has failed."""
         if not self.escalates and self.progress is not Progress.GIVEN_UP:
             return None
@@ -224,7 +224,9 @@ class AxisStop:
             then = f"next: {self.step.name}" + (f", {self.step.note}" if self.step.note else "")
         axis = self.driver.axis
         reason = f"{axis.called}: {failed.name} not acknowledged; {then}"
-        return Hold(f"{NOT_ACKNOWLEDGED}: {axis.name}", reason, self._row, self._failed_at, stage=failed.name)
+        return ActiveInterlock(
+            f"{NOT_ACKNOWLEDGED}: {axis.name}", reason, self._row, self._failed_at, stage=failed.name
+        )
 
     def _enter(self, place: int, now: Nanoseconds) -> None:
         self.place, self.begun_at = place, now
@@ -256,7 +258,7 @@ class Stops:
         self._at_once: Final = tuple([stop for stop in self._axes.values() if stop.first.at_once])
         self._lost: Collection[str] = ()
         """The links over which nothing reaches a device, as of the newest look."""
-        self.holds: tuple[Hold, ...] = ()
+        self.holds: tuple[ActiveInterlock, ...] = ()
         """Reports, as of the newest look."""
 
     @property
@@ -272,7 +274,7 @@ class Stops:
     @property
     def escalating(self) -> bool:
         """True where some stop has gone beyond its first stage."""
-        return any(stop.escalates and not stop.left_out for stop in self._reached)
+        return any(stop.escalates and not stop.excluded for stop in self._reached)
 
     @property
     def given_up(self) -> tuple[Driver, ...]:
@@ -319,7 +321,7 @@ class Stops:
         self._lost = self._fleets.links_lost
         for name, stop in self._axes.items():
             demand = demands.get(name, Stop.REST)
-            stop.left_out = name in without
+            stop.excluded = name in without
             uncommanded = name not in requested and not stop.escalates
             if uncommanded or stop.link in self._lost or stop.waits(now, holding=holding):
                 # Nothing reaches a lost link; when it is back the stop begins with the first step.
@@ -331,7 +333,7 @@ class Stops:
                 changed[name] = stop.step.demand
             elif stop.first.at_once and name in requested and not isinstance(demand, Stop):
                 changed[name] = stop.first.demand
-        holds = [stop.hold() for stop in self._axes.values() if not stop.left_out]
+        holds = [stop.hold() for stop in self._axes.values() if not stop.excluded]
         self.holds = tuple([hold for hold in holds if hold is not None])
         return sent, changed
 

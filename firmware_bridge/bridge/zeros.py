@@ -52,7 +52,7 @@ class Zeros(Generic[G]):
         lost = []
         for name in self._gauges:
             feedback = axes[name]
-            if feedback.sampled_at != NEVER_RECEIVED and not feedback.zero_lost:
+            if feedback.sampled_at != NEVER_RECEIVED and not feedback.reference_lost:
                 self._positions[name] = feedback.position
             else:
                 lost.append(name)

@@ -26,7 +26,7 @@ _NAMES_STATUSES: Final = re.compile(r"\bstatus\s+[012]\b")
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class CliCommand:
     """One command."""
 
     words: str
@@ -55,13 +55,13 @@ class Group:
     context_settings: Mapping[str, Any] = field(default_factory=dict)
 
 
-Row: TypeAlias = Command | Group
+Row: TypeAlias = CliCommand | Group
 
 
 class Promised(TyperCommand):
     """Placeholder in a group for a command that is imported only when it is called."""
 
-    def __init__(self, row: Command) -> None:
+    def __init__(self, row: CliCommand) -> None:
         super().__init__(row.words.split()[-1], help=row.line, rich_markup_mode=MARKUP)
         self._row = row
 
@@ -168,7 +168,7 @@ class Tree:
                 _left_out(row.words, f"there is no group '{place}'")
             elif name in group.commands:
                 _left_out(row.words, "there is one of this name")
-            elif isinstance(row, Command):
+            elif isinstance(row, CliCommand):
                 group.commands[name] = Promised(row)
             else:
                 self._groups[row.words] = group.commands[name] = self._group(row, name)

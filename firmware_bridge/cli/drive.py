@@ -33,11 +33,11 @@ from firmware_bridge.shell.black_box import CAN_LOG, CAPTURE_LOG, OPERATOR_LOG, 
 from firmware_bridge.wire.maxon.frame import Generation
 
 if TYPE_CHECKING:
-    from firmware_bridge.cli.places import Place
-    from firmware_bridge.kind import AnyKind
+    from firmware_bridge.cli.places import BusAddress
     from firmware_bridge.robot import AnyRobot
     from firmware_bridge.robot.settings.ar2 import Ar2Link
     from firmware_bridge.robot.settings.shield import ShieldLink
+    from firmware_bridge.robot_type import AnyRobotType
     from firmware_bridge.shell.ports import Port
     from firmware_bridge.slow_link.conditions import Conditions
 
@@ -178,7 +178,7 @@ def run(given: DriveOptions) -> None:
     """Run `drive` with these options; an error ends the program with a message."""
     from firmware_bridge.bridge import Bridge
     from firmware_bridge.cli.narrated import Narrated, StartUpFailedError, not_confirmed
-    from firmware_bridge.cli.places import Place, places_of, split_links
+    from firmware_bridge.cli.places import BusAddress, places_of, split_links
     from firmware_bridge.cli.real_time import carry
     from firmware_bridge.cli.remembered import Remembered
     from firmware_bridge.cli.robot_argument import find_robot
@@ -187,9 +187,9 @@ def run(given: DriveOptions) -> None:
     from firmware_bridge.cli.zeros import zeros_of
     from firmware_bridge.drivers.epos2.serial.plan import PlanError
     from firmware_bridge.drivers.shield.plan import ShieldPlanError
-    from firmware_bridge.kinds import kind_of
     from firmware_bridge.robot import RobotFileError
     from firmware_bridge.robot.path_file import PathFileError, along_path
+    from firmware_bridge.robot_types import robot_type_of
     from firmware_bridge.safety.guard import guarded
     from firmware_bridge.shell.last_places import LastPlaces, known_places, usual_path
     from firmware_bridge.shell.ports import UdpPort
@@ -197,7 +197,7 @@ def run(given: DriveOptions) -> None:
 
     machine = find_robot(given.robot)
     named, slow = split_links(machine, given.link)
-    places = places_of(machine, named, Place(given.interface, given.channel, given.serial))
+    places = places_of(machine, named, BusAddress(given.interface, given.channel, given.serial))
     trust = trust_of(given.mavlink, given.key, given.allow, openly=given.openly)
     state = given.state or usual_path(machine.name)
     stamps = Remembered(trust, state.with_suffix(".stamps.json"))
@@ -209,7 +209,7 @@ def run(given: DriveOptions) -> None:
             .agreed_on(given.max_delay)
         )
         machine, _ = along_path(machine, given.path, given.path_speed)
-        kind = kind_of(machine)
+        kind = robot_type_of(machine)
         bridge = Bridge(machine, kind, stamps.trust, stands, _mode(given.mode, kind))
     kept = LastPlaces(state)
     places_before = kept.read()
@@ -239,7 +239,7 @@ def run(given: DriveOptions) -> None:
 
 
 def _links(
-    machine: "AnyRobot", places: "Mapping[str, Place]", given: DriveOptions, node: Node
+    machine: "AnyRobot", places: "Mapping[str, BusAddress]", given: DriveOptions, node: Node
 ) -> "tuple[Node, dict[str, Callable[[], Port]], list[str], dict[str, str]]":
     """Return the bridge behind its lines, the links' openers, which are lines, the hints for silence."""
     from firmware_bridge.drivers.epos2.serial.line import MaxonLine
@@ -285,9 +285,9 @@ def _far(node: Node, slow: "Conditions | None") -> Node:
 def texts_of() -> Texts:
     """Return what reads the bridge's texts out of its datagrams, whole."""
     from firmware_bridge.teleop.mavlink import Codec, dialect
-    from firmware_bridge.teleop.texts import Listener
+    from firmware_bridge.teleop.texts import TextCollector
 
-    codec, listener = Codec(0, 0), Listener()
+    codec, listener = Codec(0, 0), TextCollector()
     wanted = frozenset({dialect.MAVLINK_MSG_ID_STATUSTEXT})
 
     def read(datagram: bytes) -> Iterator[str]:
@@ -298,7 +298,7 @@ def texts_of() -> Texts:
     return read
 
 
-def _mode(name: str | None, kind: "AnyKind") -> str:
+def _mode(name: str | None, kind: "AnyRobotType") -> str:
     from firmware_bridge.robot.problems import near
 
     if name is not None and name not in kind.modes:
@@ -307,7 +307,7 @@ def _mode(name: str | None, kind: "AnyKind") -> str:
     return name or ""
 
 
-def _with_lines(machine: "AnyRobot", places: "Mapping[str, Place]", given: DriveOptions) -> "AnyRobot":
+def _with_lines(machine: "AnyRobot", places: "Mapping[str, BusAddress]", given: DriveOptions) -> "AnyRobot":
     """Return the robot with those links on serial lines that are at a serial port."""
     from firmware_bridge.drivers.epos2.serial.fleet import over_serial
     from firmware_bridge.drivers.shield.fleet import measured, over_protocol
@@ -344,7 +344,7 @@ def _no_board(table: "ShieldLink | Ar2Link") -> str:
     )
 
 
-def _serial_opener(machine: "AnyRobot", place: "Place", rate: int) -> "Callable[[], Port]":
+def _serial_opener(machine: "AnyRobot", place: "BusAddress", rate: int) -> "Callable[[], Port]":
     from firmware_bridge.shell.ports import ReturningLine
 
     device = place.device
@@ -361,13 +361,13 @@ def _nothing_received(spoken: Generation, rate: int) -> str:
     )
 
 
-def _can_opener(place: "Place", bit_rate: int | None, default: int) -> "Callable[[], Port]":
+def _can_opener(place: "BusAddress", bit_rate: int | None, default: int) -> "Callable[[], Port]":
     from firmware_bridge.shell.ports import open_can
 
     return lambda: open_can(place.interface, place.channel, bit_rate, default_bit_rate=default, say=say)
 
 
-def _title(machine: "AnyRobot", name: str, place: "Place") -> str:
+def _title(machine: "AnyRobot", name: str, place: "BusAddress") -> str:
     from firmware_bridge.robot.settings.epos2 import Epos2Driver
     from firmware_bridge.robot.settings.shield import ShieldLink
 

@@ -10,7 +10,7 @@ from firmware_bridge.cli.remembered import Remembered
 from firmware_bridge.node import Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.safety.snapshot import ActiveInterlock
 from firmware_bridge.shell.last_places import LastPlaces
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 
@@ -51,7 +51,7 @@ class Narrated:
         self._armed = False
         self._late = 0
         self._late_reported_at: Nanoseconds = 0
-        self._holds: tuple[Hold, ...] = ()
+        self._holds: tuple[ActiveInterlock, ...] = ()
         self._failure: Exception | None = None
         self._silent = False
         self._leaving: Final = Leaving(machine, self._say)
@@ -156,7 +156,7 @@ class Narrated:
             self._keeping_failed = True
             self._say(f"where the axes stand is not kept: {problem}", now)
 
-    def _show_holds(self, standing: Mapping[str, Hold], now: Nanoseconds) -> None:
+    def _show_holds(self, standing: Mapping[str, ActiveInterlock], now: Nanoseconds) -> None:
         known = {hold.name: hold.reason for hold in self._holds}
         for name in known:
             if name not in standing:

@@ -15,11 +15,11 @@ from firmware_bridge.cli.options import DurationOption, MaxDelayOption, RobotArg
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from firmware_bridge.kind import AnyKind
-    from firmware_bridge.motion.model import Model
+    from firmware_bridge.motion.model import MotionModel
     from firmware_bridge.pilot.driver import Driver
     from firmware_bridge.pilot.paths import Path as Way
     from firmware_bridge.robot import AnyRobot
+    from firmware_bridge.robot_type import AnyRobotType
     from firmware_bridge.shell.ports import Port
 
 
@@ -118,15 +118,15 @@ def run(given: PilotOptions) -> None:
     from firmware_bridge.cli.remembered import Remembered, Remembering
     from firmware_bridge.cli.robot_argument import find_robot
     from firmware_bridge.cli.trusted import key_in
-    from firmware_bridge.kinds import kind_of
     from firmware_bridge.node import OPERATOR
     from firmware_bridge.pilot.cockpit import HAND, Cockpit
     from firmware_bridge.pilot.driver import AtHand
     from firmware_bridge.pilot.keyboard import HELP
     from firmware_bridge.pilot.profiles import PROFILES
-    from firmware_bridge.pilot.station import Station
+    from firmware_bridge.pilot.station import PilotStation
     from firmware_bridge.robot import RobotFileError
     from firmware_bridge.robot.problems import near
+    from firmware_bridge.robot_types import robot_type_of
     from firmware_bridge.shell.clock import Clock
     from firmware_bridge.shell.last_places import usual_path
     from firmware_bridge.shell.ports import UdpPort
@@ -138,13 +138,13 @@ def run(given: PilotOptions) -> None:
         raise refusal(
             f"--telemetry {given.telemetry}: no such profile; {near(given.telemetry, list(PROFILES))}"
         )
-    kind = kind_of(robot)
+    kind = robot_type_of(robot)
     driver = _driver(given, robot, kind)
     hand = {HAND: _device(given)} if isinstance(driver, AtHand) else {}
     operator = robot.operator
     trust = Trust(key=None if given.key is None else key_in(given.key), started_at=Clock().started_at)
     remembered = Remembered(trust, usual_path(f"{robot.name}.pilot").with_suffix(".stamps.json"))
-    station = Station(
+    station = PilotStation(
         driver,
         (operator.system_id, operator.component_id),
         trust=remembered.trust,
@@ -160,11 +160,11 @@ def run(given: PilotOptions) -> None:
     )
 
 
-def _driver(given: PilotOptions, robot: "AnyRobot", kind: "AnyKind") -> "Driver":
+def _driver(given: PilotOptions, robot: "AnyRobot", kind: "AnyRobotType") -> "Driver":
     from firmware_bridge.motion.model import Unicycle
     from firmware_bridge.pilot.driver import Extras
-    from firmware_bridge.pilot.follower import Follower
-    from firmware_bridge.pilot.hand import Hand
+    from firmware_bridge.pilot.follower import PathDriver
+    from firmware_bridge.pilot.hand import StickInput
     from firmware_bridge.pilot.joystick import DEVICES, Controls
     from firmware_bridge.pilot.keyboard import Keyboard
     from firmware_bridge.pilot.paths import PathError, placed
@@ -179,11 +179,11 @@ def _driver(given: PilotOptions, robot: "AnyRobot", kind: "AnyKind") -> "Driver"
         extras = Extras(switches, station.up_button)
         if given.keyboard:
             return Keyboard(min(given.speed / fastest, 1.0), extras)
-        return Hand(Controls(DEVICES[_controls(given)]), extras)
+        return StickInput(Controls(DEVICES[_controls(given)]), extras)
     with one_message(PathError):
         path = _path(given.path, given.size)
-    model: Model = Unicycle() if kind.model is None else kind.model(robot)
-    return Follower(
+    model: MotionModel = Unicycle() if kind.model is None else kind.model(robot)
+    return PathDriver(
         lambda pose: placed(path, pose),
         speed_mps=min(given.speed, robot.operator.speed_share * fastest),
         look_ahead_m=given.look_ahead,

@@ -12,7 +12,7 @@ SERIAL_WORD = "serial"
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class BusAddress:
     """A CAN bus by interface and channel, or a serial device."""
 
     interface: str | None = None
@@ -38,7 +38,7 @@ def split_links(robot: AnyRobot, texts: Sequence[str] | None) -> tuple[list[str]
         return places, conditions(",".join(slow))
 
 
-def places_of(robot: AnyRobot, texts: Sequence[str] | None, only: Place) -> dict[str, Place]:
+def places_of(robot: AnyRobot, texts: Sequence[str] | None, only: BusAddress) -> dict[str, BusAddress]:
     """Return the place of each link, `only` for a robot with one; an error ends the program.
 
     Capture systems are excluded: their places are in the robot file.
@@ -50,7 +50,7 @@ def places_of(robot: AnyRobot, texts: Sequence[str] | None, only: Place) -> dict
                 f"{robot.name} has several links ({', '.join(links)}); say --link NAME=PLACE for each"
             )
         return dict.fromkeys(links, only)
-    if only != Place():
+    if only != BusAddress():
         raise refusal("--link names every place; leave out -i, -c and --serial")
     places = {}
     for text in texts:
@@ -61,7 +61,7 @@ def places_of(robot: AnyRobot, texts: Sequence[str] | None, only: Place) -> dict
         if name not in links:
             raise refusal(f"--link {text}: {robot.name} has no link '{name}'; {near(name, links)}")
         serial = interface == SERIAL_WORD
-        places[name] = Place(device=channel) if serial else Place(interface, channel)
+        places[name] = BusAddress(device=channel) if serial else BusAddress(interface, channel)
     missing = [name for name in links if name not in places]
     if missing:
         raise refusal(f"{robot.name}: no place for {', '.join(missing)}; say --link {missing[0]}=PLACE, too")

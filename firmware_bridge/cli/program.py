@@ -6,26 +6,26 @@ from typing import Annotated, Any, Final
 
 import typer
 
-from firmware_bridge.cli.commands import MARKUP, Command, Group, Row, Rows, Tree
+from firmware_bridge.cli.commands import MARKUP, CliCommand, Group, Row, Rows, Tree
 from firmware_bridge.cli.console import INTERRUPTED, say, speak_plainly
 
 COMMANDS: Final[tuple[Row, ...]] = (
-    Command(
+    CliCommand(
         "drive",
         "firmware_bridge.cli.drive:drive",
         "Run the bridge on a real CAN bus or serial line.",
     ),
-    Command(
+    CliCommand(
         "pilot",
         "firmware_bridge.cli.pilot:pilot",
         "Drive a robot over its operator's link: by hand, or along a path.",
     ),
-    Command(
+    CliCommand(
         "robots",
         "firmware_bridge.cli.robots:robots",
         "List the robots that are installed, each file checked.",
     ),
-    Command(
+    CliCommand(
         "monitor",
         "firmware_bridge.cli.monitor:monitor",
         "Show a CAN bus in words: who is there, PDOs, statuswords, emergencies, rates, load, the last error.",
@@ -41,32 +41,32 @@ COMMANDS: Final[tuple[Row, ...]] = (
 
 `firmware-bridge epos2 state --serial /dev/ttyUSB0 --protocol v2`""",
     ),
-    Command(
+    CliCommand(
         "epos2 scan",
         "firmware_bridge.cli.epos2.scan:scan",
         "List who answers on a CAN bus, or behind a serial line: device, versions, serial number, states.",
     ),
-    Command(
+    CliCommand(
         "epos2 read",
         "firmware_bridge.cli.epos2.read:read",
         "Read objects of a drive, with their names, units, and what their bits say.",
     ),
-    Command(
+    CliCommand(
         "epos2 write",
         "firmware_bridge.cli.epos2.write:write",
         "Write one object of a drive.",
     ),
-    Command(
+    CliCommand(
         "epos2 state",
         "firmware_bridge.cli.epos2.state:state",
         "Show a drive's power state, mode, network state and errors.",
     ),
-    Command(
+    CliCommand(
         "epos2 version",
         "firmware_bridge.cli.epos2.version:version",
         "Show a drive's name, hardware, firmware and serial number.",
     ),
-    Command(
+    CliCommand(
         "epos2 nmt",
         "firmware_bridge.cli.epos2.network:nmt",
         "Send a network command, and see that one drive obeys it.",
@@ -74,7 +74,7 @@ COMMANDS: Final[tuple[Row, ...]] = (
 )
 
 
-class Program(Rows):
+class CommandGroup(Rows):
     """The program's own commands, and those of every installed package that has some."""
 
     def __init__(self, **attributes: Any) -> None:
@@ -84,7 +84,7 @@ class Program(Rows):
 
 program = typer.Typer(
     name="firmware-bridge",
-    cls=Program,
+    cls=CommandGroup,
     help="Drive a robot with maxon EPOS2 drives from an operator's MAVLink: on a CAN bus, or on the bench.",
     epilog="""Begin with one of these:
 

@@ -1,16 +1,16 @@
 """The robot that the user names."""
 
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.cli.console import one_message
 from firmware_bridge.robot import AnyRobot, RobotFileError
 
 
 def names() -> list[str]:
     """Return what a shell completes where a robot is wanted."""
-    return list(kinds.names())
+    return list(robot_types.names())
 
 
 def find_robot(name: str) -> AnyRobot:
     """Return the robot of this name or file; where there is none, say so and end the program."""
     with one_message(RobotFileError):
-        return kinds.find(name)
+        return robot_types.find(name)

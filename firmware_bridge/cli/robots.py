@@ -9,7 +9,7 @@ from typing import Annotated, Final
 import typer
 from rich.table import Table
 
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.tables import terminal
@@ -58,21 +58,21 @@ def robots(
     """
     if schema is not None:
         with one_message(RobotFileError):
-            say(json.dumps(kinds.schema_of(schema), indent=2))
+            say(json.dumps(robot_types.schema_of(schema), indent=2))
         return
     table = Table(title="robots")
     for heading in ("robot", "axes", "links", "file", "check"):
         table.add_column(heading, overflow="fold")
     wrong = []
-    for name, path in _named(wanted) if wanted else kinds.robots().items():
+    for name, path in _named(wanted) if wanted else robot_types.robots().items():
         # A file of one's own has the name given in it.
-        read = partial(kinds.find, name) if name else partial(kinds.load, path)
+        read = partial(robot_types.find, name) if name else partial(robot_types.load, path)
         try:
             table.add_row(*_row(name, read(plant_too=True), path))
         except RobotFileError as error:
             wrong.append(error)
             table.add_row(name or path.stem, "", "", str(path) if path.name else "", "[red]wrong[/]")
-    for name, why in () if wanted else kinds.unloadable().items():
+    for name, why in () if wanted else robot_types.unloadable().items():
         wrong.append(why)
         table.add_row(name, "", "", "", "[red]cannot be loaded[/]")
     terminal().print(table)
@@ -82,7 +82,7 @@ def robots(
 
 def _named(wanted: Iterable[str]) -> Iterator[tuple[str, Path]]:
     """Yield each robot's name and file; the name is empty where it is a path."""
-    installed = kinds.robots()
+    installed = robot_types.robots()
     for word in wanted:
         path = Path(word)
         named = word in installed or (path.name == word and path.suffix != ".toml" and not path.is_file())
@@ -93,7 +93,7 @@ def _row(name: str, robot: AnyRobot, path: Path) -> tuple[str, str, str, str, st
     axes = "\n".join(f"{axis.settings.number} {axis.title}" for axis in robot.axes)
     links = "\n".join(_link(robot, name) for name in robot.links)
     weaker: dict[str, list[str]] = {}
-    for axis, strong, row in kinds.weaker_rows(robot):
+    for axis, strong, row in robot_types.weaker_rows(robot):
         weaker.setdefault(f"{row.name} in place of {strong.name}", []).append(axis)
     check = "\n".join(["[green]good[/]", *(f"{what}: {', '.join(axes)}" for what, axes in weaker.items())])
     return f"{name or robot.name}\n[dim]{robot.title}[/]", axes, links, str(path), check

@@ -55,7 +55,7 @@ def ramp_of(robot: Robot[G]) -> DifferentialRamp:
 
 
 class DifferentialBody(Generic[G, M, S]):
-    """A `firmware_bridge.safety.body.Body`."""
+    """A `firmware_bridge.safety.kinematic_model.KinematicModel`."""
 
     __slots__ = ("_group", "_left", "_moves", "_ramp", "_right", "_robot", "_state", "_track", "rolling")
 

@@ -9,8 +9,8 @@ from firmware_bridge.differential.body import LEFT, RIGHT, DifferentialBody, G, 
 from firmware_bridge.motion.differential import fastest_in_turn
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.interlock import Interlock, Limit, View
+from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.safety.limits import bounded
-from firmware_bridge.safety.row import Severity
 from firmware_bridge.safety.snapshot import Group, Snapshot
 from firmware_bridge.teleop.station import Fixed, Stick, Twist, Unusable, Value, Velocity
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds

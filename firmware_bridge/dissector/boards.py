@@ -136,7 +136,7 @@ class MwLine(BoardLine):
     def _traced(self, found: mw.Traced) -> str:
         return f"trace: {found.text.decode('ascii', 'replace')}"
 
-    def _answered(self, found: mw.Answered) -> str:
+    def _answered(self, found: mw.MwAnswer) -> str:
         answer = None if self._request is None else mw.decode_answer(self._request, found)
         if answer is None:
             return _called(f"answer to command 0x{found.code:02X}", found.data.hex(" ").upper())

@@ -191,7 +191,7 @@ class Canopen:
         match transfer:
             case sdo.Abort(address, code):
                 return f"abort, {called(address)}: {sdo.meaning_of(code)}"
-            case sdo.Segment(_, raw, last):
+            case sdo.SdoSegment(_, raw, last):
                 end = ", the last" if last else ""
                 return f"segment of {self._object(node)}{end}: {raw.hex(' ').upper()}"
             case _:

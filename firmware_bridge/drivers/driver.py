@@ -149,7 +149,7 @@ class Feedback:
     """The device's code of its newest fault; empty where there is none, or it was reset."""
     text: str = ""
     """The device's own name of its state; empty while it is unknown."""
-    zero_lost: bool = False
+    reference_lost: bool = False
     """True where it reported this or a restart, and was not referenced since.
 
     A driver whose device does not report it begins with True.

@@ -18,7 +18,7 @@ from firmware_bridge.robot.table import LinkTable
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 
-class Link(Protocol):
+class DeviceLink(Protocol):
     """The connection to the devices: their requests, and the heartbeat that shows the bridge is alive.
 
     It does not know what a drive is commanded.
@@ -72,7 +72,7 @@ class Fleet:
 
     def __init__(
         self,
-        link: Link,
+        link: DeviceLink,
         table: LinkTable,
         drivers: Iterable[Driver],
         sensors: Iterable[SensorDriver] = (),

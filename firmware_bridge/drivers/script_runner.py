@@ -45,7 +45,7 @@ Script: TypeAlias = tuple[Step, ...]
 Sent: TypeAlias = tuple[Packet, ...]
 
 
-class Client(Protocol):
+class ObjectClient(Protocol):
     """A client that reads and writes one node's objects, one at a time; a method returns packets to send."""
 
     @property
@@ -72,7 +72,7 @@ class Client(Protocol):
 class ScriptRunner:
     """One script at a time on one node, and single transfers in between."""
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: ObjectClient) -> None:
         self._client = client
         self._rest: Script | None = None
         """The steps after the one under way; None without a script."""

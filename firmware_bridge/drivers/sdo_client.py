@@ -126,7 +126,7 @@ class SdoClient:
                 transfer.raw is None and address == transfer.address
             ):
                 return self._begun(transfer, raw, size, now)
-            case sdo.Segment() as segment if self._gathered is not None:
+            case sdo.SdoSegment() as segment if self._gathered is not None:
                 return self._gather(transfer, self._gathered, segment, now)
         return ()
 
@@ -167,7 +167,7 @@ class SdoClient:
         return (sdo.encode_upload_segment(toggle=False),)
 
     def _gather(
-        self, transfer: Transfer, gathered: bytearray, segment: sdo.Segment, now: Nanoseconds
+        self, transfer: Transfer, gathered: bytearray, segment: sdo.SdoSegment, now: Nanoseconds
     ) -> tuple[bytes, ...]:
         if segment.toggle is not self._toggle:
             return self._break(transfer, AbortCode.TOGGLE, "the toggle bit did not alternate")
@@ -198,7 +198,7 @@ class SdoClient:
 
 
 class NodeClient:
-    """An SDO client whose requests are CAN frames; a `firmware_bridge.drivers.script_runner.Client`."""
+    """An SDO client whose requests are CAN frames; a `firmware_bridge.drivers.script_runner.ObjectClient`."""
 
     def __init__(self, link: str, node: int) -> None:
         """Take the name of the bus, and the node on it."""

@@ -12,7 +12,7 @@ from typing import Final
 
 import numpy as np
 
-from firmware_bridge.motion.chain import Angles, Chain, Link, Matrix, nearest_turn
+from firmware_bridge.motion.chain import Angles, Chain, ChainLink, Matrix, nearest_turn
 
 _QUARTER: Final = math.pi / 2.0
 UPPER_ARM_M: Final = 0.305
@@ -22,12 +22,12 @@ HEIGHT_M: Final = 0.16977
 TOOL_M: Final = -0.03625
 AR2: Final = Chain(
     (
-        Link(-_QUARTER, SHOULDER_M, HEIGHT_M),
-        Link(0.0, UPPER_ARM_M, 0.0),
-        Link(_QUARTER, 0.0, 0.0, -_QUARTER),
-        Link(-_QUARTER, 0.0, -FOREARM_M),
-        Link(_QUARTER, 0.0, 0.0),
-        Link(0.0, 0.0, TOOL_M, math.pi),
+        ChainLink(-_QUARTER, SHOULDER_M, HEIGHT_M),
+        ChainLink(0.0, UPPER_ARM_M, 0.0),
+        ChainLink(_QUARTER, 0.0, 0.0, -_QUARTER),
+        ChainLink(-_QUARTER, 0.0, -FOREARM_M),
+        ChainLink(_QUARTER, 0.0, 0.0),
+        ChainLink(0.0, 0.0, TOOL_M, math.pi),
     ),
     tuple(map(math.radians, (-170.0, -132.0, 1.0, -165.0, -105.0, -155.0))),
     tuple(map(math.radians, (170.0, 0.0, 141.0, 165.0, 105.0, 155.0))),

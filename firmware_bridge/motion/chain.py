@@ -17,7 +17,7 @@ Matrix: TypeAlias = NDArray[np.float64]
 Angles: TypeAlias = Sequence[float] | Matrix
 
 
-class Link(NamedTuple):
+class ChainLink(NamedTuple):
     """One joint and what it carries."""
 
     alpha: float
@@ -43,7 +43,7 @@ class Link(NamedTuple):
 class Chain:
     """Links from the floor to the tool, and how far each joint goes, in rad."""
 
-    links: tuple[Link, ...]
+    links: tuple[ChainLink, ...]
     least: tuple[float, ...]
     most: tuple[float, ...]
 

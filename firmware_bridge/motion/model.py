@@ -19,7 +19,7 @@ class Moving:
     """Steering angle of one that steers; None: by its turn."""
 
 
-class Model(Protocol):
+class MotionModel(Protocol):
     """One robot's motion."""
 
     @property

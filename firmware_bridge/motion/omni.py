@@ -19,7 +19,7 @@ ANGLES: Final[tuple[float, ...]] = (0.0, 2.0 * math.pi / 3.0, 4.0 * math.pi / 3.
 _STRAIGHT_RAD: Final = 1e-6
 
 
-class Twist(NamedTuple):
+class BodyTwist(NamedTuple):
     """Motion of a body in its own frame; SI, left and counter-clockwise positive."""
 
     ahead: float
@@ -27,7 +27,7 @@ class Twist(NamedTuple):
     turn: float
 
 
-def rims(twist: Twist, distance_m: float) -> tuple[float, float, float]:
+def rims(twist: BodyTwist, distance_m: float) -> tuple[float, float, float]:
     """Return the rims' speeds in m/s for a motion in the body's own frame, P(0) of (2.13)."""
     one, two, three = (
         -math.sin(angle) * twist.ahead + math.cos(angle) * twist.left + distance_m * twist.turn
@@ -36,24 +36,24 @@ def rims(twist: Twist, distance_m: float) -> tuple[float, float, float]:
     return one, two, three
 
 
-def twist(speeds: tuple[float, float, float], distance_m: float) -> Twist:
+def twist(speeds: tuple[float, float, float], distance_m: float) -> BodyTwist:
     """Return the motion for the rims' speeds in m/s, the inverse of P(0) (2.14)."""
     pairs = list(zip(ANGLES, speeds, strict=True))
-    return Twist(
+    return BodyTwist(
         sum(-math.sin(angle) * speed for angle, speed in pairs) * 2.0 / 3.0,
         sum(math.cos(angle) * speed for angle, speed in pairs) * 2.0 / 3.0,
         sum(speeds) / (3.0 * distance_m),
     )
 
 
-def shortened(wanted: Twist, distance_m: float, rim_mps: float) -> Twist:
+def shortened(wanted: BodyTwist, distance_m: float, rim_mps: float) -> BodyTwist:
     """Return the motion, made so slow as a whole that no rim is faster than `rim_mps`."""
     fastest = max(map(abs, rims(wanted, distance_m)))
     share = rim_mps / fastest if fastest > rim_mps else 1.0
-    return Twist(share * wanted.ahead, share * wanted.left, share * wanted.turn)
+    return BodyTwist(share * wanted.ahead, share * wanted.left, share * wanted.turn)
 
 
-def moved(pose: Pose, way: Twist) -> Pose:
+def moved(pose: Pose, way: BodyTwist) -> Pose:
     """Return the pose after a way in m and rad in the body's frame, exact for constant speeds."""
     half = way.turn / 2.0
     chord = 1.0 if abs(way.turn) < _STRAIGHT_RAD else math.sin(half) / half
@@ -75,13 +75,13 @@ class OmniRamp:
     longest_step: Nanoseconds
     """A late cycle counts as no more than this: a gap must not become a jump."""
 
-    def step(self, before: Twist, target: Twist, elapsed: Nanoseconds) -> Twist:
+    def step(self, before: BodyTwist, target: BodyTwist, elapsed: Nanoseconds) -> BodyTwist:
         """Return the next demand, `elapsed` after `before`."""
         seconds = to_seconds(min(elapsed, self.longest_step))
-        change = Twist(*(new - old for old, new in zip(before, target, strict=True)))
+        change = BodyTwist(*(new - old for old, new in zip(before, target, strict=True)))
         along = math.hypot(change.ahead, change.left) / self.acceleration_mps2
         needed = max(along, abs(change.turn) / self.turn_acceleration_rad_s2)
         if needed <= seconds:
             return target
         share = seconds / needed
-        return Twist(*(old + share * step for old, step in zip(before, change, strict=True)))
+        return BodyTwist(*(old + share * step for old, step in zip(before, change, strict=True)))

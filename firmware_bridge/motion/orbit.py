@@ -30,7 +30,7 @@ class Functions(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class State:
+class OrbitState:
     """Place and speed, three numbers each."""
 
     place: Matrix
@@ -46,34 +46,36 @@ class State:
         return float(self.speed @ self.speed / 2.0 - mu / np.linalg.norm(self.place))
 
 
-def state(place: tuple[float, float, float], speed: tuple[float, float, float]) -> State:
+def state(place: tuple[float, float, float], speed: tuple[float, float, float]) -> OrbitState:
     """Return a state of plain numbers."""
-    return State(np.array(place), np.array(speed))
+    return OrbitState(np.array(place), np.array(speed))
 
 
 THESIS: Final = state((-0.5985, 1.6634, 0.0279), (-0.9523, -0.0639, 0.0110))
 """(4.10), rounded as printed, in DU and DU/TU: a = 4.543 DU, e = 0.648."""
 
 
-def period(of: State, mu: float = 1.0) -> float:
+def period(of: OrbitState, mu: float = 1.0) -> float:
     """Return the time of a revolution; infinite where it never comes back."""
     axis = -mu / (2.0 * of.energy(mu)) if of.energy(mu) < 0.0 else math.inf
     return math.tau * axis * math.sqrt(axis / mu) if axis < math.inf else math.inf
 
 
-def propagated(begin: State, time: float, mu: float = 1.0) -> State:
+def propagated(begin: OrbitState, time: float, mu: float = 1.0) -> OrbitState:
     """Return the state after a time, which may be negative; ValueError at the centre itself."""
     by = functions(begin, time, mu)
-    return State(by.f * begin.place + by.g * begin.speed, by.f_rate * begin.place + by.g_rate * begin.speed)
+    return OrbitState(
+        by.f * begin.place + by.g * begin.speed, by.f_rate * begin.place + by.g_rate * begin.speed
+    )
 
 
-def functions(begin: State, time: float, mu: float = 1.0) -> Functions:
+def functions(begin: OrbitState, time: float, mu: float = 1.0) -> Functions:
     """Return F and G and their rates after a time."""
     first = float(np.linalg.norm(begin.place))
     if not first > 0.0:
         raise ValueError("an orbit's state is not at its centre: give a place that is not 0")
     if time < 0.0:
-        back = functions(State(begin.place, -begin.speed), -time, mu)
+        back = functions(OrbitState(begin.place, -begin.speed), -time, mu)
         return Functions(back.f, -back.g, -back.f_rate, back.g_rate)
     root, inverse = math.sqrt(mu), -2.0 * begin.energy(mu) / mu
     turns = period(begin, mu)
@@ -91,7 +93,7 @@ def functions(begin: State, time: float, mu: float = 1.0) -> Functions:
     )
 
 
-def between(begin: State, end: State) -> Functions:
+def between(begin: OrbitState, end: OrbitState) -> Functions:
     """Return F and G that lead from one state to another of the same orbit, (4.7) and (4.8) in space."""
     momentum = begin.momentum
     share = momentum / float(momentum @ momentum)

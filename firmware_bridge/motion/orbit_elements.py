@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from firmware_bridge.motion.chain import Matrix
-from firmware_bridge.motion.orbit import State
+from firmware_bridge.motion.orbit import OrbitState
 
 NONE: Final = 1e-12
 """Below this there is no eccentricity, and no inclination."""
@@ -32,7 +32,7 @@ class Elements(NamedTuple):
     """The true one, from the periapsis."""
 
 
-def elements(of: State, mu: float = 1.0) -> Elements:
+def elements(of: OrbitState, mu: float = 1.0) -> Elements:
     """Return a state's elements; ValueError for a parabola and for a fall onto the centre."""
     momentum, energy = of.momentum, of.energy(mu)
     size = float(np.linalg.norm(momentum))
@@ -54,7 +54,7 @@ def elements(of: State, mu: float = 1.0) -> Elements:
     )
 
 
-def state_of(orbit: Elements, mu: float = 1.0) -> State:
+def state_of(orbit: Elements, mu: float = 1.0) -> OrbitState:
     """Return the state with these elements; ValueError where there is no such place."""
     parameter = orbit.axis * (1.0 - orbit.eccentricity**2)
     divisor = 1.0 + orbit.eccentricity * math.cos(orbit.anomaly)
@@ -66,7 +66,7 @@ def state_of(orbit: Elements, mu: float = 1.0) -> State:
     turn = _about(2, orbit.node) @ _about(0, orbit.inclination) @ _about(2, orbit.periapsis)
     place = parameter / divisor * np.array((cosine, sine, 0.0))
     speed = math.sqrt(mu / parameter) * np.array((-sine, orbit.eccentricity + cosine, 0.0))
-    return State(turn @ place, turn @ speed)
+    return OrbitState(turn @ place, turn @ speed)
 
 
 def _angle(one: Matrix, two: Matrix, normal: Matrix) -> float:

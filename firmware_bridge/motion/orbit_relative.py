@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from firmware_bridge.motion.chain import Matrix
-from firmware_bridge.motion.orbit import State
+from firmware_bridge.motion.orbit import OrbitState
 
 
 def transition(n: float, time: float) -> Matrix:
@@ -35,29 +35,29 @@ def transition(n: float, time: float) -> Matrix:
     )
 
 
-def relative(chief: State, deputy: State) -> State:
+def relative(chief: OrbitState, deputy: OrbitState) -> OrbitState:
     """Return the deputy in the chief's frame, which turns with it; exact, for any orbits."""
     frame, turn = _frame(chief)
     apart = deputy.place - chief.place
-    return State(frame @ apart, frame @ (deputy.speed - chief.speed - np.cross(turn, apart)))
+    return OrbitState(frame @ apart, frame @ (deputy.speed - chief.speed - np.cross(turn, apart)))
 
 
-def absolute(chief: State, seen: State) -> State:
+def absolute(chief: OrbitState, seen: OrbitState) -> OrbitState:
     """Return where a deputy is that the chief sees so; the inverse of `relative`."""
     frame, turn = _frame(chief)
     apart = frame.T @ seen.place
-    return State(chief.place + apart, chief.speed + frame.T @ seen.speed + np.cross(turn, apart))
+    return OrbitState(chief.place + apart, chief.speed + frame.T @ seen.speed + np.cross(turn, apart))
 
 
-def closed(place: tuple[float, float, float], outwards: float, across: float, n: float) -> State:
+def closed(place: tuple[float, float, float], outwards: float, across: float, n: float) -> OrbitState:
     """Return a start from which a deputy comes back after each revolution: y' = -2 n x.
 
     `outwards` and `across` are its speeds along x and z.
     """
-    return State(np.array(place), np.array((outwards, -2.0 * n * place[0], across)))
+    return OrbitState(np.array(place), np.array((outwards, -2.0 * n * place[0], across)))
 
 
-def _frame(chief: State) -> tuple[Matrix, Matrix]:
+def _frame(chief: OrbitState) -> tuple[Matrix, Matrix]:
     """Return the chief's axes, one a row, and how fast they turn."""
     momentum = chief.momentum
     outwards = chief.place / np.linalg.norm(chief.place)

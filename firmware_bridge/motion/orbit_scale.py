@@ -13,7 +13,7 @@ from typing import Final
 
 import numpy as np
 
-from firmware_bridge.motion.orbit import State
+from firmware_bridge.motion.orbit import OrbitState
 
 DU_KM: Final = 6378.137
 """The Earth's radius."""
@@ -32,14 +32,14 @@ class Scale:
     """m for 1 DU upwards."""
     seconds_per_tu: float = 1.0
 
-    def on_floor(self, of: State) -> State:
+    def on_floor(self, of: OrbitState) -> OrbitState:
         """Return place and speed in m and m/s."""
         sizes = np.array((self.metres_per_du, self.metres_per_du, self.height_per_du))
-        return State(sizes * of.place, sizes / self.seconds_per_tu * of.speed)
+        return OrbitState(sizes * of.place, sizes / self.seconds_per_tu * of.speed)
 
     def slowed(
         self,
-        states: Iterable[State],
+        states: Iterable[OrbitState],
         fastest_mps: float,
         hardest_mps2: float,
         rising_mps: float = math.inf,

@@ -8,7 +8,7 @@ Axes are those of TEME; one DU is the Earth's radius and mu is 1, both of WGS-72
 import math
 from typing import Final
 
-from firmware_bridge.motion.orbit import State, state
+from firmware_bridge.motion.orbit import OrbitState, state
 
 LINE: Final = 69
 """Characters of either line."""
@@ -17,7 +17,7 @@ MISSING: Final = (
 )
 
 
-def state_of_tle(first: str, second: str, minutes: float = 0.0) -> State:
+def state_of_tle(first: str, second: str, minutes: float = 0.0) -> OrbitState:
     """Return place and speed in DU and DU/TU, so many minutes after the set's epoch.
 
     ValueError where the lines are no such set, where the body is not in orbit then, or sgp4 is not installed.

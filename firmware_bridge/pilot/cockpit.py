@@ -10,8 +10,8 @@ from typing import Final, TypeAlias
 
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.pilot.driver import AtHand, ButtonRequest
-from firmware_bridge.pilot.follower import Follower
-from firmware_bridge.pilot.station import Station
+from firmware_bridge.pilot.follower import PathDriver
+from firmware_bridge.pilot.station import PilotStation
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, to_seconds
 
 HAND: Final = "hand"
@@ -29,7 +29,7 @@ class Cockpit:
     """A `Node` around the station; its driver is an operator, or a follower that may be armed by itself."""
 
     def __init__(
-        self, station: Station, report: Report, *, arms: bool = False, rolling: tuple[str, ...] = ()
+        self, station: PilotStation, report: Report, *, arms: bool = False, rolling: tuple[str, ...] = ()
     ) -> None:
         """Show the station's view, the rolling axes by these names.
 
@@ -89,7 +89,7 @@ class Cockpit:
         if link.lost is not None:
             words.append(f"lost {link.lost:.0%}")
         driver = self._station.driver
-        if isinstance(driver, Follower):
+        if isinstance(driver, PathDriver):
             if driver.predictor is not None and driver.predictor.error_m is not None:
                 words.append(f"predicted to {1000.0 * driver.predictor.error_m:.0f} mm")
             if driver.held_back:

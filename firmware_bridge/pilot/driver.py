@@ -6,7 +6,7 @@ from enum import Enum
 from typing import Final, NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 from firmware_bridge.motion.model import Moving
-from firmware_bridge.pilot.link import Link
+from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.units import Nanoseconds
 
 
@@ -47,7 +47,7 @@ class Driver(Protocol):
     def sees(self, sight: Sight) -> None:
         """Take a pose that has come."""
 
-    def command(self, link: Link, now: Nanoseconds, *, armed: bool) -> DriveCommand:
+    def command(self, link: PilotLink, now: Nanoseconds, *, armed: bool) -> DriveCommand:
         """Return the robot's next command; called once in each period, and sent at once."""
 
 

@@ -8,7 +8,7 @@ from typing import Final
 from firmware_bridge.motion.model import Moving
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.pilot.driver import REST, Sight, Target
-from firmware_bridge.pilot.link import Link
+from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.pilot.paths import Path
 from firmware_bridge.pilot.predictor import Predictor
 from firmware_bridge.pilot.pursuit import Pursuit
@@ -23,7 +23,7 @@ LETS_GO_FOR: Final[Nanoseconds] = SECOND
 """Time of a neutral stick then, and after arming, beside a round trip: the robot must see it."""
 
 
-class Follower:
+class PathDriver:
     """A `firmware_bridge.pilot.driver.Driver`."""
 
     def __init__(
@@ -66,7 +66,7 @@ class Follower:
         if self.predictor is not None and sight.measured_at is not None:
             self.predictor.seen(sight.measured_at, sight.moving)
 
-    def command(self, link: Link, now: Nanoseconds, *, armed: bool) -> Target:
+    def command(self, link: PilotLink, now: Nanoseconds, *, armed: bool) -> Target:
         """Return what leads along the path."""
         trip = link.round_trip(now) or 0
         if armed and not self._armed:

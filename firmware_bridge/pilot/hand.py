@@ -7,14 +7,14 @@ is the speed. Here the brake takes from it, and reverse changes only while no pe
 from collections.abc import Iterator
 from typing import Final
 
-from firmware_bridge.pilot.at_rest import SeenAtRest
+from firmware_bridge.pilot.at_standstill import SeenAtRest
 from firmware_bridge.pilot.driver import NO_EXTRAS, ButtonRequest, Extras, Sight, Stick
 from firmware_bridge.pilot.joystick import PLAY, Controls
-from firmware_bridge.pilot.link import Link
+from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.units import Nanoseconds
 
 
-class Hand:
+class StickInput:
     """A `firmware_bridge.pilot.driver.AtHand`."""
 
     def __init__(self, controls: Controls, extras: Extras = NO_EXTRAS) -> None:
@@ -38,7 +38,7 @@ class Hand:
             elif button == device.stop:
                 yield ButtonRequest.STOP
 
-    def command(self, _link: Link, _now: Nanoseconds, *, armed: bool) -> Stick:
+    def command(self, _link: PilotLink, _now: Nanoseconds, *, armed: bool) -> Stick:
         """Return where helm and pedals stand; once the robot is armed, of those that have rested since."""
         controls, counts = self.controls, self._seen.counts
         self._seen.look(controls.resting, armed=armed)

@@ -9,9 +9,9 @@ from collections.abc import Iterator
 from types import MappingProxyType
 from typing import Final
 
-from firmware_bridge.pilot.at_rest import SeenAtRest
+from firmware_bridge.pilot.at_standstill import SeenAtRest
 from firmware_bridge.pilot.driver import NO_EXTRAS, ButtonRequest, Extras, Sight, Stick
-from firmware_bridge.pilot.link import Link
+from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 BEGINS: Final[Nanoseconds] = 700 * MILLISECOND
@@ -69,7 +69,7 @@ class Keyboard:
             else:
                 self._driven(key, now)
 
-    def command(self, _link: Link, now: Nanoseconds, *, armed: bool) -> Stick:
+    def command(self, _link: PilotLink, now: Nanoseconds, *, armed: bool) -> Stick:
         """Return the command of the keys; once the robot is armed, only of those released since."""
         if now >= self._until:
             self._let_go()

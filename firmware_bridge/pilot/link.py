@@ -14,7 +14,7 @@ from firmware_bridge.units import Nanoseconds
 _TIMESYNC: Final = dialect.MAVLINK_MSG_ID_TIMESYNC
 
 
-class Link:
+class PilotLink:
     """One robot's link; instants by the station's own clock."""
 
     def __init__(self) -> None:

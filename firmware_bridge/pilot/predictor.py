@@ -10,7 +10,7 @@ import math
 from collections import deque
 from typing import Final, NamedTuple
 
-from firmware_bridge.motion.model import Model, Moving
+from firmware_bridge.motion.model import MotionModel, Moving
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
 
@@ -30,7 +30,7 @@ class SentCommand(NamedTuple):
 class Predictor:
     """One robot's; all instants by the station's own clock."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: MotionModel) -> None:
         self._model: Final = model
         self._commands: Final[deque[SentCommand]] = deque()
         self._predicted: Final[deque[tuple[Nanoseconds, Pose]]] = deque()

@@ -12,12 +12,12 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.pilot.driver import DriveCommand, Driver, Sight, Stick, Target
-from firmware_bridge.pilot.link import Link
+from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.pilot.profiles import ORDER, USUAL, Profile
 from firmware_bridge.teleop.mavlink import Message, dialect, text_of
 from firmware_bridge.teleop.session import EVERYBODY
 from firmware_bridge.teleop.telemetry import ROLLING, UNKNOWN_U16
-from firmware_bridge.teleop.texts import Listener
+from firmware_bridge.teleop.texts import TextCollector
 from firmware_bridge.teleop.trust import Signatures, Stamps, Trust
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 
@@ -40,7 +40,7 @@ _VELOCITY_AND_TURN: Final = 0x05E7
 
 
 @dataclass(slots=True)
-class Order:
+class PendingCommand:
     """A command that has no final answer yet."""
 
     title: str
@@ -50,7 +50,7 @@ class Order:
     tries: int = 0
 
 
-class Line(NamedTuple):
+class RobotText(NamedTuple):
     """A text of the robot."""
 
     at: Nanoseconds
@@ -58,7 +58,7 @@ class Line(NamedTuple):
 
 
 @dataclass(slots=True)
-class Shown:
+class Display:
     """Content of the station's display."""
 
     armed: bool = False
@@ -70,12 +70,12 @@ class Shown:
     speeds: tuple[float, ...] = ()
     """Of the axes that roll, in the robot's order and units; zeros after the last one."""
     battery_v: float | None = None
-    lines: list[Line] = field(default_factory=list)
+    lines: list[RobotText] = field(default_factory=list)
     warning: str = ""
     """The robot's newest warning, or worse."""
 
 
-class Station:
+class PilotStation:
     """One station, one robot, and its driver."""
 
     def __init__(
@@ -91,8 +91,8 @@ class Station:
         With a key in `trust` frames are signed, and only signed ones are accepted.
         """
         self.driver: Final = driver
-        self.link: Final = Link()
-        self.shown: Final = Shown()
+        self.link: Final = PilotLink()
+        self.shown: Final = Display()
         self._target: Final = target
         self._requests: Final = requests
         self._codec: Final = trust.writer(SYSTEM, COMPONENT, _LINK)
@@ -101,8 +101,8 @@ class Station:
         """True once an untrusted frame was reported, since the last trusted one."""
         self._beat_at: Nanoseconds | None = None
         """Time of the robot's last heartbeat."""
-        self._listener: Final = Listener()
-        self._orders: Final[list[Order]] = []
+        self._listener: Final = TextCollector()
+        self._orders: Final[list[PendingCommand]] = []
         self._answers: Final[list[Message]] = []
         self._place = 0
         """Place of the robot's newest frame."""
@@ -122,7 +122,7 @@ class Station:
 
     def order(self, title: str, number: int, params: tuple[float, ...], now: Nanoseconds) -> None:
         """Send a command with the next wake, and again until it is answered for good."""
-        self._orders.append(Order(title, number, params, now))
+        self._orders.append(PendingCommand(title, number, params, now))
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Read the robot's messages; its requests are answered at once."""
@@ -167,7 +167,9 @@ class Station:
         """Return whether a frame is the robot's; the first that is not is reported."""
         doubt = self._signatures.doubt(message, source, now)
         if doubt is not None and not self._doubted:
-            self.shown.lines.append(Line(now, f"what comes in the robot's name is not believed: it {doubt}"))
+            self.shown.lines.append(
+                RobotText(now, f"what comes in the robot's name is not believed: it {doubt}")
+            )
         self._doubted = doubt is not None
         return doubt is None
 
@@ -176,7 +178,7 @@ class Station:
         return min([due, *(order.due for order in self._under_way)])
 
     @property
-    def _under_way(self) -> list[Order]:
+    def _under_way(self) -> list[PendingCommand]:
         """Return one order of each number: an answer carries a number alone."""
         return list({order.number: order for order in reversed(self._orders)}.values())
 
@@ -185,7 +187,7 @@ class Station:
         for order in [one for one in self._under_way if one.due <= now]:
             if order.tries == MOST_TRIES:
                 self._orders.remove(order)
-                self.shown.lines.append(Line(now, f"{order.title}: no answer"))
+                self.shown.lines.append(RobotText(now, f"{order.title}: no answer"))
                 continue
             params = (*order.params, *(0.0,) * (_PARAMS - len(order.params)))
             messages.append(
@@ -225,12 +227,12 @@ class Station:
                     return
                 self._orders.remove(order)
                 if message.result != dialect.MAV_RESULT_ACCEPTED:
-                    self.shown.lines.append(Line(now, f"{order.title}: refused ({message.result})"))
+                    self.shown.lines.append(RobotText(now, f"{order.title}: refused ({message.result})"))
                 return
 
     def _on_text(self, message: Message, now: Nanoseconds) -> None:
         for received in self._listener.receive(message):
-            self.shown.lines.append(Line(now, received.text))
+            self.shown.lines.append(RobotText(now, received.text))
             if received.severity <= dialect.MAV_SEVERITY_WARNING:
                 self.shown.warning = received.text
 

@@ -15,7 +15,7 @@ RUBS: Final = 1.0 / 20.0
 class Belief(Table):
     """Bounds on an axis' deviation from its set-point, in its unit behind the gear."""
 
-    rests_below: Positive | None = None
+    standstill_below: Positive | None = None
     """In a second: slower than this it is at standstill. Without it an 80th of its top speed."""
     speed: Positive | None = None
     """In a second: a speed so far outside its range is no deviation yet. Twice as much."""

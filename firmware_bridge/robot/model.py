@@ -53,7 +53,7 @@ AnyOutput: TypeAlias = Epos2DigitalOutput
 MILLIAMPERES: Final = 1000.0
 
 
-class Command(StrEnum):
+class CommandForm(StrEnum):
     """The command form of an axis."""
 
     SPEED = "speed"
@@ -84,7 +84,7 @@ class Axis(Table):
     role: Name
     """Its role in its robot type; without one, its name."""
     link: Name
-    command: Annotated[Command, Field(strict=False)]
+    command: Annotated[CommandForm, Field(strict=False)]
     unit: Annotated[Unit, Field(strict=False)] = Unit.RADIAN
     """Of all that follows: position behind the gear."""
     travel: Annotated[tuple[Finite, Finite], Field(strict=False)] | None = None
@@ -127,7 +127,7 @@ class Axis(Table):
 
     @model_validator(mode="after")
     def _makes_sense(self) -> Self:
-        if self.travel is None and self.command is Command.POSITION:
+        if self.travel is None and self.command is CommandForm.POSITION:
             raise ValueError("an axis that is commanded by position needs travel = [lowest, highest]")
         if self.travel is not None and self.zero.how is ZeroFrom.AT_POWER_ON:
             raise ValueError("an axis with travel takes no zero 'at power-on': it may stand anywhere then")
@@ -178,9 +178,9 @@ class Axis(Table):
         return self.travel is not None
 
     @property
-    def rests_below(self) -> float:
+    def standstill_below(self) -> float:
         """The speed in its unit a second at which it does not stand any more."""
-        return self.belief.rests_below or STANDS * self.top_speed
+        return self.belief.standstill_below or STANDS * self.top_speed
 
     @property
     def holds_with(self) -> float:

@@ -1,47 +1,5 @@
-"""The kinematic model of a robot: from axes to state, from a motion to axes, and the groups that move."""
+"""`firmware_bridge.safety.kinematic_model` under its name of the release before."""
 
-from collections.abc import Mapping
-from typing import Protocol, TypeVar
+from firmware_bridge import renamed
 
-from firmware_bridge.drivers.driver import Demand, Feedback, Reading
-from firmware_bridge.motion.pose import Pose
-from firmware_bridge.safety.snapshot import Group
-from firmware_bridge.units import Nanoseconds
-
-M = TypeVar("M")
-S = TypeVar("S")
-
-
-class Body(Protocol[M, S]):
-    """One robot's body: pure, numbers in, numbers out; SI units, axes by their names."""
-
-    @property
-    def rolling(self) -> tuple[str, ...]:
-        """The axes from whose positions the pose is carried on; they are sampled at one instant for it."""
-
-    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> S:
-        """Return the state of the body by its axes and sensors; unknown values are None."""
-
-    def requested(self, motion: M, state: S) -> frozenset[Group]:
-        """Return the groups that this motion commands to move."""
-
-    def moving(self, state: S) -> frozenset[Group]:
-        """Return the groups that are seen to move."""
-
-    def rested(self, motion: M, groups: frozenset[Group]) -> M:
-        """Return the motion with these groups at rest."""
-
-    def ramped(self, demanded: M, allowed: M, state: S, elapsed: Nanoseconds) -> M:
-        """Return the next demand on the way to what is allowed, `elapsed` after `demanded`."""
-
-    def demands(self, motion: M, state: S) -> Mapping[str, Demand]:
-        """Return the axes' demands for this motion, the first first; an axis excluded rests."""
-
-    def advanced(
-        self,
-        pose: Pose,
-        before: Mapping[str, Feedback],
-        after: Mapping[str, Feedback],
-        sensors: Mapping[str, Reading],
-    ) -> Pose:
-        """Return the pose after the `rolling` axes moved between two samples; `sensors` are the newest."""
+__getattr__ = renamed.module(__name__, "firmware_bridge.safety.kinematic_model", Body="KinematicModel")

@@ -11,11 +11,11 @@ from firmware_bridge.drivers.driver import Feedback, Homed, Position, Power, Rep
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
 from firmware_bridge.robot.table import LinkTable, Table
-from firmware_bridge.safety.following import within
 from firmware_bridge.safety.interlock import AxisInterlock, Interlock, View
-from firmware_bridge.safety.operator_rows import operator_rows
-from firmware_bridge.safety.row import Severity
-from firmware_bridge.safety.snapshot import Facts, Following
+from firmware_bridge.safety.interlock_base import Severity
+from firmware_bridge.safety.operator_interlocks import operator_interlocks
+from firmware_bridge.safety.snapshot import Facts, Tracking
+from firmware_bridge.safety.tracking import within
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 G = TypeVar("G", bound=Table)
@@ -33,7 +33,7 @@ STRAINS: Final = 2
 """Factor on its permitted deviation time for which an axis may draw more current than holding takes."""
 
 
-def whole_robot_rows(
+def whole_robot_interlocks(
     numbers: Mapping[str, Callable[[M], float | None]], links: Mapping[str, LinkTable]
 ) -> tuple[Interlock[G, M, S], ...]:
     """Return the rows that judge no axis; `numbers` is what in a motion must be finite, by its title."""
@@ -56,13 +56,13 @@ def whole_robot_rows(
         # Whatever its devices, its operator and the robot did meanwhile, no one has watched it.
         Interlock(
             "bridge stalled",
-            _stood_still,
+            _bridge_stalled,
             "let the bridge's process run, then arm",
             severity=Severity.CRITICAL,
             disarms=True,
         ),
         *(_link_row(name, link) for name, link in links.items()),
-        *(_master_row(name, link) for name, link in links.items()),
+        *(_second_controller(name, link) for name, link in links.items()),
         Interlock(
             "battery low",
             _battery_low,
@@ -72,7 +72,7 @@ def whole_robot_rows(
             disarms=True,
         ),
         Interlock("not armed", _not_armed, "arm the robot", severity=Severity.NOTICE, blocks_arming=False),
-        *operator_rows(),
+        *operator_interlocks(),
         Interlock("command unusable", command_unusable, "send finite numbers"),
     )
 
@@ -97,7 +97,7 @@ def _link_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
     )
 
 
-def _master_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
+def _second_controller(name: str, link: LinkTable) -> Interlock[G, M, S]:
     """Return the interlock that is active while a second controller sends on a link."""
 
     def received(view: View[G, M, S]) -> str | None:
@@ -118,7 +118,7 @@ def _emergency_stop(view: View[G, M, S]) -> str | None:
     return "the emergency stop is latched" if view.facts.emergency_stopped else None
 
 
-def _stood_still(view: View[G, M, S]) -> str | None:
+def _bridge_stalled(view: View[G, M, S]) -> str | None:
     # It may look away for as long as its operator may be silent.
     stood, limit = view.facts.stood_still, view.robot.operator.silent_ms * MILLISECOND
     if stood < limit:
@@ -141,7 +141,7 @@ def _not_armed(view: View[G, M, S]) -> str | None:
     return None if view.facts.armed else "the robot is not armed"
 
 
-def _axis_silent(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
+def _axis_timeout(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     if feedback.received_at == NEVER_RECEIVED:
         return f"{axis.called} has not reported yet"
     silence = facts.now - feedback.received_at
@@ -156,7 +156,7 @@ def _axis_fault(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanosecon
     return f"{axis.called} is in fault, code unknown" if feedback.power is Power.FAULT else None
 
 
-def _axis_rewritten(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanoseconds) -> str | None:
+def _axis_reconfigured(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nanoseconds) -> str | None:
     if not feedback.rewritten:
         return None
     return f"{axis.called}: someone else has written to it, {feedback.rewritten}"
@@ -169,9 +169,9 @@ def _axis_not_enabled(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nan
     return f"{axis.called} is not enabled: {feedback.text or 'state unknown'}"
 
 
-def _axis_zero_lost(axis: Axis, feedback: Feedback, facts: Facts, _limit: Nanoseconds) -> str | None:
+def _reference_lost(axis: Axis, feedback: Feedback, facts: Facts, _limit: Nanoseconds) -> str | None:
     # An axis never received has timed out: one cause, one interlock event.
-    if feedback.received_at == NEVER_RECEIVED or not (axis.zero_confirmed and feedback.zero_lost):
+    if feedback.received_at == NEVER_RECEIVED or not (axis.zero_confirmed and feedback.reference_lost):
         return None
     return f"{axis.called}: its reference is lost, position unknown{_stood(axis, facts)}"
 
@@ -183,13 +183,13 @@ def _stood(axis: Axis, facts: Facts) -> str:
 
 
 def _axis_restarted(axis: Axis, feedback: Feedback, facts: Facts, _limit: Nanoseconds) -> str | None:
-    if feedback.received_at == NEVER_RECEIVED or not (axis.zero_confirmed and feedback.zero_lost):
+    if feedback.received_at == NEVER_RECEIVED or not (axis.zero_confirmed and feedback.reference_lost):
         return None
     begun = f"{axis.called} has restarted, or was not confirmed since the bridge began"
     return f"{begun}: position unknown{_stood(axis, facts)}"
 
 
-def _axis_does_not_follow(axis: Axis, _feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
+def _tracking_error(axis: Axis, _feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     known = facts.following.get(axis.name)
     if known is None or known.obeyed_at == known.sampled_at or known.uncommanded:
         return None
@@ -201,14 +201,14 @@ def _uncommanded_motion(axis: Axis, _feedback: Feedback, facts: Facts, limit: Na
     return None if known is None or not known.uncommanded else _deviation(axis, known, limit)
 
 
-def _deviation(axis: Axis, known: Following, limit: Nanoseconds) -> str | None:
+def _deviation(axis: Axis, known: Tracking, limit: Nanoseconds) -> str | None:
     strayed = known.sampled_at - known.obeyed_at
     if strayed < within(axis, limit):
         return None
     return f"{_did(axis, known)} for {to_seconds(strayed):.2f} s"
 
 
-def _position_repeats(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
+def _position_not_changing(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     """Judge a position that does not change by a bit although set-point or current indicates motion.
 
     The current may be older than the position: on a serial line it takes turns with others.
@@ -222,7 +222,7 @@ def _position_repeats(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanos
     if known.halted and stands >= HALTS:
         return f"{_did(axis, known)}: it turned, and {to_seconds(stands):.2f} s later has not moved by a bit"
     # One that does not follow is stopped at once: here it must not wait for a backlog of that time, too.
-    if backlog >= bound or (stands >= bound // 2 and _axis_does_not_follow(axis, feedback, facts, limit)):
+    if backlog >= bound or (stands >= bound // 2 and _tracking_error(axis, feedback, facts, limit)):
         return f"{_did(axis, known)}: its position has not changed by a bit for {to_seconds(stands):.2f} s"
     if stands >= STRAINS * bound and not pulls <= axis.holds_with:
         standing = to_seconds(stands)
@@ -230,7 +230,7 @@ def _position_repeats(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanos
     return None
 
 
-def _did(axis: Axis, known: Following) -> str:
+def _did(axis: Axis, known: Tracking) -> str:
     """Return the text of an axis' set-point beside its measured motion."""
     unit, demand = axis.unit, known.demand
     if isinstance(demand, Position):
@@ -244,21 +244,21 @@ def _did(axis: Axis, known: Following) -> str:
     return f"{axis.called}, {did}"
 
 
-def _axis_late(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
+def _late_answer(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     if feedback.received_at == NEVER_RECEIVED or facts.now - feedback.received_at < limit // 2:
         return None
     silence = to_seconds(facts.now - feedback.received_at)
     return f"{axis.called} reports no power state, and answered {silence:.2f} s ago"
 
 
-def _axis_left_out(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
+def _axis_excluded(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     # A silent axis receives its power-off command, or is stopped by its own watchdog on the bridge.
     on = feedback.power is Power.ON and facts.now - feedback.received_at < limit
     return f"{axis.called} has power, but this mode excludes it" if on else None
 
 
-AXIS_ANSWERS: Final = AxisInterlock(
-    "late answer", _axis_late, "check its power and its cable", clear_after=LINK_CLEARS_AFTER
+LATE_ANSWER: Final = AxisInterlock(
+    "late answer", _late_answer, "check its power and its cable", clear_after=LINK_CLEARS_AFTER
 )
 """The replacement of "axis not enabled" where the device reports no power.
 
@@ -266,15 +266,15 @@ Each answer must be fresh then, not older than half the permitted silence.
 """
 
 
-def _axis_unmeasured(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
+def _no_feedback(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     if feedback.received_at == NEVER_RECEIVED or facts.now - feedback.received_at < limit // 2:
         return None
     silence = to_seconds(facts.now - feedback.received_at)
     return f"{axis.called} reports no motion, and answered {silence:.2f} s ago"
 
 
-AXIS_UNMEASURED: Final = AxisInterlock(
-    "no feedback", _axis_unmeasured, "check its power and its cable", clear_after=LINK_CLEARS_AFTER
+NO_FEEDBACK: Final = AxisInterlock(
+    "no feedback", _no_feedback, "check its power and its cable", clear_after=LINK_CLEARS_AFTER
 )
 """The replacement of the interlocks on axis motion where the device measures none.
 
@@ -294,10 +294,10 @@ passes unnoticed.
 
 MEASURED: Final = frozenset({Reports.POSITION, Reports.VELOCITY})
 
-AXIS_ROWS: Final = (
+AXIS_INTERLOCKS: Final = (
     AxisInterlock(
         "axis timeout",
-        _axis_silent,
+        _axis_timeout,
         "check its power and its cable",
         clear_after=LINK_CLEARS_AFTER,
         severity=Severity.CRITICAL,
@@ -310,32 +310,32 @@ AXIS_ROWS: Final = (
     ),
     AxisInterlock(
         "axis reconfigured",
-        _axis_rewritten,
+        _axis_reconfigured,
         "end the other program, or take it off the bus, then arm: it is set up again",
         severity=Severity.CRITICAL,
-        takes_power=True,
+        disables_power=True,
     ),
     AxisInterlock(
         "axis not enabled",
         _axis_not_enabled,
         "wait for it, or disarm and arm",
         needs=frozenset({Reports.POWER}),
-        instead=AXIS_ANSWERS,
+        replacement=LATE_ANSWER,
     ),
     AxisInterlock(
         "reference lost",
-        _axis_zero_lost,
+        _reference_lost,
         CONFIRM_ZERO,
         needs=frozenset({Reports.ZERO}),
-        instead=AXIS_RESTARTED,
+        replacement=AXIS_RESTARTED,
         severity=Severity.CRITICAL,
     ),
     AxisInterlock(
         "tracking error",
-        _axis_does_not_follow,
+        _tracking_error,
         "look what holds it, or whether its drive obeys, then arm",
         needs=MEASURED,
-        instead=AXIS_UNMEASURED,
+        replacement=NO_FEEDBACK,
         clear_after=LINK_CLEARS_AFTER,
         severity=Severity.CRITICAL,
     ),
@@ -344,23 +344,23 @@ AXIS_ROWS: Final = (
         _uncommanded_motion,
         "cut its power, look who commands it, then arm",
         needs=MEASURED,
-        instead=AXIS_UNMEASURED,
+        replacement=NO_FEEDBACK,
         clear_after=LINK_CLEARS_AFTER,
         severity=Severity.CRITICAL,
-        takes_power=True,
+        disables_power=True,
     ),
     AxisInterlock(
         "position not changing",
-        _position_repeats,
+        _position_not_changing,
         "look what blocks it; check its encoder and the encoder's coupling, then arm",
         needs=MEASURED,
-        instead=AXIS_UNMEASURED,
+        replacement=NO_FEEDBACK,
         clear_after=LINK_CLEARS_AFTER,
         severity=Severity.CRITICAL,
-        takes_power=True,
+        disables_power=True,
     ),
 )
 """Of each axis that the robot's mode uses."""
 
-LEFT_OUT_ROW: Final = AxisInterlock("axis excluded", _axis_left_out, "wait for it, or leave this mode")
+EXCLUDED_AXIS: Final = AxisInterlock("axis excluded", _axis_excluded, "wait for it, or leave this mode")
 """Of each axis that the mode does without: it must be without power, or held."""

@@ -13,11 +13,11 @@ from firmware_bridge.drivers.driver import Feedback, Reports
 from firmware_bridge.immutable import Immutable
 from firmware_bridge.robot import Axis, Problem, Robot, RobotFileError
 from firmware_bridge.robot.table import Table
-from firmware_bridge.safety.common import AXIS_ROWS, LEFT_OUT_ROW, whole_robot_rows
+from firmware_bridge.safety.common import AXIS_INTERLOCKS, EXCLUDED_AXIS, whole_robot_interlocks
 from firmware_bridge.safety.interlock import AxisInterlock, Interlock, Limit, View
-from firmware_bridge.safety.row import Row
+from firmware_bridge.safety.interlock_base import InterlockBase
 from firmware_bridge.safety.rules import Rules
-from firmware_bridge.safety.snapshot import Facts, Group, Hold, Ruling, Snapshot
+from firmware_bridge.safety.snapshot import ActiveInterlock, Decision, Facts, Group, Snapshot
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
 G = TypeVar("G", bound=Table)
@@ -33,7 +33,7 @@ class _Memory:
     __slots__ = ("_clear_since", "_holds")
 
     def __init__(self) -> None:
-        self._holds: dict[str, Hold] = {}
+        self._holds: dict[str, ActiveInterlock] = {}
         self._clear_since: dict[str, Nanoseconds] = {}
 
     def holds(self, name: str) -> bool:
@@ -44,11 +44,13 @@ class _Memory:
         """The holds whose rows do not judge so any more, and have not been clear for long enough."""
         return frozenset(self._clear_since)
 
-    def look(self, name: str, reason: str | None, row: Row, now: Nanoseconds, axis: str = "") -> Hold | None:
+    def look(
+        self, name: str, reason: str | None, row: InterlockBase, now: Nanoseconds, axis: str = ""
+    ) -> ActiveInterlock | None:
         """Take one look's outcome; return the hold where there is one."""
         if reason is not None:
             self._clear_since.pop(name, None)
-            return self._holds.setdefault(name, Hold(name, reason, row, now, axis))
+            return self._holds.setdefault(name, ActiveInterlock(name, reason, row, now, axis))
         hold = self._holds.get(name)
         if hold is not None and now - self._clear_since.setdefault(name, now) >= row.clear_after:
             del self._holds[name], self._clear_since[name]
@@ -59,13 +61,13 @@ class _Memory:
 class AxisRows(Immutable):
     """One axis, its rows with the names of their holds, and the silence that its link allows."""
 
-    __slots__ = ("axis", "left_out", "rows", "silent_after")
+    __slots__ = ("axis", "excluded", "rows", "silent_after")
 
     def __init__(self, axis: Axis, silent_after: Nanoseconds, rows: tuple[AxisInterlock, ...]) -> None:
         self.axis: Final = axis
         self.silent_after: Final = silent_after
         self.rows: Final = tuple((f"{row.name}: {axis.name}", row) for row in rows)
-        self.left_out: Final = ((f"{LEFT_OUT_ROW.name}: {axis.name}", LEFT_OUT_ROW),)
+        self.excluded: Final = ((f"{EXCLUDED_AXIS.name}: {axis.name}", EXCLUDED_AXIS),)
         """In a mode that does without the axis."""
 
 
@@ -73,7 +75,7 @@ def axis_rows(robot: Robot[G], reports: Mapping[str, frozenset[Reports]]) -> tup
     """Return each axis' interlocks by its driver's reports; RobotFileError where a report is missing."""
     found = []
     for axis in robot.axes:
-        rows = [(row, row.fitting(reports[axis.name])) for row in AXIS_ROWS]
+        rows = [(row, row.fitting(reports[axis.name])) for row in AXIS_INTERLOCKS]
         missing = [row.name for row, fitting in rows if fitting is None]
         if missing:
             problem = f"the devices on this link report too little for: {', '.join(missing)}"
@@ -99,12 +101,12 @@ class Gate(Generic[G, M, S]):
         self._robot = robot
         self._rules = rules
         self._axes = axis_rows(robot, reports)
-        self._common: tuple[Interlock[G, M, S], ...] = whole_robot_rows(rules[""].numbers, robot.links)
+        self._common: tuple[Interlock[G, M, S], ...] = whole_robot_interlocks(rules[""].numbers, robot.links)
         self._silent_after = robot.operator.silent_ms * MILLISECOND
         self._memory = _Memory()
-        self._before: Ruling[M] | None = None
+        self._before: Decision[M] | None = None
 
-    def rule(self, seen: Snapshot[M, S]) -> Ruling[M]:
+    def rule(self, seen: Snapshot[M, S]) -> Decision[M]:
         """Judge the command in this snapshot; `seen.facts.now` never runs backwards."""
         rules = self._rules[seen.facts.mode]
         view = View(self._robot, seen, seen.command, NO_GROUP, self._before)
@@ -120,9 +122,9 @@ class Gate(Generic[G, M, S]):
             stopped_late = _stopped(late, rules.groups)
             allowed = rules.body.rested(allowed, stopped_late) if stopped_late else allowed
             stopped |= stopped_late
-        ruling = Ruling(tuple(holds), stopped, allowed, rules.body.requested(allowed, seen.body))
-        self._before = ruling
-        return ruling
+        decision = Decision(tuple(holds), stopped, allowed, rules.body.requested(allowed, seen.body))
+        self._before = decision
+        return decision
 
     @property
     def clearing(self) -> frozenset[str]:
@@ -144,7 +146,7 @@ class Gate(Generic[G, M, S]):
                 first = min(first, feedback.received_at + one.silent_after)
         return first
 
-    def _held(self, rows: tuple[Interlock[G, M, S], ...], view: View[G, M, S]) -> list[Hold]:
+    def _held(self, rows: tuple[Interlock[G, M, S], ...], view: View[G, M, S]) -> list[ActiveInterlock]:
         memory, now = self._memory, view.seen.facts.now
         holds = []
         for row in rows:
@@ -155,12 +157,12 @@ class Gate(Generic[G, M, S]):
                 holds.append(hold)
         return holds
 
-    def _held_axes(self, facts: Facts) -> list[Hold]:
+    def _held_axes(self, facts: Facts) -> list[ActiveInterlock]:
         holds, memory = [], self._memory
         for one in self._axes:
             axis = one.axis
             feedback = facts.axes.get(axis.name) or Feedback(axis.name)
-            for name, row in one.left_out if axis.name in facts.without else one.rows:
+            for name, row in one.excluded if axis.name in facts.without else one.rows:
                 reason = row.judge(axis, feedback, facts, one.silent_after)
                 held = reason is not None or memory.holds(name)
                 hold = memory.look(name, reason, row, facts.now, axis.name) if held else None
@@ -169,7 +171,12 @@ class Gate(Generic[G, M, S]):
         return holds
 
     def _clipped(
-        self, limits: tuple[Limit[G, M, S], ...], view: View[G, M, S], holds: list[Hold], *, reported: bool
+        self,
+        limits: tuple[Limit[G, M, S], ...],
+        view: View[G, M, S],
+        holds: list[ActiveInterlock],
+        *,
+        reported: bool,
     ) -> M:
         """Return the command within all limits; while something is stopped, not they hold it back."""
         for row in limits:
@@ -182,7 +189,7 @@ class Gate(Generic[G, M, S]):
         return view.allowed
 
 
-def _stopped(holds: list[Hold], groups: frozenset[Group]) -> frozenset[Group]:
+def _stopped(holds: list[ActiveInterlock], groups: frozenset[Group]) -> frozenset[Group]:
     stopped = NO_GROUP
     for hold in holds:
         stopped |= groups if hold.row.stops is None else hold.row.stops

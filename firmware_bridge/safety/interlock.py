@@ -13,8 +13,8 @@ from firmware_bridge.drivers.driver import Feedback, Reports
 from firmware_bridge.renamed import warn
 from firmware_bridge.robot import Axis, Robot
 from firmware_bridge.robot.table import Table
-from firmware_bridge.safety.row import Row, Severity
-from firmware_bridge.safety.snapshot import Facts, Group, Ruling, Snapshot
+from firmware_bridge.safety.interlock_base import InterlockBase, Severity
+from firmware_bridge.safety.snapshot import Decision, Facts, Group, Snapshot
 from firmware_bridge.units import Nanoseconds
 
 G = TypeVar("G", bound=Table)
@@ -33,7 +33,7 @@ class View(Generic[G, M, S]):
         seen: Snapshot[M, S],
         allowed: M,
         requested: frozenset[Group],
-        before: Ruling[M] | None,
+        before: Decision[M] | None,
         *,
         holding: bool = False,
     ) -> None:
@@ -74,7 +74,7 @@ class View(Generic[G, M, S]):
         return View(self.robot, self.seen, self.allowed, self.requested, self.before, holding=True)
 
 
-class Interlock(Row, Generic[G, M, S]):
+class Interlock(InterlockBase, Generic[G, M, S]):
     """A rule that stops the groups that it names while it is active."""
 
     __slots__ = ("after_limits", "judge")
@@ -110,7 +110,7 @@ class Interlock(Row, Generic[G, M, S]):
         """It judges what all rows and limits before it have allowed, not the command."""
 
 
-class Limit(Row, Generic[G, M, S]):
+class Limit(InterlockBase, Generic[G, M, S]):
     """A rule that clips an otherwise permitted command, and reports it; it stops nothing."""
 
     __slots__ = ("clip",)
@@ -136,13 +136,13 @@ AxisJudge: TypeAlias = Callable[[Axis, Feedback, Facts, Nanoseconds], str | None
 """The axis, what is known of it, what is known of the robot, and the silence that its link allows."""
 
 
-class AxisInterlock(Row):
+class AxisInterlock(InterlockBase):
     """Stops and disarms while it holds for one axis; the axis's name is added to its name.
 
     On a link that stops only some groups it stops those, and leaves the others armed.
     """
 
-    __slots__ = ("instead", "judge", "needs")
+    __slots__ = ("judge", "needs", "replacement")
 
     def __init__(
         self,
@@ -151,11 +151,11 @@ class AxisInterlock(Row):
         remedy: str,
         *,
         needs: frozenset[Reports] = frozenset(),
-        instead: "AxisInterlock | None" = None,
+        replacement: "AxisInterlock | None" = None,
         stops: frozenset[str] | None = None,
         clear_after: Nanoseconds = 0,
         severity: Severity = Severity.WARNING,
-        takes_power: bool = False,
+        disables_power: bool = False,
     ) -> None:
         super().__init__(
             name,
@@ -164,12 +164,12 @@ class AxisInterlock(Row):
             clear_after=clear_after,
             severity=severity,
             disarms=stops is None,
-            takes_power=takes_power,
+            disables_power=disables_power,
         )
         self.judge: Final = judge
         self.needs: Final = needs
         """Reports of the axis' driver that it needs."""
-        self.instead: Final = instead
+        self.replacement: Final = replacement
         """The weaker interlock for a driver without these reports; None: such a driver is refused."""
 
     def confined(self, stops: frozenset[str]) -> "AxisInterlock":
@@ -182,12 +182,12 @@ class AxisInterlock(Row):
             stops=stops,
             clear_after=self.clear_after,
             severity=self.severity,
-            takes_power=self.takes_power,
+            disables_power=self.disables_power,
         )
 
     def fitting(self, reports: frozenset[Reports]) -> "AxisInterlock | None":
         """Return this row, or the first weaker one for which this is enough; None where there is none."""
         row: AxisInterlock | None = self
         while row is not None and not row.needs <= reports:
-            row = row.instead
+            row = row.replacement
         return row

@@ -5,8 +5,8 @@ from dataclasses import replace
 from typing import Final, Generic, TypeVar
 
 from firmware_bridge.robot.table import Table
-from firmware_bridge.safety.body import Body
 from firmware_bridge.safety.interlock import Interlock, Limit
+from firmware_bridge.safety.kinematic_model import KinematicModel
 from firmware_bridge.safety.snapshot import Facts, Group, Snapshot
 from firmware_bridge.units import Nanoseconds
 
@@ -35,11 +35,11 @@ class Rules(Generic[G, M, S]):
     def __init__(
         self,
         *,
-        body: Body[M, S],
+        body: KinematicModel[M, S],
         without: frozenset[str],
         groups: frozenset[Group],
         travelling: frozenset[Group],
-        rests_below: Mapping[str, float],
+        standstill_below: Mapping[str, float],
         silent_after: Mapping[str, Nanoseconds],
         numbers: Mapping[str, Callable[[M], float | None]],
         interlocks: tuple[Interlock[G, M, S], ...],
@@ -51,9 +51,9 @@ class Rules(Generic[G, M, S]):
         self.groups: Final = groups
         self.travelling: Final = travelling
         """The groups that take the robot from its place."""
-        self._rests_below: Final = tuple(rests_below.items())
+        self._rests_below: Final = tuple(standstill_below.items())
         """The axes that do, by their names, and the speed at which each does not stand any more."""
-        self.carriers: Final = frozenset(without.intersection(rests_below))
+        self.carriers: Final = frozenset(without.intersection(standstill_below))
         """Those of the axes left out that take the robot from its place, and hold it where it is."""
         self._silent_after: Final = silent_after
         self.numbers: Final = numbers
@@ -63,7 +63,7 @@ class Rules(Generic[G, M, S]):
         self.after_limits: Final = tuple(row for row in interlocks if row.after_limits)
         """Those that judge what all rows and limits before them have allowed."""
 
-    def at_rest(self, seen: Snapshot[M, S]) -> bool:
+    def at_standstill(self, seen: Snapshot[M, S]) -> bool:
         """Return whether the robot is at standstill, and is not commanded otherwise.
 
         Each axis is judged: wheels that turn against each other leave the robot in place, and are not at

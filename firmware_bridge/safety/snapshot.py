@@ -8,13 +8,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Generic, TypeAlias, TypeVar
 
+from firmware_bridge import renamed
 from firmware_bridge.drivers.driver import Demand, Feedback, Reading, Stop
 from firmware_bridge.immutable import Immutable
 from firmware_bridge.intent import NEVER_RECEIVED, USUAL_AGE_LIMIT, AgeLimit
 from firmware_bridge.motion.captured import Located
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.renamed import warn
-from firmware_bridge.safety.row import Row
+from firmware_bridge.safety.interlock_base import InterlockBase
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.value import valueclass
 
@@ -26,7 +27,7 @@ Group: TypeAlias = str
 
 
 @valueclass(frozen=True, slots=True)
-class Following:
+class Tracking:
     """Tracking of one axis up to its newest sample; in its unit."""
 
     demand: Demand = Stop.REST
@@ -89,11 +90,11 @@ class Facts:
     """Since which sample the battery has been low; None where it is not, or is not known to be."""
     stood: Mapping[str, str] = field(default_factory=dict)
     """Last known positions of axes without a reference, as text, by their names: no certainty."""
-    following: Mapping[str, Following] = field(default_factory=dict)
+    following: Mapping[str, Tracking] = field(default_factory=dict)
     """Tracking by the axes' names; an axis without an entry is not judged by its set-points."""
     sent_at: Nanoseconds | None = None
     """Time of the newest motion command's sending, or later; None where it is unknown."""
-    dated: bool = False
+    timestamped: bool = False
     """True where that time is exact to within half a round trip; else the command may be older."""
     age_limit: AgeLimit = USUAL_AGE_LIMIT
     stood_still: Nanoseconds = 0
@@ -101,7 +102,7 @@ class Facts:
 
     @property
     def age(self) -> Nanoseconds | None:
-        """Age of the newest motion command at its arrival; a lower bound where it is not `dated`."""
+        """Age of the newest motion command at its arrival; a lower bound where it is not `timestamped`."""
         return None if self.sent_at is None else self.received_at - self.sent_at
 
     def lives_for(self, silent_after: Nanoseconds) -> Nanoseconds:
@@ -109,7 +110,7 @@ class Facts:
 
         As long as silence may last, and no longer than until it is as old as a command may be.
         """
-        if self.age is None or not self.dated or self.age >= self.age_limit.most:
+        if self.age is None or not self.timestamped or self.age >= self.age_limit.most:
             return silent_after
         return min(silent_after, self.age_limit.most - self.age)
 
@@ -142,14 +143,14 @@ class Snapshot(Immutable, Generic[M, S_co]):
 
 
 @dataclass(frozen=True, slots=True)
-class Hold:
+class ActiveInterlock:
     """One interlock event that restricts the robot now, as text for people."""
 
     name: str
     """Stable key, for instance "operator link timeout"; an axis's ends with the axis's name."""
     reason: str
     """The cause, with the numbers at the time it began."""
-    row: Row
+    row: InterlockBase
     """Its row: stopped groups, severity and remedy."""
     since: Nanoseconds
     axis: str = field(default="", compare=False)
@@ -168,13 +169,17 @@ class Hold:
         return self.row.remedy
 
 
-class Ruling(Immutable, Generic[M]):
+class Decision(Immutable, Generic[M]):
     """The motion permitted now, with the reasons for its restriction."""
 
     __slots__ = ("allowed", "holds", "requested", "stopped")
 
     def __init__(
-        self, holds: tuple[Hold, ...], stopped: frozenset[Group], allowed: M, requested: frozenset[Group]
+        self,
+        holds: tuple[ActiveInterlock, ...],
+        stopped: frozenset[Group],
+        allowed: M,
+        requested: frozenset[Group],
     ) -> None:
         self.holds: Final = holds
         self.stopped: Final = stopped
@@ -183,3 +188,8 @@ class Ruling(Immutable, Generic[M]):
         """The permitted motion, at the pace of the body's ramp; a stopped group rests in it."""
         self.requested: Final = requested
         """The groups that `allowed` commands to move."""
+
+
+__getattr__ = renamed.module(
+    __name__, __name__, Hold="ActiveInterlock", Ruling="Decision", Following="Tracking"
+)

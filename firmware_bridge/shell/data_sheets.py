@@ -20,24 +20,24 @@ class SheetError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Sheet:
+class SheetValues:
     """Numbers by their objects, and the node that a configuration file names; 0 where it names none."""
 
     values: Mapping[Address, int]
     node: int
 
 
-def configured(file: Path) -> Sheet:
+def configured(file: Path) -> SheetValues:
     """Return each `ParameterValue` of a DCF that an EPOS2 can have; SheetError."""
     return _read(file, "parametervalue", "no ParameterValue of an EPOS2's object is in it; is it an EDS?")
 
 
-def defaults(file: Path) -> Sheet:
+def defaults(file: Path) -> SheetValues:
     """Return each `DefaultValue` of an EDS, as far as an EPOS2 has the object, too; SheetError."""
     return _read(file, "defaultvalue", "no DefaultValue of an object that is known is in it")
 
 
-def _read(file: Path, key: str, nothing: str) -> Sheet:
+def _read(file: Path, key: str, nothing: str) -> SheetValues:
     sections = _sections(file)
     node = _node(sections)
     found: dict[Address, int] = {}
@@ -62,7 +62,7 @@ def _read(file: Path, key: str, nothing: str) -> Sheet:
         raise SheetError(f"{file}: {'; '.join(problems[:_MOST])}{more}")
     if not found:
         raise SheetError(f"{file}: {nothing}")
-    return Sheet(found, node)
+    return SheetValues(found, node)
 
 
 def _sections(file: Path) -> configparser.ConfigParser:

@@ -11,10 +11,10 @@ from typing import Final, NamedTuple
 from pydantic import ValidationError
 
 from firmware_bridge.intent import ConfirmZero
-from firmware_bridge.kinds import kind_named
 from firmware_bridge.renamed import with_new_keys
 from firmware_bridge.robot import AnyRobot, Problem, Robot, RobotFileError
 from firmware_bridge.robot.problems import problems_of
+from firmware_bridge.robot_types import robot_type_named
 from firmware_bridge.units import MILLISECOND, to_seconds
 
 RUN_FILE: Final = "run.json"
@@ -48,7 +48,7 @@ def read_run(folder: Path) -> AsRun | None:
             dict(content["stands"]),
             str(content["mode"]),
         )
-        kind = kind_named(table["kind"])
+        kind = robot_type_named(table["kind"])
     except FileNotFoundError:
         return None
     except (OSError, ValueError, KeyError, TypeError) as error:

@@ -18,7 +18,7 @@ class ConditionsError(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class LinkDirection:
     """One way of a link; the default carries everything at once."""
 
     delay: Nanoseconds = 0
@@ -40,12 +40,12 @@ class Way:
 class Conditions:
     """Both ways."""
 
-    up: Way = Way()
-    down: Way = Way()
+    up: LinkDirection = LinkDirection()
+    down: LinkDirection = LinkDirection()
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ConditionKey:
     """One key: which field of a way it sets, and to what."""
 
     field: str
@@ -58,14 +58,14 @@ class Row:
 
 
 ROWS: Final = {
-    "delay": Row("delay", "s, there and back: half of it each way, or as up.delay and down.delay", 60.0,
-                 from_seconds, halved=True),
-    "jitter": Row("jitter", "s, up to so much more each way", 60.0, from_seconds),
-    "loss": Row("loss", "share that is lost each way", 1.0),
-    "burst": Row("burst", "so many lost in a row on average", 1000.0, least=1.0),
-    "duplicate": Row("duplicate", "share that comes twice", 1.0),
-    "bandwidth": Row("bandwidth", "bit/s, as a serial line", 1e9, least=300.0),
-    "queue": Row("queue", "s that a packet may wait for its turn", 60.0, from_seconds),
+    "delay": ConditionKey("delay", "s, there and back: half of it each way, or as up.delay and down.delay",
+                          60.0, from_seconds, halved=True),
+    "jitter": ConditionKey("jitter", "s, up to so much more each way", 60.0, from_seconds),
+    "loss": ConditionKey("loss", "share that is lost each way", 1.0),
+    "burst": ConditionKey("burst", "so many lost in a row on average", 1000.0, least=1.0),
+    "duplicate": ConditionKey("duplicate", "share that comes twice", 1.0),
+    "bandwidth": ConditionKey("bandwidth", "bit/s, as a serial line", 1e9, least=300.0),
+    "queue": ConditionKey("queue", "s that a packet may wait for its turn", 60.0, from_seconds),
 }  # fmt: skip
 
 
@@ -74,7 +74,7 @@ def conditions(text: str) -> Conditions:
 
     ConditionsError gives the mistake, and the near name.
     """
-    ways = {way: Way() for way in WAYS}
+    ways = {way: LinkDirection() for way in WAYS}
     seen: set[str] = set()
     for alone, part in sorted(_parts(text)):  # a value for one way wins over one for both
         key, sign, number = part.partition("=")
@@ -113,7 +113,7 @@ def _expected(way: str, name: str, *, alone: bool, sign: bool) -> str:
     return f"there is no key '{name}'; {near(name, list(ROWS))}"
 
 
-def _number(part: str, text: str, row: Row) -> float:
+def _number(part: str, text: str, row: ConditionKey) -> float:
     try:
         value = float(text)
     except ValueError:

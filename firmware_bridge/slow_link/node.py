@@ -9,7 +9,7 @@ from typing import Final, Protocol
 
 from firmware_bridge.node import Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.slow_link.conditions import Conditions, Way
+from firmware_bridge.slow_link.conditions import Conditions, LinkDirection
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 BITS_A_BYTE: Final = 10
@@ -28,7 +28,7 @@ class Pipe:
 
     __slots__ = ("_bad", "_chance", "_flying", "_free_at", "_number", "_way", "carried", "lost")
 
-    def __init__(self, way: Way, chance: Chance) -> None:
+    def __init__(self, way: LinkDirection, chance: Chance) -> None:
         self._way: Final = way
         self._chance: Final = chance
         self._flying: Final[list[tuple[Nanoseconds, int, Packet]]] = []

@@ -34,7 +34,7 @@ class Age(NamedTuple):
     """Age of a message."""
 
     nanoseconds: Nanoseconds
-    dated: bool
+    timestamped: bool
     """True where that is exact to within half a round trip; else it is a lower bound."""
 
 
@@ -100,15 +100,15 @@ class Ages:
         Rows that differ by more than `limit` do not date it.
         """
         self._follow_what_was_set(message, _whole(now), limit)
-        found = [(row.age_of(self, message, _whole(now)), row.dated) for row in ROWS]
-        ages = [(age, dated) for age, dated in found if age is not None]
+        found = [(row.age_of(self, message, _whole(now)), row.timestamped) for row in ROWS]
+        ages = [(age, timestamped) for age, timestamped in found if age is not None]
         if not ages:
             return None
         oldest = max(age for age, _ in ages)
-        best, dated = ages[0]
-        if dated:
+        best, timestamped = ages[0]
+        if timestamped:
             self.differs = oldest - best
-        return Age(oldest, dated and oldest - best <= limit)
+        return Age(oldest, timestamped and oldest - best <= limit)
 
     def _follow_what_was_set(self, message: Message, now: Nanoseconds, limit: Nanoseconds) -> None:
         """Move the fastest message of a clock that was set back, by as much as its answers have shown."""
@@ -179,19 +179,21 @@ AgeOf: TypeAlias = Callable[[Ages, Message, Nanoseconds], Nanoseconds | None]
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class AgeSource:
     """One way to find the age of a message."""
 
     name: str
     age_of: AgeOf
-    dated: bool
+    timestamped: bool
     """True where it finds the age to within half a round trip; else only a lower bound."""
 
 
 ROWS: Final = (
-    Row("the set-point's time, by TIMESYNC", Ages.by_set_point, dated=True),
-    Row("the signature's time stamp, by the stamps of answers", Ages.by_signature, dated=True),
-    Row("the set-point's time, above the fastest", Ages.above_fastest_set_point, dated=False),
-    Row("the signature's time stamp, above the fastest", Ages.above_fastest_signature, dated=False),
-    Row("half a round trip", Ages.half_round_trip, dated=False),
+    AgeSource("the set-point's time, by TIMESYNC", Ages.by_set_point, timestamped=True),
+    AgeSource("the signature's time stamp, by the stamps of answers", Ages.by_signature, timestamped=True),
+    AgeSource("the set-point's time, above the fastest", Ages.above_fastest_set_point, timestamped=False),
+    AgeSource(
+        "the signature's time stamp, above the fastest", Ages.above_fastest_signature, timestamped=False
+    ),
+    AgeSource("half a round trip", Ages.half_round_trip, timestamped=False),
 )

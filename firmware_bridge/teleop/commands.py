@@ -8,22 +8,21 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.intent import (
-    Arm,
-    ClearEmergencyStop,
-    ConfirmZero,
-    Disarm,
-    EmergencyStop,
-    EnterMode,
-    Follow,
-    Pause,
-    ResetOdometry,
-    Resume,
-)
+from firmware_bridge import intent
 from firmware_bridge.teleop import modes
 from firmware_bridge.teleop.exchange import Exchange
 from firmware_bridge.teleop.mavlink import Message, dialect
-from firmware_bridge.teleop.order import ACCEPTED, Action, Answer, Order, Result, denied, judged, whole
+from firmware_bridge.teleop.order import (
+    ACCEPTED,
+    UNSUPPORTED,
+    Action,
+    Order,
+    OrderAnswer,
+    Result,
+    denied,
+    judged,
+    whole,
+)
 from firmware_bridge.teleop.setpoints import pressed
 from firmware_bridge.teleop.station import FASTEST, AnyStation
 from firmware_bridge.units import NEVER
@@ -39,37 +38,37 @@ _LARGEST_NUMBER: Final = 0xFFFF
 _LONGEST_INTERVAL_US: Final = 0x7FFF_FFFF
 
 
-def _arm_or_disarm(order: Order, exchange: Exchange) -> Answer:
+def _arm_or_disarm(order: Order, exchange: Exchange) -> OrderAnswer:
     force = order.params[1] == FORCE
     match order.params[0]:
         case 0.0:
-            return judged(exchange.request(Disarm(force=force)))
+            return judged(exchange.request(intent.Disarm(force=force)))
         case 1.0 if force:
             return denied("arming cannot be forced: the interlocks stay")
         case 1.0:
-            return judged(exchange.request(Arm()))
+            return judged(exchange.request(intent.Arm()))
     return denied("arm: parameter 1 must be 0 or 1")
 
 
-def _terminate(order: Order, exchange: Exchange) -> Answer:
+def _terminate(order: Order, exchange: Exchange) -> OrderAnswer:
     if _terminates(order):
-        return judged(exchange.request(EmergencyStop(final=True)))
+        return judged(exchange.request(intent.EmergencyStop(final=True)))
     return denied("termination is undone by a restart of the bridge only")
 
 
-def _safety_switch(order: Order, exchange: Exchange) -> Answer:
+def _safety_switch(order: Order, exchange: Exchange) -> OrderAnswer:
     match order.params[0]:
         case dialect.SAFETY_SWITCH_STATE_SAFE:
-            return judged(exchange.request(EmergencyStop()))
+            return judged(exchange.request(intent.EmergencyStop()))
         case dialect.SAFETY_SWITCH_STATE_DANGEROUS:
-            return judged(exchange.request(ClearEmergencyStop()))
+            return judged(exchange.request(intent.ClearEmergencyStop()))
     return denied("safety switch: parameter 1 must be 0 (stop) or 1 (clear)")
 
 
-def _relay(order: Order, exchange: Exchange) -> Answer:
+def _relay(order: Order, exchange: Exchange) -> OrderAnswer:
     relays = {switch.relay: switch for switch in exchange.station.switches}
     if not relays:
-        return Answer(Result.UNSUPPORTED)
+        return UNSUPPORTED
     number, on = whole(order.params[0]), order.params[1]
     if number is None or number not in relays:
         known = ", ".join(f"{relay} {switch.name}" for relay, switch in relays.items())
@@ -80,10 +79,10 @@ def _relay(order: Order, exchange: Exchange) -> Answer:
     return ACCEPTED
 
 
-def _illuminate(order: Order, exchange: Exchange) -> Answer:
+def _illuminate(order: Order, exchange: Exchange) -> OrderAnswer:
     lamps = [switch for switch in exchange.station.switches if switch.illuminates]
     if not lamps:
-        return Answer(Result.UNSUPPORTED)
+        return UNSUPPORTED
     if order.params[0] not in (0.0, 1.0):
         return denied(f"{', '.join(lamp.name for lamp in lamps)}: parameter 1 must be 0 or 1")
     for lamp in lamps:
@@ -91,11 +90,11 @@ def _illuminate(order: Order, exchange: Exchange) -> Answer:
     return ACCEPTED
 
 
-def _actuator(order: Order, exchange: Exchange) -> Answer:
+def _actuator(order: Order, exchange: Exchange) -> OrderAnswer:
     """Set actuators: NaN leaves one where it is (common.xml), and 0 one that is not there."""
     names = [actuator.name for actuator in exchange.station.actuators]
     if not names:
-        return Answer(Result.UNSUPPORTED)
+        return UNSUPPORTED
     shares, others = order.params[: len(names)], order.params[len(names) : 6]
     if order.params[6] != 0.0 or not all(math.isnan(other) or other == 0.0 for other in others):
         return denied(f"actuator: set 0 has {', '.join(names)}; there are no others")
@@ -111,32 +110,30 @@ def _actuator(order: Order, exchange: Exchange) -> Answer:
     return ACCEPTED
 
 
-def _request_message(order: Order, exchange: Exchange) -> Answer:
+def _request_message(order: Order, exchange: Exchange) -> OrderAnswer:
     number = whole(order.params[0])
     sent = number is not None and exchange.send(number, whole(order.params[1]) or 0)
-    return ACCEPTED if sent else Answer(Result.UNSUPPORTED)
+    return ACCEPTED if sent else UNSUPPORTED
 
 
-def _capabilities(order: Order, exchange: Exchange) -> Answer:
+def _capabilities(order: Order, exchange: Exchange) -> OrderAnswer:
     if order.params[0] == 1.0:
         exchange.send(dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION)
     return ACCEPTED
 
 
-def _send_home(_: Order, exchange: Exchange) -> Answer:
+def _send_home(_: Order, exchange: Exchange) -> OrderAnswer:
     """Send where the odometry begins; before the first cycle nothing is known of it."""
     sent = exchange.send(dialect.MAVLINK_MSG_ID_HOME_POSITION)
-    return (
-        ACCEPTED if sent else Answer(Result.TEMPORARILY_REJECTED, "home: the bridge is starting, try again")
-    )
+    return ACCEPTED if sent else OrderAnswer(Result.TEMPORARILY_REJECTED, "home: the bridge is starting")
 
 
-def _change_interval(order: Order, exchange: Exchange) -> Answer:
+def _change_interval(order: Order, exchange: Exchange) -> OrderAnswer:
     """Change a message's interval to this station; more often than others only with control."""
     number, wanted = whole(order.params[0]), order.params[1]
     default = None if number is None else exchange.session.schedule.default(number)
     if number is None or default is None:
-        return Answer(Result.UNSUPPORTED)
+        return UNSUPPORTED
     if not math.isfinite(wanted) or wanted < -1.0:
         return denied("message interval: parameter 2 is in microseconds, 0 for the default, -1 for off")
     if number == dialect.MAVLINK_MSG_ID_HEARTBEAT and wanted != 0.0:
@@ -146,7 +143,7 @@ def _change_interval(order: Order, exchange: Exchange) -> Answer:
     return ACCEPTED if refused is None else denied(refused)
 
 
-def _send_interval(order: Order, exchange: Exchange) -> Answer:
+def _send_interval(order: Order, exchange: Exchange) -> OrderAnswer:
     number = whole(order.params[0])
     if number is None or number > _LARGEST_NUMBER:
         return denied("message interval: parameter 1 must be a message number up to 65535")
@@ -157,32 +154,32 @@ def _send_interval(order: Order, exchange: Exchange) -> Answer:
     return ACCEPTED
 
 
-def _pause(order: Order, exchange: Exchange) -> Answer:
+def _pause(order: Order, exchange: Exchange) -> OrderAnswer:
     match order.params[0]:
         case dialect.MAV_GOTO_DO_HOLD:
-            return judged(exchange.request(Pause()))
+            return judged(exchange.request(intent.Pause()))
         case dialect.MAV_GOTO_DO_CONTINUE:
-            return judged(exchange.request(Resume()))
+            return judged(exchange.request(intent.Resume()))
     return denied("pause: parameter 1 must be 0 (pause) or 1 (continue)")
 
 
-def _set_standard_mode(order: Order, exchange: Exchange) -> Answer:
+def _set_standard_mode(order: Order, exchange: Exchange) -> OrderAnswer:
     """Pause, whichever mode it is: a station that requests another mode no longer drives by hand."""
-    paused = judged(exchange.request(Pause()))
+    paused = judged(exchange.request(intent.Pause()))
     if order.params[0] == dialect.MAV_STANDARD_MODE_POSITION_HOLD:
         return paused
     return denied("mode: of the standard modes only position hold; the robot is paused")
 
 
-def _set_mode(order: Order, exchange: Exchange) -> Answer:
+def _set_mode(order: Order, exchange: Exchange) -> OrderAnswer:
     """Enter a mode; one that cannot be entered now, or is none of the robot's, pauses it."""
     entered = _enter_mode(order, exchange)
     if entered.result is not Result.ACCEPTED:
-        exchange.request(Pause())
+        exchange.request(intent.Pause())
     return entered
 
 
-def _enter_mode(order: Order, exchange: Exchange) -> Answer:
+def _enter_mode(order: Order, exchange: Exchange) -> OrderAnswer:
     session, main, sub = exchange.session, whole(order.params[1]), whole(order.params[2]) or 0
     requested = None if main is None else modes.requested(main, sub, len(session.modes))
     if requested is None:
@@ -190,42 +187,42 @@ def _enter_mode(order: Order, exchange: Exchange) -> Answer:
         known += [f"{modes.number_of_own(place)} {name}" for place, name in enumerate(session.modes) if name]
         return denied(f"mode: {', '.join(known)}; there are no others; it is paused")
     session.audience.voice(exchange.sender.source).px4 = requested.px4
-    if requested.way is modes.Way.HOLD:
-        return judged(exchange.request(Pause()))
+    if requested.way is modes.DrivingMode.HOLD:
+        return judged(exchange.request(intent.Pause()))
     guide = 0 if requested.px4 else sub
     if guide >= len(session.guides):
         known = [f"{place} {name or 'the operator'}" for place, name in enumerate(session.guides)]
         return denied(f"submode: {', '.join(known)}; there are no others")
     mode = exchange.mode if requested.own is None else session.modes[requested.own]
-    entered = judged(exchange.request(EnterMode(mode)))
+    entered = judged(exchange.request(intent.EnterMode(mode)))
     if entered.result is Result.ACCEPTED and len(session.guides) > 1:
-        entered = judged(exchange.request(Follow(session.guides[guide])))
+        entered = judged(exchange.request(intent.Follow(session.guides[guide])))
     if entered.result is Result.ACCEPTED:
         session.driven.order(requested.way, exchange.now)
     return entered
 
 
-def _home(order: Order, exchange: Exchange) -> Answer:
+def _home(order: Order, exchange: Exchange) -> OrderAnswer:
     if order.params[0] != 1.0:
         return denied("home: only the present place (parameter 1 = 1) can be the origin")
-    return judged(exchange.request(ResetOdometry()))
+    return judged(exchange.request(intent.ResetOdometry()))
 
 
-def _confirm_zero(order: Order, exchange: Exchange) -> Answer:
+def _confirm_zero(order: Order, exchange: Exchange) -> OrderAnswer:
     number, axes = whole(order.params[0]), exchange.session.robot.axes
     # Counted from 1: a command of zeros alone names no axis.
     known = number is not None and 1 <= number <= len(axes)
     axis = axes[number - 1].name if number is not None and known else f"axis {order.params[0]:g}"
-    return judged(exchange.request(ConfirmZero(axis, order.params[1])))
+    return judged(exchange.request(intent.ConfirmZero(axis, order.params[1])))
 
 
-def _reboot(_: Order, exchange: Exchange) -> Answer:
+def _reboot(_: Order, exchange: Exchange) -> OrderAnswer:
     if exchange.armed:
         return denied("reboot: disarm first")
-    return Answer(Result.UNSUPPORTED, "reboot: restart the bridge's program where it runs")
+    return OrderAnswer(Result.UNSUPPORTED, "reboot: restart the bridge's program where it runs")
 
 
-def _request_control(order: Order, exchange: Exchange) -> Answer:
+def _request_control(order: Order, exchange: Exchange) -> OrderAnswer:
     """Take or give up control; stations of 2025 say in parameter 2 what those of 2026 say in parameter 1."""
     first, second, third = order.params[:3]
     if first == 1.0:
@@ -235,7 +232,7 @@ def _request_control(order: Order, exchange: Exchange) -> Answer:
     return denied("control: parameter 1 must be 0 (release) or 1 (request)")
 
 
-def change_control(exchange: Exchange, *, requests: bool, yields: bool) -> Answer:
+def change_control(exchange: Exchange, *, requests: bool, yields: bool) -> OrderAnswer:
     """Take or give up control; `yields`: and let any station take it over on request.
 
     The station in control receives the request, by the same command, so that it may ask its operator.
@@ -249,7 +246,7 @@ def change_control(exchange: Exchange, *, requests: bool, yields: bool) -> Answe
         exchange.take_control(yields=yields)
     else:
         exchange.ask_driver(MAV_CMD_REQUEST_OPERATOR_CONTROL)
-        return Answer(Result.FAILED)
+        return OrderAnswer(Result.FAILED)
     return ACCEPTED
 
 
@@ -268,11 +265,11 @@ def _terminates(order: Order) -> bool:
 def _holds(order: Order) -> bool:
     main, sub = whole(order.params[1]), whole(order.params[2]) or 0
     requested = None if main is None else modes.requested(main, sub, 0)
-    return requested is not None and requested.way is modes.Way.HOLD
+    return requested is not None and requested.way is modes.DrivingMode.HOLD
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class Entry:
     """One command that the bridge knows."""
 
     command: int
@@ -285,71 +282,75 @@ class Row:
 
 
 ROWS: Final = (
-    Row(
+    Entry(
         dialect.MAV_CMD_COMPONENT_ARM_DISARM,
         _arm_or_disarm,
         "arm; disarm, forced with p2 = 21196",
         anyone=True,
         stops=_zero,
     ),
-    Row(
+    Entry(
         dialect.MAV_CMD_DO_FLIGHTTERMINATION,
         _terminate,
         "emergency stop until the bridge is restarted",
         anyone=True,
         stops=_terminates,
     ),
-    Row(
+    Entry(
         dialect.MAV_CMD_DO_PAUSE_CONTINUE,
         _pause,
         "p1 0: come to rest and wait; 1: continue, the stick neutral",
         stops=_zero,
     ),
-    Row(dialect.MAV_CMD_OVERRIDE_GOTO, _pause, "the same", stops=_zero),
-    Row(
+    Entry(dialect.MAV_CMD_OVERRIDE_GOTO, _pause, "the same", stops=_zero),
+    Entry(
         dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE,
         _safety_switch,
         "p1 0: emergency stop; 1: clear it",
         anyone=True,
         stops=_zero,
     ),
-    Row(dialect.MAV_CMD_DO_SET_ACTUATOR, _actuator, "actuators of set 0: -1 lowest to 1 highest, NaN stays"),
-    Row(dialect.MAV_CMD_DO_SET_RELAY, _relay, "p1: its number; p2 0 or 1"),
-    Row(dialect.MAV_CMD_ILLUMINATOR_ON_OFF, _illuminate, "p1 0 or 1"),
-    Row(dialect.MAV_CMD_REQUEST_MESSAGE, _request_message, "send a message once", anyone=True),
-    Row(dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, _capabilities, "send AUTOPILOT_VERSION", anyone=True),
-    Row(dialect.MAV_CMD_GET_HOME_POSITION, _send_home, "send HOME_POSITION", anyone=True),
-    Row(
+    Entry(
+        dialect.MAV_CMD_DO_SET_ACTUATOR, _actuator, "actuators of set 0: -1 lowest to 1 highest, NaN stays"
+    ),
+    Entry(dialect.MAV_CMD_DO_SET_RELAY, _relay, "p1: its number; p2 0 or 1"),
+    Entry(dialect.MAV_CMD_ILLUMINATOR_ON_OFF, _illuminate, "p1 0 or 1"),
+    Entry(dialect.MAV_CMD_REQUEST_MESSAGE, _request_message, "send a message once", anyone=True),
+    Entry(
+        dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES, _capabilities, "send AUTOPILOT_VERSION", anyone=True
+    ),
+    Entry(dialect.MAV_CMD_GET_HOME_POSITION, _send_home, "send HOME_POSITION", anyone=True),
+    Entry(
         dialect.MAV_CMD_SET_MESSAGE_INTERVAL,
         _change_interval,
         "how often a message is sent to this station",
         anyone=True,
     ),
-    Row(
+    Entry(
         dialect.MAV_CMD_GET_MESSAGE_INTERVAL, _send_interval, "send how often a message is sent", anyone=True
     ),
-    Row(
+    Entry(
         dialect.MAV_CMD_DO_SET_MODE,
         _set_mode,
         "0 Manual: the whole robot, and on after a pause; 15 Guided; 4 Hold: pause; others after a failed "
         "actuator; submode: the path follower, 0 none; PX4's numbers, too",
         stops=_holds,
     ),
-    Row(
+    Entry(
         dialect.MAV_CMD_DO_SET_STANDARD_MODE,
         _set_standard_mode,
         "p1 1, position hold: pause",
         stops=lambda _: True,
     ),
-    Row(dialect.MAV_CMD_DO_SET_HOME, _home, "p1 = 1: the present place is the origin; cameras count again"),
-    Row(
+    Entry(dialect.MAV_CMD_DO_SET_HOME, _home, "p1 = 1: the present place is the origin; cameras count again"),
+    Entry(
         dialect.MAV_CMD_USER_1,
         _confirm_zero,
         "p1: an axis by its place in the robot file, from 1; p2: where it stands, as read off the robot; "
         "NaN: home it",
     ),
-    Row(dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, _reboot, "never from afar"),
-    Row(
+    Entry(dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, _reboot, "never from afar"),
+    Entry(
         MAV_CMD_REQUEST_OPERATOR_CONTROL,
         _request_control,
         "p1 1: drive, p2 1: and let others take over; p1 0: release control",
@@ -382,11 +383,11 @@ def stops(order: Order) -> bool:
     return row is not None and row.stops(order)
 
 
-def obey(order: Order, exchange: Exchange) -> Answer:
+def obey(order: Order, exchange: Exchange) -> OrderAnswer:
     """Carry out an order, where it is possible, and where its sender may send it."""
     row = _BY_NUMBER.get(order.command)
     if row is None:
-        return Answer(Result.UNSUPPORTED)
+        return UNSUPPORTED
     if exchange.refusal is not None and not row.anyone:
         return denied(exchange.refusal)
     return row.act(order, exchange)

@@ -26,7 +26,7 @@ class Sender(NamedTuple):
         return f"{self.system}/{self.component}" + (f" at {place}" if place else "")
 
 
-class Control:
+class StationInControl:
     """Control of the robot; no station has it at first."""
 
     __slots__ = ("driver", "received_at", "turns", "yields")

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from firmware_bridge.intent import NEVER_RECEIVED
-from firmware_bridge.teleop.modes import Way
+from firmware_bridge.teleop.modes import DrivingMode
 from firmware_bridge.teleop.station import Stick, Velocity
 from firmware_bridge.units import Nanoseconds
 
 
-class Driven:
+class ReportedMode:
     """The reported way of driving, and the commands that do not count in it."""
 
     __slots__ = ("_guided", "_set_points", "_set_points_at", "_silent_after")
@@ -26,11 +26,11 @@ class Driven:
         self._guided = False
         """True where a station has requested set-points alone."""
 
-    def way(self, *, paused: bool) -> Way:
+    def way(self, *, paused: bool) -> DrivingMode:
         """Return the reported way of driving."""
         if paused:
-            return Way.HOLD
-        return Way.GUIDED if self._guided or self._set_points else Way.MANUAL
+            return DrivingMode.HOLD
+        return DrivingMode.GUIDED if self._guided or self._set_points else DrivingMode.MANUAL
 
     def begin(self) -> None:
         """Forget it all: another one drives, or no one."""
@@ -40,9 +40,9 @@ class Driven:
         """Accept no commands: the robot has been paused, and goes on by an order alone."""
         self._guided = self._set_points = False
 
-    def order(self, way: Way, now: Nanoseconds) -> None:
+    def order(self, way: DrivingMode, now: Nanoseconds) -> None:
         """Be driven in this way from now on."""
-        self._guided = self._set_points = way is Way.GUIDED
+        self._guided = self._set_points = way is DrivingMode.GUIDED
         if self._guided:
             self._set_points_at = now
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Final, TypeAlias
 
 from firmware_bridge.intent import (
+    Answer,
     Arm,
     ChangeDriver,
     ClearEmergencyStop,
@@ -14,9 +15,8 @@ from firmware_bridge.intent import (
     Pause,
     Request,
     ResetOdometry,
-    Verdict,
 )
-from firmware_bridge.safety.row import Severity
+from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.manual_control import Lever, stick_of, unread
 from firmware_bridge.teleop.mavlink import Message, dialect
@@ -28,7 +28,7 @@ from firmware_bridge.units import Nanoseconds, to_seconds
 
 STOPS: Final = (Disarm, EmergencyStop, Pause)
 """The requests that are obeyed however old they are; no older message undoes one of them."""
-Decide: TypeAlias = Callable[[Request], Verdict]
+Decide: TypeAlias = Callable[[Request], Answer]
 _ANSWER_WITHIN_S: Final = 10.0
 """Time for which a station shows its operator the request of another one for control."""
 
@@ -98,7 +98,7 @@ class Exchange:
         snapshot, cleared_at = self.session.snapshot, self.session.cleared_at
         return snapshot is not None and snapshot.facts.emergency_stopped and snapshot.facts.now > cleared_at
 
-    def request(self, request: Request) -> Verdict:
+    def request(self, request: Request) -> Answer:
         """Forward a request of the station in control; forget the state that it makes obsolete.
 
         Of any other station an emergency stop is obeyed, and nothing else. It does not disable the power,
@@ -139,15 +139,15 @@ class Exchange:
         if isinstance(request, EmergencyStop) and request.final:
             session.terminated = True
 
-    def _refused(self, request: Request) -> Verdict | None:
+    def _refused(self, request: Request) -> Answer | None:
         """Refuse a request of a station not in control, or one too late; stops are not refused."""
         if self.refusal is not None:
-            return None if _stops(request) else Verdict(accepted=False, reason=self.refusal)
+            return None if _stops(request) else Answer(accepted=False, reason=self.refusal)
         late = None if isinstance(request, STOPS) else self.late
         if late is None:
             return None
         self.session.dropped.aged += 1
-        return Verdict(accepted=False, reason=late, temporary=True)
+        return Answer(accepted=False, reason=late, temporary=True)
 
     def take_control(self, *, yields: bool = False) -> None:
         """Give the sender control; nothing moves before its own controls are neutral."""
@@ -335,8 +335,10 @@ class Exchange:
             self.peer.last_command = LastCommand(motion, self.now, deflected)
             age = session.age(self.message, self.sender, self.now)
             sent_at = None if age is None else self.now - age.nanoseconds
-            dated = age is not None and age.dated
-            session.intent = Intent(motion_command, self.now, sent_at, dated=dated, deflected=deflected)
+            timestamped = age is not None and age.timestamped
+            session.intent = Intent(
+                motion_command, self.now, sent_at, timestamped=timestamped, deflected=deflected
+            )
             # An old command may have been sent before its sender's permission ended.
             session.let_go |= neutral and (age is None or age.nanoseconds < session.age_limit.most)
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from firmware_bridge.intent import AgeLimit
-from firmware_bridge.safety.row import Severity
+from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.teleop.age import Ages
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 
@@ -13,21 +13,21 @@ REPORTED_AFTER: Final[Nanoseconds] = 3 * SECOND
 """Time for a first answer of a station that answers at all."""
 
 
-class Link(NamedTuple):
+class LinkState(NamedTuple):
     """State of the link now."""
 
     ages: Ages
     limit: AgeLimit
-    dated: bool
+    timestamped: bool
     """True where the newest motion command's age is known."""
     now: Nanoseconds
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class LinkFigure:
     """One figure, None while it is not known; between its bounds nothing changes."""
 
-    reads: Callable[[Link], float | None]
+    reads: Callable[[LinkState], float | None]
     bad_from: float
     good_below: float
     bad: str
@@ -35,44 +35,46 @@ class Row:
     good: str
 
 
-def _round_trip(link: Link) -> float | None:
+def _round_trip(link: LinkState) -> float | None:
     """Return the round trip as a share of a command's age limit."""
     trip = link.ages.trips.newest(link.now)
     return None if trip is None else trip / link.limit.most
 
 
-def _lost(link: Link) -> float | None:
+def _lost(link: LinkState) -> float | None:
     return link.ages.losses.share
 
 
-def _differs(link: Link) -> float | None:
+def _differs(link: LinkState) -> float | None:
     """Return the disagreement of a station's clocks, as a share of a command's age limit."""
     return link.ages.differs / link.limit.most
 
 
-def _undated(link: Link) -> float | None:
+def _undated(link: LinkState) -> float | None:
     requested_at = link.ages.trips.began_at
     reported = requested_at is not None and link.now - requested_at >= REPORTED_AFTER
-    return float(not link.dated) if reported else None
+    return float(not link.timestamped) if reported else None
 
 
 ROWS: Final = (
-    Row(_round_trip, 1.0, 0.75, "link: round trip {trip:.2f} s", "link: round trip {trip:.2f} s, good again"),
-    Row(
+    LinkFigure(
+        _round_trip, 1.0, 0.75, "link: round trip {trip:.2f} s", "link: round trip {trip:.2f} s, good again"
+    ),
+    LinkFigure(
         _lost,
         0.1,
         0.05,
         "link: {share:.0%} of this station's frames are lost",
         "link: frames come again",
     ),
-    Row(
+    LinkFigure(
         _differs,
         1.0,
         0.5,
         "link: this station's clocks disagree by {trip:.2f} s: its messages count as old as the oldest",
         "link: this station's clocks agree again",
     ),
-    Row(
+    LinkFigure(
         _undated,
         1.0,
         1.0,
@@ -90,7 +92,7 @@ class Quality:
     def __init__(self) -> None:
         self._bad: Final[set[int]] = set()
 
-    def changes(self, link: Link) -> list[tuple[Severity, str]]:
+    def changes(self, link: LinkState) -> list[tuple[Severity, str]]:
         """Return the changes, as text."""
         reported: list[tuple[Severity, str]] = []
         for place, row in enumerate(ROWS):
@@ -106,5 +108,5 @@ class Quality:
         return reported
 
 
-def _text(text: str, value: float, link: Link) -> str:
+def _text(text: str, value: float, link: LinkState) -> str:
     return text.format(share=value, trip=value * to_seconds(link.limit.most))

@@ -10,7 +10,7 @@ from firmware_bridge.teleop.exchange import Exchange
 from firmware_bridge.teleop.lacking import LACKING, Refusal
 from firmware_bridge.teleop.mavlink import Message, dialect, text_of
 from firmware_bridge.teleop.order import Order, Result
-from firmware_bridge.teleop.session import REMEMBERED, Answered
+from firmware_bridge.teleop.session import REMEMBERED, AnsweredCommand
 from firmware_bridge.teleop.setpoints import pressed
 from firmware_bridge.teleop.station import Unusable
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
@@ -99,7 +99,7 @@ def _order(exchange: Exchange, order: Order, *, repeated: bool) -> None:
     if bystander_stops:
         peer.stop_answered_at = exchange.now
     _give_reason(exchange, answer.reason)
-    peer.answered = Answered(order.command, order.params, answer.result, exchange.now)
+    peer.answered = AnsweredCommand(order.command, order.params, answer.result, exchange.now)
     _acknowledge(exchange, order.command, answer.result)
 
 

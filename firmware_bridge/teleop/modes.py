@@ -14,7 +14,7 @@ from typing import Final, NamedTuple
 from firmware_bridge.teleop.mavlink import Message, dialect
 
 
-class Way(Enum):
+class DrivingMode(Enum):
     """The way of driving, by the name that an operator reads."""
 
     MANUAL = "Manual"
@@ -31,10 +31,10 @@ def px4(main: int, sub: int = 0) -> int:
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ModeRow:
     """One way to be driven."""
 
-    way: Way
+    way: DrivingMode
     number: int
     """In HEARTBEAT, CURRENT_MODE and AVAILABLE_MODES, and in a request: as ArduPilot's Rover counts."""
     px4: int
@@ -49,15 +49,15 @@ _MAIN_MANUAL: Final = 1
 _MAIN_AUTO: Final = 4
 _LOITER: Final = 3
 ROWS: Final = (
-    Row(
-        Way.MANUAL,
+    ModeRow(
+        DrivingMode.MANUAL,
         0,
         px4(_MAIN_MANUAL),
         (px4(2), px4(3)),  # ALTCTL and POSCTL: MAVSDK's ways to begin manual control
         flags=dialect.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED,
     ),
-    Row(Way.GUIDED, 15, px4(6), flags=dialect.MAV_MODE_FLAG_GUIDED_ENABLED),
-    Row(Way.HOLD, 4, px4(_MAIN_AUTO, _LOITER)),
+    ModeRow(DrivingMode.GUIDED, 15, px4(6), flags=dialect.MAV_MODE_FLAG_GUIDED_ENABLED),
+    ModeRow(DrivingMode.HOLD, 4, px4(_MAIN_AUTO, _LOITER)),
 )
 BY_WAY: Final = {row.way: row for row in ROWS}
 _BY_NUMBER: Final = {row.number: row.way for row in ROWS}
@@ -76,7 +76,7 @@ _WHOLE: Final = 1 << 16
 class ModeRequest(NamedTuple):
     """The request in a station's numbers."""
 
-    way: Way
+    way: DrivingMode
     own: int | None
     """The place of one of the robot's own modes; None where it is to stay in the one that it has."""
     px4: bool
@@ -89,7 +89,7 @@ def requested(main: int, sub: int, own: int) -> ModeRequest | None:
     The robot's own modes, after a failed actuator, are counted from 20; 0 is that of the whole robot.
     """
     if main in _OWN[:own]:
-        return ModeRequest(Way.MANUAL, _OWN.index(main), px4=False)
+        return ModeRequest(DrivingMode.MANUAL, _OWN.index(main), px4=False)
     if main in _BY_NUMBER and sub == 0:
         return ModeRequest(_BY_NUMBER[main], None, px4=False)
     whole = main if main >= _WHOLE else px4(main, sub)
@@ -98,13 +98,13 @@ def requested(main: int, sub: int, own: int) -> ModeRequest | None:
         return ModeRequest(way, 0 if whole == px4(_MAIN_MANUAL) else None, px4=True)
     place = whole >> 24
     if whole == px4(_MAIN_MANUAL, place) and place < own:
-        return ModeRequest(Way.MANUAL, place, px4=True)
+        return ModeRequest(DrivingMode.MANUAL, place, px4=True)
     return None
 
 
-def number_of(way: Way, own: int) -> int:
+def number_of(way: DrivingMode, own: int) -> int:
     """Return the number for every station; `own` is the place of the robot's own mode, 0 the whole."""
-    return number_of_own(own) if way is Way.MANUAL else BY_WAY[way].number
+    return number_of_own(own) if way is DrivingMode.MANUAL else BY_WAY[way].number
 
 
 def number_of_own(place: int) -> int:

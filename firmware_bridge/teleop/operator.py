@@ -10,8 +10,8 @@ from typing import Final, Generic, TypeVar
 from firmware_bridge.intent import AgeLimit, Intent
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Robot, Table
-from firmware_bridge.safety.row import Severity
-from firmware_bridge.safety.snapshot import Hold, Snapshot
+from firmware_bridge.safety.interlock_base import Severity
+from firmware_bridge.safety.snapshot import ActiveInterlock, Snapshot
 from firmware_bridge.teleop.commands import requests_stop
 from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.exchange import Decide, Exchange
@@ -20,7 +20,7 @@ from firmware_bridge.teleop.messages import HANDLERS, LATER, stop_for_anybody
 from firmware_bridge.teleop.session import EVERYBODY, MOST_PEERS, Dropped, Session
 from firmware_bridge.teleop.station import Station
 from firmware_bridge.teleop.streams import Telemetry
-from firmware_bridge.teleop.texts import HoldTexts
+from firmware_bridge.teleop.texts import InterlockTexts
 from firmware_bridge.teleop.trust import Stamps, Trust, is_signed
 from firmware_bridge.units import NEVER, Nanoseconds
 
@@ -52,7 +52,7 @@ class Operator(Generic[G, M, S]):
         self._session: Final = Session(
             robot, station, rest, rolling=rolling, modes=modes, guides=guides, trust=trust
         )
-        self._texts: Final = HoldTexts(self._session.speaker)
+        self._texts: Final = InterlockTexts(self._session.speaker)
         self._reported: Final[dict[int, object]] = {}
         """The last values of the streams that are sent as soon as they change, by their place."""
         self._called: Final = {axis.name: axis.called for axis in robot.axes}
@@ -216,7 +216,7 @@ class Operator(Generic[G, M, S]):
         self._session.forget()
 
     def report(
-        self, snapshot: Snapshot[M, S], holds: tuple[Hold, ...], now: Nanoseconds
+        self, snapshot: Snapshot[M, S], holds: tuple[ActiveInterlock, ...], now: Nanoseconds
     ) -> tuple[Packet, ...]:
         """Return what is due now, in order: texts of what began or ended, telemetry, listed parameters."""
         session = self._session

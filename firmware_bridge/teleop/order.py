@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, TypeAlias
 
-from firmware_bridge.intent import Verdict
+from firmware_bridge.intent import Answer
 from firmware_bridge.teleop.exchange import Exchange
 
 
@@ -29,27 +29,28 @@ class Order:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class OrderAnswer:
     """The result, and where it is a refusal the reason for people."""
 
     result: Result
     reason: str = ""
 
 
-ACCEPTED: Final = Answer(Result.ACCEPTED)
-Action: TypeAlias = Callable[[Order, Exchange], Answer]
+ACCEPTED: Final = OrderAnswer(Result.ACCEPTED)
+UNSUPPORTED: Final = OrderAnswer(Result.UNSUPPORTED)
+Action: TypeAlias = Callable[[Order, Exchange], OrderAnswer]
 
 
-def denied(reason: str) -> Answer:
+def denied(reason: str) -> OrderAnswer:
     """Refuse for good."""
-    return Answer(Result.DENIED, reason)
+    return OrderAnswer(Result.DENIED, reason)
 
 
-def judged(verdict: Verdict) -> Answer:
+def judged(verdict: Answer) -> OrderAnswer:
     """Return the bridge's verdict as an answer."""
     if verdict.accepted:
         return ACCEPTED
-    return Answer(Result.TEMPORARILY_REJECTED if verdict.temporary else Result.DENIED, verdict.reason)
+    return OrderAnswer(Result.TEMPORARILY_REJECTED if verdict.temporary else Result.DENIED, verdict.reason)
 
 
 def whole(parameter: float) -> int | None:

@@ -6,14 +6,14 @@ from typing import Any, Final, NamedTuple, TypeAlias
 from firmware_bridge.drivers.driver import Power
 from firmware_bridge.intent import NEVER_RECEIVED, AgeLimit, Intent
 from firmware_bridge.robot import AnyRobot, UnknownAge
-from firmware_bridge.safety.row import Severity
+from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.safety.snapshot import Facts, Snapshot
 from firmware_bridge.teleop import modes as ways
 from firmware_bridge.teleop.age import BOOT_WRAPS, Age, Ages, boot_ms
 from firmware_bridge.teleop.audience import Audience
-from firmware_bridge.teleop.control import Control, Sender
-from firmware_bridge.teleop.driven import Channels, Driven
-from firmware_bridge.teleop.link_quality import Link, Quality
+from firmware_bridge.teleop.control import Sender, StationInControl
+from firmware_bridge.teleop.driven import Channels, ReportedMode
+from firmware_bridge.teleop.link_quality import LinkState, Quality
 from firmware_bridge.teleop.manual_control import Lever
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.teleop.numbered import Numbered
@@ -61,7 +61,7 @@ Motion: TypeAlias = Stick | Velocity
 NOTHING: Final = Velocity(0.0, 0.0, 0.0)
 
 
-class Answered(NamedTuple):
+class AnsweredCommand(NamedTuple):
     """A command, its parameters and what was answered, for its repetitions."""
 
     command: int
@@ -115,7 +115,7 @@ class Peer:
     lever: Lever = field(default_factory=Lever)
     unread: set[str] = field(default_factory=set)
     """Its axes that were reported as deflected and not read."""
-    answered: Answered | None = None
+    answered: AnsweredCommand | None = None
     stop_answered_at: Nanoseconds = NEVER_RECEIVED
     """Time of the answer to its emergency stop while another station was in control."""
     numbered: Numbered = field(default_factory=Numbered)
@@ -187,7 +187,7 @@ class Session:
         self.schedule: Final = Schedule(tuple((row.number, row.period) for row in self.streams), robot.cycle)
         self.store: Final = Store(parameters_of(robot, station.parameters, self.schedule))
         self.silent_after: Final[Nanoseconds] = robot.operator.silent_ms * MILLISECOND
-        self.driven: Final = Driven(self.silent_after)
+        self.driven: Final = ReportedMode(self.silent_after)
         self.speaker: Final = Speaker()
         self.intent: Intent[Any] = Intent(rest)
         self.let_go = False
@@ -202,7 +202,7 @@ class Session:
         """A frame was signed, and there is no key."""
         self.stop_answered_at: Nanoseconds = NEVER_RECEIVED
         """Time of the answer to an untrusted sender's emergency stop."""
-        self.control: Final = Control()
+        self.control: Final = StationInControl()
         decided = robot.operator.unknown_age
         needed = trust.key is not None if decided is None else decided is UnknownAge.REFUSE
         self.age_limit = AgeLimit(
@@ -248,7 +248,9 @@ class Session:
         """Report changes about the link of the station in control."""
         ages, quality = self.ages, self._ages[2]
         if self.control.driver is not None:
-            for severity, text in quality.changes(Link(ages, self.age_limit, self.intent.dated, now)):
+            for severity, text in quality.changes(
+                LinkState(ages, self.age_limit, self.intent.timestamped, now)
+            ):
                 self.report(severity, text)
 
     def passed(self, sender: Sender, sequence: int, now: Nanoseconds) -> None:
@@ -309,7 +311,11 @@ class Session:
         """Change the command; what is no motion command is no sign of life."""
         before = self.intent
         self.intent = Intent(
-            motion_command, before.received_at, before.sent_at, dated=before.dated, deflected=before.deflected
+            motion_command,
+            before.received_at,
+            before.sent_at,
+            timestamped=before.timestamped,
+            deflected=before.deflected,
         )
 
     def set_period(self, number: int, period: Nanoseconds, now: Nanoseconds) -> None:

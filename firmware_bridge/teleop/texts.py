@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.safety.row import Severity
-from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.safety.interlock_base import Severity
+from firmware_bridge.safety.snapshot import ActiveInterlock
 from firmware_bridge.teleop.mavlink import Message, dialect, text_of
 from firmware_bridge.units import SECOND, Nanoseconds
 
@@ -76,7 +76,7 @@ class Speaker:
         return self.say(Severity.WARNING, text)
 
 
-class HoldTexts:
+class InterlockTexts:
     """Reports of active and cleared interlocks; of one that comes and goes, three times in two seconds.
 
     Information is sent once: a stick passes the acceleration limit again and again in normal driving.
@@ -93,7 +93,7 @@ class HoldTexts:
         self._informed: Final[set[tuple[str, str]]] = set()
         """Past events that were information."""
 
-    def due(self, holds: tuple[Hold, ...], now: Nanoseconds) -> list[Message]:
+    def due(self, holds: tuple[ActiveInterlock, ...], now: Nanoseconds) -> list[Message]:
         """Return texts of what is not as commanded last."""
         current = {hold.text_key: hold for hold in holds if hold.text_key not in self._informed}
         if current.keys() == self._shown.keys():
@@ -123,7 +123,7 @@ class Received:
     text: str
 
 
-class Listener:
+class TextCollector:
     """A collector of one sender's texts; one that lacks a chunk is returned as far as it came."""
 
     def __init__(self) -> None:

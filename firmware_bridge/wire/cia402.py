@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Final
 
 
-class State(Enum):
+class PowerState(Enum):
     """A state and its statusword with the bits that identify it: 14, 8 and 6 to 0."""
 
     START = 0x0000
@@ -36,10 +36,10 @@ class State(Enum):
 STATE_BITS: Final = 0x417F
 """The Statusword bits of the state; 9 to 13 and 15 have other meanings, 7 none."""
 
-_STATE_BY_PATTERN: Final = {state.value: state for state in State}
+_STATE_BY_PATTERN: Final = {state.value: state for state in PowerState}
 
 
-def state_of(statusword: int) -> State | None:
+def state_of(statusword: int) -> PowerState | None:
     """Return the state in a Statusword; None for a pattern that is no state."""
     return _STATE_BY_PATTERN.get(statusword & STATE_BITS)
 
@@ -64,7 +64,7 @@ class Status(IntFlag):
     REFERENCED = 1 << 15
 
 
-class Control(IntFlag):
+class ControlwordBit(IntFlag):
     """Controlword bits."""
 
     SWITCH_ON = 1 << 0
@@ -81,7 +81,7 @@ class Control(IntFlag):
     HALT = 1 << 8
 
 
-class Command(Enum):
+class ControlwordCommand(Enum):
     """Controlword commands, checked in the order of `COMMANDS`; fault reset is an edge of its own."""
 
     DISABLE_VOLTAGE = "disable voltage"
@@ -95,21 +95,21 @@ class Command(Enum):
 class ControlPattern:
     """Bits that must be as in `value` where `mask` is set."""
 
-    command: Command
+    command: ControlwordCommand
     mask: int
     value: int
 
 
 COMMANDS: Final = (
-    ControlPattern(Command.DISABLE_VOLTAGE, 0b0000_0010, 0b0000_0000),
-    ControlPattern(Command.QUICK_STOP, 0b0000_0110, 0b0000_0010),
-    ControlPattern(Command.SHUTDOWN, 0b0000_0111, 0b0000_0110),
-    ControlPattern(Command.DISABLE_OPERATION, 0b0000_1111, 0b0000_0111),
-    ControlPattern(Command.ENABLE_OPERATION, 0b0000_1111, 0b0000_1111),
+    ControlPattern(ControlwordCommand.DISABLE_VOLTAGE, 0b0000_0010, 0b0000_0000),
+    ControlPattern(ControlwordCommand.QUICK_STOP, 0b0000_0110, 0b0000_0010),
+    ControlPattern(ControlwordCommand.SHUTDOWN, 0b0000_0111, 0b0000_0110),
+    ControlPattern(ControlwordCommand.DISABLE_OPERATION, 0b0000_1111, 0b0000_0111),
+    ControlPattern(ControlwordCommand.ENABLE_OPERATION, 0b0000_1111, 0b0000_1111),
 )
 
 
-def command_of(controlword: int) -> Command:
+def command_of(controlword: int) -> ControlwordCommand:
     """Return the command of a controlword; the patterns cover every value."""
     for pattern in COMMANDS:
         if controlword & pattern.mask == pattern.value:
@@ -120,45 +120,45 @@ def command_of(controlword: int) -> Command:
 _WORDS: Final = {pattern.command: pattern.value for pattern in COMMANDS}
 
 
-def word_of(command: Command) -> int:
+def word_of(command: ControlwordCommand) -> int:
     """Return the plainest controlword of a command: no bit but those that make it."""
     return _WORDS[command]
 
 
-FAULT_RESET_WORDS: Final = (0x0000, int(Control.FAULT_RESET))
+FAULT_RESET_WORDS: Final = (0x0000, int(ControlwordBit.FAULT_RESET))
 """The Controlwords of a fault reset, in order: it is a rising edge; in Fault the first does nothing."""
 
 PASSING: Final = frozenset(
     {
-        State.START,
-        State.NOT_READY_TO_SWITCH_ON,
-        State.REFRESH,
-        State.MEASURE_INIT,
-        State.FAULT_REACTION_DISABLED,
-        State.FAULT_REACTION_ENABLED,
+        PowerState.START,
+        PowerState.NOT_READY_TO_SWITCH_ON,
+        PowerState.REFRESH,
+        PowerState.MEASURE_INIT,
+        PowerState.FAULT_REACTION_DISABLED,
+        PowerState.FAULT_REACTION_ENABLED,
     }
 )
 """States that the drive leaves by itself."""
 
-TOWARDS: Final[Mapping[State, Mapping[State, Command]]] = MappingProxyType(
+TOWARDS: Final[Mapping[PowerState, Mapping[PowerState, ControlwordCommand]]] = MappingProxyType(
     {
-        State.OPERATION_ENABLED: {
-            State.SWITCH_ON_DISABLED: Command.SHUTDOWN,
-            State.READY_TO_SWITCH_ON: Command.DISABLE_OPERATION,
-            State.SWITCHED_ON: Command.ENABLE_OPERATION,
-            State.QUICK_STOP_ACTIVE: Command.ENABLE_OPERATION,
+        PowerState.OPERATION_ENABLED: {
+            PowerState.SWITCH_ON_DISABLED: ControlwordCommand.SHUTDOWN,
+            PowerState.READY_TO_SWITCH_ON: ControlwordCommand.DISABLE_OPERATION,
+            PowerState.SWITCHED_ON: ControlwordCommand.ENABLE_OPERATION,
+            PowerState.QUICK_STOP_ACTIVE: ControlwordCommand.ENABLE_OPERATION,
         },
-        State.READY_TO_SWITCH_ON: {
-            State.SWITCH_ON_DISABLED: Command.SHUTDOWN,
-            State.SWITCHED_ON: Command.SHUTDOWN,
-            State.OPERATION_ENABLED: Command.SHUTDOWN,
+        PowerState.READY_TO_SWITCH_ON: {
+            PowerState.SWITCH_ON_DISABLED: ControlwordCommand.SHUTDOWN,
+            PowerState.SWITCHED_ON: ControlwordCommand.SHUTDOWN,
+            PowerState.OPERATION_ENABLED: ControlwordCommand.SHUTDOWN,
         },
-        State.QUICK_STOP_ACTIVE: {State.OPERATION_ENABLED: Command.QUICK_STOP},
-        State.SWITCH_ON_DISABLED: {
-            State.READY_TO_SWITCH_ON: Command.DISABLE_VOLTAGE,
-            State.SWITCHED_ON: Command.DISABLE_VOLTAGE,
-            State.OPERATION_ENABLED: Command.DISABLE_VOLTAGE,
-            State.QUICK_STOP_ACTIVE: Command.DISABLE_VOLTAGE,
+        PowerState.QUICK_STOP_ACTIVE: {PowerState.OPERATION_ENABLED: ControlwordCommand.QUICK_STOP},
+        PowerState.SWITCH_ON_DISABLED: {
+            PowerState.READY_TO_SWITCH_ON: ControlwordCommand.DISABLE_VOLTAGE,
+            PowerState.SWITCHED_ON: ControlwordCommand.DISABLE_VOLTAGE,
+            PowerState.OPERATION_ENABLED: ControlwordCommand.DISABLE_VOLTAGE,
+            PowerState.QUICK_STOP_ACTIVE: ControlwordCommand.DISABLE_VOLTAGE,
         },
     }
 )
@@ -169,7 +169,7 @@ or by disabling: a shaft that is held there is released only by such a command.
 """
 
 
-def towards(state: State | None, wanted: State) -> Command | None:
+def towards(state: PowerState | None, wanted: PowerState) -> ControlwordCommand | None:
     """Return the next command on the way; None at its end, where there is none, or where waiting leads on."""
     return None if state is None else TOWARDS.get(wanted, {}).get(state)
 

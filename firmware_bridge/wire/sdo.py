@@ -22,7 +22,7 @@ __all__ = [
     "Request",
     "Response",
     "SdoAbort",
-    "Segment",
+    "SdoSegment",
     "SegmentAccepted",
     "Unknown",
     "UploadRequest",
@@ -97,7 +97,7 @@ class UploadSegmentRequest:
 
 
 @dataclass(frozen=True, slots=True)
-class Segment:
+class SdoSegment:
     """Up to seven bytes, in either direction."""
 
     toggle: bool
@@ -143,8 +143,8 @@ class SegmentAccepted:
     toggle: bool
 
 
-Request: TypeAlias = UploadRequest | DownloadRequest | UploadSegmentRequest | Segment | Abort | Unknown
-Response: TypeAlias = UploadResponse | DownloadResponse | SegmentAccepted | Segment | Abort | Unknown
+Request: TypeAlias = UploadRequest | DownloadRequest | UploadSegmentRequest | SdoSegment | Abort | Unknown
+Response: TypeAlias = UploadResponse | DownloadResponse | SegmentAccepted | SdoSegment | Abort | Unknown
 
 
 def _frame(command: int, address: Address, rest: bytes = b"") -> bytes:
@@ -222,10 +222,10 @@ def _segment(raw: bytes, *, toggle: bool, last: bool) -> bytes:
     return (bytes((command,)) + raw).ljust(FRAME, b"\0")
 
 
-def _decode_segment(payload: bytes) -> Segment:
+def _decode_segment(payload: bytes) -> SdoSegment:
     command = payload[0]
     size = SEGMENT - (command >> 1 & 7)
-    return Segment(bool(command & _TOGGLE), payload[1 : 1 + size], bool(command & _LAST))
+    return SdoSegment(bool(command & _TOGGLE), payload[1 : 1 + size], bool(command & _LAST))
 
 
 def _contents(payload: bytes) -> tuple[bytes | None, int | None]:

@@ -10,7 +10,7 @@ import sympy as sp
 
 from fmu.ar2.parameters import AXES, PARAMETERS
 from fmu.export.functions import named, positive_part, size
-from fmu.export.model import Expression, Input, Model, Output, State
+from fmu.export.model import Expression, Input, Model, Output, StateVariable
 from fmu.parts.motor import bristle
 from fmu.parts.stop import push
 from fmu.parts.symbols import HALF, inner, symbol, symbols
@@ -238,13 +238,16 @@ def inputs() -> tuple[Input, ...]:
     return (*fields, Input("current_on", "1", "drivers' current, 1 on, 0 off", 1.0, switch=True))
 
 
-def states(rates: Sequence[Expression]) -> tuple[State, ...]:
+def states(rates: Sequence[Expression]) -> tuple[StateVariable, ...]:
     """Return the joints; `rates` are their accelerations, rad/s2."""
     return (
-        *(State(f"angle_{axis}", "rad", P[f"rest_{axis}"], symbol(f"speed_{axis}")) for axis in AXES),
-        *(State(f"speed_{axis}", "rad/s", sp.S.Zero, rate) for axis, rate in zip(AXES, rates, strict=True)),
+        *(StateVariable(f"angle_{axis}", "rad", P[f"rest_{axis}"], symbol(f"speed_{axis}")) for axis in AXES),
         *(
-            State(
+            StateVariable(f"speed_{axis}", "rad/s", sp.S.Zero, rate)
+            for axis, rate in zip(AXES, rates, strict=True)
+        ),
+        *(
+            StateVariable(
                 f"bristle_{axis}",
                 "1",
                 sp.S.Zero,

@@ -11,7 +11,7 @@ import sympy as sp
 from fmu.climber.contact import Contact
 from fmu.climber.vectors import Vector, dot, kept, plus
 from fmu.export.functions import larger, named, passed, positive_part
-from fmu.export.model import Expression, Output, State
+from fmu.export.model import Expression, Output, StateVariable
 from fmu.parts.symbols import inner, symbol
 
 PEELING = sp.Float(0.02)
@@ -52,11 +52,11 @@ class Hold:
         self.slide = kept(plus((-self.excess / (around.damping * self.across), across)))
         """The velocity of the wheel's material in m/s: against the force, as fast as it is too large."""
 
-    def state(self) -> State:
+    def state(self) -> StateVariable:
         """Return the gap; what is lost stays lost."""
         opening = PEELING * (self.pull - self.magnet)
         held = 1 - passed(self.gap - self._around.reach)
-        return State(f"gap_{self.name}", "m", sp.S.Zero, held * larger(opening, -CLOSING * self.gap))
+        return StateVariable(f"gap_{self.name}", "m", sp.S.Zero, held * larger(opening, -CLOSING * self.gap))
 
     def outputs(self) -> tuple[Output, ...]:
         """Return the gap, and for people and tests what holds."""

@@ -29,7 +29,7 @@ class Sizes:
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class ChassisMotion:
     """Angular velocity of the left half, the rates of joint, swivel and caster, all in rad/s.
 
     `carried` is the velocity of the left half in m/s, where its wheel touches.
@@ -41,9 +41,9 @@ class Motion:
     caster: Expression
     carried: Vector
 
-    def plus(self, other: "Motion") -> "Motion":
+    def plus(self, other: "ChassisMotion") -> "ChassisMotion":
         """Return both together."""
-        return Motion(
+        return ChassisMotion(
             kept(plus((1, self.turning), (1, other.turning))),
             named(self.joint + other.joint),
             named(self.swivel + other.swivel),
@@ -91,7 +91,7 @@ class Chassis:
         """Return the point of the left half that lies so far ahead of the middle, and above it."""
         return plus((1, self.middle), (ahead, self.ahead), (up, self.up))
 
-    def rolling(self, left_spin: Expression, right_spin: Expression) -> Motion:
+    def rolling(self, left_spin: Expression, right_spin: Expression) -> ChassisMotion:
         """Return the motion of these wheel speeds, forwards in rad/s, without slip."""
         left, right = (
             kept(plus((spin * contact.width, contact.ahead)))
@@ -99,11 +99,11 @@ class Chassis:
         )
         return self._motion(left, plus((1, right), (-1, left)), STILL)
 
-    def sliding(self, left: Vector, right: Vector, caster: Vector) -> Motion:
+    def sliding(self, left: Vector, right: Vector, caster: Vector) -> ChassisMotion:
         """Return the motion that comes with material of the wheels sliding so at the contacts."""
         return self._motion(left, plus((1, right), (-1, left)), caster)
 
-    def _motion(self, carried: Vector, across: Vector, caster: Vector) -> Motion:
+    def _motion(self, carried: Vector, across: Vector, caster: Vector) -> ChassisMotion:
         """Solve V + W x r = what the contacts allow; `across`: what the right one has more than the left.
 
         W x e = h - sigma' g. Its part along e gives sigma', its part across e all of W but the pitch about e;
@@ -118,11 +118,13 @@ class Chassis:
         speed = kept(plus((1, speed), (pitch, self._tipping_arm)))
         swivel = named(-dot(self.caster.left, speed) / self._sideways)
         rolling = dot(self.caster.ahead, speed) + swivel * dot(self.caster.ahead, self._swivel_arm)
-        return Motion(
+        return ChassisMotion(
             kept(plus((1, turning), (pitch, e))), joint, swivel, rolling / self.caster.width, carried
         )
 
-    def turnings(self, motion: Motion, spins: tuple[Expression, Expression]) -> tuple[Vector, Vector, Vector]:
+    def turnings(
+        self, motion: ChassisMotion, spins: tuple[Expression, Expression]
+    ) -> tuple[Vector, Vector, Vector]:
         """Return the angular velocities of both wheels and of the caster's."""
         whole = motion.turning
         return (

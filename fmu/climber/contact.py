@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from fmu.climber.surfaces import Place
+from fmu.climber.surfaces import SurfacePoint
 from fmu.climber.vectors import Vector, cross, dot, kept, plus
 from fmu.export.functions import named
 from fmu.export.model import Expression
@@ -31,7 +31,7 @@ class Torus:
 class Contact:
     """Contact point of a wheel, and its motion; vectors in the world's frame."""
 
-    def __init__(self, tube: Expression, psi: Expression, place: Place, wheel: Torus) -> None:
+    def __init__(self, tube: Expression, psi: Expression, place: SurfacePoint, wheel: Torus) -> None:
         self.place, self.wheel = place, wheel
         self.point, self.normal = kept(place.point), kept(place.normal)
         self._sine, self._cosine = named(sp.sin(psi)), named(sp.cos(psi))

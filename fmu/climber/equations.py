@@ -16,7 +16,7 @@ from fmu.climber.start import Given, Start
 from fmu.climber.surfaces import Surface, torus
 from fmu.climber.vectors import Vector, dot, product
 from fmu.export.functions import larger, named, passed, positive_part
-from fmu.export.model import Event, Expression, Input, Model, Output, State
+from fmu.export.model import Event, Expression, Input, Model, Output, StateVariable
 from fmu.parts.battery import terminal_voltage
 from fmu.parts.motor import Shaft
 from fmu.parts.symbols import HALF, inner, symbol, symbols
@@ -100,7 +100,7 @@ class Climber:
         apart = gear * half * (on_wall / (same - other) + self.fallen / alone)
         return common + apart, common - apart
 
-    def states(self) -> tuple[State, ...]:
+    def states(self) -> tuple[StateVariable, ...]:
         """Return contacts, pitch, joint, swivel, gaps and fall; contacts start where `Start` finds them."""
         slides = [hold.slide for hold in self.holds]
         motion = self._rolling.plus(self.chassis.sliding(*slides))
@@ -109,11 +109,11 @@ class Climber:
         starts = Start(self.surface, given, SIZES, TORI).rows
         on_wall = 1 - self.fallen
         self.yaw_rate = sp.S.Zero
-        rows: list[State] = []
+        rows: list[StateVariable] = []
         for side, contact, turning, slide in zip(WHEELS, self.contacts, turnings, slides, strict=True):
             rates = contact.rates(turning, slide)
             rows += [
-                State(name, UNITS[name.partition("_")[0]], starts[name], on_wall * rates[what])
+                StateVariable(name, UNITS[name.partition("_")[0]], starts[name], on_wall * rates[what])
                 for what, name in ((what, f"{what}_{side}") for what in CONTACTS)
             ]
             if side == "left":
@@ -122,12 +122,12 @@ class Climber:
                 self.yaw_rate += HALF * on_wall * rates["psi"]
         return (
             *rows,
-            State("pitch", "rad", starts["pitch"], pitching),
-            State("joint", "rad", starts["joint"], on_wall * motion.joint),
-            State("swivel", "rad", P["start_swivel"], on_wall * motion.swivel),
+            StateVariable("pitch", "rad", starts["pitch"], pitching),
+            StateVariable("joint", "rad", starts["joint"], on_wall * motion.joint),
+            StateVariable("swivel", "rad", P["start_swivel"], on_wall * motion.swivel),
             *(hold.state() for hold in self.holds),
-            State("fall_speed", "m/s", sp.S.Zero, self.fallen * P["gravity"]),
-            State("fall", "m", sp.S.Zero, symbol("fall_speed")),
+            StateVariable("fall_speed", "m/s", sp.S.Zero, self.fallen * P["gravity"]),
+            StateVariable("fall", "m", sp.S.Zero, symbol("fall_speed")),
         )
 
     def events(self) -> tuple[Event, ...]:

@@ -9,13 +9,13 @@ from collections.abc import Mapping
 from typing import Final
 
 from fmu.export.model import Parameter
-from fmu.parts.catalogue import RE25, Sheet
+from fmu.parts.catalogue import RE25, MotorSheet
 from fmu.parts.rows import battery_rows, motor_rows
 from fmu.plants import Plant
 
 AXES: Final = ("left", "right")
 
-RE20: Final[Sheet] = {
+RE20: Final[MotorSheet] = {
     "resistance": 9.0,
     "inductance": 0.6e-3,
     "torque_constant": 25e-3,

@@ -12,7 +12,7 @@ import sympy as sp
 
 from fmu.climber.chassis import Sizes
 from fmu.climber.contact import Torus
-from fmu.climber.surfaces import Place, Surface
+from fmu.climber.surfaces import Surface, SurfacePoint
 from fmu.climber.vectors import Vector, cross, dot, kept, plus
 from fmu.export.functions import angle, named
 from fmu.export.model import Expression
@@ -51,7 +51,7 @@ class _Foot:
 
     def __init__(self, surface: Surface, at: tuple[Expression, Expression], wheel: Torus) -> None:
         self.at, self.wheel, self._surface = at, wheel, surface
-        self.place: Place = surface(*at)
+        self.place: SurfacePoint = surface(*at)
 
     def meets(self, middle: Vector, axle: Vector) -> None:
         """Measure how far the wheel's point whose normal is the surface's is off this place."""

@@ -16,7 +16,7 @@ from fmu.export.model import Expression
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class SurfacePoint:
     """A point of a surface: where it lies, the normal frame there (along s, along z, outward), and its forms.
 
     At the surface's origin the world's axes are outward, along s, along z. M and T have two entries each, in
@@ -32,14 +32,14 @@ class Place:
     torsion: tuple[Expression, Expression]
 
 
-Surface: TypeAlias = Callable[[Expression, Expression], Place]
+Surface: TypeAlias = Callable[[Expression, Expression], SurfacePoint]
 """Function from s and z to the place there."""
 
 
-def plane(s: Expression, z: Expression) -> Place:
+def plane(s: Expression, z: Expression) -> SurfacePoint:
     """Return a place on a plane."""
     one, none = sp.S.One, sp.S.Zero
-    return Place(
+    return SurfacePoint(
         (none, s, z),
         (none, one, none),
         (none, none, one),
@@ -53,10 +53,10 @@ def plane(s: Expression, z: Expression) -> Place:
 def cylinder(radius: Expression) -> Surface:
     """Return a cylinder: s round it, z along its axis."""
 
-    def place(s: Expression, z: Expression) -> Place:
+    def place(s: Expression, z: Expression) -> SurfacePoint:
         inward, across, cosine = _turned(s / radius)
         one, none = sp.S.One, sp.S.Zero
-        return Place(
+        return SurfacePoint(
             (-radius * inward, radius * across, z),
             (-across, cosine, none),
             (none, none, one),
@@ -75,12 +75,12 @@ def torus(radius: Expression, ring: Expression) -> Surface:
     s runs round the tube, z along its outermost line. A very large ring is a cylinder, no ring a sphere.
     """
 
-    def place(s: Expression, z: Expression) -> Place:
+    def place(s: Expression, z: Expression) -> SurfacePoint:
         inward, across, cosine = _turned(s / radius)
         bent, ahead, straight = _turned(z / (ring + radius))
         width = named(ring + radius * cosine)
         one, none = sp.S.One, sp.S.Zero
-        return Place(
+        return SurfacePoint(
             (-width * bent - radius * inward, radius * across, width * ahead),
             (-across * straight, cosine, -across * ahead),
             (-ahead, none, straight),

@@ -30,7 +30,7 @@ class Block:
 
 
 @dataclass(frozen=True)
-class Program:
+class ModelCode:
     """All blocks of one model. Arrays: p parameters, k constants, u inputs, s states."""
 
     model: Model

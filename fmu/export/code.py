@@ -7,7 +7,7 @@ from typing import Final
 
 import sympy as sp
 
-from fmu.export.blocks import Block, Program, UnsupportedError
+from fmu.export.blocks import Block, ModelCode, UnsupportedError
 from fmu.export.model import Expression
 from fmu.export.tangents import TangentBlock, tangents
 from fmu.export.variables import variables
@@ -117,7 +117,7 @@ def _power(base: Expression, exponent: Expression) -> str:
     raise UnsupportedError(f"no C for the power {exponent} of {base}")
 
 
-def generate(program: Program, token: str, core: str) -> dict[str, str]:
+def generate(program: ModelCode, token: str, core: str) -> dict[str, str]:
     """Return model.h (sizes and names), model.c (tables and blocks), tangents.c.
 
     What `core`, the text of core.h, declares gets the model's name in front, so that two models may link.

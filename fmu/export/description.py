@@ -5,7 +5,7 @@ from typing import Final
 from xml.sax.saxutils import quoteattr
 
 from fmu.export.about import About
-from fmu.export.blocks import Program
+from fmu.export.blocks import ModelCode
 from fmu.export.structure import Unknown, structure
 from fmu.export.variables import SWITCH, Variable, units, variables
 
@@ -26,7 +26,7 @@ CATEGORIES: Final[Mapping[str, str]] = {
 """Log categories of our FMUs, by the status that they come with (fmu/export/c/core.h has the same order)."""
 
 
-def fmi2(program: Program, token: str, sources: Sequence[str], about: About) -> str:
+def fmi2(program: ModelCode, token: str, sources: Sequence[str], about: About) -> str:
     """Return the FMI 2.0 description; `sources` are the C files of sources/."""
     model = program.model
     head = _attributes(
@@ -71,7 +71,7 @@ def fmi2(program: Program, token: str, sources: Sequence[str], about: About) -> 
     return "\n".join(lines)
 
 
-def fmi3(program: Program, token: str, _sources: Sequence[str], about: About) -> str:
+def fmi3(program: ModelCode, token: str, _sources: Sequence[str], about: About) -> str:
     """Return the FMI 3.0 description; its sources are described by `fmi3_build`."""
     model = program.model
     head = _attributes(
@@ -113,7 +113,7 @@ def fmi3(program: Program, token: str, _sources: Sequence[str], about: About) ->
     return "\n".join(lines)
 
 
-def fmi3_build(program: Program, sources: Sequence[str], flags: Sequence[str]) -> str:
+def fmi3_build(program: ModelCode, sources: Sequence[str], flags: Sequence[str]) -> str:
     """Return sources/buildDescription.xml of FMI 3.0; `flags` are those of the binaries beside them."""
     compiled = _attributes(language="C99", compiler="gcc", compilerOptions=" ".join(flags))
     files = "".join(f'      <SourceFile name="{name}"/>\n' for name in sources)
@@ -125,7 +125,7 @@ def fmi3_build(program: Program, sources: Sequence[str], flags: Sequence[str]) -
     )
 
 
-DESCRIPTIONS: Final[Mapping[int, Callable[[Program, str, Sequence[str], About], str]]] = {2: fmi2, 3: fmi3}
+DESCRIPTIONS: Final[Mapping[int, Callable[[ModelCode, str, Sequence[str], About], str]]] = {2: fmi2, 3: fmi3}
 """The writer for each version of FMI."""
 
 
@@ -137,14 +137,14 @@ def _attributes(**values: object) -> str:
     )
 
 
-def _units(program: Program) -> Iterator[str]:
+def _units(program: ModelCode) -> Iterator[str]:
     yield "  <UnitDefinitions>"
     for name, unit in units(program).items():
         yield f'    <Unit name="{name}"><BaseUnit{_attributes(**unit.exponents())}/></Unit>'
     yield "  </UnitDefinitions>"
 
 
-def _types(program: Program, written: str) -> Iterator[str]:
+def _types(program: ModelCode, written: str) -> Iterator[str]:
     types = {row.type: row for row in variables(program) if row.type}
     limits = _attributes(min=0.0, max=1.0)
     yield "  <TypeDefinitions>"

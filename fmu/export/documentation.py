@@ -7,7 +7,7 @@ from typing import Final
 import sympy as sp
 
 from fmu.export.about import About
-from fmu.export.blocks import Program
+from fmu.export.blocks import ModelCode
 from fmu.export.variables import Variable, variables
 
 _STYLE: Final = "body{font-family:sans-serif;max-width:60em}td,th{text-align:left;padding-right:1em}"
@@ -19,7 +19,7 @@ _CAUSALITIES: Final[Mapping[str, str]] = {
 }
 
 
-def documentation(program: Program, about: About) -> dict[str, str]:
+def documentation(program: ModelCode, about: About) -> dict[str, str]:
     """Return the files of documentation/ by their path in the FMU (FMI 2.0.5, 2.2; FMI 3.0.2, 2.5.1.2)."""
     files = {"documentation/index.html": "\n".join(_page(program, about)) + "\n"}
     if about.licence_text:
@@ -27,7 +27,7 @@ def documentation(program: Program, about: About) -> dict[str, str]:
     return files
 
 
-def _page(program: Program, about: About) -> Iterator[str]:
+def _page(program: ModelCode, about: About) -> Iterator[str]:
     model = program.model
     yield f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{escape(model.name)}</title>'
     yield f"<style>{_STYLE}</style></head><body>"

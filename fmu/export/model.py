@@ -3,6 +3,7 @@
 A model folder gives parameters and equations; it knows nothing about C, XML or FMI.
 """
 
+import warnings
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -40,7 +41,7 @@ class Input:
 
 
 @dataclass(frozen=True, slots=True)
-class State:
+class StateVariable:
     """One first-order equation; the unit is that of the state.
 
     `start` is 0, which a user may change before the run, or an expression in parameters and such states.
@@ -87,8 +88,17 @@ class Model:
     description: str
     parameters: tuple[Parameter, ...]
     inputs: tuple[Input, ...]
-    states: tuple[State, ...]
+    states: tuple[StateVariable, ...]
     outputs: tuple[Output, ...]
     inner_step: float
     """Longest step of the integrator in seconds."""
     events: tuple[Event, ...] = ()
+
+
+def __getattr__(name: str) -> Any:
+    """Return a class under its name of the release before, with a warning."""
+    if name != "State":
+        raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
+    text = "'State' is called 'StateVariable' now; the old name works in this release only"
+    warnings.warn(f"{__name__}: {text}", FutureWarning, stacklevel=2)
+    return StateVariable

@@ -9,12 +9,12 @@ from enum import IntEnum
 
 import sympy as sp
 
-from fmu.export.blocks import Program, real
+from fmu.export.blocks import ModelCode, real
 from fmu.export.model import Expression
 from fmu.export.variables import Variable, event_references, first_reading, state_references, variables
 
 
-class Kind(IntEnum):
+class DependencyKind(IntEnum):
     """Kinds of dependency of an unknown on a known, weakest first; the names are FMI's."""
 
     constant = 1
@@ -27,7 +27,7 @@ class Unknown:
     """A variable that the FMU computes, and the value references that it is computed from."""
 
     reference: int
-    dependencies: tuple[tuple[int, Kind], ...]
+    dependencies: tuple[tuple[int, DependencyKind], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,7 @@ class Structure:
     events: tuple[Unknown, ...]
 
 
-def structure(program: Program) -> Structure:
+def structure(program: ModelCode) -> Structure:
     """Return the dependencies of one model."""
     model = program.model
     rows = variables(program)
@@ -93,7 +93,9 @@ def _initial(
         free = _symbols(sp.sympify(expression), memory)
         while more := free & derived.keys():
             free = (free - more).union(*(_symbols(derived[symbol], memory) for symbol in more))
-        yield Unknown(row.reference, tuple(sorted((known[symbol], Kind.dependent) for symbol in free)))
+        yield Unknown(
+            row.reference, tuple(sorted((known[symbol], DependencyKind.dependent) for symbol in free))
+        )
 
 
 def _symbols(
@@ -111,22 +113,22 @@ def _symbols(
 def _kinds(
     expression: Expression,
     known: Mapping[Expression, int],
-    memory: dict[Expression, dict[Expression, Kind]],
-) -> dict[Expression, Kind]:
+    memory: dict[Expression, dict[Expression, DependencyKind]],
+) -> dict[Expression, DependencyKind]:
     """Return the knowns in an expression, and how it depends on each."""
     if expression.is_Symbol:
-        return {expression: Kind.constant} if expression in known else {}
+        return {expression: DependencyKind.constant} if expression in known else {}
     if expression in memory:
         return memory[expression]
     parts = [_kinds(part, known, memory) for part in expression.args]
     moving = [part for part in parts if part]
-    found: dict[Expression, Kind] = {}
-    least = Kind.dependent
+    found: dict[Expression, DependencyKind] = {}
+    least = DependencyKind.dependent
     if expression.is_Add:
-        least = Kind.constant
+        least = DependencyKind.constant
     elif expression.is_Mul and len(moving) == 1:
         others = (arg for arg, part in zip(expression.args, parts, strict=True) if not part)
-        least = Kind.fixed if any(arg.free_symbols for arg in others) else Kind.constant
+        least = DependencyKind.fixed if any(arg.free_symbols for arg in others) else DependencyKind.constant
     for part in moving:
         for symbol, kind in part.items():
             found[symbol] = max(kind, least, found.get(symbol, least))

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from math import sqrt
 from typing import Any, Final
 
-from fmu.export.blocks import Block, Program
+from fmu.export.blocks import Block, ModelCode
 from fmu.export.code import body
 from fmu.fingerprint import Fingerprint, measure
 
@@ -34,7 +34,7 @@ _ARC_TANGENT: Final = (
 class Twin:
     """One instance with its default parameters, initialised."""
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: ModelCode) -> None:
         model = program.model
         run: dict[str, Callable[..., None]] = {block.name: _compiled(block) for block in program.blocks}
         count = max(len(block.results) for block in program.blocks if block.name == "constants")
@@ -85,7 +85,7 @@ class Twin:
         self._rates(s=s, u=self._u, p=self._p, k=self._k, rate=rate)
 
 
-def fingerprint(program: Program) -> Fingerprint | None:
+def fingerprint(program: ModelCode) -> Fingerprint | None:
     """Return what the model's fixed run must give; None where Python cannot follow it, as with 1 / 0."""
     model = program.model
     step = round(2 * model.inner_step * _NS)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from fmu.export.blocks import Program, UnsupportedError
+from fmu.export.blocks import ModelCode, UnsupportedError
 from fmu.export.units import NEVER_NEGATIVE, UNITS, Unit, per_second
 
 TIME: Final = 0
@@ -39,7 +39,7 @@ class Variable:
         return SWITCH if self.variability == "discrete" else (unit.quantity or None) if unit else None
 
 
-def variables(program: Program) -> tuple[Variable, ...]:
+def variables(program: ModelCode) -> tuple[Variable, ...]:
     """Return time, inputs, parameters, outputs, locals, rates.
 
     UnsupportedError where a name comes twice, or a unit is not known.
@@ -60,25 +60,25 @@ def variables(program: Program) -> tuple[Variable, ...]:
     return rows
 
 
-def state_references(program: Program) -> tuple[int, ...]:
+def state_references(program: ModelCode) -> tuple[int, ...]:
     """Return the value reference of each state."""
     first = first_reading(program)
     states = program.states_of_readings
     return tuple(first + states.index(i) for i in range(len(program.model.states)))
 
 
-def event_references(program: Program) -> tuple[int, ...]:
+def event_references(program: ModelCode) -> tuple[int, ...]:
     """Return the value reference of each event indicator."""
     names = [row.name for row in program.readings]
     return tuple(first_reading(program) + names.index(event.name) for event in program.model.events)
 
 
-def first_reading(program: Program) -> int:
+def first_reading(program: ModelCode) -> int:
     """Return the value reference of the first output."""
     return 1 + len(program.model.inputs) + len(program.model.parameters)
 
 
-def units(program: Program) -> dict[str, Unit]:
+def units(program: ModelCode) -> dict[str, Unit]:
     """Return the units that the variables use, in the order of the table."""
     used = {row.unit for row in variables(program)}
     found = {name: unit for name, unit in UNITS.items() if name in used}
@@ -88,7 +88,7 @@ def units(program: Program) -> dict[str, Unit]:
     return found
 
 
-def _rows(program: Program) -> Iterator[Variable]:
+def _rows(program: ModelCode) -> Iterator[Variable]:
     model = program.model
     yield Variable(TIME, "time", "s", "time", "independent", "continuous")
     reference = 0

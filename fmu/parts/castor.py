@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from fmu.export.functions import shared
-from fmu.export.model import Expression, Output, State
+from fmu.export.model import Expression, Output, StateVariable
 from fmu.parts.motor import bristle
 from fmu.parts.planar import PlanarBody, Push
 from fmu.parts.symbols import HALF, inner, symbol
@@ -58,15 +58,15 @@ class Castor:
         left = along * self._sine + across * self._cosine
         return Push(ahead, left, self._ahead * left - self._left * ahead + torque)
 
-    def states(self) -> tuple[State, ...]:
+    def states(self) -> tuple[StateVariable, ...]:
         """Return the swivel's angle and both bristles."""
         friction = self._friction
         rolling = bristle(self.speed, self._rolled, friction.rolling_presliding)
         swivelling = bristle(self.turning, self._swivelled, friction.swivel_presliding)
         return (
-            State(f"swivel_{self.name}", "rad", sp.S.Zero, self.turning),
-            State(f"rolling_{self.name}", "1", sp.S.Zero, rolling),
-            State(f"swivelling_{self.name}", "1", sp.S.Zero, swivelling),
+            StateVariable(f"swivel_{self.name}", "rad", sp.S.Zero, self.turning),
+            StateVariable(f"rolling_{self.name}", "1", sp.S.Zero, rolling),
+            StateVariable(f"swivelling_{self.name}", "1", sp.S.Zero, swivelling),
         )
 
     def readings(self) -> tuple[Output, ...]:

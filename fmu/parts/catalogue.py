@@ -3,7 +3,7 @@
 from typing import Final, TypedDict
 
 
-class Sheet(TypedDict):
+class MotorSheet(TypedDict):
     """Values of a data sheet for `fmu.parts.rows.motor_rows`; SI."""
 
     resistance: float
@@ -13,7 +13,7 @@ class Sheet(TypedDict):
     no_load_current: float
 
 
-RE25: Final[Sheet] = {
+RE25: Final[MotorSheet] = {
     "resistance": 2.32,
     "inductance": 0.238e-3,
     "torque_constant": 23.4e-3,
@@ -21,7 +21,7 @@ RE25: Final[Sheet] = {
     "no_load_current": 0.037,
 }
 """maxon RE25, 20 W, 24 V."""
-RE40: Final[Sheet] = {
+RE40: Final[MotorSheet] = {
     "resistance": 0.299,
     "inductance": 0.082e-3,
     "torque_constant": 30.2e-3,
@@ -29,7 +29,7 @@ RE40: Final[Sheet] = {
     "no_load_current": 0.137,
 }
 """maxon RE40, 150 W, 24 V, 148867."""
-RE50: Final[Sheet] = {
+RE50: Final[MotorSheet] = {
     "resistance": 0.103,
     "inductance": 0.072e-3,
     "torque_constant": 38.5e-3,

@@ -6,7 +6,7 @@ from typing import Final
 import sympy as sp
 
 from fmu.export.functions import clamped, positive_part, size
-from fmu.export.model import Expression, Output, State
+from fmu.export.model import Expression, Output, StateVariable
 from fmu.parts.symbols import HALF, inner, symbol
 
 STICTION: Final = sp.Float(1.25)
@@ -40,17 +40,19 @@ class Shaft:
         self.free_torque = parameters[f"torque_constant_{axis}"] * self.current - damping
         self.torque = self.free_torque - self.coulomb * self.friction
 
-    def states(self, acceleration: Expression, friction_start: Expression = sp.S.Zero) -> tuple[State, ...]:
+    def states(
+        self, acceleration: Expression, friction_start: Expression = sp.S.Zero
+    ) -> tuple[StateVariable, ...]:
         """Return winding, shaft and bristle; `acceleration` in rad/s2 at the motor."""
         axis, p = self.axis, self._p
         winding = (
             self.voltage - p[f"resistance_{axis}"] * self.current - p[f"torque_constant_{axis}"] * self.speed
         )
         return (
-            State(f"current_{axis}", "A", sp.S.Zero, winding / p[f"inductance_{axis}"]),
-            State(f"angle_{axis}", "rad", sp.S.Zero, self.speed),
-            State(f"speed_{axis}", "rad/s", sp.S.Zero, acceleration),
-            State(
+            StateVariable(f"current_{axis}", "A", sp.S.Zero, winding / p[f"inductance_{axis}"]),
+            StateVariable(f"angle_{axis}", "rad", sp.S.Zero, self.speed),
+            StateVariable(f"speed_{axis}", "rad/s", sp.S.Zero, acceleration),
+            StateVariable(
                 f"friction_{axis}",
                 "1",
                 friction_start,

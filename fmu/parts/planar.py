@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from fmu.export.model import Expression, Output, State
+from fmu.export.model import Expression, Output, StateVariable
 from fmu.parts.symbols import HALF, inner, symbol
 
 
@@ -62,17 +62,17 @@ class PlanarBody:
 
     def states(
         self, pushes: Iterable[Push], start: tuple[Expression, Expression] = (sp.S.Zero, sp.S.Zero)
-    ) -> tuple[State, ...]:
+    ) -> tuple[StateVariable, ...]:
         """Return pose and motion; `start` is the speed ahead and the yaw rate that it starts with."""
         sine, cosine = sp.sin(self.heading), sp.cos(self.heading)
         speed_rate, drift_rate, yaw_acceleration = self.accelerations(pushes)
         return (
-            State("x", "m", sp.S.Zero, self.speed * cosine - self.drift * sine),
-            State("y", "m", sp.S.Zero, self.speed * sine + self.drift * cosine),
-            State("heading", "rad", sp.S.Zero, self.yaw_rate),
-            State("speed", "m/s", start[0], speed_rate),
-            State("drift", "m/s", sp.S.Zero, drift_rate),
-            State("yaw_rate", "rad/s", start[1], yaw_acceleration),
+            StateVariable("x", "m", sp.S.Zero, self.speed * cosine - self.drift * sine),
+            StateVariable("y", "m", sp.S.Zero, self.speed * sine + self.drift * cosine),
+            StateVariable("heading", "rad", sp.S.Zero, self.yaw_rate),
+            StateVariable("speed", "m/s", start[0], speed_rate),
+            StateVariable("drift", "m/s", sp.S.Zero, drift_rate),
+            StateVariable("yaw_rate", "rad/s", start[1], yaw_acceleration),
         )
 
     def outputs(self, origin: str) -> tuple[Output, ...]:

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import sympy as sp
 
 from fmu.export.functions import angle, clamped, larger, positive_part, reciprocal, shared, size
-from fmu.export.model import Expression, Output, State
+from fmu.export.model import Expression, Output, StateVariable
 from fmu.parts.symbols import HALF, inner, symbol
 
 FALL = sp.Rational(34, 100)
@@ -79,12 +79,12 @@ class Tyre:
         """Return the force on the robot along the wheel's axle in N."""
         return self._force(1)
 
-    def states(self, hold: tuple[Expression, Expression], load: Expression) -> tuple[State, ...]:
+    def states(self, hold: tuple[Expression, Expression], load: Expression) -> tuple[StateVariable, ...]:
         """Return the deflections; they start with the forces `hold`, as far as the standing load grips."""
         grip = self._p["floor_friction"] * load
         ahead, left = (clamped(force, grip) / self._p["tyre_stiffness"] for force in hold)
         return tuple(
-            State(f"tyre_{way}_{self.name}", "m", start, self._stretching(i))
+            StateVariable(f"tyre_{way}_{self.name}", "m", start, self._stretching(i))
             for i, (way, start) in enumerate((("ahead", ahead), ("left", left)))
         )
 

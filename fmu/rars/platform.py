@@ -3,7 +3,7 @@
 import sympy as sp
 
 from fmu.export.functions import clamped, reciprocal, shared
-from fmu.export.model import Expression, State
+from fmu.export.model import Expression, StateVariable
 from fmu.parts.motor import Shaft, bristle
 from fmu.parts.planar import PlanarBody, Push
 from fmu.parts.symbols import HALF, symbol
@@ -52,17 +52,17 @@ class Front:
         start: tuple[Expression, Expression],
         side_force: Expression,
         load: Expression,
-    ) -> tuple[State, ...]:
+    ) -> tuple[StateVariable, ...]:
         """Return spin and tyre: I_w w' = - r F_s - bearing (3.84); it starts rolling with the platform."""
         torque = -P["front_radius"] * self.tyre.force_ahead() - resistance * self.friction
         speed, yaw_rate = start
         hub, swing = speed - yaw_rate * self.lateral, yaw_rate * P["wheelbase"]
         rolling = hub * self.cosine + swing * self.sine
         return (
-            State(
+            StateVariable(
                 f"spin_{self.name}", "rad/s", rolling / P["front_radius"], torque / P["front_spin_inertia"]
             ),
-            State(
+            StateVariable(
                 f"rolling_{self.name}",
                 "1",
                 sp.S.Zero,
@@ -117,7 +117,7 @@ class Platform:
         """Return a wheel motor's acceleration, (3.73) with the moment that it lacks."""
         return self.rears[side].acceleration()
 
-    def states(self) -> tuple[State, ...]:
+    def states(self) -> tuple[StateVariable, ...]:
         """Return motion, pose, front wheels and tyres; it starts rolling as the rear wheels turn."""
         left, right = (wheel.shaft.speed / wheel.shaft.gear for wheel in self.rears.values())
         start = (

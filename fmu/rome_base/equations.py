@@ -8,7 +8,7 @@ from typing import Final
 
 import sympy as sp
 
-from fmu.export.model import Expression, Input, Model, Output, State
+from fmu.export.model import Expression, Input, Model, Output, StateVariable
 from fmu.parts.battery import terminal_voltage
 from fmu.parts.motor import Shaft, bristle
 from fmu.parts.symbols import HALF, inner, symbol, symbols
@@ -123,12 +123,12 @@ class Base:
         alone = self.drive[wheel] / self.rim_mass - rims[wheel]
         return (1 - self.rests[wheel]) * alone - self.slowing()[wheel]
 
-    def states(self, rims: Expression) -> tuple[State, ...]:
+    def states(self, rims: Expression) -> tuple[StateVariable, ...]:
         """Return pose, rollers, and what the rims are ahead of the floor."""
         u, q, yaw_rate = self.velocity
         sine, cosine = sp.sin(self.heading), sp.cos(self.heading)
         rollers = (
-            State(
+            StateVariable(
                 f"roller_{shaft.axis}",
                 "1",
                 sp.S.Zero,
@@ -137,13 +137,13 @@ class Base:
             for wheel, shaft in enumerate(self.shafts)
         )
         creeps = (
-            State(f"creep_{shaft.axis}", "m/s", sp.S.Zero, self.creeping(wheel, rims))
+            StateVariable(f"creep_{shaft.axis}", "m/s", sp.S.Zero, self.creeping(wheel, rims))
             for wheel, shaft in enumerate(self.shafts)
         )
         return (
-            State("x", "m", sp.S.Zero, u * cosine - q * sine),
-            State("y", "m", sp.S.Zero, u * sine + q * cosine),
-            State("heading", "rad", sp.S.Zero, yaw_rate),
+            StateVariable("x", "m", sp.S.Zero, u * cosine - q * sine),
+            StateVariable("y", "m", sp.S.Zero, u * sine + q * cosine),
+            StateVariable("heading", "rad", sp.S.Zero, yaw_rate),
             *rollers,
             *creeps,
         )
@@ -168,7 +168,7 @@ def _shaft(axis: str, wheel: Mapping[str, Expression]) -> Shaft:
     return Shaft(axis, P | {name + axis: value for name, value in wheel.items()} | held)
 
 
-def motors(base: Base, on_floor: Expression) -> tuple[State, ...]:
+def motors(base: Base, on_floor: Expression) -> tuple[StateVariable, ...]:
     """Return the motors; `on_floor` are the accelerations of the floor under the rims, m/s2."""
     rates = zip(base.shafts, base.accelerations(on_floor), strict=True)
     return tuple(state for shaft, rate in rates for state in shaft.states(rate))

@@ -5,7 +5,7 @@ from typing import Final
 import sympy as sp
 
 from fmu.export.functions import passed, positive_part
-from fmu.export.model import Event, Expression, Input, Model, Output, State
+from fmu.export.model import Event, Expression, Input, Model, Output, StateVariable
 from fmu.parts.battery import terminal_voltage
 from fmu.parts.motor import Shaft, bristle
 from fmu.parts.stop import push
@@ -15,7 +15,7 @@ from fmu.single_axis.parameters import PARAMETERS
 P: Final = symbols(PARAMETERS)
 
 
-class Load:
+class GearLoad:
     """Load on the gear; angles and speeds are those behind it."""
 
     def __init__(self, motor: Shaft) -> None:
@@ -70,13 +70,13 @@ class Load:
             ),
         )
 
-    def states(self) -> tuple[State, ...]:
+    def states(self) -> tuple[StateVariable, ...]:
         """Return the load's states; it starts where the motor stands, and as fast."""
         motor = self.motor
         return (
-            State("load_angle", "rad", motor.angle / motor.gear, self.speed),
-            State("load_speed", "rad/s", motor.speed / motor.gear, self.acceleration()),
-            State(
+            StateVariable("load_angle", "rad", motor.angle / motor.gear, self.speed),
+            StateVariable("load_speed", "rad/s", motor.speed / motor.gear, self.acceleration()),
+            StateVariable(
                 "load_friction",
                 "1",
                 sp.S.Zero,
@@ -100,7 +100,7 @@ class Brake:
         self.closed, self.grip = symbol("brake_axis"), symbol("brake_grip")
         self.torque = P["brake_torque"] * self.grip
         gripping = self.closed * bristle(motor.speed, self.grip, P["brake_presliding"])
-        self.state = State(
+        self.state = StateVariable(
             "brake_grip", "1", sp.S.Zero, gripping - (1 - self.closed) * self.grip / P["brake_opening"]
         )
         self.energy = HALF * P["brake_torque"] * P["brake_presliding"] * self.grip**2
@@ -109,7 +109,7 @@ class Brake:
 def model() -> Model:
     """Return the equations of the bench axis with all tables."""
     motor = Shaft("axis", P)
-    load, brake = Load(motor), Brake(motor)
+    load, brake = GearLoad(motor), Brake(motor)
     acceleration = (motor.torque - brake.torque - load.gear_torque() / motor.gear) / motor.inertia
     return Model(
         name="single_axis",

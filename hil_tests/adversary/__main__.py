@@ -9,7 +9,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from emulators.bench.rehearsal import rehearsal_of
+from emulators.bench.bench_setup import bench_setup_of
 from firmware_bridge.robot import RobotFileError
 from hil_tests.adversary.failing import FaultProfile
 from hil_tests.adversary.robots import line_of, options, robot_of
@@ -32,7 +32,7 @@ def main() -> int:
         words.error(str(error))
     natures = frozenset(map(FaultProfile, reported.natures))
     line = line_of(reported)
-    search = Search(robot, rehearsal_of(robot), invariants(robot), natures, print)
+    search = Search(robot, bench_setup_of(robot), invariants(robot), natures, print)
     driven, seed, count = 0.0, reported.seed, 0
     while driven < 3600.0 * reported.hours:
         found, seconds = search.random_run(seed)

@@ -7,8 +7,8 @@ from numpy.random import Generator
 
 from emulators.bench.faults import Fault, read
 from emulators.bench.step import modes
-from firmware_bridge.kinds import kind_of
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import robot_type_of
 
 LIMPS: Final = 0.4
 """Share of random runs in one of the modes after a failure, of a robot that has them."""
@@ -41,7 +41,7 @@ class Degraded:
 
     def _dead(self, robot: AnyRobot, chance: Generator) -> Iterator[Fault]:
         how = DEAD[int(chance.integers(len(DEAD)))]
-        for axis in kind_of(robot).rules(robot)[self.mode].without:
+        for axis in robot_type_of(robot).rules(robot)[self.mode].without:
             yield read({**how, "at_s": self._dies_s, "node": axis})
 
     def steps(

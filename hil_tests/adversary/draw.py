@@ -8,17 +8,17 @@ from typing import Annotated, Any, Final, Literal, get_args, get_origin
 import numpy as np
 from numpy.random import Generator
 
+from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.faults import KINDS, Fault, misfits, read
 from emulators.bench.faults.people import BridgeEnds
 from emulators.bench.faults.site import BRIDGE
 from emulators.bench.foreign_datagrams import Stray
 from emulators.bench.mission import Mission, Noise
-from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Holds, Input, Presses, Sends, Slope, Step, guides, inputs, modes
 from firmware_bridge.robot import AnyRobot
 from fmu.plants import find as find_plant
 from hil_tests.adversary.degraded import Degraded
-from hil_tests.adversary.failing import FAILING, FaultProfile, takes_power
+from hil_tests.adversary.failing import FAILING, FaultProfile, disables_power
 
 READY_S: Final = 3.0
 PAUSE_S: Final = 0.8
@@ -58,10 +58,10 @@ class Draw:
     """Draws missions for one robot."""
 
     def __init__(
-        self, robot: AnyRobot, rehearsal: Rehearsal, chance: Generator, natures: frozenset[FaultProfile]
+        self, robot: AnyRobot, bench_setup: BenchSetup, chance: Generator, natures: frozenset[FaultProfile]
     ) -> None:
         self._robot: Final = robot
-        self._rehearsal: Final = rehearsal
+        self._rehearsal: Final = bench_setup
         self._chance: Final = chance
         kinds = [
             [
@@ -75,10 +75,10 @@ class Draw:
         self._kinds: Final = [names for names in kinds if names]
         self._sloped = False
         self._again: Callable[[float], dict[str, Any]] = lambda _: {}
-        rows = inputs(rehearsal.step)
+        rows = inputs(bench_setup.step)
         self._held_by: Final = {key: row for key, row in rows.items() if isinstance(row, Holds)}
         self._main: Final = next(iter(self._held_by))
-        self._full: Final = {channel.name: channel.full(robot) for channel in rehearsal.channels}
+        self._full: Final = {channel.name: channel.full(robot) for channel in bench_setup.channels}
         self._slow: Final = self._full[self._held_by[self._main].channel] * PAUSE_S < SLOW_M
 
     def mission(self, seconds: float) -> Mission:
@@ -183,7 +183,7 @@ class Draw:
 
     def _falls(self, fault: Fault) -> bool:
         """Return whether a fault may be on this floor."""
-        return not (self._sloped and takes_power(fault))
+        return not (self._sloped and disables_power(fault))
 
     def _fault(self, name: str, second: float) -> Fault:
         row, kind = FAILING[name], KINDS[name]

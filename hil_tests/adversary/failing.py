@@ -36,7 +36,7 @@ class Failing:
     fault_profile: FaultProfile
     how: How = lambda _: {}
     longest_s: float = 1.0
-    takes_power: bool = True
+    disables_power: bool = True
     """The drives may lose their power by it: on a slope no one holds that, so it is not drawn there."""
 
 
@@ -97,41 +97,41 @@ FAILING: Final[dict[str, Failing]] = {
     "supply_sag": Failing(FaultProfile.HONEST, lambda chance: {"to_v": float(chance.choice([5.0, 15.0]))}),
     "logic_supply_sag": Failing(FaultProfile.HONEST, lambda _: {"to_v": 3.0}),
     "gate_supply_sag": Failing(FaultProfile.HONEST, lambda _: {"to_v": 6.0}),
-    "datagram_loss": Failing(FaultProfile.HONEST, _share, longest_s=8.0, takes_power=False),
+    "datagram_loss": Failing(FaultProfile.HONEST, _share, longest_s=8.0, disables_power=False),
     "datagram_late": Failing(
         FaultProfile.HONEST,
         lambda chance: {"by_ms": float(chance.integers(10, 1500))},
         longest_s=3.0,
-        takes_power=False,
+        disables_power=False,
     ),
     "datagram_doubled": Failing(
         FaultProfile.HONEST,
         lambda chance: {"after_ms": float(chance.integers(0, 400))},
         longest_s=5.0,
-        takes_power=False,
+        disables_power=False,
     ),
     "serial_unplugged": Failing(FaultProfile.HONEST, longest_s=3.0),
     "bridge_ends": Failing(FaultProfile.HONEST, _ends, longest_s=8.0),
-    "second_bridge": Failing(FaultProfile.HONEST, longest_s=5.0, takes_power=False),
-    "second_station": Failing(FaultProfile.HONEST, _joins, longest_s=14.0, takes_power=False),
+    "second_bridge": Failing(FaultProfile.HONEST, longest_s=5.0, disables_power=False),
+    "second_station": Failing(FaultProfile.HONEST, _joins, longest_s=14.0, disables_power=False),
     "board_silent": Failing(FaultProfile.HONEST, longest_s=5.0),
     "board_reset": Failing(FaultProfile.HONEST),
     "board_hangs": Failing(FaultProfile.HONEST),
     "board_brown_out": Failing(FaultProfile.HONEST, longest_s=3.0),
     "board_unpowered": Failing(FaultProfile.HONEST, longest_s=3.0),
-    "body_hidden": Failing(FaultProfile.HONEST, longest_s=6.0, takes_power=False),
+    "body_hidden": Failing(FaultProfile.HONEST, longest_s=6.0, disables_power=False),
     "capture_late": Failing(
         FaultProfile.HONEST,
         lambda chance: {"by_ms": float(chance.integers(5, 1500))},
         longest_s=5.0,
-        takes_power=False,
+        disables_power=False,
     ),
-    "capture_loss": Failing(FaultProfile.HONEST, _share, longest_s=5.0, takes_power=False),
+    "capture_loss": Failing(FaultProfile.HONEST, _share, longest_s=5.0, disables_power=False),
     # A motor that does not follow its command; let go again it jumps to its command of then.
     "shaft_blocked": Failing(FaultProfile.LYING, longest_s=LIES_S),
     "motor_cable_off": Failing(FaultProfile.LYING, longest_s=LIES_S),
-    "grip_lost": Failing(FaultProfile.HONEST, takes_power=False),
-    "body_shakes": Failing(FaultProfile.HONEST, longest_s=5.0, takes_power=False),
+    "grip_lost": Failing(FaultProfile.HONEST, disables_power=False),
+    "body_shakes": Failing(FaultProfile.HONEST, longest_s=5.0, disables_power=False),
     "load_lifted": Failing(FaultProfile.LYING, longest_s=LIES_S),
     "motor_supply_sag": Failing(
         FaultProfile.LYING, lambda chance: {"to_v": float(chance.choice([2.0, 4.0]))}, longest_s=LIES_S
@@ -153,7 +153,7 @@ FAILING: Final[dict[str, Failing]] = {
             "turn_deg": float(chance.integers(-180, 181)),
         },
         longest_s=LIES_S,
-        takes_power=False,
+        disables_power=False,
     ),
     "set_points_ignored": Failing(FaultProfile.LYING, longest_s=LIES_S),
     "encoder_frozen": Failing(FaultProfile.LYING, longest_s=LIES_S),
@@ -172,9 +172,9 @@ FAILING: Final[dict[str, Failing]] = {
 """Profiles by the faults' names; those that are not here have no place in a random run."""
 
 
-def takes_power(fault: Fault) -> bool:
+def disables_power(fault: Fault) -> bool:
     """Return whether the drives may lose their power by this fault, whatever the bridge does."""
-    return FAILING[fault.kind].takes_power and not _requested(fault)
+    return FAILING[fault.kind].disables_power and not _requested(fault)
 
 
 def _requested(fault: Fault) -> bool:

@@ -29,11 +29,11 @@ TARGETS: Final = (
     "safety/gate",
     "safety/common",
     "safety/limits",
-    "safety/following",
+    "safety/tracking",
     "safety/rules",
     "bridge/permission",
     "bridge/stops",
-    "bridge/letting_go",
+    "bridge/power_down",
     "bridge/pipeline",
     "bridge/bridge",
     "drivers/epos2/scale",
@@ -87,10 +87,10 @@ def evenings(seconds: float, known: dict[str, str]) -> tuple[str, dict[str, str]
     where nothing is broken finds nothing.
     """
     # Not before the mutant is in its place.
-    from emulators.bench.rehearsal import rehearsal_of  # noqa: PLC0415 - see above
+    from emulators.bench.bench_setup import bench_setup_of  # noqa: PLC0415 - see above
     from emulators.rig import Rig  # noqa: PLC0415 - see above
     from firmware_bridge.drivers.epos2.serial.fleet import over_serial  # noqa: PLC0415 - see above
-    from firmware_bridge.kinds import find  # noqa: PLC0415 - see above
+    from firmware_bridge.robot_types import find  # noqa: PLC0415 - see above
     from hil_tests.adversary.failing import FaultProfile  # noqa: PLC0415 - see above
     from hil_tests.adversary.search import Search  # noqa: PLC0415 - see above
     from hil_tests.adversary.truth import invariants  # noqa: PLC0415 - see above
@@ -107,7 +107,7 @@ def evenings(seconds: float, known: dict[str, str]) -> tuple[str, dict[str, str]
     rars = find("rars")
     line_up = [(rars, everybody), (rars, honest), (over_serial(rars), everybody)]
     searches = [
-        Search(robot, rehearsal_of(robot), invariants(robot), natures, seen=seen)
+        Search(robot, bench_setup_of(robot), invariants(robot), natures, seen=seen)
         for robot, natures in line_up
     ]
     begun, number = time.process_time(), 0

@@ -9,11 +9,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.random import Generator
 
+from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.faults import Fault
-from emulators.bench.log import Kind
+from emulators.bench.log import Subject
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
-from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Step
 from emulators.rewind import Checkpoint
 from emulators.rig import Rig
@@ -21,7 +21,7 @@ from emulators.run import HAND_STREAM
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 from hil_tests.adversary.draw import READY_S, Draw
-from hil_tests.adversary.failing import FAILING, FaultProfile, takes_power
+from hil_tests.adversary.failing import FAILING, FaultProfile, disables_power
 from hil_tests.adversary.truth import Invariant, Judge, Truth, Violation
 
 LOOK_EVERY: Final = 0.01
@@ -68,14 +68,19 @@ class Life:
     """One rig with a mission on it, and its judge."""
 
     def __init__(
-        self, robot: AnyRobot, rehearsal: Rehearsal, mission: Mission, seed: int, rows: tuple[Invariant, ...]
+        self,
+        robot: AnyRobot,
+        bench_setup: BenchSetup,
+        mission: Mission,
+        seed: int,
+        rows: tuple[Invariant, ...],
     ) -> None:
         self.mission = mission
         robot = mission.on(robot)
         hand = np.random.default_rng([seed, HAND_STREAM])
-        self._operator: Final = ScriptedOperator(robot, rehearsal, mission, hand)
+        self._operator: Final = ScriptedOperator(robot, bench_setup, mission, hand)
         self.rig: Final = Rig(
-            robot, rehearsal, self._operator, seed=seed, noise=mission.noise, faults=mission.fault
+            robot, bench_setup, self._operator, seed=seed, noise=mission.noise, faults=mission.fault
         )
         self._truth: Final = Truth(robot)
         self.judge: Final = Judge(rows, lying(mission.fault))
@@ -96,7 +101,7 @@ class Life:
                 self.rig,
                 reported_to_stop=next((word for word in words if word != CLEARED), STOPPED) != GOES,
                 stopped=words[0] == STOPPED and "slope" not in self.mission.plant,
-                let_go=FORCED not in words and not any(map(takes_power, self.mission.fault)),
+                let_go=FORCED not in words and not any(map(disables_power, self.mission.fault)),
             )
             broken = self.judge.look(self.rig.world.now, look)
             if broken is not None:
@@ -108,7 +113,7 @@ class Life:
         answers = [
             (entry.at, entry.text)
             for entry in self._operator.diary.entries
-            if entry.kind is Kind.ANSWERED and entry.text in WORDS
+            if entry.kind is Subject.ANSWERED and entry.text in WORDS
         ]
         answers += [
             (at, f"{order}: accepted") for station in self.rig.stations for at, order in station.accepted
@@ -150,7 +155,7 @@ class Search:
     """A search over seeds for one robot."""
 
     robot: AnyRobot
-    rehearsal: Rehearsal
+    bench_setup: BenchSetup
     rows: tuple[Invariant, ...]
     natures: frozenset[FaultProfile]
     say: Callable[[str], None] = lambda _: None
@@ -165,9 +170,9 @@ class Search:
     def looked(self, seed: int) -> tuple[Found | None, float]:
         """Drive one random run and its branches; return the finding, and the seconds driven."""
         chance = np.random.default_rng([seed, 7])
-        draw = Draw(self.robot, self.rehearsal, chance, self.natures)
+        draw = Draw(self.robot, self.bench_setup, chance, self.natures)
         whole = draw.mission(RUN_S)
-        life = Life(self.robot, self.rehearsal, whole, seed, self.rows)
+        life = Life(self.robot, self.bench_setup, whole, seed, self.rows)
         try:
             return self._lived(life, draw, chance, seed)
         finally:
@@ -203,7 +208,7 @@ class Search:
 
     def breaks(self, mission: Mission, seed: int) -> Violation | None:
         """Drive a mission from its beginning; return the first rule that it breaks."""
-        life = Life(self.robot, self.rehearsal, mission, seed, self.rows)
+        life = Life(self.robot, self.bench_setup, mission, seed, self.rows)
         try:
             return life.run(from_seconds(mission.duration_s + BRANCH_S))
         finally:

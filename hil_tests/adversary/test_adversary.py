@@ -6,11 +6,11 @@ from typing import Any, Final
 import pytest
 
 from emulators.bench import mission as missions
-from emulators.bench.rehearsal import rehearsal_of
+from emulators.bench.bench_setup import bench_setup_of
 from firmware_bridge.bridge.permission import Permission
-from firmware_bridge.intent import Verdict
-from firmware_bridge.kinds import find
+from firmware_bridge.intent import Answer
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find
 from hil_tests.adversary.__main__ import main
 from hil_tests.adversary.failing import FaultProfile
 from hil_tests.adversary.mutants import TARGETS, tool
@@ -50,7 +50,7 @@ ALL: Final = frozenset(FaultProfile)
 
 
 def search(robot: AnyRobot, natures: frozenset[FaultProfile], judged: AnyRobot | None = None) -> Search:
-    return Search(robot, rehearsal_of(robot), invariants(judged or robot), natures)
+    return Search(robot, bench_setup_of(robot), invariants(judged or robot), natures)
 
 
 @pytest.mark.long(beside="test_an_emergency_stop_that_does_nothing_is_found")
@@ -68,7 +68,7 @@ def test_no_random_run_breaks_a_rule(line: str, natures: frozenset[FaultProfile]
 def test_what_was_found_once_is_not_found_again(file: Path) -> None:
     robot = robot_of(read(_line_of(file)))
     one = search(robot, ALL)
-    mission = missions.load(file, robot, one.rehearsal)
+    mission = missions.load(file, robot, one.bench_setup)
     assert one.breaks(mission, seed=0) is None
 
 
@@ -97,7 +97,7 @@ def test_a_limit_that_is_too_high_is_found_and_driven_again_from_its_file() -> N
     assert len(found.mission.step) <= 4
     assert found.mission.fault == ()
     text = as_toml(found, "rars")
-    again = missions.parse(text, "found.toml", robot, one.rehearsal)
+    again = missions.parse(text, "found.toml", robot, one.bench_setup)
     broken = one.again(again, found.seed, found.violation.name)
     assert broken == found.violation
 
@@ -130,8 +130,8 @@ def test_an_arm_that_is_reported_too_much_loses_its_steps() -> None:
     assert found.violation.name == "steps lost"
 
 
-def not_receiving(*_: Any, **__: Any) -> Verdict:
-    return Verdict(accepted=True, reason="emergency stop: it stays until it is cleared")
+def not_receiving(*_: Any, **__: Any) -> Answer:
+    return Answer(accepted=True, reason="emergency stop: it stays until it is cleared")
 
 
 @pytest.mark.interpreted

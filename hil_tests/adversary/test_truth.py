@@ -6,14 +6,14 @@ from typing import Final
 
 import pytest
 
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.columns import Sample
 from emulators.bench.faults import Fault
 from emulators.bench.mission import Mission
-from emulators.bench.rehearsal import rehearsal_of
 from firmware_bridge.drivers.shield.booting import Booting
 from firmware_bridge.drivers.shield.fleet import over_protocol
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import STANDARD_GRAVITY, from_seconds
 from hil_tests.adversary.own import MARGIN_M, OWN, zero_moment_point
 from hil_tests.adversary.reached import Reached
@@ -137,7 +137,7 @@ def test_a_bridge_that_drives_as_fast_as_ever_after_a_failure_is_found(
     # What the interlocks and the ramp have for this mode; the judge takes the robot file.
     geometry = type(RARS.geometry)
     narrow = RARS.geometry.narrowed
-    one = Life(RARS, rehearsal_of(RARS), mission, 0, invariants(RARS))
+    one = Life(RARS, bench_setup_of(RARS), mission, 0, invariants(RARS))
     assert one.run(from_seconds(8.0)) is None
     one.rig.finish()
     monkeypatch.setattr(geometry, "narrowed", property(lambda self: self.limits))
@@ -145,7 +145,7 @@ def test_a_bridge_that_drives_as_fast_as_ever_after_a_failure_is_found(
         "hil_tests.adversary.own.limits",
         lambda _, rig: narrow if rig.bridge.seen.facts.mode else RARS.geometry.limits,
     )
-    one = Life(RARS, rehearsal_of(RARS), mission, 0, invariants(RARS))
+    one = Life(RARS, bench_setup_of(RARS), mission, 0, invariants(RARS))
     violation = one.run(from_seconds(8.0))
     one.rig.finish()
     assert violation is not None
@@ -155,13 +155,13 @@ def test_a_bridge_that_drives_as_fast_as_ever_after_a_failure_is_found(
 @pytest.mark.long(beside="test_a_rule_is_broken_when_it_was_for_its_time")
 @pytest.mark.interpreted
 def test_a_bridge_that_lets_go_on_a_slope_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("firmware_bridge.bridge.letting_go._pulls", lambda _: None)
-    monkeypatch.setattr("firmware_bridge.bridge.letting_go._Axis.slips", False)
+    monkeypatch.setattr("firmware_bridge.bridge.power_down._pulls", lambda _: None)
+    monkeypatch.setattr("firmware_bridge.bridge.power_down._Axis.slips", False)
     floor = {"slope": 0.05, "floor_friction": 0.9}
     mission = story(STANDS, ARMED, seconds=20).model_copy(
         update={"plant": floor, "fault": (fault("bridge_ends", 4.0),)}
     )
-    one = Life(RARS, rehearsal_of(RARS), mission, 0, invariants(RARS))
+    one = Life(RARS, bench_setup_of(RARS), mission, 0, invariants(RARS))
     violation = one.run(from_seconds(9.0))
     one.rig.finish()
     assert violation is not None
@@ -182,10 +182,10 @@ def rolling(robot: AnyRobot, **how: object) -> Look:
 def ahead(robot: AnyRobot, *faults: Fault) -> Life:
     """Return a life in which it arms, and drives ahead."""
     steps = [{"at_s": 3.0, "title": "arm", "arm": True}, {"at_s": 3.5, "title": "go", "speed_mps": 0.3}]
-    rehearsal = rehearsal_of(robot)
-    does = tuple(map(rehearsal.step.model_validate, steps))
+    bench_setup = bench_setup_of(robot)
+    does = tuple(map(bench_setup.step.model_validate, steps))
     mission = Mission(title="ahead", duration_s=20.0, step=does, fault=faults)
-    return Life(robot, rehearsal, mission, 0, invariants(robot))
+    return Life(robot, bench_setup, mission, 0, invariants(robot))
 
 
 @pytest.mark.parametrize(

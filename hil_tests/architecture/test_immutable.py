@@ -8,7 +8,7 @@ import pytest
 
 import firmware_bridge.bridge  # noqa: F401 - leads to all classes but a robot's own
 from firmware_bridge.immutable import Immutable
-from firmware_bridge.robots.rars.motion import Motion
+from firmware_bridge.robots.rars.motion import RarsMotion
 
 
 def below(cls: type) -> Iterator[type]:
@@ -34,8 +34,8 @@ def test_every_slot_of_what_is_immutable_is_final(cls: type) -> None:
 
 
 def test_a_value_is_hashed_by_what_it_holds_and_has_no_room_for_more() -> None:
-    one, same = Motion(speed_mps=0.5), Motion(speed_mps=0.5)
+    one, same = RarsMotion(speed_mps=0.5), RarsMotion(speed_mps=0.5)
     assert hash(one) == hash(same)
-    assert hash(one) != hash(Motion())
+    assert hash(one) != hash(RarsMotion())
     with pytest.raises(AttributeError):
         setattr(one, "sped_mps", 0.4)  # noqa: B010 - mypy would refuse it

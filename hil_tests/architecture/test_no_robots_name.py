@@ -14,10 +14,10 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge import kinds
-from firmware_bridge.kind import AnyKind
+from firmware_bridge import robot_types
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.file import robot_of, table_of, text_of
+from firmware_bridge.robot_type import AnyRobotType
 
 ROOT: Final = Path(__file__).parents[2]
 PACKAGES: Final = ("firmware_bridge", "emulators", "fmu")
@@ -39,12 +39,12 @@ THEIR_OWN: Final = (
 """Robots and single plants, kinematics and parts that they share, and what writes a robot with two wheels."""
 
 
-def of_this_tree() -> Iterator[tuple[AnyKind, AnyRobot]]:
+def of_this_tree() -> Iterator[tuple[AnyRobotType, AnyRobot]]:
     """Yield the robots whose entry points stand in the tree: who has installed what must not matter."""
     for project in (ROOT / "pyproject.toml", *sorted(ROOT.glob("examples/*/pyproject.toml"))):
         groups = tomllib.loads(project.read_text(encoding="utf-8"))["project"]["entry-points"]
-        for name, value in groups.get(kinds.GROUP, {}).items():
-            kind: AnyKind = EntryPoint(name, value, kinds.GROUP).load()
+        for name, value in groups.get(robot_types.GROUP, {}).items():
+            kind: AnyRobotType = EntryPoint(name, value, robot_types.GROUP).load()
             file = str(kind.file)
             yield kind, robot_of(table_of(text_of(kind.file), file), file, kind.geometry, kind.groups)
 

@@ -6,19 +6,19 @@ from typing import Any
 
 import pytest
 
-from emulators.bench.records import HoldRecord
+from emulators.bench.records import InterlockEvent
 from emulators.bench.summary import as_json, summarise
 from emulators.testing.rig import VirtualRig
 from firmware_bridge import renamed
-from firmware_bridge.kinds import find
 from firmware_bridge.renamed import RenamedWarning
+from firmware_bridge.robot_types import find
 from firmware_bridge.safety.common import (
-    AXIS_ANSWERS,
+    AXIS_INTERLOCKS,
     AXIS_RESTARTED,
-    AXIS_ROWS,
-    AXIS_UNMEASURED,
-    LEFT_OUT_ROW,
-    whole_robot_rows,
+    EXCLUDED_AXIS,
+    LATE_ANSWER,
+    NO_FEEDBACK,
+    whole_robot_interlocks,
 )
 from firmware_bridge.units import SECOND
 from hil_tests.unit.bench_report.test_summary import AXES, RUN, table
@@ -49,7 +49,7 @@ def test_interlocks_are_found_by_their_old_names(rig: VirtualRig) -> None:
 
 
 def test_a_summary_has_them_beside_those_of_today() -> None:
-    summary = summarise(RUN, AXES, table([]), [HoldRecord("axis timeout: one", "", SECOND)])
+    summary = summarise(RUN, AXES, table([]), [InterlockEvent("axis timeout: one", "", SECOND)])
     read = json.loads(as_json(summary))
     assert [one["name"] for one in read["interlock_events"]] == ["axis timeout: one"]
     assert [one["name"] for one in read["holds"]] == ["axis silent: one"]
@@ -59,9 +59,9 @@ def test_a_summary_has_them_beside_those_of_today() -> None:
 
 def test_each_new_name_is_one_of_today_and_short_enough() -> None:
     robot = find("rars")
-    rows: Any = whole_robot_rows({}, robot.links)
+    rows: Any = whole_robot_interlocks({}, robot.links)
     common = [row.name.partition(": ")[0] for row in rows]
-    axes = [row.name for row in (*AXIS_ROWS, AXIS_RESTARTED, LEFT_OUT_ROW, AXIS_UNMEASURED, AXIS_ANSWERS)]
+    axes = [row.name for row in (*AXIS_INTERLOCKS, AXIS_RESTARTED, EXCLUDED_AXIS, NO_FEEDBACK, LATE_ANSWER)]
     assert set(renamed.INTERLOCKS.values()) <= {*common, *axes}
     assert not set(renamed.INTERLOCKS) & {*common, *axes}
     assert max(map(len, (*common, *axes))) <= 24

@@ -2,27 +2,36 @@
 
 import sys
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.cases import Situation
 from emulators.bench.faults import read
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.choices import chosen
+from emulators.run import RunOrder
 from emulators.testing.inherited.paper import seen
 from emulators.testing.process import Process
 from emulators.testing.rig import VirtualRig
 from firmware_bridge import renamed
-from firmware_bridge.kinds import find, load
 from firmware_bridge.renamed import RenamedWarning
-from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robot_type import PathFollower, RobotType
+from firmware_bridge.robot_types import find, load
+from firmware_bridge.robots.rars import ROBOT_TYPE
+from firmware_bridge.robots.rars.motion import RarsMotion
 from firmware_bridge.safety.gate import NO_GROUP
 from firmware_bridge.safety.interlock import View
+from firmware_bridge.safety.interlock_base import Severity
+from firmware_bridge.safety.kinematic_model import KinematicModel
+from firmware_bridge.safety.snapshot import ActiveInterlock
 from firmware_bridge.shell.run_file import RUN_FILE, AsRun, read_run, run_file
 from firmware_bridge.teleop.station import Value
 from firmware_bridge.units import SECOND
+from fmu.export.model import StateVariable
 
 
 @dataclass
@@ -57,7 +66,7 @@ def test_arguments_are_taken_under_their_old_names() -> None:
 
 
 def test_a_robot_file_has_its_old_keys(tmp_path: Path) -> None:
-    text = KIND.file.read_text(encoding="utf-8")
+    text = ROBOT_TYPE.file.read_text(encoding="utf-8")
     file = tmp_path / "old.toml"
     file.write_text(text.replace("[geometry.degraded]", "[geometry.limp]"), encoding="utf-8")
     with pytest.warns(
@@ -110,3 +119,34 @@ def test_a_fault_is_put_on_by_its_old_words() -> None:
         assert read({"kind": "nmt_stranger", "at_s": 1.0, "command": "stop"}).kind == "nmt_foreign_node"
     with pytest.warns(RenamedWarning, match="fault bridge_ends, how: 'asked' is called 'interrupted' now"):
         assert read({"kind": "bridge_ends", "at_s": 1.0, "for_s": 1.0, "how": "asked"}).kind == "bridge_ends"
+
+
+@pytest.mark.parametrize(
+    ("module", "old", "new"),
+    [
+        ("firmware_bridge.kind", "Kind", RobotType),
+        ("firmware_bridge.kind", "Guide", PathFollower),
+        ("firmware_bridge.kinds", "find", find),
+        ("firmware_bridge.safety.row", "Severity", Severity),
+        ("firmware_bridge.safety.body", "Body", KinematicModel),
+        ("firmware_bridge.safety.snapshot", "Hold", ActiveInterlock),
+        ("firmware_bridge.robots.rars", "KIND", ROBOT_TYPE),
+        ("firmware_bridge.robots.rars.motion", "Motion", RarsMotion),
+        ("emulators.bench.rehearsal", "rehearsal_of", bench_setup_of),
+        ("emulators.run", "Order", RunOrder),
+    ],
+)
+def test_modules_and_classes_have_their_old_names(module: str, old: str, new: object) -> None:
+    with pytest.warns(RenamedWarning, match=rf"'{module}\.{old}' is called '.*' now"):
+        assert getattr(import_module(module), old) is new
+
+
+def test_a_name_that_was_never_there_is_not_there() -> None:
+    with pytest.raises(AttributeError, match=r"module 'firmware_bridge\.kind' has no attribute 'Nothing'"):
+        _ = import_module("firmware_bridge.kind").Nothing
+
+
+def test_a_state_of_a_plant_has_its_old_name() -> None:
+    with pytest.warns(FutureWarning, match="'State' is called 'StateVariable' now"):
+        assert import_module("fmu.export.model").State is StateVariable
+    assert not hasattr(import_module("fmu.export.model"), "Nothing")

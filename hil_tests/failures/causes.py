@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final, NamedTuple
 
-from emulators.testing.hand import Hand
+from emulators.testing.hand import TestOperator
 
 CAN: Final = ("rars",)
 SERIAL: Final = ("rars+serial",)
@@ -80,7 +80,7 @@ class Cause:
     """One order or fault; `answer` and `remains` are cells of a table."""
 
     name: str
-    order: Callable[[Hand], None] | None = None
+    order: Callable[[TestOperator], None] | None = None
     """The operator's action."""
     fault: Fault | Mapping[str, Fault] | None = None
     """The fault; by the robot's link, where that differs: can, serial or board."""
@@ -117,17 +117,22 @@ _POWER_OFF: Final = "ramp, then no power where it stands by itself"
 
 
 def _requested(
-    name: str, order: Callable[[Hand], None] | None, category: int, answer: str, **row: Any
+    name: str, order: Callable[[TestOperator], None] | None, category: int, answer: str, **row: Any
 ) -> Cause:
     return Cause(name=name, order=order, category=category, answer=answer, worst_of=WORST_OF, **row)
 
 
 REQUESTED: Final = (
-    _requested("stick let go", Hand.lets_go, 2, _RAMP, lines=EVERY),
+    _requested("stick let go", TestOperator.lets_go, 2, _RAMP, lines=EVERY),
     _requested("pause", lambda hand: hand.does(pause=True), 2, _RAMP, reports=("operation paused",)),
-    _requested("disarm", Hand.disarms, 2, _RAMP, lines=EVERY, reports=("not armed",)),
+    _requested("disarm", TestOperator.disarms, 2, _RAMP, lines=EVERY, reports=("not armed",)),
     _requested(
-        "emergency stop", Hand.stops, 1, f"{_POWER_OFF}; latched", lines=EVERY, reports=("emergency stop",)
+        "emergency stop",
+        TestOperator.stops,
+        1,
+        f"{_POWER_OFF}; latched",
+        lines=EVERY,
+        reports=("emergency stop",),
     ),
     _requested(
         "termination",

@@ -2,7 +2,7 @@
 
 import sympy as sp
 
-from fmu.export.model import Input, Model, Output, Parameter, State
+from fmu.export.model import Input, Model, Output, Parameter, StateVariable
 
 
 def pendulum() -> Model:
@@ -14,9 +14,9 @@ def pendulum() -> Model:
         parameters=(Parameter("length", 1.0, "m", "length", "ASSUME"),),
         inputs=(Input("force", "N", "force across"),),
         states=(
-            State("angle", "rad", sp.S.Zero, speed),
+            StateVariable("angle", "rad", sp.S.Zero, speed),
             # Starts on the orbit that just reaches 1 rad with length = 1 m.
-            State("speed", "rad/s", start, (force - 9.81 * sp.sin(angle)) / length),
+            StateVariable("speed", "rad/s", start, (force - 9.81 * sp.sin(angle)) / length),
         ),
         outputs=(
             Output("angle", "rad", "angle", angle),

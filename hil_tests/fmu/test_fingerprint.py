@@ -18,14 +18,14 @@ from fmu import build
 from fmu.check import examine
 from fmu.errors import PlantWarning
 from fmu.export import twin
-from fmu.export.blocks import Program
+from fmu.export.blocks import ModelCode
 from fmu.export.twin import fingerprint
 from fmu.fingerprint import RESOURCE, Fingerprint
 from fmu.plant import FmuPlant
 from fmu.plants import find
 from fmu.platforms import find_compiler
 from fmu.rars.interface import INPUTS, OUTPUTS
-from fmu.verify import Verdict, recorded
+from fmu.verify import ComparisonResult, recorded
 
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
 MISSION = """
@@ -68,7 +68,7 @@ def compiled_otherwise(original: Path, target: Path, folder: Path, flags: str) -
 def test_our_own_builds_give_the_bits_of_their_equations(fmu_file: dict[int, Path], fmi: int) -> None:
     with warnings.catch_warnings(), FmuPlant(fmu_file[fmi], list(INPUTS), list(OUTPUTS)) as plant:
         warnings.simplefilter("error")
-        assert plant.fingerprint is Verdict.SAME
+        assert plant.fingerprint is ComparisonResult.SAME
         # It was taken beside this instance, which has not moved.
         assert plant.steps_done == 0
         assert plant.read("time") == 0.0
@@ -76,7 +76,7 @@ def test_our_own_builds_give_the_bits_of_their_equations(fmu_file: dict[int, Pat
 
 def test_the_parameters_of_a_run_do_not_matter(fmu_file: dict[int, Path]) -> None:
     with FmuPlant(fmu_file[3], list(INPUTS), ["speed"], {"platform_mass": 20.0}) as plant:
-        assert plant.fingerprint is Verdict.SAME
+        assert plant.fingerprint is ComparisonResult.SAME
 
 
 @pytest.fixture(
@@ -106,14 +106,14 @@ def test_a_plant_that_was_compiled_otherwise_is_named(other: Path) -> None:
     assert len(caught) == 1
     assert "\n" not in str(caught[0].message)
     # It works all the same.
-    assert plant.fingerprint is Verdict.OTHER
+    assert plant.fingerprint is ComparisonResult.OTHER
     plant.inputs[0] = 12.0
     for _ in range(100):
         plant.step()
     assert plant.read("speed_left") > 10.0
     plant.close()
     found = examine(other)
-    assert found.fingerprint is Verdict.OTHER
+    assert found.fingerprint is ComparisonResult.OTHER
     assert [problem for problem in found.problems if "-ffp-contract=off" in problem]
 
 
@@ -139,7 +139,7 @@ def test_the_program_states_so_in_one_line(other: Path, tmp_path: Path) -> None:
 def test_harmless_flags_are_harmless(fmu_file: dict[int, Path], tmp_path: Path) -> None:
     flags = "-O3 -march=native -ffp-contract=off"
     path = compiled_otherwise(fmu_file[3], tmp_path / "other.fmu", tmp_path / "unzipped", flags)
-    assert examine(path).fingerprint is Verdict.SAME
+    assert examine(path).fingerprint is ComparisonResult.SAME
 
 
 @pytest.mark.long(beside="test_the_program_states_so_in_one_line")
@@ -151,7 +151,7 @@ def test_one_bit_in_one_parameter_is_another_plant() -> None:
     changed = type(model)(**{
         name: getattr(model, name) for name in type(model).__slots__
     } | {"parameters": (row, *others)})  # fmt: skip
-    one, other = fingerprint(Program(model)), fingerprint(Program(changed))
+    one, other = fingerprint(ModelCode(model)), fingerprint(ModelCode(changed))
     assert one is not None
     assert other is not None
     assert one.sha256 != other.sha256
@@ -175,7 +175,7 @@ def test_a_foreign_node_has_none(fmu_file: dict[int, Path], tmp_path: Path, text
             elif text is not None:
                 archive.writestr(name, text)
     with FmuPlant(path, list(INPUTS), list(OUTPUTS)) as plant:
-        assert plant.fingerprint is Verdict.NONE
+        assert plant.fingerprint is ComparisonResult.NONE
 
 
 def test_the_twins_functions_are_those_in_c_bit_for_bit(tmp_path: Path) -> None:

@@ -11,10 +11,10 @@ import pytest
 from fmpy.model_description import read_model_description
 from typer.testing import CliRunner
 
-from emulators.bench.rehearsal import rehearsal_of
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.devices import plant_parameters
 from emulators.stepper_bank import ANGLES, INPUTS
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.cli import program
 from fmu.build import ensure
 from fmu.errors import PlantError, UnknownNameError
@@ -235,12 +235,12 @@ def test_problems_are_named_and_make_status_1(
 
 def requested_of_a_plant(name: str) -> list[str]:
     """Return the bench's needs of an installed robot's plant: axes, supply, and columns to draw."""
-    robot = kinds.find(name)
+    robot = robot_types.find(name)
     motors = [axis.name for axis in robot.axes if axis.link not in robot.ar2_links]
     axes = [f"{quantity}_{axis}" for quantity in ("voltage", "current", "angle", "speed") for axis in motors]
     supply = ("battery_voltage",) if motors else ()
     joints = (*INPUTS, *ANGLES) if robot.ar2_links else ()
-    drawn = (column.plant for column in rehearsal_of(robot).columns if column.plant)
+    drawn = (column.plant for column in bench_setup_of(robot).columns if column.plant)
     return list(dict.fromkeys((*axes, *supply, *joints, *drawn)))
 
 
@@ -266,8 +266,8 @@ def test_all_that_is_missing_is_named(pendulums: Callable[[int], Path]) -> None:
     status, out, err = run("check", str(pendulums(2)))
     assert (status, err) == (0, "")
     assert out.startswith("verdict:     good; it fits the bench of no installed robot\n")
-    assert [line.partition(":")[0] for line in out.splitlines()[6:]] == sorted(kinds.names())
-    for name in kinds.names():
+    assert [line.partition(":")[0] for line in out.splitlines()[6:]] == sorted(robot_types.names())
+    for name in robot_types.names():
         status, _, err = run("check", str(pendulums(2)), "--robot", name)
         assert status == 1
         lacking = [line.split("'")[1] for line in err.splitlines() if "the FMU lacks" in line]
@@ -308,7 +308,7 @@ def test_each_command_explains_itself_with_an_example(command: str) -> None:
 
 
 @pytest.mark.long(keeps=["climber"])
-@pytest.mark.parametrize("name", kinds.names())
+@pytest.mark.parametrize("name", robot_types.names())
 def test_a_robot_s_plant_begins_with_what_its_file_states(tmp_path: Path, name: str) -> None:
     path = tmp_path / "plant.fmu"
     assert run("build", name, "--out", str(path))[0] == 0
@@ -317,7 +317,7 @@ def test_a_robot_s_plant_begins_with_what_its_file_states(tmp_path: Path, name: 
         for variable in read_model_description(str(path)).modelVariables
         if variable.causality == "parameter"
     }
-    wanted = plant_parameters(kinds.find(name))
+    wanted = plant_parameters(robot_types.find(name))
     assert wanted
     assert {key: given[key] for key in wanted} == wanted
 

@@ -15,7 +15,7 @@ from fmpy.validation import validate_fmu
 from fmu.build import ensure
 from fmu.interface import inputs, outputs, units
 from fmu.plant import FmuPlant
-from fmu.verify import Verdict
+from fmu.verify import ComparisonResult
 
 P = {row.name: row.start for row in PARAMETERS}
 MASS = P["body_mass"] + 2 * P["wheel_mass"]
@@ -64,7 +64,7 @@ def test_it_is_built_for_both_versions_and_gives_its_bits(fmi: int) -> None:
     path = ensure(PLANT, fmi)
     assert validate_fmu(str(path)) == []
     with FmuPlant(path, list(inputs(AXES)), REQUESTED, units=units(AXES)) as plant:
-        assert plant.fingerprint is Verdict.SAME
+        assert plant.fingerprint is ComparisonResult.SAME
         reported = {name for name, variable in plant.variables.items() if variable.causality == "output"}
     assert reported == set(REQUESTED)
 

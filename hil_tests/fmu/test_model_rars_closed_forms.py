@@ -8,7 +8,7 @@ import numpy.typing as npt
 import pytest
 import sympy as sp
 
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from fmu.parts.motor import Shaft
 from fmu.rars.equations import model
 from fmu.rars.parameters import PARAMETERS, SETS

@@ -19,7 +19,7 @@ import pytest
 from fmpy.model_description import read_model_description
 from fmpy.validation import validate_fmu
 
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from fmu import build, ready
 from fmu.errors import PlantError
 from fmu.plant import FmuPlant

@@ -10,8 +10,8 @@ import pytest
 from emulators.devices import devices
 from emulators.wires import CanWire
 from emulators.world import World
-from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN
+from firmware_bridge.robot_types import find
 from fmu.plant import PlantError
 from fmu.rars.interface import INPUTS
 from hil_tests.fmu.conftest import Bench, PlantMaker

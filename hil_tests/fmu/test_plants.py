@@ -26,7 +26,7 @@ PARAMETERS_PY = """
 EQUATIONS_PY = """
     import sympy as sp
 
-    from fmu.export.model import Input, Model, Output, State
+    from fmu.export.model import Input, Model, Output, StateVariable
     from fmu.parts.symbols import symbol
     from swinging.parameters import PARAMETERS
 
@@ -35,7 +35,10 @@ EQUATIONS_PY = """
         rate = -9.81 / symbol("length") * sp.sin(angle) + symbol("push")
         return Model(
             "pendulum", "A pendulum", PARAMETERS, (Input("push", "rad/s2", "push"),),
-            (State("angle", "rad", sp.S.Zero, speed), State("speed", "rad/s", sp.S.Zero, rate)),
+            (
+                StateVariable("angle", "rad", sp.S.Zero, speed),
+                StateVariable("speed", "rad/s", sp.S.Zero, rate),
+            ),
             (Output("angle", "rad", "angle from below", angle), Output("speed", "rad/s", "its rate", speed)),
             1e-3,
         )

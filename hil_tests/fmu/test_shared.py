@@ -6,10 +6,10 @@ from typing import Any
 import pytest
 import sympy as sp
 
-from fmu.export.blocks import Program
+from fmu.export.blocks import ModelCode
 from fmu.export.code import body
 from fmu.export.functions import named, shared
-from fmu.export.model import Model, Output, State
+from fmu.export.model import Model, Output, StateVariable
 from fmu.export.tangents import tangents
 from fmu.parts.symbols import symbol
 
@@ -18,9 +18,9 @@ TWIST = shared(X - Y)
 
 
 def lines(rate: sp.Expr, other: sp.Expr) -> list[tuple[str, str]]:
-    states = (State("x", "1", sp.S.Zero, rate), State("y", "1", sp.S.Zero, other))
+    states = (StateVariable("x", "1", sp.S.Zero, rate), StateVariable("y", "1", sp.S.Zero, other))
     model = Model("two", "two", (), (), states, (Output("x", "1", "x", X),), 1e-3)
-    return list(body(next(block for block in Program(model).blocks if block.name == "rates")))
+    return list(body(next(block for block in ModelCode(model).blocks if block.name == "rates")))
 
 
 def test_a_shared_sum_is_not_taken_apart_by_the_sums_around_it() -> None:
@@ -36,7 +36,7 @@ def test_without_it_sympy_takes_the_sum_apart() -> None:
 
 
 def test_its_slope_is_that_of_its_value() -> None:
-    state = State("x", "1", sp.S.Zero, shared(3 * X) * X)
+    state = StateVariable("x", "1", sp.S.Zero, shared(3 * X) * X)
     model = Model(
         "one",
         "one",
@@ -46,7 +46,7 @@ def test_its_slope_is_that_of_its_value() -> None:
         (Output("x", "1", "x", X),),
         1e-3,
     )
-    rates = next(block for block in Program(model).blocks if block.name == "rates")
+    rates = next(block for block in ModelCode(model).blocks if block.name == "rates")
     ((_, slope),) = tangents(rates).results
     known = dict(tangents(rates).shared)
     values = {sp.Symbol("s[0]", real=True): 2.0, sp.Symbol("ds[0]", real=True): 1.0}

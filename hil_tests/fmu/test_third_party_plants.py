@@ -18,25 +18,25 @@ from emulators.bench.step import Input
 from emulators.devices import SUPPLY, devices
 from emulators.gateway import Cluster
 from emulators.rig import BRIDGE, OPERATOR_STATION, Rig
-from emulators.robots.rars import REHEARSAL
+from emulators.robots.rars import BENCH_SETUP
 from emulators.robots.rars import RarsStep as Step
 from emulators.servo.bank import plant_outputs
 from emulators.wires import CanWire, DatagramWire
 from emulators.world import World
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.cli import program
-from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robot_types import find
+from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, from_seconds
 from fmu.build import export
 from fmu.errors import PlantError
-from fmu.export.model import Expression, Model, Output, Parameter, State
+from fmu.export.model import Expression, Model, Output, Parameter, StateVariable
 from fmu.export.model import Input as Voltage
 from fmu.rars.interface import AXES, INPUTS, OUTPUTS
-from fmu.verify import Verdict
+from fmu.verify import ComparisonResult
 
 STEPS = (
     Step(at_s=0.0, title="where it stands", zero={"steering": 0.0, "lift": 0.0}),
@@ -84,16 +84,16 @@ def tiny_robot() -> Model:
         drop = symbol[f"voltage_{axis}"] - resistance[axis] * currents[axis] - constant[axis] * rates[axis]
         torque = constant[axis] * currents[axis]
         states += [
-            State(f"current_{axis}", "A", sp.S.Zero, drop / (5e-4 * resistance[axis])),
-            State(f"angle_{axis}", "rad", sp.S.Zero, rates[axis]),
-            State(f"speed_{axis}", "rad/s", sp.S.Zero, torque / inertia[axis]),
+            StateVariable(f"current_{axis}", "A", sp.S.Zero, drop / (5e-4 * resistance[axis])),
+            StateVariable(f"angle_{axis}", "rad", sp.S.Zero, rates[axis]),
+            StateVariable(f"speed_{axis}", "rad/s", sp.S.Zero, torque / inertia[axis]),
         ]
     speed = (rates["left"] + rates["right"]) * 0.025 / 26
     yaw_rate = (rates["right"] - rates["left"]) * 0.125 / 26
     states += [
-        State("x", "m", sp.S.Zero, speed * sp.cos(heading)),
-        State("y", "m", sp.S.Zero, speed * sp.sin(heading)),
-        State("heading", "rad", sp.S.Zero, yaw_rate),
+        StateVariable("x", "m", sp.S.Zero, speed * sp.cos(heading)),
+        StateVariable("y", "m", sp.S.Zero, speed * sp.sin(heading)),
+        StateVariable("heading", "rad", sp.S.Zero, yaw_rate),
     ]
     rack = angles["steer"] * 0.015 / 159
     special: dict[str, Expression] = {
@@ -177,7 +177,7 @@ class Process:
 
 def operator(robot: AnyRobot) -> ScriptedOperator:
     mission = Mission(title="a ride", duration_s=20, input=Input.STICK, noise=Noise(), step=STEPS)
-    return ScriptedOperator(robot, REHEARSAL, mission, np.random.default_rng(0))
+    return ScriptedOperator(robot, BENCH_SETUP, mission, np.random.default_rng(0))
 
 
 @pytest.fixture
@@ -194,7 +194,7 @@ def test_a_third_party_plant_drives_the_robot(
     new_stations: dict[str, Path], rigs: list[Rig], who: str
 ) -> None:
     robot = robot_with()
-    rigs.append(rig := Rig(robot, REHEARSAL, operator(robot), plant_path=new_stations[who]))
+    rigs.append(rig := Rig(robot, BENCH_SETUP, operator(robot), plant_path=new_stations[who]))
     rig.run(from_seconds(5.0))
     last = rig.samples[-1]
     assert last["speed_mps"] == pytest.approx(0.2, rel=0.02)
@@ -208,7 +208,7 @@ def test_a_third_party_plant_drives_the_robot(
 def test_the_same_ride_twice_gives_the_same_bytes(new_stations: dict[str, Path], rigs: list[Rig]) -> None:
     robot = robot_with()
     for _ in range(2):
-        rigs.append(rig := Rig(robot, REHEARSAL, operator(robot), plant_path=new_stations["PythonFMU"]))
+        rigs.append(rig := Rig(robot, BENCH_SETUP, operator(robot), plant_path=new_stations["PythonFMU"]))
         rig.run(from_seconds(3.6))
     assert rigs[0].world.trace_sha256 == rigs[1].world.trace_sha256
     assert rigs[0].samples == rigs[1].samples
@@ -231,10 +231,10 @@ def test_a_plant_that_lacks_a_variable_of_the_body_is_refused_by_whichever_clien
     path = changed(new_stations[who], tmp_path / "odd.fmu", ('name="yaw_rate"', 'name="yaw_rate_x"'))
     robot = robot_with()
     with pytest.raises(PlantError, match=r"odd\.fmu: the FMU lacks the output 'yaw_rate'.*'yaw_rate_x'"):
-        Rig(robot, REHEARSAL, operator(robot), plant_path=path)
+        Rig(robot, BENCH_SETUP, operator(robot), plant_path=path)
     # The drives do without it, whether the plant carries a fingerprint of that name or not.
     plant = devices(robot, path).plant
-    assert plant.fingerprint is Verdict.NONE
+    assert plant.fingerprint is ComparisonResult.NONE
     plant.close()
 
 
@@ -257,7 +257,7 @@ def test_a_plant_that_fails_under_way_ends_the_run_with_its_time(
     new_stations: dict[str, Path], rigs: list[Rig]
 ) -> None:
     robot = robot_with(fails_at=3.6)
-    rigs.append(rig := Rig(robot, REHEARSAL, operator(robot), plant_path=new_stations["PythonFMU"]))
+    rigs.append(rig := Rig(robot, BENCH_SETUP, operator(robot), plant_path=new_stations["PythonFMU"]))
     with pytest.raises(PlantError, match=r"ThirdParty\.fmu: doStep failed at 3\.6000 s"):
         rig.run(from_seconds(5.0))
     # Up to that instant everything is as it was.
@@ -269,7 +269,7 @@ def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(new_statio
     robot = robot_with(fails_at=3.6)
     emulated = devices(robot, new_stations["PythonFMU"])
     bus, air = CanWire(robot.epos2_link("drives").bit_rate), DatagramWire(0, 0, 0.0, np.random.default_rng(0))
-    bridge, world = Bridge(robot, KIND), World()
+    bridge, world = Bridge(robot, ROBOT_TYPE), World()
     process = Process(Cluster(emulated.drives, emulated.bank))
     world.attach("emulator", process, {CAN: bus})
     world.attach(BRIDGE, bridge, {"drives": bus, OPERATOR: air})
@@ -295,7 +295,7 @@ def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(new_statio
 def test_the_command_line_states_it_in_one_line(new_stations: dict[str, Path], tmp_path: Path) -> None:
     mission = tmp_path / "crawl.toml"
     mission.write_text(MISSION, encoding="utf-8")
-    text = KIND.file.read_text(encoding="utf-8")
+    text = ROBOT_TYPE.file.read_text(encoding="utf-8")
     own = tmp_path / "own.toml"
     own.write_text(text.replace("[plant]\n", "[plant]\nparameters = { fails_at = 3.25 }\n"), encoding="utf-8")
     words = ["bench", str(own), "-m", str(mission), "--out", str(tmp_path / "out")]

@@ -91,7 +91,7 @@ def test_the_core_is_compiled_and_kept_small() -> None:
 @pytest.mark.parametrize("robot", ["rars", "rome", "climber", "ar2", "rome_arm"])
 def test_every_robot_has_its_plant_with_it(run: Run, robot: str) -> None:
     script = (
-        "import sys; from firmware_bridge.kinds import find; from fmu.build import ensure;"
+        "import sys; from firmware_bridge.robot_types import find; from fmu.build import ensure;"
         "print(ensure(find(sys.argv[1]).plant.fmu, int(sys.argv[2])))"
     )
     for fmi in ("2", "3"):

@@ -12,7 +12,7 @@ import canopen
 import pytest
 
 from emulators.epos2.objects.device_profile import EPOS2_70_10, realistic
-from emulators.single import Order, drives
+from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.node import CAN
@@ -26,7 +26,7 @@ class Bench(PdoMaster):
     """Two drives that answer with the published latency, and a master for the first."""
 
     def __init__(self, sheet: Path) -> None:
-        made, self.bank = drives(Order(NODES, realistic(EPOS2_70_10), 1_000_000))
+        made, self.bank = drives(DrivesOrder(NODES, realistic(EPOS2_70_10), 1_000_000))
         world, wire = World(self.bank), CanWire(1_000_000)
         self.log: list[str] = []
         wire.observe(lambda now, _, packet: self.log.append(candump_line(now, packet)))

@@ -89,15 +89,15 @@ def test_it_turns_a_wheel_forwards_and_back_and_stops_it(
         it.write(bytes((MODE1, AI | ALLCALL)))
         assert it.register(MODE1) == AI | ALLCALL
         it.write(library.set_speed(PORTS[0], 128))
-        for data in library.run(PORTS[0], library.Run.FORWARD):
+        for data in library.run(PORTS[0], library.RunArgument.FORWARD):
             it.write(data)
         while it.count() < 500:
             pass
-        for data in library.run(PORTS[0], library.Run.BACKWARD):
+        for data in library.run(PORTS[0], library.RunArgument.BACKWARD):
             it.write(data)
         while it.count() > -500:
             pass
-        for data in library.run(PORTS[0], library.Run.RELEASE):
+        for data in library.run(PORTS[0], library.RunArgument.RELEASE):
             it.write(data)
         before = it.count()
         while (now := it.count()) != before:

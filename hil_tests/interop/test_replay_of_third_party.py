@@ -7,12 +7,12 @@ import canopen
 import pytest
 
 from emulators.devices import Devices, devices
-from emulators.replay import Into, Order, replay
+from emulators.replay import Into, ReplayOrder, replay
 from emulators.wires import CanWire
 from emulators.world import World
-from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN
 from firmware_bridge.recording import candump_line
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import SECOND
 from hil_tests.interop.virtual_master import PdoMaster
 
@@ -61,7 +61,7 @@ def test_a_third_party_session_plays_again(emulated: Devices, sheet: Path, tmp_p
     log = session(emulated, sheet)
     file = tmp_path / "third_party.log"
     file.write_text("\n".join(log) + "\n", encoding="ascii")
-    outcome = replay(Order(RARS, file))
+    outcome = replay(ReplayOrder(RARS, file))
     assert outcome.into is Into.DRIVES
     assert outcome.difference is None
     assert (outcome.compared, outcome.played) == (len(log) - outcome.played, outcome.played)

@@ -10,7 +10,7 @@ from typing import Final
 import pytest
 
 from emulators.epos2.objects.device_profile import EPOS2_70_10, realistic
-from emulators.single import Order, drives
+from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.node import CAN
@@ -37,7 +37,7 @@ class Bench(PdoMaster):
     """One drive above the bench axis, and a master."""
 
     def __init__(self, sheet: Path) -> None:
-        order = Order(
+        order = DrivesOrder(
             (1,),
             realistic(EPOS2_70_10),
             1_000_000,

@@ -6,11 +6,11 @@ from typing import Any, Final
 import numpy as np
 import pytest
 
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.mission import Mission, MissionFileError, parse
 from emulators.bench.operator import ScriptedOperator
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 
 READY: Final = {"at_s": 3.0, "title": "arm", "arm": True}
@@ -28,7 +28,7 @@ def story(*steps: dict[str, Any]) -> Mission:
             stated = str(value).lower() if isinstance(value, bool) else repr(value).replace("'", '"')
             lines.append(f"{key} = {stated}")
     robot = find("carrier")
-    return parse("\n".join(lines), "story.toml", robot, rehearsal_of(robot))
+    return parse("\n".join(lines), "story.toml", robot, bench_setup_of(robot))
 
 
 @pytest.fixture
@@ -37,9 +37,9 @@ def rides() -> Iterator[Ridden]:
 
     def begin(*steps: dict[str, Any]) -> Rig:
         robot = find("carrier")
-        rehearsal = rehearsal_of(robot)
-        operator = ScriptedOperator(robot, rehearsal, story(*steps), np.random.default_rng(0))
-        made.append(Rig(robot, rehearsal, operator))
+        bench_setup = bench_setup_of(robot)
+        operator = ScriptedOperator(robot, bench_setup, story(*steps), np.random.default_rng(0))
+        made.append(Rig(robot, bench_setup, operator))
         return made[-1]
 
     yield begin

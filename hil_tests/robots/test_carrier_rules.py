@@ -9,7 +9,7 @@ from carrier.motion import Motion, State
 from emulators.bench.cases import Situation
 from emulators.testing.inherited.paper import START, gate_of, held, seen
 from firmware_bridge.differential.body import ramp_of
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, SECOND
 
 CARRIER: Final = find("carrier")
@@ -32,11 +32,11 @@ def test_it_turns_too_fast_a_quarter_above_its_limit_until_it_is_below_it(side: 
     gate, now = gate_of(CARRIER), START
     for share, spins in ((1.249, False), (1.251, True), (1.001, True), (1.0, True)):
         now += SECOND
-        ruling = gate.rule(seen(CARRIER, now, turning(side * share * TURN)))
-        assert ("turns too fast" in held(ruling)) is spins
+        decision = gate.rule(seen(CARRIER, now, turning(side * share * TURN)))
+        assert ("turns too fast" in held(decision)) is spins
     for late, spins in ((300 * MILLISECOND - 1, True), (300 * MILLISECOND, False)):
-        ruling = gate.rule(seen(CARRIER, now + late, turning(side * TURN)))
-        assert ("turns too fast" in held(ruling)) is spins
+        decision = gate.rule(seen(CARRIER, now + late, turning(side * TURN)))
+        assert ("turns too fast" in held(decision)) is spins
 
 
 def test_a_robot_that_turns_too_fast_has_to_be_armed_again() -> None:

@@ -6,14 +6,14 @@ from dataclasses import replace
 import pytest
 
 from emulators.bench.cases import Situation
-from emulators.motion_capture.bodies import Place, product, turned
+from emulators.motion_capture.bodies import Attitude, product, turned
 from emulators.testing.inherited.paper import START, gate_of, seen
 from firmware_bridge.drivers.driver import SeenPose
-from firmware_bridge.kinds import find, kind_named, parse
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robot.file import text_of
-from firmware_bridge.robots.climber.motion import Motion, State
+from firmware_bridge.robot_types import find, parse, robot_type_named
+from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
 from firmware_bridge.robots.climber.paths import PATHS
 from firmware_bridge.robots.climber.surface import placed, track_on, unrolled
 from hil_tests.rows import every
@@ -43,7 +43,7 @@ def on_tank(arc: float, height: float, heading: float, off: float = 0.0) -> Seen
         height,
     )
     assert turned(attitude, (0.0, 0.0, 1.0)) == pytest.approx((math.cos(round_it), math.sin(round_it), 0.0))
-    assert Place(place, attitude)
+    assert Attitude(place, attitude)
     return SeenPose(place, attitude, math.nan, 0)
 
 
@@ -93,11 +93,11 @@ def test_closed_paths_close(name: str) -> None:
 def test_it_is_the_slower_the_more_the_joint_is_turned_the_way_in_which_that_grows(
     joint_deg: float, allowed: float, side: float
 ) -> None:
-    gate, body = gate_of(CLIMBER), State(0.0, 0.0, side * math.radians(joint_deg), 1.0)
+    gate, body = gate_of(CLIMBER), ClimberState(0.0, 0.0, side * math.radians(joint_deg), 1.0)
     for command, expected in ((side * 0.06, side * allowed), (-side * 0.06, -side * 0.06)):
-        ruling = gate.rule(seen(CLIMBER, START, Situation(command=Motion(command, 0.1), body=body)))
-        assert ruling.allowed.speed_mps == pytest.approx(expected)
-        assert ruling.allowed.turn_rad_s == pytest.approx(0.1)
+        decision = gate.rule(seen(CLIMBER, START, Situation(command=ClimberMotion(command, 0.1), body=body)))
+        assert decision.allowed.speed_mps == pytest.approx(expected)
+        assert decision.allowed.turn_rad_s == pytest.approx(0.1)
 
 
 @every(("reported_deg", "read_deg"), [(0.0, 0.0), (-29.9, -29.9), (29.9, 29.9), (-45.0, None), (30.1, None)])
@@ -121,14 +121,14 @@ def test_an_angle_beyond_the_stops_is_a_wire_that_is_off(reported_deg: float, re
     ],
 )
 def test_a_file_that_would_fall_or_swing_is_refused(before: str, after: str, problem: str) -> None:
-    text = text_of(kind_named("climber").file)
+    text = text_of(robot_type_named("climber").file)
     assert before in text
     with pytest.raises(RobotFileError, match=problem):
         parse(text.replace(before, after), "climber.toml")
 
 
 def test_off_the_wall_it_is_disarmed_and_cannot_be_armed() -> None:
-    gate, well = gate_of(CLIMBER), State(0.0, 0.0, 0.0, 1.0)
+    gate, well = gate_of(CLIMBER), ClimberState(0.0, 0.0, 0.0, 1.0)
     assert not gate.rule(seen(CLIMBER, START, Situation(body=well))).holds
     (hold,) = gate.rule(seen(CLIMBER, START, Situation(body=replace(well, on_wall=0.0)))).holds
     assert hold.name == "off the wall"

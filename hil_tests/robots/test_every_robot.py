@@ -5,7 +5,7 @@ from typing import Final
 import pytest
 
 from emulators.testing.inherited import test_robot as inherited
-from firmware_bridge.kinds import names
+from firmware_bridge.robot_types import names
 
 LONG: Final = {"rars": ("line",), "climber": ("vertical",)}
 """Missions driven here of robots with long ones; the others are in hil_tests/scenarios."""

@@ -6,21 +6,21 @@ import pytest
 
 from firmware_bridge.drivers.driver import Feedback, Position, Speed
 from firmware_bridge.intent import NEVER_RECEIVED
-from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis, scissor
 from firmware_bridge.motion.pose import Pose
-from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robot_types import find
+from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.robots.rars.body import BASE_MOVES_MPS, LEASH_S, ramp_of
-from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.units import SECOND
 
 ROBOT: Final[Any] = find("rars")
-BODY: Final[Any] = KIND.body(ROBOT)
+BODY: Final[Any] = ROBOT_TYPE.body(ROBOT)
 BASE: Final[davis.DavisBase] = ROBOT.geometry.base
 LIFT: Final = ROBOT.geometry.lift
 RATE: Final = ROBOT.geometry.limits.lift_rate_mps
 TOP: Final = scissor.highest(LIFT)
-STATE: Final = State(0.2, 0.1, 0.0, 0.0, 0.0)
+STATE: Final = RarsState(0.2, 0.1, 0.0, 0.0, 0.0)
 
 
 def axes(*, received: bool = True, **changed: tuple[float, float]) -> dict[str, Feedback]:
@@ -52,14 +52,14 @@ def test_angle_and_height_are_of_their_axes_and_unknown_until_they_were_received
 @pytest.mark.parametrize("steer", [-0.3, 0.0, 0.3])
 @pytest.mark.parametrize("speed", [-0.2, 0.4])
 def test_each_wheel_gets_its_own_speed_by_the_angle_that_is_steered(speed: float, steer: float) -> None:
-    state = State(steer, 0.1, 0.0, 0.0, 0.0)
-    reported = BODY.demands(Motion(speed_mps=speed, steer_rad=0.1, lift_m=0.2), state)
+    state = RarsState(steer, 0.1, 0.0, 0.0, 0.0)
+    reported = BODY.demands(RarsMotion(speed_mps=speed, steer_rad=0.1, lift_m=0.2), state)
     left, right = davis.wheel_speeds(BASE, speed, steer)
     assert (reported["left"], reported["right"]) == (Speed(left), Speed(right))
     assert (left < right) == (steer * speed > 0.0)
     assert reported["steer"] == Position(davis.pinion_from_steer(BASE, 0.1))
     assert reported["lift"] == Position(scissor.screw_from_height(LIFT, 0.2))
-    assert BODY.demands(Motion(), state).keys() == {"left", "right"}
+    assert BODY.demands(RarsMotion(), state).keys() == {"left", "right"}
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
@@ -68,7 +68,7 @@ def test_the_base_moves_where_its_faster_wheel_does(turn: float, way: float) -> 
     for wheel, moves in ((BASE_MOVES_MPS, True), (0.999 * BASE_MOVES_MPS, False)):
         other = 0.5 * wheel if turn else wheel
         yaw = turn * (wheel - other) / BASE.rear_track_m
-        state = State(0.0, 0.1, 0.0, way * (wheel + other) / 2.0, yaw)
+        state = RarsState(0.0, 0.1, 0.0, way * (wheel + other) / 2.0, yaw)
         assert bool(BODY.moving(state)) is moves
 
 
@@ -81,31 +81,31 @@ def test_a_pose_goes_on_as_both_wheels_rolled() -> None:
 @pytest.mark.parametrize(
     ("before", "allowed", "height", "target"),
     [
-        (None, Motion(lift_m=0.3), 0.1, 0.1 + 0.05 * RATE),
-        (None, Motion(lift_m=0.0), 0.1, 0.1 - 0.05 * RATE),
-        (0.1, Motion(lift_m=0.1), 0.1, 0.1),
-        (None, Motion(lift_rate_mps=RATE / 2.0), 0.1, 0.1 + 0.025 * RATE),
-        (0.1 + RATE, Motion(lift_m=0.3), 0.1, 0.1 + LEASH_S * RATE),
-        (0.1 - RATE, Motion(lift_m=0.0), 0.1, 0.1 - LEASH_S * RATE),
-        (0.0, Motion(lift_rate_mps=-RATE), 0.0, 0.0),
-        (TOP, Motion(lift_rate_mps=RATE), TOP, TOP),
-        (None, Motion(lift_m=0.3), None, None),
-        (0.1, Motion(), 0.1, None),
+        (None, RarsMotion(lift_m=0.3), 0.1, 0.1 + 0.05 * RATE),
+        (None, RarsMotion(lift_m=0.0), 0.1, 0.1 - 0.05 * RATE),
+        (0.1, RarsMotion(lift_m=0.1), 0.1, 0.1),
+        (None, RarsMotion(lift_rate_mps=RATE / 2.0), 0.1, 0.1 + 0.025 * RATE),
+        (0.1 + RATE, RarsMotion(lift_m=0.3), 0.1, 0.1 + LEASH_S * RATE),
+        (0.1 - RATE, RarsMotion(lift_m=0.0), 0.1, 0.1 - LEASH_S * RATE),
+        (0.0, RarsMotion(lift_rate_mps=-RATE), 0.0, 0.0),
+        (TOP, RarsMotion(lift_rate_mps=RATE), TOP, TOP),
+        (None, RarsMotion(lift_m=0.3), None, None),
+        (0.1, RarsMotion(), 0.1, None),
     ],
 )
 def test_the_lifts_target_travels_at_its_rate_near_the_platform(
-    before: float | None, allowed: Motion, height: float | None, target: float | None
+    before: float | None, allowed: RarsMotion, height: float | None, target: float | None
 ) -> None:
-    state = State(0.2, height, 0.0, 0.0, 0.0)
-    next_ = BODY.ramped(Motion(lift_m=before), allowed, state, SECOND // 20)
+    state = RarsState(0.2, height, 0.0, 0.0, 0.0)
+    next_ = BODY.ramped(RarsMotion(lift_m=before), allowed, state, SECOND // 20)
     assert next_.lift_m == (None if target is None else pytest.approx(target, abs=1e-12))
     assert next_.lift_rate_mps == 0.0
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
 def test_straight_ahead_the_speed_is_on_its_ramp_up_to_its_top(way: float) -> None:
-    state, top = State(0.0, 0.1, 0.0, 0.0, 0.0), ROBOT.geometry.limits.speed_mps
+    state, top = RarsState(0.0, 0.1, 0.0, 0.0, 0.0), ROBOT.geometry.limits.speed_mps
     step = ramp_of(ROBOT).step(0.0, way * top, 0.0, SECOND // 20)
-    assert BODY.ramped(Motion(), Motion(speed_mps=way * top), state, SECOND // 20).speed_mps == step
-    faster = Motion(speed_mps=way * 2.0 * top)
-    assert BODY.ramped(Motion(speed_mps=way * top), faster, state, SECOND // 20).speed_mps == way * top
+    assert BODY.ramped(RarsMotion(), RarsMotion(speed_mps=way * top), state, SECOND // 20).speed_mps == step
+    faster = RarsMotion(speed_mps=way * 2.0 * top)
+    assert BODY.ramped(RarsMotion(speed_mps=way * top), faster, state, SECOND // 20).speed_mps == way * top

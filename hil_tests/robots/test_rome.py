@@ -8,25 +8,25 @@ import pytest
 
 from firmware_bridge.drivers.driver import Feedback, Power, Speed
 from firmware_bridge.intent import NEVER_RECEIVED
-from firmware_bridge.kinds import find, kind_of, parse
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import RobotFileError
-from firmware_bridge.robots.rome import KIND
+from firmware_bridge.robot_types import find, parse, robot_type_of
+from firmware_bridge.robots.rome import ROBOT_TYPE
 from firmware_bridge.robots.rome.guide import named
-from firmware_bridge.robots.rome.motion import Motion, State
+from firmware_bridge.robots.rome.motion import RomeMotion, RomeState
 from firmware_bridge.robots.rome.paths import by_points, ellipse, line
 from firmware_bridge.safety.snapshot import Facts, Snapshot
 from firmware_bridge.teleop.station import Stick, Velocity
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 ROBOT: Final[Any] = find("rome")
-BODY: Final[Any] = KIND.body(ROBOT)
+BODY: Final[Any] = ROBOT_TYPE.body(ROBOT)
 R: Final = ROBOT.geometry.base.wheel_radius_m
 HALF_ROOT: Final = math.sqrt(3.0) / 2.0
-REST: Final = State(0.0, 0.0, 0.0)
+REST: Final = RomeState(0.0, 0.0, 0.0)
 
 
-def seen(pose: Pose, now: Nanoseconds, sampled_at: Nanoseconds) -> Snapshot[Motion, State]:
+def seen(pose: Pose, now: Nanoseconds, sampled_at: Nanoseconds) -> Snapshot[RomeMotion, RomeState]:
     """Return the base armed, with a pose and wheels that were sampled then."""
     axes = {
         axis.name: Feedback(axis.name, Power.ON, received_at=now, sampled_at=sampled_at)
@@ -42,18 +42,18 @@ def seen(pose: Pose, now: Nanoseconds, sampled_at: Nanoseconds) -> Snapshot[Moti
         sensors={},
         links_lost={},
     )
-    return Snapshot(facts=facts, command=Motion(), demanded=Motion(), body=REST, pose=pose)
+    return Snapshot(facts=facts, command=RomeMotion(), demanded=RomeMotion(), body=REST, pose=pose)
 
 
 @pytest.mark.parametrize(
     ("motion", "rims"),
     [
-        (Motion(ahead_mps=0.2), (0.0, -0.2 * HALF_ROOT, 0.2 * HALF_ROOT)),
-        (Motion(left_mps=0.2), (0.2, -0.1, -0.1)),
-        (Motion(turn_rad_s=1.0), (0.16, 0.16, 0.16)),
+        (RomeMotion(ahead_mps=0.2), (0.0, -0.2 * HALF_ROOT, 0.2 * HALF_ROOT)),
+        (RomeMotion(left_mps=0.2), (0.2, -0.1, -0.1)),
+        (RomeMotion(turn_rad_s=1.0), (0.16, 0.16, 0.16)),
     ],
 )
-def test_each_wheel_gets_its_own_speed(motion: Motion, rims: tuple[float, ...]) -> None:
+def test_each_wheel_gets_its_own_speed(motion: RomeMotion, rims: tuple[float, ...]) -> None:
     reported = BODY.demands(motion, REST)
     assert [reported[axis].value for axis in ("one", "two", "three")] == pytest.approx(
         [rim / R for rim in rims], abs=1e-12
@@ -69,10 +69,10 @@ def test_each_wheel_gets_its_own_speed(motion: Motion, rims: tuple[float, ...]) 
 
 def test_a_stick_and_a_velocity_ask_for_three_ways_to_move() -> None:
     limits = ROBOT.geometry.limits
-    station = KIND.station
-    command = station.stick(Stick(0.5, -0.25, 1.0, None), Motion(), ROBOT)
-    assert command == Motion(0.5 * limits.speed_mps, -0.25 * limits.speed_mps, limits.turn_rate_rad_s)
-    assert station.target(Velocity(0.1, 0.2, None), Motion(), ROBOT) == Motion(0.1, 0.2, 0.0)
+    station = ROBOT_TYPE.station
+    command = station.stick(Stick(0.5, -0.25, 1.0, None), RomeMotion(), ROBOT)
+    assert command == RomeMotion(0.5 * limits.speed_mps, -0.25 * limits.speed_mps, limits.turn_rate_rad_s)
+    assert station.target(Velocity(0.1, 0.2, None), RomeMotion(), ROBOT) == RomeMotion(0.1, 0.2, 0.0)
 
 
 def test_the_control_law_is_2_15_with_the_error_actual_less_desired() -> None:
@@ -168,14 +168,14 @@ def test_a_path_by_points_goes_straight_and_rests_at_its_end() -> None:
     ],
 )
 def test_what_is_too_fast_is_refused_with_the_figure(old: str, new: str, stated: str) -> None:
-    text = KIND.file.read_text(encoding="utf-8")
+    text = ROBOT_TYPE.file.read_text(encoding="utf-8")
     assert text.count(old) == 1
     with pytest.raises(RobotFileError, match=stated):
         parse(text.replace(old, new), "rome.toml")
 
 
 def test_at_its_limits_the_guards_sums_let_it_go() -> None:
-    for motion, state in kind_of(ROBOT).reach(ROBOT):
+    for motion, state in robot_type_of(ROBOT).reach(ROBOT):
         reported = BODY.demands(replace(motion, path_s=1.0), state)
         for row in ROBOT.guard.sums:
             assert abs(sum(factor * reported[axis].value for axis, factor in row.of.items())) <= row.bound

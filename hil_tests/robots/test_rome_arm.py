@@ -8,21 +8,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from emulators.bench.rehearsal import rehearsal_of
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.testing.inherited.paper import seen
-from firmware_bridge.kinds import find, kind_of, load
 from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.orbit import THESIS
 from firmware_bridge.motion.orbit_elements import elements
 from firmware_bridge.motion.orbit_tle import state_of_tle
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import AnyRobot, Robot, RobotFileError
+from firmware_bridge.robot_types import find, load, robot_type_of
 from firmware_bridge.robots.ar2 import motion as arm
 from firmware_bridge.robots.rome import motion as base
-from firmware_bridge.robots.rome_arm import KIND
+from firmware_bridge.robots.rome_arm import ROBOT_TYPE
 from firmware_bridge.robots.rome_arm.balance import balance
-from firmware_bridge.robots.rome_arm.body import FOLLOWED, LEAST, Body
-from firmware_bridge.robots.rome_arm.motion import Motion, State
+from firmware_bridge.robots.rome_arm.body import FOLLOWED, LEAST, RomeArmKinematics
+from firmware_bridge.robots.rome_arm.motion import RomeArmMotion, RomeArmState
 from firmware_bridge.robots.rome_arm.orbit import PATHS
 from firmware_bridge.teleop.station import Stick, Velocity
 from firmware_bridge.units import STANDARD_GRAVITY
@@ -31,7 +31,7 @@ from hil_tests.unit.motion.test_orbit_tle import FIVE
 ROBOT: Robot[Any] = find("rome_arm")
 BENT = tuple(map(math.radians, (0.0, -90.0, 90.0, 0.0, 60.0, 0.0)))
 OUT = tuple(map(math.radians, (0.0, -30.0, 30.0, 0.0, 0.0, 0.0)))
-STANDS = base.State(0.0, 0.0, 0.0)
+STANDS = base.RomeState(0.0, 0.0, 0.0)
 
 
 def changed(table: str, **values: Any) -> Robot[Any]:
@@ -39,20 +39,20 @@ def changed(table: str, **values: Any) -> Robot[Any]:
     return ROBOT.model_copy(update={"geometry": ROBOT.geometry.model_copy(update={table: other})})
 
 
-def standing(angles: tuple[float, ...]) -> State:
-    return State(STANDS, arm.State(angles, (0.0,) * 6))
+def standing(angles: tuple[float, ...]) -> RomeArmState:
+    return RomeArmState(STANDS, arm.Ar2State(angles, (0.0,) * 6))
 
 
 @pytest.mark.parametrize("name", PATHS)
 def test_the_bench_expects_what_the_bridge_shows_by_other_equations(name: str) -> None:
     """An orbit goes by F and G here and by Kepler's equation there."""
     seconds = np.linspace(0.5, 70.0, 140)
-    x, y, z = rehearsal_of(ROBOT).paths[name](ROBOT)(seconds)
+    x, y, z = bench_setup_of(ROBOT).paths[name](ROBOT)(seconds)
     path = PATHS[name](ROBOT.geometry)
     places, tools = [path.base(it) for it in seconds], [path.tool(it) for it in seconds]
     assert [it.x for it in places] == pytest.approx(x, abs=1e-9)
     assert [it.y for it in places] == pytest.approx(y, abs=1e-9)
-    first = rehearsal_of(ROBOT).paths[name](ROBOT)(np.zeros(1))[2]
+    first = bench_setup_of(ROBOT).paths[name](ROBOT)(np.zeros(1))[2]
     assert [it.by[2] for it in tools] == pytest.approx(z - first, abs=1e-9)
 
 
@@ -99,7 +99,7 @@ def test_a_higher_path_takes_longer_by_what_the_arm_lacks(path: str, changes: di
 )
 def test_the_bench_knows_the_orbit_that_the_guide_flies(changes: dict[str, float]) -> None:
     robot = changed("orbit", **changes)
-    flown, known = PATHS["orbit"](robot.geometry), rehearsal_of(robot).paths["orbit"](robot)
+    flown, known = PATHS["orbit"](robot.geometry), bench_setup_of(robot).paths["orbit"](robot)
     times = np.linspace(0.1, 100.0, 50)
     x, y, _up = known(times)
     for at, seconds in enumerate(times):
@@ -108,7 +108,7 @@ def test_the_bench_knows_the_orbit_that_the_guide_flies(changes: dict[str, float
 
 
 def test_an_orbit_at_its_centre_is_refused_by_its_key(tmp_path: Path) -> None:
-    text = KIND.file.read_text(encoding="utf-8")
+    text = ROBOT_TYPE.file.read_text(encoding="utf-8")
     file = tmp_path / "other.toml"
     file.write_text(text.replace("start_du = [-0.5985, 1.6634, 0.0279]", "start_du = [0.0, 0.0, 0.0]"))
     with pytest.raises(RobotFileError, match=r"geometry\.orbit: .*start_du"):
@@ -121,7 +121,7 @@ TLE = "\n".join(f'  "{line}",' for line in FIVE)
 
 def other(folder: Path, orbit: str) -> AnyRobot:
     """Return the robot with another orbit in its file."""
-    text = KIND.file.read_text(encoding="utf-8")
+    text = ROBOT_TYPE.file.read_text(encoding="utf-8")
     assert PRINTED in text
     file = folder / "other.toml"
     file.write_text(text.replace(PRINTED, orbit), encoding="utf-8")
@@ -185,11 +185,11 @@ def test_its_first_joint_takes_the_centre_of_gravity_round_the_middle() -> None:
 
 
 def test_the_further_out_its_arm_the_more_gently_the_base_changes_its_speed() -> None:
-    body, fast = Body(ROBOT), Motion(base.Motion(ahead_mps=0.5))
+    body, fast = RomeArmKinematics(ROBOT), RomeArmMotion(base.RomeMotion(ahead_mps=0.5))
     steps = []
     for angles in (BENT, tuple(map(math.radians, (60.0, -85.0, 85.0, 0.0, 60.0, 0.0))), OUT):
         state = standing(angles)
-        ramped = body.ramped(Motion(), fast, state, ROBOT.cycle)
+        ramped = body.ramped(RomeArmMotion(), fast, state, ROBOT.cycle)
         steps.append(ramped.base.ahead_mps / body.share(state))
     assert steps == pytest.approx([steps[0]] * 3, rel=1e-6)
     assert body.share(standing(BENT)) == FOLLOWED
@@ -205,12 +205,12 @@ def test_the_acceleration_that_uses_up_the_room_would_tip_it() -> None:
 
 
 def test_until_the_cameras_have_seen_it_neither_half_begins_to_fly() -> None:
-    guide = KIND.guides["orbit"](ROBOT)
+    guide = ROBOT_TYPE.guides["orbit"](ROBOT)
     unseen = Located(Pose(), Source.UNSEEN, 0.0, 0.0, 0.0, 0)
     at = seen(ROBOT)
     for _ in range(5):
         command = guide.command(type(at)(**{**shown(at), "located": unseen}), ROBOT.cycle)
-        assert command.arm == arm.Motion()
+        assert command.arm == arm.Ar2Motion()
         assert command.base.twist == (0.0, 0.0, 0.0)
     first = guide.command(at, ROBOT.cycle)
     assert (first.base.path_s, first.arm.path_s) == (0.0, 0.0)
@@ -226,17 +226,19 @@ def shown(at: Any) -> dict[str, Any]:
 
 
 def test_by_stick_the_base_drives_and_the_tool_goes_up_and_down_alone() -> None:
-    command = KIND.station.stick(Stick(forward=0.5, left=-0.5, turn=1.0, up=0.25), Motion(), ROBOT)
+    command = ROBOT_TYPE.station.stick(
+        Stick(forward=0.5, left=-0.5, turn=1.0, up=0.25), RomeArmMotion(), ROBOT
+    )
     limits, tool = ROBOT.geometry.base.limits, ROBOT.geometry.arm.limits
     assert command.base.twist == (0.5 * limits.speed_mps, -0.5 * limits.speed_mps, limits.turn_rate_rad_s)
     assert command.arm.twist == (0.0, 0.0, 0.25 * tool.speed_mps, 0.0, 0.0, 0.0)
-    requested = KIND.station.target(Velocity(0.1, 0.2, 0.3), command, ROBOT)
-    assert isinstance(requested, Motion)
-    assert (requested.base.twist, requested.arm) == ((0.1, 0.2, 0.3), arm.Motion())
+    requested = ROBOT_TYPE.station.target(Velocity(0.1, 0.2, 0.3), command, ROBOT)
+    assert isinstance(requested, RomeArmMotion)
+    assert (requested.base.twist, requested.arm) == ((0.1, 0.2, 0.3), arm.Ar2Motion())
 
 
 def test_each_half_sees_itself_alone() -> None:
-    kind = kind_of(ROBOT)
+    kind = robot_type_of(ROBOT)
     names = [row.name for row in (*kind.interlocks, *kind.limits)]
     assert len(set(names)) == len(names)
     assert {"speed limit", "tool speed limit", "acceleration limit", "tool acceleration limit"} <= set(names)

@@ -9,13 +9,13 @@ from typer.testing import CliRunner
 from emulators.testing.inherited.paper import START, seen
 from firmware_bridge.cli import program
 from firmware_bridge.drivers.shield.fleet import measured, over_protocol
-from firmware_bridge.kinds import find, parse, robots
 from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import RobotFileError
-from firmware_bridge.robots.rome import KIND
+from firmware_bridge.robot_types import find, parse, robots
+from firmware_bridge.robots.rome import ROBOT_TYPE
 from firmware_bridge.robots.rome.guide import named
-from firmware_bridge.robots.rome.motion import Motion
+from firmware_bridge.robots.rome.motion import RomeMotion
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
@@ -24,7 +24,7 @@ CYCLE: Final = 50 * MILLISECOND
 KNOWN: Final = Located(Pose(2.0, 1.0, 0.0), Source.CAPTURED, 0.0, 0.0, 0.0, 0)
 
 
-def placed(located: Located, now: Nanoseconds, motion: Motion | None = None) -> Snapshot[Any, Any]:
+def placed(located: Located, now: Nanoseconds, motion: RomeMotion | None = None) -> Snapshot[Any, Any]:
     """The base armed and well, and where it is known to be."""
     well = seen(ROBOT, now)
     return Snapshot(
@@ -53,7 +53,9 @@ def test_what_a_robot_does_not_have_is_named_with_what_it_has() -> None:
 
 
 def test_a_robot_is_located_by_one_body_only() -> None:
-    text = "\n".join(path.read_text(encoding="utf-8") for path in (KIND.file, KIND.more["cameras"]))
+    text = "\n".join(
+        path.read_text(encoding="utf-8") for path in (ROBOT_TYPE.file, ROBOT_TYPE.more["cameras"])
+    )
     sensors = text[text.index("[[sensors]]") :]
     with pytest.raises(RobotFileError, match=r"located by sensors\[0\] already; leave odometry out here"):
         parse(text + sensors.replace('name = "place"', 'name = "again"'), "two.toml")
@@ -64,7 +66,7 @@ def test_before_it_is_seen_the_guide_commands_nothing_and_the_path_begins_where_
     unseen = replace(KNOWN, source=Source.UNSEEN, pose=Pose())
     for cycle in range(3):
         motion = guide.command(placed(unseen, START + cycle * CYCLE), CYCLE)
-        assert motion == Motion(path_s=0.0)
+        assert motion == RomeMotion(path_s=0.0)
     first = guide.command(placed(KNOWN, START + 3 * CYCLE), CYCLE)
     assert (first.ahead_mps, first.left_mps, first.path_s) == pytest.approx((0.5, 0.0, 0.0))
 

@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 import pytest
 
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from hil_tests.safety import gate_bench
 from hil_tests.safety.gate_bench import Rars, Snapshot
 from hil_tests.safety.guard_bench import Bench

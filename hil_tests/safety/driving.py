@@ -12,9 +12,9 @@ from firmware_bridge.bridge.stops import RAMPED_WITHIN, AxisStop, Progress
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.shield.fleet import measured, over_protocol
 from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN
-from firmware_bridge.kinds import find
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 
 SPEEDS: Final = {"climber": 0.04}

@@ -4,11 +4,11 @@ from dataclasses import replace
 from typing import Any, Final
 
 from firmware_bridge.drivers.driver import Demand, Feedback, Power
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import Axis
 from firmware_bridge.robot.belief import Belief
-from firmware_bridge.safety.following import Follower, bounds_of
-from firmware_bridge.safety.snapshot import Following
+from firmware_bridge.robot_types import find
+from firmware_bridge.safety.snapshot import Tracking
+from firmware_bridge.safety.tracking import TrackingMonitor, bounds_of
 from firmware_bridge.units import SECOND, Nanoseconds
 
 RARS: Final = find("rars")
@@ -26,7 +26,7 @@ class Axle:
 
     def __init__(self, axis: Axis = WHEEL, **belief: Any) -> None:
         self.axis = axis.model_copy(update={"belief": Belief(**belief)})
-        self.follower = Follower(self.axis, bounds_of(RARS, self.axis))
+        self.follower = TrackingMonitor(self.axis, bounds_of(RARS, self.axis))
         self.now: Nanoseconds = SECOND
         self.position = 0.0
         self.does(0.0)
@@ -35,7 +35,7 @@ class Axle:
         """Send it a demand."""
         self.follower.on_set_point(demand, self.now)
 
-    def does(self, speed: float, cycles: int = 1, power: Power = Power.ON, **changed: Any) -> Following:
+    def does(self, speed: float, cycles: int = 1, power: Power = Power.ON, **changed: Any) -> Tracking:
         """Let it move with a speed for some cycles; return what is known then."""
         for _ in range(cycles):
             self.now += CYCLE
@@ -43,12 +43,12 @@ class Axle:
             known = self.known(speed, power, **changed)
         return known
 
-    def known(self, speed: float, power: Power = Power.ON, **changed: Any) -> Following:
+    def known(self, speed: float, power: Power = Power.ON, **changed: Any) -> Tracking:
         """Show the newest sample."""
         seen = Feedback(self.axis.name, power, self.now, self.now, position=self.position, velocity=speed)
         return self.follower.saw(replace(seen, **changed))
 
-    def known_later(self, speed: float) -> Following:
+    def known_later(self, speed: float) -> Tracking:
         """Show a cycle later a speed, and the same place."""
         self.now += CYCLE
         return self.known(speed)

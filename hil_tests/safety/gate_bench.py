@@ -8,22 +8,22 @@ from firmware_bridge.drivers.driver import Feedback, Power, Reports
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rars import KIND
-from firmware_bridge.robots.rars.geometry import Geometry
-from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.robots.rars import ROBOT_TYPE
+from firmware_bridge.robots.rars.geometry import RarsGeometry
+from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.safety import gate, snapshot
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire import cia402
 
-Rars: TypeAlias = Robot[Geometry]
-Gate: TypeAlias = gate.Gate[Geometry, Motion, State]
-Snapshot: TypeAlias = snapshot.Snapshot[Motion, State]
-Ruling: TypeAlias = snapshot.Ruling[Motion]
+Rars: TypeAlias = Robot[RarsGeometry]
+Gate: TypeAlias = gate.Gate[RarsGeometry, RarsMotion, RarsState]
+Snapshot: TypeAlias = snapshot.Snapshot[RarsMotion, RarsState]
+Ruling: TypeAlias = snapshot.Decision[RarsMotion]
 
 FAULTS: Final = (
-    cia402.State.FAULT,
-    cia402.State.FAULT_REACTION_DISABLED,
-    cia402.State.FAULT_REACTION_ENABLED,
+    cia402.PowerState.FAULT,
+    cia402.PowerState.FAULT_REACTION_DISABLED,
+    cia402.PowerState.FAULT_REACTION_ENABLED,
 )
 _MOTION: Final = frozenset({"speed_mps", "steer_rad", "lift_m", "lift_rate_mps"})
 
@@ -34,7 +34,7 @@ def above(value: float) -> float:
 
 def gate_of(robot: Rars) -> Gate:
     """Return RARS's gate; its drives report everything."""
-    return gate.Gate(robot, KIND.rules(robot), {axis.name: frozenset(Reports) for axis in robot.axes})
+    return gate.Gate(robot, ROBOT_TYPE.rules(robot), {axis.name: frozenset(Reports) for axis in robot.axes})
 
 
 def limited(robot: Rars, **limits: float) -> Rars:
@@ -44,13 +44,13 @@ def limited(robot: Rars, **limits: float) -> Rars:
     return robot.model_copy(update={"geometry": changed})
 
 
-def stated(state: cia402.State | None) -> dict[str, Any]:
+def stated(state: cia402.PowerState | None) -> dict[str, Any]:
     """Return what a drive in this state is known by."""
     if state is None:
         return {"power": Power.UNKNOWN, "text": ""}
-    if state is cia402.State.OPERATION_ENABLED:
+    if state is cia402.PowerState.OPERATION_ENABLED:
         power = Power.ON
-    elif state is cia402.State.QUICK_STOP_ACTIVE:
+    elif state is cia402.PowerState.QUICK_STOP_ACTIVE:
         power = Power.STOPPED
     else:
         power = Power.FAULT if state in FAULTS else Power.OFF
@@ -70,7 +70,7 @@ def well(
     """Make a healthy snapshot; the command and one axis's fields are given as dictionaries."""
     changed = drives or {}
     command = dict(intent or {})
-    enabled = stated(cia402.State.OPERATION_ENABLED)
+    enabled = stated(cia402.PowerState.OPERATION_ENABLED)
     axes = {
         axis.name: Feedback(axis.name, **{**enabled, "received_at": now, **changed.get(axis.name, {})})
         for axis in robot.axes
@@ -87,9 +87,9 @@ def well(
             links_lost={} if link_lost is None else {"drives": link_lost},
             **facts,
         ),
-        command=Motion(**{"steer_rad": 0.0, **command}),
-        demanded=Motion(demanded_speed_mps),
-        body=State(screw_rad_s=axes["lift"].velocity, yaw_rate_rad_s=0.0, **body),
+        command=RarsMotion(**{"steer_rad": 0.0, **command}),
+        demanded=RarsMotion(demanded_speed_mps),
+        body=RarsState(screw_rad_s=axes["lift"].velocity, yaw_rate_rad_s=0.0, **body),
         pose=Pose(),
     )
 
@@ -119,16 +119,16 @@ def shifted(seen: Snapshot, by: Nanoseconds) -> Snapshot:
     )
 
 
-def names(ruling: Ruling) -> tuple[str, ...]:
+def names(decision: Ruling) -> tuple[str, ...]:
     """Return the names of what holds."""
-    return tuple(hold.name for hold in ruling.holds)
+    return tuple(hold.name for hold in decision.holds)
 
 
-def base_stopped(ruling: Ruling) -> bool:
+def base_stopped(decision: Ruling) -> bool:
     """Return whether the base is held."""
-    return "base" in ruling.stopped
+    return "base" in decision.stopped
 
 
-def lift_free(ruling: Ruling) -> bool:
+def lift_free(decision: Ruling) -> bool:
     """Return whether the lift may move."""
-    return "lift" not in ruling.stopped
+    return "lift" not in decision.stopped

@@ -4,9 +4,9 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final
 
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot, Table
 from firmware_bridge.robot.file import robot_of
+from firmware_bridge.robot_types import find
 
 RARS: Final[AnyRobot] = find("rars")
 

@@ -2,15 +2,15 @@
 
 from typing import Final
 
-from firmware_bridge.kinds import find
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard import Refusal, guarded
 from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
-from firmware_bridge.wire.maxon.frame import Answered
+from firmware_bridge.wire.maxon.frame import MaxonAnswer
 from firmware_bridge.wire.maxon.messages import Done, ObjectRead, ReadObject, Request, WriteObject
 from firmware_bridge.wire.maxon.opcodes import encode_answer
 from firmware_bridge.wire.maxon.packets import command, outcome_packet, request_of
@@ -62,7 +62,7 @@ def target(node: int, quadcounts: int) -> Packet:
 def done(packet: Packet) -> Packet:
     request = request_of(packet)
     assert request is not None
-    return outcome_packet(packet.address, Answered(encode_answer(request, Done(0))), LINK)
+    return outcome_packet(packet.address, MaxonAnswer(encode_answer(request, Done(0))), LINK)
 
 
 def value(packet: Packet, raw: bytes, error: int = 0) -> Packet:
@@ -70,7 +70,7 @@ def value(packet: Packet, raw: bytes, error: int = 0) -> Packet:
     request = request_of(packet)
     assert request is not None
     answer = encode_answer(request, ObjectRead(error, raw.ljust(4, b"\0")))
-    return outcome_packet(packet.address, Answered(answer), LINK)
+    return outcome_packet(packet.address, MaxonAnswer(answer), LINK)
 
 
 class SerialBench:

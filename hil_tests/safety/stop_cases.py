@@ -6,9 +6,9 @@ from typing import Any, Final
 
 from firmware_bridge.drivers.driver import Homed, Position, Speed, Stop
 from firmware_bridge.intent import NEVER_RECEIVED, AgeLimit
-from firmware_bridge.safety.snapshot import Following
+from firmware_bridge.safety.snapshot import Tracking
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from hil_tests.safety.gate_bench import above, stated
 
 START: Final = 100 * SECOND
@@ -41,9 +41,9 @@ def intent(**fields: Any) -> dict[str, Any]:
     return {"intent": fields}
 
 
-def dated(age: Nanoseconds) -> dict[str, Any]:
+def timestamped(age: Nanoseconds) -> dict[str, Any]:
     """Return the fields of a motion command that was sent so long ago, counted from the look."""
-    return {"sent_at": START - age, "dated": True}
+    return {"sent_at": START - age, "timestamped": True}
 
 
 def drive(name: str, **fields: Any) -> dict[str, Any]:
@@ -52,7 +52,7 @@ def drive(name: str, **fields: Any) -> dict[str, Any]:
 
 def follows(name: str, **fields: Any) -> dict[str, Any]:
     """Return the fields of one axis that follows all its commands, but for these fields."""
-    known = Following(Speed(1.5), START, START, START, START, START, position=0.125, velocity=0.25)
+    known = Tracking(Speed(1.5), START, START, START, START, START, position=0.125, velocity=0.25)
     return {"following": {name: replace(known, **fields)}}
 
 
@@ -108,29 +108,29 @@ CASES: Final = (
     Case("operation paused", {"paused": True}, {}, "the operator has paused the robot"),
     Case(
         "operator link timeout",
-        intent(received_at=START - 200 * MILLISECOND) | dated(500 * MILLISECOND),
-        intent(received_at=START - 200 * MILLISECOND + 1) | dated(500 * MILLISECOND - 1),
+        intent(received_at=START - 200 * MILLISECOND) | timestamped(500 * MILLISECOND),
+        intent(received_at=START - 200 * MILLISECOND + 1) | timestamped(500 * MILLISECOND - 1),
         "no motion command for 0.20 s, limit 0.20 s",
         LINK,
     ),
     Case(
         "command stale",
-        dated(500 * MILLISECOND),
-        dated(500 * MILLISECOND - 1),
+        timestamped(500 * MILLISECOND),
+        timestamped(500 * MILLISECOND - 1),
         "the newest motion command was 0.50 s old when it came, limit 0.50 s",
         LINK,
     ),
     Case(
         "command stale",
-        dated(500 * MILLISECOND) | {"dated": False},
-        dated(500 * MILLISECOND - 1) | {"dated": False},
+        timestamped(500 * MILLISECOND) | {"timestamped": False},
+        timestamped(500 * MILLISECOND - 1) | {"timestamped": False},
         "the newest motion command was at least 0.50 s old when it came, limit 0.50 s",
         LINK,
     ),
     Case(
         "command not timestamped",
         {"age_limit": AgeLimit(needed=True)},
-        {"age_limit": AgeLimit(needed=True), **dated(0)},
+        {"age_limit": AgeLimit(needed=True), **timestamped(0)},
         "the age of the motion commands is unknown",
         LINK,
     ),
@@ -330,7 +330,7 @@ CASES: Final = (
     *(
         Case(
             f"reference lost: {name}",
-            drive(name, zero_lost=True),
+            drive(name, reference_lost=True),
             {},
             f"{TITLES[name]}: its reference is lost, position unknown",
         )
@@ -338,14 +338,14 @@ CASES: Final = (
     ),
     Case(
         "reference lost: steer",
-        drive("steer", zero_lost=True) | {"stood": {"steer": "12.50 deg", "lift": "0.10 m"}},
-        drive("left", zero_lost=True),
+        drive("steer", reference_lost=True) | {"stood": {"steer": "12.50 deg", "lift": "0.10 m"}},
+        drive("left", reference_lost=True),
         f"{TITLES['steer']}: its reference is lost, position unknown (last known: 12.50 deg)",
     ),
     Case(
         "axis timeout: steer",
-        drive("steer", received_at=NEVER_RECEIVED, zero_lost=True, **stated(None)),
-        drive("right", zero_lost=True),
+        drive("steer", received_at=NEVER_RECEIVED, reference_lost=True, **stated(None)),
+        drive("right", reference_lost=True),
         f"{TITLES['steer']} has not reported yet",
         LINK,
     ),
@@ -367,9 +367,9 @@ CASES: Final = (
             f"{TITLES[name]} is in fault, code unknown",
         )
         for name, state in (
-            ("left", State.FAULT),
-            ("right", State.FAULT_REACTION_DISABLED),
-            ("lift", State.FAULT_REACTION_ENABLED),
+            ("left", PowerState.FAULT),
+            ("right", PowerState.FAULT_REACTION_DISABLED),
+            ("lift", PowerState.FAULT_REACTION_ENABLED),
         )
     ),
     Case(
@@ -387,14 +387,14 @@ CASES: Final = (
         )
         for name, state in (
             ("left", None),
-            ("right", State.START),
-            ("steer", State.NOT_READY_TO_SWITCH_ON),
-            ("lift", State.SWITCH_ON_DISABLED),
-            ("left", State.READY_TO_SWITCH_ON),
-            ("right", State.SWITCHED_ON),
-            ("steer", State.REFRESH),
-            ("lift", State.MEASURE_INIT),
-            ("left", State.QUICK_STOP_ACTIVE),
+            ("right", PowerState.START),
+            ("steer", PowerState.NOT_READY_TO_SWITCH_ON),
+            ("lift", PowerState.SWITCH_ON_DISABLED),
+            ("left", PowerState.READY_TO_SWITCH_ON),
+            ("right", PowerState.SWITCHED_ON),
+            ("steer", PowerState.REFRESH),
+            ("lift", PowerState.MEASURE_INIT),
+            ("left", PowerState.QUICK_STOP_ACTIVE),
         )
     ),
 )

@@ -7,9 +7,9 @@ from typing import Any, Final
 import pytest
 
 from firmware_bridge.drivers.driver import Demand, Position, Speed, Stop
-from firmware_bridge.kinds import find, names
 from firmware_bridge.robot.belief import Belief
-from firmware_bridge.safety.following import bounds_of, within
+from firmware_bridge.robot_types import find, names
+from firmware_bridge.safety.tracking import bounds_of, within
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.safety.following_bench import CYCLE, GIVES, RARS, SLACK, STEERING, WHEEL, Axle, rested, settled
 from hil_tests.safety.gate_bench import above
@@ -37,18 +37,18 @@ def test_what_a_robot_file_leaves_out_is_worked_out(name: str) -> None:
         rpm = 2.0 * math.pi / 60.0 / axis.ratio
         gentlest = min(drive.acceleration_rpm_s, drive.deceleration_rpm_s, drive.quick_stop_rpm_s)
         assert bounds.speed == bounds.position == pytest.approx(axis.top_speed / 40.0)
-        assert axis.rests_below == pytest.approx(axis.top_speed / 80.0)
+        assert axis.standstill_below == pytest.approx(axis.top_speed / 80.0)
         assert bounds.ramp == pytest.approx(0.5 * gentlest * rpm)
         assert bounds.cruise == pytest.approx(0.5 * drive.velocity_rpm * rpm)
         assert bounds.lag_s == 0.1 + 2 * robot.cycle / SECOND
         within_ms = axis.belief.within_ms or robot.epos2_link(axis.link).silent_ms
-        assert bounds.creep == pytest.approx(axis.rests_below * within_ms / 1000)
+        assert bounds.creep == pytest.approx(axis.standstill_below * within_ms / 1000)
         assert axis.holds_with == axis.epos2.continuous_current_ma / 1000
 
 
 def test_what_a_robot_file_states_counts() -> None:
     stated = Belief(
-        rests_below=0.3,
+        standstill_below=0.3,
         speed=1.0,
         position=2.0,
         ramp=3.0,
@@ -62,7 +62,7 @@ def test_what_a_robot_file_states_counts() -> None:
     assert (bounds.speed, bounds.position, bounds.ramp, bounds.cruise) == (1.0, 2.0, 3.0, 4.0)
     assert bounds.lag_s == 0.06
     assert bounds.creep == pytest.approx(0.3 * 0.07)
-    assert (axis.rests_below, axis.holds_with) == (0.3, 5.0)
+    assert (axis.standstill_below, axis.holds_with) == (0.3, 5.0)
     assert within(axis, SECOND) == 70 * MILLISECOND
     assert within(WHEEL, SECOND) == SECOND
 
@@ -75,7 +75,7 @@ def test_what_a_robot_file_states_counts() -> None:
         ("ramp", 3.0, {"ramp": 3.0}),
         ("cruise", 4.0, {"cruise": 4.0}),
         ("lag_ms", 60, {"lag_s": 0.06}),
-        ("rests_below", 0.3, {"creep": 0.3 * 0.25}),
+        ("standstill_below", 0.3, {"creep": 0.3 * 0.25}),
         ("within_ms", 70, {"creep": 0.2 * 0.07}),
     ],
 )
@@ -84,8 +84,8 @@ def test_each_key_of_a_robot_file_changes_its_own_bound_alone(
 ) -> None:
     """RARS's wheel rests below 0.2 rad/s, an 80th of 16; its link allows a silence of 250 ms."""
     axis = WHEEL.model_copy(update={"belief": Belief(**{key: value})})
-    left_out, bounds = asdict(bounds_of(RARS, WHEEL)), asdict(bounds_of(RARS, axis))
-    assert bounds == pytest.approx(left_out | changes)
+    excluded, bounds = asdict(bounds_of(RARS, WHEEL)), asdict(bounds_of(RARS, axis))
+    assert bounds == pytest.approx(excluded | changes)
 
 
 def test_a_link_of_every_second_cycle_has_twice_the_way() -> None:
@@ -388,7 +388,7 @@ def test_an_encoder_that_freezes_while_its_wheel_is_stopped_is_known_at_rest(sto
 
 
 def test_what_it_may_creep_it_may_owe() -> None:
-    one = rested(Speed(0.125), rests_below=0.125, within_ms=50)
+    one = rested(Speed(0.125), standstill_below=0.125, within_ms=50)
     one.does(0.125, 200)
     assert one.does(0.0).settled_at == one.now
     assert one.does(0.0).settled_at == one.now - CYCLE

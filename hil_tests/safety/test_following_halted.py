@@ -3,7 +3,7 @@
 import pytest
 
 from firmware_bridge.drivers.driver import Demand, Position, Speed, Stop
-from firmware_bridge.safety.following import bounds_of
+from firmware_bridge.safety.tracking import bounds_of
 from hil_tests.safety.following_bench import RARS, STEERING, Axle, rested, settled
 
 
@@ -55,14 +55,14 @@ def test_what_it_may_creep_it_may_owe_to_the_last_bit() -> None:
     one = settled(Speed(0.125), 0.125)
     least = one.follower.following.low
     for creeps, halted in ((least, False), (least * (1.0 - 1e-12), True)):
-        one = rested(Speed(0.125), rests_below=creeps, within_ms=50)
+        one = rested(Speed(0.125), standstill_below=creeps, within_ms=50)
         moved = one.does(0.125, 200).sampled_at
         known = one.does(0.0)
         assert (known.halted, known.settled_at) == (halted, moved if halted else one.now)
 
 
 def test_a_wheel_that_has_not_begun_to_turn_has_not_halted() -> None:
-    one = rested(Speed(14.0), rests_below=0.1, within_ms=10)
+    one = rested(Speed(14.0), standstill_below=0.1, within_ms=10)
     assert not any(one.does(0.0).halted for _ in range(8))
 
 
@@ -91,6 +91,6 @@ def test_an_axis_on_its_way_to_a_position_has_not_turned(sign: float) -> None:
 
 
 def test_however_slowly_it_turns_it_turns() -> None:
-    one = rested(Speed(1e-3), rests_below=1e-4, within_ms=10)
+    one = rested(Speed(1e-3), standstill_below=1e-4, within_ms=10)
     one.does(1e-3, 400)
     assert one.does(0.0).halted

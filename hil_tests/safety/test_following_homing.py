@@ -4,7 +4,7 @@ from typing import Final
 
 from firmware_bridge.drivers.driver import Homed, Stop
 from firmware_bridge.robot import Axis
-from firmware_bridge.safety.following import bounds_of
+from firmware_bridge.safety.tracking import bounds_of
 from hil_tests.safety.following_bench import RARS, Axle
 from hil_tests.scenarios.homed import LIFT as HOMING
 from hil_tests.scenarios.homed import homed

@@ -6,9 +6,9 @@ import pytest
 
 from firmware_bridge.drivers.driver import Demand, Feedback, Position, Power, Speed, Stop
 from firmware_bridge.intent import NEVER_RECEIVED
-from firmware_bridge.kinds import find, names
-from firmware_bridge.robot import AnyRobot, Command
-from firmware_bridge.safety.following import Follower, Followers, bounds_of
+from firmware_bridge.robot import AnyRobot, CommandForm
+from firmware_bridge.robot_types import find, names
+from firmware_bridge.safety.tracking import Followers, TrackingMonitor, bounds_of
 from firmware_bridge.units import SECOND
 from hil_tests.safety.following_bench import CYCLE, RARS, STEERING, WHEEL, Axle, rested, settled
 
@@ -126,7 +126,7 @@ def test_its_range_reaches_to_rest_and_back_each_time_that_a_device_stops_and_go
 
 
 def test_a_device_that_was_not_received_or_counts_again_is_not_judged() -> None:
-    follower = Follower(WHEEL, bounds_of(RARS, WHEEL))
+    follower = TrackingMonitor(WHEEL, bounds_of(RARS, WHEEL))
     assert follower.saw(Feedback("left")).obeyed_at == NEVER_RECEIVED
     one = rested(Speed(0.0))
     assert one.follower.saw(Feedback("left", Power.ON, sampled_at=NEVER_RECEIVED)).obeyed_at == NEVER_RECEIVED
@@ -152,7 +152,7 @@ def test_all_axes_of_a_robot_are_watched_each_by_its_own(name: str) -> None:
     axes = {axis.name: Feedback(axis.name, Power.ON, SECOND, SECOND) for axis in robot.axes}
     followers.saw(axes)
     demands: dict[str, Demand] = {
-        axis.name: Speed(0.5 * axis.top_speed) for axis in robot.axes if axis.command is Command.SPEED
+        axis.name: Speed(0.5 * axis.top_speed) for axis in robot.axes if axis.command is CommandForm.SPEED
     }
     now = SECOND
     followers.saw({name: replace(one, sampled_at=now + 1) for name, one in axes.items()})

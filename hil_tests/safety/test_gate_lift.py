@@ -29,17 +29,21 @@ def test_the_lift_does_not_move_while_the_robot_drives(
     robot: Rars, well: Well, changes: dict[str, Any], reason: str, command: dict[str, float]
 ) -> None:
     gate = gate_of(robot)
-    ruling = gate.rule(well(START, intent=command, **changes))
-    assert [(hold.name, hold.reason) for hold in ruling.holds if hold.name == "lift refused"] == [
+    decision = gate.rule(well(START, intent=command, **changes))
+    assert [(hold.name, hold.reason) for hold in decision.holds if hold.name == "lift refused"] == [
         ("lift refused", reason)
     ]
-    assert (lift_free(ruling), ruling.allowed.lift_m, ruling.allowed.lift_rate_mps) == (False, None, 0.0)
+    assert (lift_free(decision), decision.allowed.lift_m, decision.allowed.lift_rate_mps) == (
+        False,
+        None,
+        0.0,
+    )
     rests = START + SECOND
     assert names(gate.rule(well(rests, intent=command))) == ("lift refused",)
     assert not lift_free(gate.rule(well(rests + 200 * MILLISECOND - 1, intent=command)))
-    ruling = gate.rule(well(rests + 200 * MILLISECOND, intent=command))
-    assert lift_free(ruling)
-    assert (ruling.allowed.lift_m, ruling.allowed.lift_rate_mps) == (
+    decision = gate.rule(well(rests + 200 * MILLISECOND, intent=command))
+    assert lift_free(decision)
+    assert (decision.allowed.lift_m, decision.allowed.lift_rate_mps) == (
         command.get("lift_m"),
         command.get("lift_rate_mps", 0.0),
     )
@@ -47,8 +51,8 @@ def test_the_lift_does_not_move_while_the_robot_drives(
 
 @pytest.mark.parametrize("speed", [0.0, 0.010, -0.010])
 def test_the_lift_moves_at_standstill(robot: Rars, well: Well, speed: float) -> None:
-    ruling = gate_of(robot).rule(well(START, intent={"lift_m": 0.3}, speed_mps=speed))
-    assert (names(ruling), lift_free(ruling), ruling.allowed.lift_m) == ((), True, 0.3)
+    decision = gate_of(robot).rule(well(START, intent={"lift_m": 0.3}, speed_mps=speed))
+    assert (names(decision), lift_free(decision), decision.allowed.lift_m) == ((), True, 0.3)
 
 
 def test_the_base_counts_as_standing_only_well_below_its_threshold(robot: Rars, well: Well) -> None:
@@ -65,10 +69,10 @@ def test_the_base_counts_as_standing_only_well_below_its_threshold(robot: Rars, 
 
 
 def test_a_lift_that_is_not_commanded_is_not_refused(robot: Rars, well: Well) -> None:
-    ruling = gate_of(robot).rule(
+    decision = gate_of(robot).rule(
         well(START, intent={"speed_mps": 0.01}, speed_mps=0.3, demanded_speed_mps=0.01)
     )
-    assert (ruling.holds, lift_free(ruling)) == ((), True)
+    assert (decision.holds, lift_free(decision)) == ((), True)
 
 
 @pytest.mark.parametrize(
@@ -88,25 +92,25 @@ def test_a_lift_that_is_not_commanded_is_not_refused(robot: Rars, well: Well) ->
 def test_a_lift_within_a_millimetre_has_arrived(
     robot: Rars, well: Well, command: float, height: float | None, *, wanted: bool
 ) -> None:
-    ruling = gate_of(robot).rule(well(START, intent={"lift_m": command}, lift_m=height, speed_mps=0.3))
-    assert ("lift refused" in names(ruling)) is wanted
-    assert lift_free(ruling) is not wanted
+    decision = gate_of(robot).rule(well(START, intent={"lift_m": command}, lift_m=height, speed_mps=0.3))
+    assert ("lift refused" in names(decision)) is wanted
+    assert lift_free(decision) is not wanted
 
 
 def test_who_requests_both_at_once_drives(robot: Rars, well: Well) -> None:
-    ruling = gate_of(robot).rule(well(START, intent={"speed_mps": 0.05, "lift_m": 0.3}))
-    assert names(ruling) == ("lift refused",)
-    assert (ruling.allowed.speed_mps, lift_free(ruling)) == (0.05, False)
+    decision = gate_of(robot).rule(well(START, intent={"speed_mps": 0.05, "lift_m": 0.3}))
+    assert names(decision) == ("lift refused",)
+    assert (decision.allowed.speed_mps, lift_free(decision)) == (0.05, False)
 
 
 def test_a_lift_that_was_let_go_stops_the_base_before_it_is_seen_to_move(robot: Rars, well: Well) -> None:
     gate = gate_of(robot)
     assert lift_free(gate.rule(well(START, intent={"lift_m": 0.3})))
-    ruling = gate.rule(well(START + 1, intent={"lift_m": 0.3, "speed_mps": 0.05}))
-    assert [(hold.name, hold.reason) for hold in ruling.holds] == [
+    decision = gate.rule(well(START + 1, intent={"lift_m": 0.3, "speed_mps": 0.05}))
+    assert [(hold.name, hold.reason) for hold in decision.holds] == [
         ("lift moving", "the lift has been commanded to move")
     ]
-    assert (ruling.allowed.speed_mps, lift_free(ruling)) == (0.0, True)
+    assert (decision.allowed.speed_mps, lift_free(decision)) == (0.0, True)
     # The command for the lift is given up: after its clear time the base is free.
     drive = {"speed_mps": 0.05}
     assert base_stopped(gate.rule(well(START + 2, intent=drive)))
@@ -128,8 +132,8 @@ def test_a_refused_lift_does_not_stop_the_base(robot: Rars, well: Well) -> None:
 
 
 def test_an_extended_lift_comes_down_while_the_base_is_held(robot: Rars, well: Well) -> None:
-    ruling = gate_of(robot).rule(well(START, intent={"lift_m": 0.0, "speed_mps": 0.3}, lift_m=0.4))
-    assert (ruling.allowed.speed_mps, lift_free(ruling), ruling.allowed.lift_m) == (0.0, True, 0.0)
+    decision = gate_of(robot).rule(well(START, intent={"lift_m": 0.0, "speed_mps": 0.3}, lift_m=0.4))
+    assert (decision.allowed.speed_mps, lift_free(decision), decision.allowed.lift_m) == (0.0, True, 0.0)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 
 from firmware_bridge.intent import AgeLimit
 from firmware_bridge.robot import RobotFileError
-from firmware_bridge.robots.rars import KIND, rules
+from firmware_bridge.robots.rars import ROBOT_TYPE, rules
 from firmware_bridge.robots.rars.body import ramp_of
 from firmware_bridge.robots.rars.rules import LIMITS, tipping_speed
 from firmware_bridge.safety.limits import bounded
@@ -58,10 +58,10 @@ def test_speed_is_clipped_to_half_a_metre_a_second(
     robot: Rars, well: Well, sign: int, command: float, allowed: float, *, held: bool
 ) -> None:
     snapshot = well(START, intent={"speed_mps": sign * command}, demanded_speed_mps=sign * allowed)
-    ruling = gate_of(robot).rule(snapshot)
-    assert ruling.allowed.speed_mps == sign * allowed
-    assert names(ruling) == (("speed limit",) if held else ())
-    assert not base_stopped(ruling)
+    decision = gate_of(robot).rule(snapshot)
+    assert decision.allowed.speed_mps == sign * allowed
+    assert names(decision) == (("speed limit",) if held else ())
+    assert not base_stopped(decision)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -81,16 +81,16 @@ def test_speed_is_clipped_to_half_a_metre_a_second(
 def test_steering_is_clipped_to_60_degrees_and_415_millimetres(
     robot: Rars, well: Well, sign: int, command: float, *, allowed: float, held: tuple[str, ...]
 ) -> None:
-    ruling = gate_of(robot).rule(requested(well, steer_rad=sign * command))
-    assert ruling.allowed.steer_rad == pytest.approx(sign * allowed, rel=1e-12)
-    assert names(ruling) == held
+    decision = gate_of(robot).rule(requested(well, steer_rad=sign * command))
+    assert decision.allowed.steer_rad == pytest.approx(sign * allowed, rel=1e-12)
+    assert names(decision) == held
 
 
 def test_60_degrees_bind_where_the_robot_could_turn_more_tightly(robot: Rars, well: Well) -> None:
     nimble = limited(robot, turn_radius_m=0.3)
-    ruling = gate_of(nimble).rule(requested(well, steer_rad=math.radians(61)))
-    assert ruling.allowed.steer_rad == FULL_STEER
-    assert names(ruling) == ("steer angle limit",)
+    decision = gate_of(nimble).rule(requested(well, steer_rad=math.radians(61)))
+    assert decision.allowed.steer_rad == FULL_STEER
+    assert names(decision) == ("steer angle limit",)
 
 
 def test_the_printed_tipping_speed() -> None:
@@ -118,9 +118,9 @@ def test_the_tipping_limit_is_that_of_the_turn_actually_steered(
             steer_rad=steered,
             demanded_speed_mps=way * allowed,
         )
-        ruling = gate_of(machine).rule(snapshot)
-        assert ruling.allowed.speed_mps == pytest.approx(way * allowed)
-        assert names(ruling) == held
+        decision = gate_of(machine).rule(snapshot)
+        assert decision.allowed.speed_mps == pytest.approx(way * allowed)
+        assert names(decision) == held
 
 
 @pytest.mark.parametrize(
@@ -139,10 +139,10 @@ def test_the_tipping_limit_is_that_of_the_turn_actually_steered(
 def test_the_lift_is_kept_within_its_rate_and_range(
     robot: Rars, well: Well, field: str, command: float, *, allowed: float, held: tuple[str, ...]
 ) -> None:
-    ruling = gate_of(robot).rule(well(START, intent={field: command}))
-    assert getattr(ruling.allowed, field) == pytest.approx(allowed)
-    assert names(ruling) == held
-    assert lift_free(ruling)
+    decision = gate_of(robot).rule(well(START, intent={field: command}))
+    assert getattr(decision.allowed, field) == pytest.approx(allowed)
+    assert names(decision) == held
+    assert lift_free(decision)
 
 
 @pytest.mark.parametrize(
@@ -161,9 +161,9 @@ def test_the_lift_is_kept_within_its_rate_and_range(
 def test_a_command_that_the_ramp_delays_is_reported(
     robot: Rars, well: Well, demanded: float, command: float, *, held: bool
 ) -> None:
-    ruling = gate_of(robot).rule(well(START, intent={"speed_mps": command}, demanded_speed_mps=demanded))
-    assert ruling.allowed.speed_mps == command
-    assert names(ruling) == (("acceleration limit",) if held else ())
+    decision = gate_of(robot).rule(well(START, intent={"speed_mps": command}, demanded_speed_mps=demanded))
+    assert decision.allowed.speed_mps == command
+    assert names(decision) == (("acceleration limit",) if held else ())
 
 
 def test_what_the_ramp_reaches_in_one_cycle_is_not_reported_even_without_a_tolerance(
@@ -181,8 +181,8 @@ def test_in_a_turn_the_ramp_delays_more(robot: Rars, well: Well) -> None:
 
 
 def test_a_command_that_leaves_the_steering_where_it_is_has_nothing_to_clip(robot: Rars, well: Well) -> None:
-    ruling = gate_of(robot).rule(well(START, intent={"steer_rad": None}))
-    assert (names(ruling), ruling.allowed.steer_rad) == ((), None)
+    decision = gate_of(robot).rule(well(START, intent={"steer_rad": None}))
+    assert (names(decision), decision.allowed.steer_rad) == ((), None)
 
 
 def test_reasons_give_the_numbers(robot: Rars, well: Well) -> None:
@@ -245,9 +245,9 @@ def test_while_stopped_no_limit_is_reported_and_one_that_was_reported_runs_out(
 def test_while_stopped_the_steering_stays_where_it_is(robot: Rars, well: Well) -> None:
     gate = gate_of(robot)
     gate.rule(well(START, intent={"steer_rad": 0.3}))
-    ruling = gate.rule(well(START + 1, intent={"steer_rad": -0.3, "speed_mps": 0.2}, armed=False))
-    assert base_stopped(ruling)
-    assert (ruling.allowed.steer_rad, ruling.allowed.speed_mps) == (None, 0.0)
+    decision = gate.rule(well(START + 1, intent={"steer_rad": -0.3, "speed_mps": 0.2}, armed=False))
+    assert base_stopped(decision)
+    assert (decision.allowed.steer_rad, decision.allowed.speed_mps) == (None, 0.0)
     assert gate.rule(well(START + 2, intent={"steer_rad": -0.3})).allowed.steer_rad == -0.3
 
 
@@ -268,9 +268,9 @@ def test_older_words_are_obeyed_at_less_speed(
 ) -> None:
     limit = AgeLimit(most_ms * MILLISECOND)
     snapshot = well(START, intent={"speed_mps": command}, demanded_speed_mps=allowed, age_limit=limit)
-    ruling = gate_of(robot).rule(snapshot)
-    assert ruling.allowed.speed_mps == pytest.approx(allowed, rel=1e-9)
-    assert names(ruling) == held
+    decision = gate_of(robot).rule(snapshot)
+    assert decision.allowed.speed_mps == pytest.approx(allowed, rel=1e-9)
+    assert names(decision) == held
 
 
 def test_the_delay_limit_names_both_ages_and_is_shown_for_300_milliseconds(robot: Rars, well: Well) -> None:
@@ -302,4 +302,4 @@ def test_what_is_beyond_it_is_refused(robot: Rars, requested_s: float) -> None:
 
 def test_a_robot_that_cannot_be_slowed_agrees_on_nothing(robot: Rars) -> None:
     with pytest.raises(RobotFileError, match="cannot be slowed"):
-        replace(KIND, slowed=None).rules(robot.agreed_on(1.0))
+        replace(ROBOT_TYPE, slowed=None).rules(robot.agreed_on(1.0))

@@ -10,15 +10,15 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 from firmware_bridge.drivers.driver import Power
 from firmware_bridge.intent import NEVER_RECEIVED
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars.rules import tipping_speed
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from hil_tests.lanes import examples
 from hil_tests.safety.gate_bench import Ruling, Snapshot, base_stopped, gate_of, lift_free, stated, well
 
 if TYPE_CHECKING:
-    from firmware_bridge.safety.snapshot import Hold
+    from firmware_bridge.safety.snapshot import ActiveInterlock
 
 ROBOT: Final = find("rars")
 ANY: Final = st.floats(width=32) | st.sampled_from([0.0, 0.3, -0.5, 0.5, 0.501])
@@ -35,7 +35,7 @@ INTENTS: Final = st.fixed_dictionaries(
 )
 DRIVES: Final = st.fixed_dictionaries(
     {
-        "state": st.sampled_from([State.OPERATION_ENABLED] * 8 + list(State)) | st.none(),
+        "state": st.sampled_from([PowerState.OPERATION_ENABLED] * 8 + list(PowerState)) | st.none(),
         "age": AGES | st.just(0) | st.none(),
         "velocity": st.just(0.0) | ANY,
         "fault": st.sampled_from(["", "", "", "0x8611"]),
@@ -51,25 +51,25 @@ class AnyOrder(RuleBasedStateMachine):
         self.gate = gate_of(ROBOT)
         self.now = SECOND
         self.seen: Snapshot | None = None
-        self.ruling: Ruling | None = None
-        self.before: dict[str, Hold] = {}
+        self.decision: Ruling | None = None
+        self.before: dict[str, ActiveInterlock] = {}
 
     def look(self, **changes: Any) -> None:
         """Show one snapshot; what is not given is well."""
-        if self.ruling is not None:
-            self.before = {hold.name: hold for hold in self.ruling.holds}
+        if self.decision is not None:
+            self.before = {hold.name: hold for hold in self.decision.holds}
         drives = changes.pop("drives", [{}] * len(ROBOT.axes))
         intent = {"received_at": self._received_at(changes.pop("age", 0)), **changes.pop("intent", {})}
         axes = {axis.name: self._drive(one) for axis, one in zip(ROBOT.axes, drives, strict=True)}
         self.seen = well(ROBOT, self.now, intent=intent, drives=axes, **changes)
-        self.ruling = self.gate.rule(self.seen)
+        self.decision = self.gate.rule(self.seen)
 
     def _received_at(self, age: int | None) -> int:
         return NEVER_RECEIVED if age is None else self.now - age
 
     def _drive(self, fields: dict[str, Any]) -> dict[str, Any]:
         given = dict(fields)
-        state = given.pop("state", State.OPERATION_ENABLED)
+        state = given.pop("state", PowerState.OPERATION_ENABLED)
         return {"received_at": self._received_at(given.pop("age", 0)), **stated(state), **given}
 
     @rule(ms=st.sampled_from([0, 1, 50, 199, 200, 300, 5000]))
@@ -105,11 +105,11 @@ class AnyOrder(RuleBasedStateMachine):
 
     @invariant()
     def no_speed_while_a_stop_holds(self) -> None:
-        if self.ruling is None or self.seen is None:
+        if self.decision is None or self.seen is None:
             return
-        if base_stopped(self.ruling):
-            assert self.ruling.allowed.speed_mps == 0.0
-            assert self.ruling.holds
+        if base_stopped(self.decision):
+            assert self.decision.allowed.speed_mps == 0.0
+            assert self.decision.holds
         facts, body = self.seen.facts, self.seen.body
         unfit = not facts.armed or facts.emergency_stopped
         silent = self.now - facts.received_at >= 500 * MILLISECOND
@@ -119,45 +119,45 @@ class AnyOrder(RuleBasedStateMachine):
             for axis in facts.axes.values()
         )
         if self.seen.facts.now == self.now and (unfit or silent or extended or broken):
-            assert base_stopped(self.ruling)
+            assert base_stopped(self.decision)
         if self.seen.facts.now == self.now and (unfit or silent or broken):
-            assert not lift_free(self.ruling)
+            assert not lift_free(self.decision)
 
     @invariant()
     def nothing_beyond_a_limit(self) -> None:
-        if self.ruling is None or self.seen is None:
+        if self.decision is None or self.seen is None:
             return
-        ruling = self.ruling
-        assert math.isfinite(ruling.allowed.speed_mps)
-        assert abs(ruling.allowed.speed_mps) <= 0.5
-        if not base_stopped(ruling):
+        decision = self.decision
+        assert math.isfinite(decision.allowed.speed_mps)
+        assert abs(decision.allowed.speed_mps) <= 0.5
+        if not base_stopped(decision):
             assert self.seen.body.steer_rad is not None
-            assert abs(ruling.allowed.speed_mps) <= tipping_speed(ROBOT, self.seen.body.steer_rad)
-            assert ruling.allowed.steer_rad is not None
-            assert abs(ruling.allowed.steer_rad) <= math.atan(0.515 / 0.310) + 1e-9
-        assert abs(ruling.allowed.lift_rate_mps) <= 0.1
-        assert ruling.allowed.lift_m is None or 0.0 <= ruling.allowed.lift_m <= 1.2
+            assert abs(decision.allowed.speed_mps) <= tipping_speed(ROBOT, self.seen.body.steer_rad)
+            assert decision.allowed.steer_rad is not None
+            assert abs(decision.allowed.steer_rad) <= math.atan(0.515 / 0.310) + 1e-9
+        assert abs(decision.allowed.lift_rate_mps) <= 0.1
+        assert decision.allowed.lift_m is None or 0.0 <= decision.allowed.lift_m <= 1.2
 
     @invariant()
     def lift_and_wheels_never_together(self) -> None:
-        if self.ruling is None or self.seen is None or self.ruling.allowed.speed_mps == 0.0:
+        if self.decision is None or self.seen is None or self.decision.allowed.speed_mps == 0.0:
             return
         height = self.seen.body.lift_m
-        moves = self.ruling.allowed.lift_rate_mps != 0.0 and self.ruling.allowed.lift_m is None
+        moves = self.decision.allowed.lift_rate_mps != 0.0 and self.decision.allowed.lift_m is None
         goes = (
-            self.ruling.allowed.lift_m is not None
+            self.decision.allowed.lift_m is not None
             and height is not None
-            and abs(self.ruling.allowed.lift_m - height) > 0.001
+            and abs(self.decision.allowed.lift_m - height) > 0.001
         )
         assert not moves
         assert not goes
 
     @invariant()
     def every_hold_has_its_reason_and_its_beginning(self) -> None:
-        if self.ruling is None or self.seen is None:
+        if self.decision is None or self.seen is None:
             return
-        holds = {hold.name: hold for hold in self.ruling.holds}
-        assert len(holds) == len(self.ruling.holds)
+        holds = {hold.name: hold for hold in self.decision.holds}
+        assert len(holds) == len(self.decision.holds)
         for name, hold in holds.items():
             assert hold.reason
             assert hold.remedy

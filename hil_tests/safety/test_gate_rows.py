@@ -9,8 +9,8 @@ import pytest
 from firmware_bridge.drivers.driver import Feedback, Reports
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import RobotFileError
-from firmware_bridge.robots.rars import KIND
-from firmware_bridge.robots.rars.motion import Motion
+from firmware_bridge.robots.rars import ROBOT_TYPE
+from firmware_bridge.robots.rars.motion import RarsMotion
 from firmware_bridge.safety import gate
 from firmware_bridge.safety.interlock import AxisInterlock, Interlock, Limit
 from firmware_bridge.units import MILLISECOND, SECOND
@@ -25,7 +25,7 @@ EVERYTHING: Final = frozenset(Reports)
 def gate_with(robot: Rars, **rows: Any) -> Gate:
     """Return RARS's gate with these rows in place of the robot's own."""
     reports = {axis.name: EVERYTHING for axis in robot.axes}
-    return gate.Gate(robot, replace(KIND, **rows).rules(robot), reports)
+    return gate.Gate(robot, replace(ROBOT_TYPE, **rows).rules(robot), reports)
 
 
 @pytest.mark.parametrize(
@@ -36,12 +36,12 @@ def test_a_row_stops_the_groups_that_it_names_or_all(
     robot: Rars, well: Well, stops: frozenset[str] | None, stopped: set[str], *, after_limits: bool
 ) -> None:
     row: Any = Interlock("too hot", lambda _: "it is hot", "wait", stops=stops, after_limits=after_limits)
-    ruling = gate_with(robot, interlocks=(row,)).rule(
+    decision = gate_with(robot, interlocks=(row,)).rule(
         well(START, intent={"speed_mps": 0.05, "lift_rate_mps": 0.05})
     )
-    assert (names(ruling), set(ruling.stopped)) == (("too hot",), stopped)
-    assert ruling.allowed.speed_mps == (0.0 if "base" in stopped else 0.05)
-    assert ruling.allowed.lift_rate_mps == (0.0 if "lift" in stopped else 0.05)
+    assert (names(decision), set(decision.stopped)) == (("too hot",), stopped)
+    assert decision.allowed.speed_mps == (0.0 if "base" in stopped else 0.05)
+    assert decision.allowed.lift_rate_mps == (0.0 if "lift" in stopped else 0.05)
 
 
 def test_every_hold_adds_the_groups_that_it_stops(robot: Rars) -> None:
@@ -49,33 +49,33 @@ def test_every_hold_adds_the_groups_that_it_stops(robot: Rars) -> None:
     links = {name: link.model_copy(update={"stops": ("lift",)}) for name, link in robot.links.items()}
     confined = robot.model_copy(update={"links": links})
     seen = gate_bench.well(confined, START, lift_m=0.5, drives={"left": {"fault": "0x8611"}})
-    ruling = gate_of(confined).rule(seen)
-    assert names(ruling) == ("lift extended", "axis fault: left")
-    assert ruling.stopped == {"base", "lift"}
+    decision = gate_of(confined).rule(seen)
+    assert names(decision) == ("lift extended", "axis fault: left")
+    assert decision.stopped == {"base", "lift"}
 
 
 def test_a_limit_sees_what_the_limits_before_it_have_left_and_the_ruling_before(
     robot: Rars, well: Well
 ) -> None:
-    seen: list[tuple[Motion, frozenset[str], Ruling | None]] = []
+    seen: list[tuple[RarsMotion, frozenset[str], Ruling | None]] = []
 
-    def looks(view: Any) -> tuple[Motion, None]:
+    def looks(view: Any) -> tuple[RarsMotion, None]:
         seen.append((view.allowed, view.requested, view.before))
         return view.allowed, None
 
-    def halves(view: Any) -> tuple[Motion, str]:
+    def halves(view: Any) -> tuple[RarsMotion, str]:
         return replace(view.allowed, speed_mps=view.allowed.speed_mps / 2.0), "too fast"
 
     first: Any = Limit("half", halves, "", clear_after=0)
     second: Any = Limit("look", looks, "", clear_after=0)
     judge = gate_with(robot, limits=(first, second, first, second))
     command = well(START, intent={"speed_mps": 0.4})
-    ruling = judge.rule(command)
-    assert ruling.allowed == replace(command.command, speed_mps=0.1)
+    decision = judge.rule(command)
+    assert decision.allowed == replace(command.command, speed_mps=0.1)
     judge.rule(command)
     assert [motion.speed_mps for motion, _, _ in seen] == [0.2, 0.1, 0.2, 0.1]
     assert {requested for _, requested, _ in seen} == {frozenset()}
-    assert [before for _, _, before in seen] == [None, None, ruling, ruling]
+    assert [before for _, _, before in seen] == [None, None, decision, decision]
 
 
 def test_an_axis_that_is_missing_is_judged_as_one_of_its_name_that_was_never_received(
@@ -83,7 +83,7 @@ def test_an_axis_that_is_missing_is_judged_as_one_of_its_name_that_was_never_rec
 ) -> None:
     judged: list[Feedback] = []
     row = AxisInterlock("any", lambda _axis, feedback, *_: judged.append(feedback), "")
-    monkeypatch.setattr(gate, "AXIS_ROWS", (row,))
+    monkeypatch.setattr(gate, "AXIS_INTERLOCKS", (row,))
     gate_of(robot).rule(with_facts(well(START), axes={}))
     assert judged == [Feedback(axis.name) for axis in robot.axes]
     assert {one.received_at for one in judged} == {NEVER_RECEIVED}
@@ -91,8 +91,8 @@ def test_an_axis_that_is_missing_is_judged_as_one_of_its_name_that_was_never_rec
 
 @pytest.mark.parametrize("name", ["left", "right", "steer", "lift"])
 def test_a_hold_of_an_axis_names_the_axis(robot: Rars, well: Well, name: str) -> None:
-    ruling = gate_of(robot).rule(well(START, armed=False, drives={name: {"fault": "0x8611"}}))
-    assert [(hold.name, hold.axis) for hold in ruling.holds] == [
+    decision = gate_of(robot).rule(well(START, armed=False, drives={name: {"fault": "0x8611"}}))
+    assert [(hold.name, hold.axis) for hold in decision.holds] == [
         ("not armed", ""),
         (f"axis fault: {name}", name),
     ]
@@ -122,7 +122,7 @@ def test_each_trip_restarts_the_clear_time_of_200_milliseconds(robot: Rars, well
 def test_a_driver_that_reports_too_little_is_refused_with_the_robots_file(robot: Rars) -> None:
     needy = AxisInterlock("any", lambda *_: None, "", needs=EVERYTHING)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(gate, "AXIS_ROWS", (needy,))
+        patch.setattr(gate, "AXIS_INTERLOCKS", (needy,))
         with pytest.raises(RobotFileError) as refusal:
             gate.axis_rows(robot, {axis.name: frozenset() for axis in robot.axes})
     assert refusal.value.file == "rars"
@@ -136,5 +136,5 @@ def test_a_hold_has_the_flags_of_its_row(robot: Rars, well: Well, flag: str) -> 
     one: dict[str, Any] = {flag: True}
     row: Any = Interlock("any", lambda _: "it holds", "", **one)
     (hold,) = gate_with(robot, interlocks=(row,)).rule(well(START)).holds
-    flags = {name: getattr(hold.row, name) for name in ("disarms", "latches", "parts", "takes_power")}
+    flags = {name: getattr(hold.row, name) for name in ("disarms", "latches", "parts", "disables_power")}
     assert flags == {name: name == flag for name in flags}

@@ -4,9 +4,9 @@ from collections.abc import Callable
 from typing import Any, TypeAlias
 
 from firmware_bridge.intent import NEVER_RECEIVED
-from firmware_bridge.robots.rars import KIND
-from firmware_bridge.safety.common import AXIS_ROWS, whole_robot_rows
-from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.robots.rars import ROBOT_TYPE
+from firmware_bridge.safety.common import AXIS_INTERLOCKS, whole_robot_interlocks
+from firmware_bridge.safety.snapshot import ActiveInterlock
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.rows import every
 from hil_tests.safety.gate_bench import (
@@ -35,8 +35,8 @@ def tripped(well: Well, case: Case, now: Nanoseconds = START, **changes: Any) ->
 
 
 def test_every_interlock_in_the_tables_has_a_case(robot: Rars) -> None:
-    rules = KIND.rules(robot)[""]
-    rows = (*whole_robot_rows(rules.numbers, robot.links), *rules.interlocks, *AXIS_ROWS)
+    rules = ROBOT_TYPE.rules(robot)[""]
+    rows = (*whole_robot_interlocks(rules.numbers, robot.links), *rules.interlocks, *AXIS_INTERLOCKS)
     names_of_rows = {row.name for row in rows}
     judged = {case.hold if case.hold in names_of_rows else case.hold.split(":")[0] for case in CASES}
     assert judged == names_of_rows
@@ -46,10 +46,10 @@ def test_every_interlock_in_the_tables_has_a_case(robot: Rars) -> None:
 def test_a_robot_that_is_well_holds_nothing_from_the_first_look_on(robot: Rars, well: Well) -> None:
     gate = gate_of(robot)
     for now in (0, 1, START):
-        ruling = gate.rule(well(now))
-        assert ruling.holds == ()
-        assert not base_stopped(ruling)
-        assert lift_free(ruling)
+        decision = gate.rule(well(now))
+        assert decision.holds == ()
+        assert not base_stopped(decision)
+        assert lift_free(decision)
 
 
 @each
@@ -60,9 +60,9 @@ def test_just_below_its_threshold_it_lets_the_robot_drive(
     gate = gate_of(robot)
     for n in between:
         gate.rule(well(START - 10 + n))
-    ruling = gate.rule(well(START, **case.spares))
-    assert names(ruling) == ()
-    assert not base_stopped(ruling)
+    decision = gate.rule(well(START, **case.spares))
+    assert names(decision) == ()
+    assert not base_stopped(decision)
 
 
 @each
@@ -74,15 +74,15 @@ def test_at_its_threshold_it_stops_the_robot_and_states_why(
     for n in between:
         gate.rule(well(START - 10 + n))
     command = {"speed_mps": 0.3, "steer_rad": 0.1, "lift_rate_mps": 0.0} | case.trips.get("intent", {})
-    ruling = gate.rule(tripped(well, case, intent=command, demanded_speed_mps=0.3))
+    decision = gate.rule(tripped(well, case, intent=command, demanded_speed_mps=0.3))
     # A command that is no number moves the lift as well, and the robot drives.
-    assert set(names(ruling)) - {"lift refused"} == {case.hold, *case.also}
-    hold = next(hold for hold in ruling.holds if hold.name == case.hold)
-    assert hold == Hold(case.hold, case.reason, hold.row, START)
+    assert set(names(decision)) - {"lift refused"} == {case.hold, *case.also}
+    hold = next(hold for hold in decision.holds if hold.name == case.hold)
+    assert hold == ActiveInterlock(case.hold, case.reason, hold.row, START)
     assert hold.remedy
-    assert base_stopped(ruling)
-    assert ruling.allowed.speed_mps == 0.0
-    assert lift_free(ruling) is case.lift_is_free
+    assert base_stopped(decision)
+    assert decision.allowed.speed_mps == 0.0
+    assert lift_free(decision) is case.lift_is_free
 
 
 @each
@@ -140,15 +140,15 @@ def test_it_trips_again_at_once_after_it_has_let_go(robot: Rars, well: Well, cas
     gate = gate_of(robot)
     for round_trip in range(3):
         start = START + round_trip * 10 * SECOND
-        ruling = gate.rule(tripped(well, case, start))
-        assert case.hold in names(ruling)
-        assert {hold.since for hold in ruling.holds if hold.name == case.hold} == {start}
+        decision = gate.rule(tripped(well, case, start))
+        assert case.hold in names(decision)
+        assert {hold.since for hold in decision.holds if hold.name == case.hold} == {start}
         gate.rule(well(start + SECOND))
         assert case.hold not in names(gate.rule(well(start + SECOND + case.clear_after)))
 
 
-def _at(hold: Hold, now: Nanoseconds) -> Hold:
-    return Hold(hold.name, hold.reason, hold.row, now)
+def _at(hold: ActiveInterlock, now: Nanoseconds) -> ActiveInterlock:
+    return ActiveInterlock(hold.name, hold.reason, hold.row, now)
 
 
 def test_a_low_battery_holds_at_once_while_disarmed_and_after_10_seconds_while_armed(
@@ -181,19 +181,19 @@ def test_a_lift_comes_to_rest_only_well_below_its_threshold(robot: Rars, well: W
     resting = above(0.05)
     assert names(gate.rule(well(START + SECOND, **drive("lift", velocity=resting)))) == ("lift moving",)
     assert names(gate.rule(well(START + 2 * SECOND, **drive("lift", velocity=-0.05)))) == ("lift moving",)
-    ruling = gate.rule(well(START + 2 * SECOND + LINK, **drive("lift", velocity=0.05)))
-    assert names(ruling) == ()
+    decision = gate.rule(well(START + 2 * SECOND + LINK, **drive("lift", velocity=0.05)))
+    assert names(decision) == ()
 
 
 def test_a_drive_that_is_missing_from_the_snapshot_was_never_received(robot: Rars, well: Well) -> None:
     snapshot = well(START)
     others = {name: one for name, one in snapshot.facts.axes.items() if name != "left"}
-    ruling = gate_of(robot).rule(with_facts(snapshot, axes=others))
-    assert [hold.reason for hold in ruling.holds] == ["node 1 (left rear wheel) has not reported yet"]
+    decision = gate_of(robot).rule(with_facts(snapshot, axes=others))
+    assert [hold.reason for hold in decision.holds] == ["node 1 (left rear wheel) has not reported yet"]
 
 
 def test_holds_come_in_the_order_of_the_tables(robot: Rars, well: Well) -> None:
-    ruling = gate_of(robot).rule(
+    decision = gate_of(robot).rule(
         well(
             START,
             armed=False,
@@ -202,7 +202,7 @@ def test_holds_come_in_the_order_of_the_tables(robot: Rars, well: Well) -> None:
             drives={"right": {"fault": "0x2310", "received_at": NEVER_RECEIVED}, "left": {"fault": "0x2310"}},
         )
     )
-    assert names(ruling) == (
+    assert names(decision) == (
         "emergency stop",
         "not armed",
         "lift extended",

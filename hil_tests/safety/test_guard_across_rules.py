@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import pytest
 
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot, GuardExclusive, GuardSum
+from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard.across_axes import (
     HALTED_WITHIN,
     AxesRule,
@@ -17,7 +17,7 @@ from firmware_bridge.safety.guard.across_axes import (
     SpeedSum,
     rules_across,
 )
-from firmware_bridge.safety.guard.in_force import Requested
+from firmware_bridge.safety.guard.in_force import RequestedMotion
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds
 from hil_tests.scenarios.homed import homed
 
@@ -54,8 +54,8 @@ class Axis:
         self.axis = Table(self.name)
 
 
-def requested(**speeds: float) -> dict[str, Requested]:
-    return {name: Requested(speed != 0.0, speed) for name, speed in speeds.items()}
+def requested(**speeds: float) -> dict[str, RequestedMotion]:
+    return {name: RequestedMotion(speed != 0.0, speed) for name, speed in speeds.items()}
 
 
 class Trio:
@@ -72,9 +72,9 @@ class Trio:
         else:
             self.rule = OneHomes(axes.values())
 
-    def refuses(self, wanted: Mapping[str, Requested], now: Nanoseconds = CYCLE) -> str | None:
+    def refuses(self, wanted: Mapping[str, RequestedMotion], now: Nanoseconds = CYCLE) -> str | None:
         return self.rule.refuses(
-            cast("Mapping[Any, Requested]", {self.axes[name]: one for name, one in wanted.items()}), now
+            cast("Mapping[Any, RequestedMotion]", {self.axes[name]: one for name, one in wanted.items()}), now
         )
 
     def sent(self, name: str, now: Nanoseconds, speed: float | None = None) -> Nanoseconds:
@@ -181,7 +181,7 @@ def test_each_mover_is_looked_at() -> None:
     trio.axes["a"].moving = True
     assert trio.refuses(requested(c=1.0)) == "sides: c may not move while a may"
     assert trio.refuses({**requested(b=0.0), **requested(c=1.0)}) == "sides: c may not move while a may"
-    assert trio.refuses({"a": Requested(moves=True, speed=1.0), **requested(c=1.0)}) is not None
+    assert trio.refuses({"a": RequestedMotion(moves=True, speed=1.0), **requested(c=1.0)}) is not None
 
 
 def test_who_is_requested_to_rest_together_is_in_nobodys_way() -> None:
@@ -201,7 +201,7 @@ def test_one_homes_alone_and_goes_on() -> None:
         trio.refuses({**requested(a=1.0), **requested(b=1.0)}) == "homing: b may not move while a is homing"
     )
     foreign_node = cast("Any", Axis("d"))
-    assert trio.rule.refuses({foreign_node: Requested(moves=True, speed=1.0)}, 0) is None, (
+    assert trio.rule.refuses({foreign_node: RequestedMotion(moves=True, speed=1.0)}, 0) is None, (
         "no axis of the rule"
     )
 

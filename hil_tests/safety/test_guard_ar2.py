@@ -7,9 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from emulators.arduino_omni.ar2.axes import JOINTS
-from firmware_bridge.kinds import find
 from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard.ar2 import HALT
 from firmware_bridge.wire.arduino import ar2 as words
 from hil_tests.lanes import examples

@@ -14,7 +14,7 @@ from firmware_bridge.safety.guard.epos2_words import (
     SetPoint,
 )
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.cia402 import Mode, State
+from firmware_bridge.wire.cia402 import Mode, PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.safety.guard_robots import RARS
 
@@ -115,7 +115,7 @@ def test_a_restart_leaves_nothing_each_time(name: str) -> None:
     for _ in range(3):
         sends(one, DISABLE_VOLTAGE)
         one.reports(OFF, 0)
-        assert (one.reported, one.watch_may_end) == (State.SWITCH_ON_DISABLED, True)
+        assert (one.reported, one.watch_may_end) == (PowerState.SWITCH_ON_DISABLED, True)
         one.restarted()
         assert (one.reported, one.watch_may_end, one.powered) == (None, False, False)
         sends(one, ENABLE)

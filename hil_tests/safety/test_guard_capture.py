@@ -4,9 +4,9 @@ import pytest
 
 from emulators.bench.faults import read
 from firmware_bridge.drivers.capture.natnet import CONNECT
-from firmware_bridge.kinds import find
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard import Refusal, guarded
 from firmware_bridge.safety.guard.capture import CaptureRules
 from firmware_bridge.units import NEVER, Nanoseconds

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_bridge.drivers.epos2.zero import rows_of
-from firmware_bridge.kinds import parse
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import parse
 from firmware_bridge.safety.guard.zeroing import by_file
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.epos2 import address as at

@@ -8,10 +8,10 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
-from firmware_bridge.kinds import find
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Command
+from firmware_bridge.robot import CommandForm
+from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard.epos2_can import Epos2CanRules
 from firmware_bridge.units import MILLISECOND, NEVER
 from hil_tests.lanes import examples
@@ -136,7 +136,7 @@ class AnySpeech(RuleBasedStateMachine):
         drives = word == 0x000F and target != 0
         self.goal[node] = word == 0x003F or (power and self.goal[node])
         goes = self.goal[node] and word in {0x000F, 0x003F}
-        moves = drives if COMMAND_OF[node] is Command.SPEED else goes
+        moves = drives if COMMAND_OF[node] is CommandForm.SPEED else goes
         if packet not in stated:
             assert not moves
             assert power == self.power[node]

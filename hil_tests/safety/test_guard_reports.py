@@ -6,7 +6,7 @@ import pytest
 
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import SECOND
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.safety.guard_bench import (
     LINK,
@@ -24,11 +24,11 @@ from hil_tests.safety.serial_bench import SerialBench, done, number, reading, sp
 
 ENABLED, QUICK_STOPPED, READY, OFF, FAULT = 0x0137, 0x0117, 0x0121, 0x0140, 0x0108
 POWERED: Final = {
-    State.REFRESH,
-    State.MEASURE_INIT,
-    State.OPERATION_ENABLED,
-    State.QUICK_STOP_ACTIVE,
-    State.FAULT_REACTION_ENABLED,
+    PowerState.REFRESH,
+    PowerState.MEASURE_INIT,
+    PowerState.OPERATION_ENABLED,
+    PowerState.QUICK_STOP_ACTIVE,
+    PowerState.FAULT_REACTION_ENABLED,
 }
 ENDS_WATCH: Final = write(1, 0x1016, 1, bytes(4))
 UNLISTED: Final = frame(0x123, "")
@@ -36,8 +36,8 @@ REPORTS: Final = (status, sample, status_read)
 
 
 @pytest.mark.parametrize("report", REPORTS)
-@pytest.mark.parametrize("state", State)
-def test_power_is_what_the_newest_statusword_states(bench: Bench, state: State, report: type) -> None:
+@pytest.mark.parametrize("state", PowerState)
+def test_power_is_what_the_newest_statusword_states(bench: Bench, state: PowerState, report: type) -> None:
     bench.receives(report(1, state.value | 0x8200))
     powered = state in POWERED
     assert (bench.states(ENDS_WATCH) == (ENDS_WATCH,)) is not powered
@@ -105,8 +105,12 @@ def test_a_drive_that_no_one_has_sent_a_word_is_stopped_and_keeps_its_power(benc
 
 
 @pytest.mark.parametrize("report", REPORTS)
-@pytest.mark.parametrize("state", [state for state in State if state is not State.OPERATION_ENABLED])
-def test_a_drive_that_stopped_by_itself_is_not_put_on_again(bench: Bench, state: State, report: type) -> None:
+@pytest.mark.parametrize(
+    "state", [state for state in PowerState if state is not PowerState.OPERATION_ENABLED]
+)
+def test_a_drive_that_stopped_by_itself_is_not_put_on_again(
+    bench: Bench, state: PowerState, report: type
+) -> None:
     bench.states(wheel(1, 0x000F, 500), position(3, 0x003F, 70))
     bench.receives(report(1, state.value), report(3, state.value))
     assert bench.refuses(wheel(1, 0x000F, 9999))[1] == (wheel(1, 0x000B, 0),)

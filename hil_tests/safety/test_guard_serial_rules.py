@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from firmware_bridge.kinds import find, names
 from firmware_bridge.node import LINE_LOST
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot_types import find, names
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules

@@ -6,9 +6,9 @@ import pytest
 
 from emulators.rig import BRIDGE
 from firmware_bridge.drivers.shield.fleet import over_protocol
-from firmware_bridge.kinds import find
 from firmware_bridge.node import DTR_DOWN
 from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard import Guarded, guarded
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.arduino import arduinoio, firmata, motor_shield, mw

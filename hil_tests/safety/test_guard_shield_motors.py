@@ -9,9 +9,9 @@ from typing import Any, Final
 import pytest
 
 from firmware_bridge.drivers.shield.fleet import over_protocol
-from firmware_bridge.kinds import find
 from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard.shield import GuardedMotor, ShieldRules
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.arduino import mw

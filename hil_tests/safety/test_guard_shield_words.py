@@ -5,16 +5,23 @@ from typing import Final
 import pytest
 
 from firmware_bridge.drivers.shield.fleet import over_protocol
-from firmware_bridge.kinds import find
-from firmware_bridge.safety.guard.shield_words import READERS, Board, Inputs, Word, libraries_in, no_motion
+from firmware_bridge.robot_types import find
+from firmware_bridge.safety.guard.shield_words import (
+    READERS,
+    Board,
+    Inputs,
+    ListedCommand,
+    libraries_in,
+    no_motion,
+)
 from firmware_bridge.wire.arduino import arduinoio, firmata, motor_shield, mw
 from firmware_bridge.wire.arduino import mw_messages as messages
 from firmware_bridge.wire.arduino import ros_arduino_bridge as ros
 from firmware_bridge.wire.arduino.motor_shield import Pin
 from hil_tests.safety.test_guard_shield import channel, pwm, way
 
-NOTHING: Final = Word()
-AT_REST: Final = Word(at_rest=True)
+NOTHING: Final = ListedCommand()
+AT_REST: Final = ListedCommand(at_standstill=True)
 OFF: Final = Inputs(0, in1=False, in2=False)
 RELEASED: Final = Inputs(None, in1=False, in2=False)
 AHEAD_0: Final = Inputs(0, in1=True, in2=False)
@@ -40,11 +47,11 @@ def written(low: int, high: int) -> bytes:
         ("ros-arduino-bridge", b"b\r", NOTHING),
         ("ros-arduino-bridge", b"e\r", NOTHING),
         ("ros-arduino-bridge", b"r\r", AT_REST),
-        ("ros-arduino-bridge", b"m 0 0 0\r", Word({1: OFF, 2: OFF, 3: OFF})),
+        ("ros-arduino-bridge", b"m 0 0 0\r", ListedCommand({1: OFF, 2: OFF, 3: OFF})),
         (
             "ros-arduino-bridge",
             b"m 1 0 -1\r",
-            Word(
+            ListedCommand(
                 {
                     1: Inputs(1, in1=True, in2=False),
                     2: Inputs(0, in1=True, in2=False),
@@ -57,7 +64,7 @@ def written(low: int, high: int) -> bytes:
             # The firmware has room for 15 characters of a number, its sign among them.
             "ros-arduino-bridge",
             b"m -99999999999999 0 0\r",
-            Word({1: Inputs(99_999_999_999_999, in1=False, in2=True), 2: AHEAD_0, 3: AHEAD_0}),
+            ListedCommand({1: Inputs(99_999_999_999_999, in1=False, in2=True), 2: AHEAD_0, 3: AHEAD_0}),
         ),
         ("ros-arduino-bridge", b"b 1\r", None),
         ("ros-arduino-bridge", b"x 1 0 1\r", None),
@@ -78,27 +85,27 @@ def written(low: int, high: int) -> bytes:
         ("arduinoio", arduinoio.encode("H", 1), AT_REST),
         ("arduinoio", arduinoio.encode("E", 0, 2, 3), AT_REST),
         ("arduinoio", arduinoio.encode("E", 0, 2, 3)[:-1] + b"\0", None),
-        ("arduinoio", pwm(2, 16), Word({2: Inputs(16, None, None)})),
-        ("arduinoio", way(2, "f"), Word({2: Inputs(None, in1=True, in2=False)})),
-        ("arduinoio", way(2, "b"), Word({2: Inputs(None, in1=False, in2=True)})),
-        ("arduinoio", way(2, "r"), Word({2: RELEASED})),
+        ("arduinoio", pwm(2, 16), ListedCommand({2: Inputs(16, None, None)})),
+        ("arduinoio", way(2, "f"), ListedCommand({2: Inputs(None, in1=True, in2=False)})),
+        ("arduinoio", way(2, "b"), ListedCommand({2: Inputs(None, in1=False, in2=True)})),
+        ("arduinoio", way(2, "r"), ListedCommand({2: RELEASED})),
         ("arduinoio", way(4, "f"), None),
         ("mw", mw.encode_request(messages.GetServerInfo(), 1), NOTHING),
         ("mw", mw.encode_request(messages.ReadCount(0, 0), 1), NOTHING),
         ("mw", mw.encode_request(messages.ReadCount(0, 1), 1), None),
-        ("mw", mw.encode_request(messages.StopMotor(0, 2), 1), Word({3: RELEASED})),
-        ("mw", mw.encode_request(messages.StopMotor(0, 0), 1), Word({1: RELEASED})),
+        ("mw", mw.encode_request(messages.StopMotor(0, 2), 1), ListedCommand({3: RELEASED})),
+        ("mw", mw.encode_request(messages.StopMotor(0, 0), 1), ListedCommand({1: RELEASED})),
         ("mw", mw.encode_request(messages.StopMotor(0, 3), 1), None),
         *(
             ("mw", mw.encode_frame(mw.RequestFrame(1, 2, stepper, bytes(4))), None)
             for stepper in (6, 7, 8, 9)
         ),
-        ("mw", mw.encode_request(messages.StopMotor(0, 0), 1) + bytes(9), Word({1: RELEASED})),
+        ("mw", mw.encode_request(messages.StopMotor(0, 0), 1) + bytes(9), ListedCommand({1: RELEASED})),
         ("mw", mw.encode_request(messages.StopMotor(0, 0), 1) + b"\0\1", None),
         (
             "mw",
             mw.encode_request(messages.SetMotorSpeed(0, 2, 9, 2), 1),
-            Word({3: Inputs(9, in1=False, in2=True)}),
+            ListedCommand({3: Inputs(9, in1=False, in2=True)}),
         ),
         ("firmata", firmata.exclusive(firmata.FIRMWARE), NOTHING),
         ("firmata", firmata.exclusive(firmata.I2C_CONFIG, bytes(2)), AT_REST),
@@ -107,14 +114,16 @@ def written(low: int, high: int) -> bytes:
         ("firmata", encoder(2), NOTHING),
         ("firmata", encoder(3, 0), AT_REST),
         ("firmata", encoder(4, 0), None),
-        ("firmata", channel(2, Pin.IN1, 1), Word({2: Inputs(None, in1=True, in2=None)})),
-        ("firmata", channel(2, Pin.IN2, 0), Word({2: Inputs(None, in1=None, in2=False)})),
-        ("firmata", channel(2, Pin.PWM, 255), Word({2: Inputs(255, None, None)})),
+        ("firmata", channel(2, Pin.IN1, 1), ListedCommand({2: Inputs(None, in1=True, in2=None)})),
+        ("firmata", channel(2, Pin.IN2, 0), ListedCommand({2: Inputs(None, in1=None, in2=False)})),
+        ("firmata", channel(2, Pin.PWM, 255), ListedCommand({2: Inputs(255, None, None)})),
         ("firmata", channel(2, Pin.PWM, 9) + b"\xf0", None),
         ("firmata", written(0, 2), None),
     ],
 )
-def test_a_word_means_what_its_firmware_makes_of_it(protocol: str, data: bytes, means: Word | None) -> None:
+def test_a_word_means_what_its_firmware_makes_of_it(
+    protocol: str, data: bytes, means: ListedCommand | None
+) -> None:
     one = board(protocol)
     assert READERS[one.link.protocol](data, one) == means
 
@@ -127,7 +136,7 @@ def test_a_library_that_the_board_has_not_reported_is_not_listed() -> None:
 
 def test_what_takes_a_motors_speed_is_for_that_motor() -> None:
     (stops,) = no_motion(2, board("mw"))
-    assert READERS[board("mw").link.protocol](stops, board("mw")) == Word({2: RELEASED})
+    assert READERS[board("mw").link.protocol](stops, board("mw")) == ListedCommand({2: RELEASED})
 
 
 def test_the_version_is_requested_in_a_message_of_its_own() -> None:
@@ -151,6 +160,6 @@ def test_a_board_that_has_not_reported_its_shield_is_reported_nothing() -> None:
 def test_libraries_are_those_of_the_answer_that_reports_them() -> None:
     row = mw.row_of(messages.GetServerInfo())
     reported = row.answer.encode(messages.ServerInfo(1, 0, b"board", 0, (b"one", b"two")))
-    answers: list[mw.Traced | mw.Answered] = [mw.Traced(b"hello"), mw.Answered(row.code, reported)]
+    answers: list[mw.Traced | mw.MwAnswer] = [mw.Traced(b"hello"), mw.MwAnswer(row.code, reported)]
     assert libraries_in(iter(answers)) == ("one", "two")
     assert libraries_in(iter(answers[:1])) is None

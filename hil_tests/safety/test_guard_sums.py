@@ -58,11 +58,11 @@ def test_a_sum_is_bounded_to_both_sides(
         assert sent == (last,)
         assert bench.guard.refused == 0
     else:
-        at_rest = last in {speed(1, 0), speed(2, 0)}
+        at_standstill = last in {speed(1, 0), speed(2, 0)}
         others = () if first in {speed(1, 0), speed(2, 0)} else (speed(order[0], 0),)
-        assert sent == ((last, *others) if at_rest else (*others, speed(order[1], 0)))
+        assert sent == ((last, *others) if at_standstill else (*others, speed(order[1], 0)))
         name = reason.split(" of ", maxsplit=1)[0]
-        assert bench.refusals[-1].reason == (f"{name} stayed beyond its bound" if at_rest else reason)
+        assert bench.refusals[-1].reason == (f"{name} stayed beyond its bound" if at_standstill else reason)
         assert bench.guard.refused == 1
 
 

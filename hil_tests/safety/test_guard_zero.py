@@ -5,8 +5,8 @@ from typing import Final, Protocol, TypeAlias
 
 import pytest
 
-from firmware_bridge.kinds import find
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.epos2 import address as at

@@ -5,7 +5,7 @@ from typing import Any, Final
 import pytest
 
 from firmware_bridge.intent import AgeLimit
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from hil_tests.safety.gate_bench import gate_of, names, well
 from hil_tests.safety.stop_cases import START
@@ -13,7 +13,7 @@ from hil_tests.safety.stop_cases import START
 RARS: Final = find("rars")
 SILENT: Final[Nanoseconds] = RARS.operator.silent_ms * MILLISECOND
 UNWELL: Final[dict[str, dict[str, Any]]] = {
-    "command stale": {"sent_at": START - 600 * MILLISECOND - SILENT, "dated": True},
+    "command stale": {"sent_at": START - 600 * MILLISECOND - SILENT, "timestamped": True},
     "command not timestamped": {"age_limit": AgeLimit(needed=True)},
 }
 

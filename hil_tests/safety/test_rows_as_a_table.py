@@ -2,14 +2,14 @@
 
 from typing import Any
 
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from firmware_bridge.safety.common import (
-    AXIS_ANSWERS,
+    AXIS_INTERLOCKS,
     AXIS_RESTARTED,
-    AXIS_ROWS,
-    AXIS_UNMEASURED,
-    LEFT_OUT_ROW,
-    whole_robot_rows,
+    EXCLUDED_AXIS,
+    LATE_ANSWER,
+    NO_FEEDBACK,
+    whole_robot_interlocks,
 )
 
 ROBOT = find("rome_arm")
@@ -47,15 +47,15 @@ late answer               warning    200   disarms   blocks arming
 def reported(row: Any) -> list[str]:
     words = [row.name, row.severity.name.lower(), str(row.clear_after // 10**6)]
     words += ["disarms"] * row.disarms + ["blocks arming"] * row.blocks_arming
-    words += ["takes power"] * row.takes_power
+    words += ["takes power"] * row.disables_power
     return words + ([] if row.stops is None else [f"stops {' '.join(sorted(row.stops))}"])
 
 
 def test_each_row_is_as_bad_as_the_table_states() -> None:
     """One link stops everything, the other one its own group."""
     links = {**ROBOT.links, "arm": ROBOT.links["arm"].model_copy(update={"stops": ("arm",)})}
-    common: Any = whole_robot_rows({}, links)
-    rows = [*common, *AXIS_ROWS, AXIS_RESTARTED, LEFT_OUT_ROW, AXIS_UNMEASURED, AXIS_ANSWERS]
+    common: Any = whole_robot_interlocks({}, links)
+    rows = [*common, *AXIS_INTERLOCKS, AXIS_RESTARTED, EXCLUDED_AXIS, NO_FEEDBACK, LATE_ANSWER]
     wanted = [
         [word.strip() for word in line.split("  ") if word.strip()] for line in TABLE.strip().split("\n")
     ]

@@ -38,7 +38,7 @@ def rules_of(*without: str) -> Rules[Any, Any, Any]:
         without=frozenset(without),
         groups=frozenset({"base"}),
         travelling=frozenset({"base"}),
-        rests_below={"left": BOUND, "right": BOUND},
+        standstill_below={"left": BOUND, "right": BOUND},
         silent_after={"left": SILENT, "right": SILENT},
         numbers={},
         interlocks=(),
@@ -71,7 +71,7 @@ def seen(
     ("demanded", "place", "rests"), [(0.0, 0.0, True), (2.0, 2.0, True), (2.0, 1.0, False), (0.0, 1.0, False)]
 )
 def test_a_robot_rests_while_it_is_where_it_is_to_be(demanded: float, place: float, *, rests: bool) -> None:
-    assert rules_of().at_rest(seen(demanded=demanded, place=place)) is rests
+    assert rules_of().at_standstill(seen(demanded=demanded, place=place)) is rests
 
 
 @pytest.mark.parametrize(

@@ -7,17 +7,17 @@ import pytest
 
 from firmware_bridge.drivers.driver import Feedback, Power, Reports, Stop
 from firmware_bridge.intent import NEVER_RECEIVED, AgeLimit
-from firmware_bridge.kinds import find
-from firmware_bridge.safety.common import AXIS_ANSWERS, AXIS_UNMEASURED
+from firmware_bridge.robot_types import find
+from firmware_bridge.safety.common import LATE_ANSWER, NO_FEEDBACK
 from firmware_bridge.safety.interlock import AxisInterlock
-from firmware_bridge.safety.operator_rows import operator_rows
-from firmware_bridge.safety.row import Row, Severity
-from firmware_bridge.safety.snapshot import Facts, Following, Hold
+from firmware_bridge.safety.interlock_base import InterlockBase, Severity
+from firmware_bridge.safety.operator_interlocks import operator_interlocks
+from firmware_bridge.safety.snapshot import ActiveInterlock, Facts, Tracking
 from firmware_bridge.units import MILLISECOND, SECOND
 
 
 def test_an_axis_that_was_never_seen_is_commanded_to_stand_and_has_no_backlog() -> None:
-    known = Following()
+    known = Tracking()
     assert (known.demand, known.changed_at) == (Stop.REST, NEVER_RECEIVED)
     times = {known.sampled_at, known.obeyed_at, known.settled_at, known.place_at}
     assert times == {NEVER_RECEIVED}
@@ -44,14 +44,14 @@ def test_a_robot_is_whole_and_its_operator_there_where_nothing_else_is_stated() 
 @pytest.mark.parametrize(("change", "same"), [({"axis": "lift"}, True), ({"since": 1}, False)])
 def test_a_hold_is_the_same_whosever_it_is(change: dict[str, Any], *, same: bool) -> None:
     """Its name contains the axis already."""
-    row = Row(name="axis timeout: lift", remedy="check its cable")
-    hold = Hold("axis timeout: lift", "silent", row, 0)
+    row = InterlockBase(name="axis timeout: lift", remedy="check its cable")
+    hold = ActiveInterlock("axis timeout: lift", "silent", row, 0)
     assert hold.axis == ""
     assert (replace(hold, **change) == hold) is same
 
 
 @pytest.mark.parametrize(
-    ("age_ms", "dated", "silent_ms", "lives_ms"),
+    ("age_ms", "timestamped", "silent_ms", "lives_ms"),
     [
         (None, True, 400, 400),
         (None, False, 400, 400),
@@ -65,7 +65,7 @@ def test_a_hold_is_the_same_whosever_it_is(change: dict[str, Any], *, same: bool
     ],
 )
 def test_a_command_counts_until_it_is_as_old_as_one_may_be(
-    age_ms: int | None, silent_ms: int, lives_ms: int, *, dated: bool
+    age_ms: int | None, silent_ms: int, lives_ms: int, *, timestamped: bool
 ) -> None:
     """Limit of 500 ms; an older one is judged by its age, and an undated one lives as long as silence may."""
     needed: dict[str, Any] = {"axes": {}, "sensors": {}, "links_lost": {}}
@@ -76,7 +76,7 @@ def test_a_command_counts_until_it_is_as_old_as_one_may_be(
         received_at=SECOND,
         neutral=False,
         sent_at=None if age_ms is None else SECOND - age_ms * MILLISECOND,
-        dated=dated,
+        timestamped=timestamped,
         age_limit=AgeLimit(most=500 * MILLISECOND, needed=False),
         **needed,
     )
@@ -91,22 +91,22 @@ def test_a_row_that_is_confined_to_some_groups_is_the_same_else() -> None:
         needs=frozenset({Reports.POWER}),
         clear_after=7,
         severity=Severity.EMERGENCY,
-        takes_power=True,
+        disables_power=True,
     )
     confined = row.confined(frozenset({"base"}))
     assert (confined.name, confined.remedy, confined.judge) == (row.name, row.remedy, row.judge)
     assert (confined.needs, confined.clear_after) == (row.needs, 7)
-    assert (confined.severity, confined.takes_power) == (Severity.EMERGENCY, True)
+    assert (confined.severity, confined.disables_power) == (Severity.EMERGENCY, True)
     assert (confined.stops, confined.disarms) == (frozenset({"base"}), False)
 
 
 def test_a_pause_is_no_more_than_a_notice() -> None:
-    rows: Any = operator_rows()
+    rows: Any = operator_interlocks()
     (row,) = (row for row in rows if row.name == "operation paused")
     assert row.severity is Severity.NOTICE
 
 
-@pytest.mark.parametrize("row", [AXIS_ANSWERS, AXIS_UNMEASURED], ids=lambda row: row.name)
+@pytest.mark.parametrize("row", [LATE_ANSWER, NO_FEEDBACK], ids=lambda row: row.name)
 def test_a_weaker_row_states_for_how_long_an_axis_was_not_received(row: AxisInterlock) -> None:
     (axis,) = (axis for axis in find("rars").axes if axis.name == "left")
     feedback = Feedback("left", Power.ON, 3 * SECOND, 3 * SECOND, position=0.0, velocity=0.0)

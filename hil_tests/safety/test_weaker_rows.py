@@ -6,14 +6,14 @@ from typing import Final, TypeAlias
 
 import pytest
 
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.drivers.driver import Feedback, Power, Reports
 from firmware_bridge.drivers.fleets import REPORTS
 from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import AnyLink, Axis, RobotFileError
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
-from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.safety import common, gate
 from firmware_bridge.safety.gate import axis_rows
 from firmware_bridge.safety.interlock import AxisInterlock
@@ -33,8 +33,8 @@ WATCHED: Final = ("tracking error", "uncommanded motion", "position not changing
 UNMEASURED: Final = "no feedback"
 LIMIT: Final = 250 * MILLISECOND
 """The silence that RARS's link allows."""
-RARS: Final = kinds.find("rars")
-ZERO_LOST: Final = next(row for row in common.AXIS_ROWS if row.name == "reference lost")
+RARS: Final = robot_types.find("rars")
+ZERO_LOST: Final = next(row for row in common.AXIS_INTERLOCKS if row.name == "reference lost")
 RESTARTED: Final = " has restarted, or was not confirmed since the bridge began"
 HOME_IT: Final = "; home it (drive --home, or MAV_CMD_USER_1 with NaN)"
 
@@ -45,7 +45,7 @@ def reports_of(robot: Rars, **others: frozenset[Reports]) -> dict[str, frozenset
 
 def silent(robot: Rars) -> Gate:
     """Return a gate whose lift has a driver that does not report its power."""
-    return gate.Gate(robot, KIND.rules(robot), reports_of(robot, lift=SILENT))
+    return gate.Gate(robot, ROBOT_TYPE.rules(robot), reports_of(robot, lift=SILENT))
 
 
 def received(seen: Snapshot, axis: str, at: Nanoseconds) -> Snapshot:
@@ -56,7 +56,7 @@ def received(seen: Snapshot, axis: str, at: Nanoseconds) -> Snapshot:
 
 
 def test_a_row_that_needs_no_more_than_is_reported_stands_itself() -> None:
-    for row in common.AXIS_ROWS:
+    for row in common.AXIS_INTERLOCKS:
         assert row.fitting(EVERYTHING) is row
         assert row.fitting(row.needs) is row
 
@@ -66,9 +66,9 @@ def test_the_first_weaker_row_for_which_it_is_enough_stands_in() -> None:
         return None
 
     weakest = AxisInterlock("weakest", judge, "")
-    weaker = AxisInterlock("weaker", judge, "", needs=frozenset({Reports.CURRENT}), instead=weakest)
+    weaker = AxisInterlock("weaker", judge, "", needs=frozenset({Reports.CURRENT}), replacement=weakest)
     strong = AxisInterlock(
-        "strong", judge, "", needs=frozenset({Reports.CURRENT, Reports.POWER}), instead=weaker
+        "strong", judge, "", needs=frozenset({Reports.CURRENT, Reports.POWER}), replacement=weaker
     )
     alone = AxisInterlock("alone", judge, "", needs=frozenset({Reports.POWER}))
     assert strong.fitting(EVERYTHING) is strong
@@ -80,7 +80,7 @@ def test_the_first_weaker_row_for_which_it_is_enough_stands_in() -> None:
 
 def weaker(axis: Axis, link: AnyLink) -> list[str]:
     """Return the rows that stand in for others, by the reports of a link's driver."""
-    rows = [(row, row.fitting(REPORTS[link.driver](axis, link))) for row in common.AXIS_ROWS]
+    rows = [(row, row.fitting(REPORTS[link.driver](axis, link))) for row in common.AXIS_INTERLOCKS]
     return [fitting.name for row, fitting in rows if fitting is not None and fitting is not row]
 
 
@@ -94,7 +94,7 @@ def test_an_epos2_reports_enough_for_every_row(robot: Rars) -> None:
 def test_a_shield_has_no_word_for_power_and_reports_nothing_of_a_motor_that_it_does_not_count(
     port: int, unmeasured: int
 ) -> None:
-    rome = over_protocol(kinds.find("rome"), "arduinoio")
+    rome = over_protocol(robot_types.find("rome"), "arduinoio")
     found = weaker(rome.axes[port - 1], rome.links["board"])
     assert found == [WEAK, "axis restarted", *unmeasured * [UNMEASURED]]
 
@@ -124,18 +124,20 @@ def test_who_does_not_report_how_it_moves_answers_within_half_the_silence(
     robot: Rars, well: Well, silence: Nanoseconds, *, holds: bool
 ) -> None:
     reported = reports_of(robot, lift=EVERYTHING - {Reports.POSITION})
-    ruling = gate.Gate(robot, KIND.rules(robot), reported).rule(
+    decision = gate.Gate(robot, ROBOT_TYPE.rules(robot), reported).rule(
         received(well(SECOND), "lift", SECOND - silence)
     )
-    assert (f"{UNMEASURED}: lift" in names(ruling)) is holds
-    never = gate.Gate(robot, KIND.rules(robot), reported).rule(received(well(SECOND), "lift", NEVER_RECEIVED))
+    assert (f"{UNMEASURED}: lift" in names(decision)) is holds
+    never = gate.Gate(robot, ROBOT_TYPE.rules(robot), reported).rule(
+        received(well(SECOND), "lift", NEVER_RECEIVED)
+    )
     assert f"{UNMEASURED}: lift" not in names(never)
 
 
 def test_it_is_reported_with_the_robot_file(robot: Rars, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert list(kinds.weaker_rows(robot)) == []
-    monkeypatch.setattr(kinds, "reports_of", lambda _robot, _axis: SILENT)
-    reported = [(axis, strong.name, weak.name) for axis, strong, weak in kinds.weaker_rows(robot)]
+    assert list(robot_types.weaker_rows(robot)) == []
+    monkeypatch.setattr(robot_types, "reports_of", lambda _robot, _axis: SILENT)
+    reported = [(axis, strong.name, weak.name) for axis, strong, weak in robot_types.weaker_rows(robot)]
     assert reported == [(axis.name, STRONG, WEAK) for axis in robot.axes]
 
 
@@ -143,7 +145,7 @@ def test_a_driver_that_reports_too_little_is_refused_with_link_and_row(
     robot: Rars, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     needy = AxisInterlock("axis stalls", lambda *_: None, "", needs=frozenset({Reports.CURRENT}))
-    monkeypatch.setattr(gate, "AXIS_ROWS", (*common.AXIS_ROWS, needy))
+    monkeypatch.setattr(gate, "AXIS_INTERLOCKS", (*common.AXIS_INTERLOCKS, needy))
     with pytest.raises(RobotFileError) as refusal:
         axis_rows(robot, reports_of(robot, lift=EVERYTHING - {Reports.CURRENT}))
     (problem,) = refusal.value.problems
@@ -158,14 +160,14 @@ def test_a_driver_that_reports_too_little_is_refused_with_link_and_row(
 def test_the_weaker_row_wants_an_answer_within_half_the_silence(
     robot: Rars, well: Well, silence: Nanoseconds, *, holds: bool
 ) -> None:
-    ruling = silent(robot).rule(received(well(SECOND), "lift", SECOND - silence))
-    assert (f"{WEAK}: lift" in names(ruling)) is holds
-    assert "axis timeout: lift" not in names(ruling)
+    decision = silent(robot).rule(received(well(SECOND), "lift", SECOND - silence))
+    assert (f"{WEAK}: lift" in names(decision)) is holds
+    assert "axis timeout: lift" not in names(decision)
 
 
 def test_it_stops_and_disarms_as_the_strong_one(robot: Rars, well: Well) -> None:
-    ruling = silent(robot).rule(received(well(SECOND), "lift", SECOND - LIMIT // 2))
-    (hold,) = [hold for hold in ruling.holds if hold.name == f"{WEAK}: lift"]
+    decision = silent(robot).rule(received(well(SECOND), "lift", SECOND - LIMIT // 2))
+    (hold,) = [hold for hold in decision.holds if hold.name == f"{WEAK}: lift"]
     assert (hold.row.stops, hold.row.disarms, hold.row.blocks_arming) == (None, True, True)
     assert "reports no power state, and answered 0.12 s ago" in hold.reason
 
@@ -201,16 +203,18 @@ def test_a_device_without_a_word_for_its_zero_is_requested_about_when_it_restart
         ("steer", {"reference lost: steer"}),
     ):
         axes = dict(well(SECOND).facts.axes)
-        axes[name] = replace(axes[name], zero_lost=True)
-        ruling = gate.Gate(robot, KIND.rules(robot), reported).rule(with_facts(well(SECOND), axes=axes))
-        assert set(names(ruling)) == holds
+        axes[name] = replace(axes[name], reference_lost=True)
+        decision = gate.Gate(robot, ROBOT_TYPE.rules(robot), reported).rule(
+            with_facts(well(SECOND), axes=axes)
+        )
+        assert set(names(decision)) == holds
 
 
 def test_one_that_was_never_received_is_silent_and_has_not_restarted(robot: Rars, well: Well) -> None:
     reported = reports_of(robot, lift=EVERYTHING - {Reports.ZERO})
-    axes = {**well(SECOND).facts.axes, "lift": Feedback("lift", zero_lost=True)}
-    ruling = gate.Gate(robot, KIND.rules(robot), reported).rule(with_facts(well(SECOND), axes=axes))
-    assert set(names(ruling)) == {"axis timeout: lift"}
+    axes = {**well(SECOND).facts.axes, "lift": Feedback("lift", reference_lost=True)}
+    decision = gate.Gate(robot, ROBOT_TYPE.rules(robot), reported).rule(with_facts(well(SECOND), axes=axes))
+    assert set(names(decision)) == {"axis timeout: lift"}
 
 
 @pytest.mark.parametrize(
@@ -225,7 +229,7 @@ def test_one_that_was_never_received_is_silent_and_has_not_restarted(robot: Rars
 def test_a_lost_zero_is_reported_with_the_last_known_place_and_the_way_to_home(
     well: Well, axis: Axis, stood: dict[str, str], ending: str
 ) -> None:
-    lost = Feedback("lift", Power.ON, received_at=SECOND, zero_lost=True)
+    lost = Feedback("lift", Power.ON, received_at=SECOND, reference_lost=True)
     facts = with_facts(well(SECOND), stood=stood).facts
     for row, reason in (
         (ZERO_LOST, ": its reference is lost, position unknown"),

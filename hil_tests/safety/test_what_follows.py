@@ -7,13 +7,13 @@ import pytest
 from pymavlink.dialects.v20 import common as mavlink
 
 from firmware_bridge.drivers.driver import Power, Reports
-from firmware_bridge.robots.rars import KIND
-from firmware_bridge.robots.rars.geometry import Geometry
-from firmware_bridge.robots.rars.motion import Motion, State
-from firmware_bridge.safety.common import AXIS_ROWS, LEFT_OUT_ROW, whole_robot_rows
+from firmware_bridge.robots.rars import ROBOT_TYPE
+from firmware_bridge.robots.rars.geometry import RarsGeometry
+from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
+from firmware_bridge.safety.common import AXIS_INTERLOCKS, EXCLUDED_AXIS, whole_robot_interlocks
 from firmware_bridge.safety.gate import axis_rows
 from firmware_bridge.safety.interlock import Interlock
-from firmware_bridge.safety.row import Row, Severity
+from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.safety import gate_bench
 from hil_tests.safety.gate_bench import Rars, Snapshot, gate_of, names, with_facts
@@ -63,21 +63,21 @@ FOLLOWS: Final = {
 }
 
 
-def follows(row: Row) -> tuple[object, ...]:
+def follows(row: InterlockBase) -> tuple[object, ...]:
     """Return what stops, and the words for all else that follows."""
     words = {
         "disarms": row.disarms,
         "blocks arming": row.blocks_arming,
         "latches": row.latches,
-        "takes power": row.takes_power,
+        "takes power": row.disables_power,
         "parts": row.parts,
     }
     return row.stops, *(word for word, holds in words.items() if holds)
 
 
-def whole_robot(robot: Rars) -> tuple[Interlock[Geometry, Motion, State], ...]:
+def whole_robot(robot: Rars) -> tuple[Interlock[RarsGeometry, RarsMotion, RarsState], ...]:
     """Return the rows that judge no axis."""
-    return whole_robot_rows(KIND.rules(robot)[""].numbers, robot.links)
+    return whole_robot_interlocks(ROBOT_TYPE.rules(robot)[""].numbers, robot.links)
 
 
 def on_a_link_that_stops(robot: Rars, *groups: str) -> Rars:
@@ -87,14 +87,14 @@ def on_a_link_that_stops(robot: Rars, *groups: str) -> Rars:
 
 
 def test_every_row_states_what_follows_from_it(robot: Rars) -> None:
-    rules = KIND.rules(robot)[""]
+    rules = ROBOT_TYPE.rules(robot)[""]
     common = whole_robot(robot)
-    rows = (*common, *rules.interlocks, *rules.after_limits, *AXIS_ROWS, LEFT_OUT_ROW, *rules.limits)
+    rows = (*common, *rules.interlocks, *rules.after_limits, *AXIS_INTERLOCKS, EXCLUDED_AXIS, *rules.limits)
     assert {row.name: follows(row) for row in rows} == FOLLOWS
 
 
 def test_a_row_that_states_no_more_stops_everything_until_it_is_clear() -> None:
-    for row in (Row("any", ""), Interlock("any", lambda _: None, "")):
+    for row in (InterlockBase("any", ""), Interlock("any", lambda _: None, "")):
         assert follows(row) == (ALL, "blocks arming")
         assert (row.clear_after, row.severity) == (0, Severity.WARNING)
 
@@ -112,9 +112,9 @@ def test_a_link_that_stops_only_some_groups_leaves_the_others_armed(robot: Rars)
     (lost,) = (row for row in whole_robot(confined) if row.name.startswith("link lost"))
     reports = {axis.name: frozenset(Reports) for axis in robot.axes}
     rows = [row for one in axis_rows(confined, reports) for _, row in one.rows]
-    assert {row.name for row in rows} == {row.name for row in AXIS_ROWS}
+    assert {row.name for row in rows} == {row.name for row in AXIS_INTERLOCKS}
     for row in (lost, *rows):
-        taken = ("takes power",) if row.takes_power else ()
+        taken = ("takes power",) if row.disables_power else ()
         assert follows(row) == ({"lift"}, "blocks arming", *taken)
 
 
@@ -130,9 +130,9 @@ def test_on_such_a_link_the_rest_of_the_robot_goes_on(
 ) -> None:
     confined = on_a_link_that_stops(robot, "lift")
     command = {"speed_mps": 0.05}
-    ruling = gate_of(confined).rule(gate_bench.well(confined, SECOND, intent=command, **changes))
-    assert names(ruling) == (hold,)
-    assert (set(ruling.stopped), ruling.allowed.speed_mps) == ({"lift"}, 0.05)
+    decision = gate_of(confined).rule(gate_bench.well(confined, SECOND, intent=command, **changes))
+    assert names(decision) == (hold,)
+    assert (set(decision.stopped), decision.allowed.speed_mps) == ({"lift"}, 0.05)
 
 
 @pytest.mark.parametrize(
@@ -151,8 +151,8 @@ def test_an_axis_that_is_left_out_may_have_no_power_while_it_is_received(
     robot: Rars, well: Well, power: Power, silence: Nanoseconds, *, holds: bool
 ) -> None:
     seen = well(SECOND, drives={"lift": {"power": power, "received_at": SECOND - silence}})
-    ruling = gate_of(robot).rule(with_facts(seen, without=frozenset({"lift"})))
-    assert [(hold.name, hold.reason) for hold in ruling.holds] == (
+    decision = gate_of(robot).rule(with_facts(seen, without=frozenset({"lift"})))
+    assert [(hold.name, hold.reason) for hold in decision.holds] == (
         [("axis excluded: lift", "node 4 (scissor lift) has power, but this mode excludes it")]
         if holds
         else []
@@ -172,4 +172,4 @@ def test_an_axis_that_is_left_out_may_have_no_power_while_it_is_received(
 def test_at_rest_it_neither_leaves_its_place_nor_is_reported_to(
     robot: Rars, well: Well, changes: dict[str, Any], *, rests: bool
 ) -> None:
-    assert KIND.rules(robot)[""].at_rest(well(SECOND, **changes)) is rests
+    assert ROBOT_TYPE.rules(robot)[""].at_standstill(well(SECOND, **changes)) is rests

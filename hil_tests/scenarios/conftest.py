@@ -9,8 +9,8 @@ import can
 import pytest
 
 from emulators.robots.rars import RarsStep as Step
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find
 from hil_tests.scenarios.real_bus import MULTICAST, SDO_ANSWERS, SOCKETCAN, Bench, Eye
 from hil_tests.scenarios.ride import Armed, Ridden, Ride, ride
 

@@ -2,10 +2,10 @@
 
 from typing import Final
 
-from firmware_bridge.kinds import kind_named, parse
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import parse, robot_type_named
 
-TEXT: Final = kind_named("rars").file.read_text(encoding="utf-8")
+TEXT: Final = robot_type_named("rars").file.read_text(encoding="utf-8")
 CONFIRMED: Final = '[axes.zero]\nhow = "confirm"'
 LIFT: Final = """
 method = -4                 # down, onto the stop

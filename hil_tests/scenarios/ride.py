@@ -13,10 +13,10 @@ from emulators.bench.operator import ScriptedOperator
 from emulators.bench.step import Input
 from emulators.bench.summary import mean_acceleration
 from emulators.rig import BRIDGE, Rig
-from emulators.robots.rars import REHEARSAL
+from emulators.robots.rars import BENCH_SETUP
 from emulators.robots.rars import RarsStep as Step
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds, to_seconds
 
 READY_S: Final = 3.0
@@ -98,8 +98,8 @@ def ride(
     machine = find("rars") if robot is None else robot
     known = (STANDS,) if stands else ()
     mission = story(*known, *steps, seconds=seconds, noise=noise)
-    operator = ScriptedOperator(machine, REHEARSAL, mission, np.random.default_rng(seed))
-    rig = Rig(machine, REHEARSAL, operator, seed=seed, noise=mission.noise, faults=faults)
+    operator = ScriptedOperator(machine, BENCH_SETUP, mission, np.random.default_rng(seed))
+    rig = Rig(machine, BENCH_SETUP, operator, seed=seed, noise=mission.noise, faults=faults)
     return Ride(rig, operator)
 
 

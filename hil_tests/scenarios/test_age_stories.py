@@ -4,10 +4,10 @@ import pytest
 
 from emulators.bench.mission import Noise
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.kinds import find
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot, UnknownAge
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, from_seconds
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step
 

@@ -11,8 +11,8 @@ from emulators.rig import BRIDGE, Rig
 from emulators.testing.inherited.scripted import scripted
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.cli import program
-from firmware_bridge.kinds import find
 from firmware_bridge.motion.ar2 import AR2
+from firmware_bridge.robot_types import find
 
 STILL_M = 3e-4
 """Less than two steps of its shoulder take the tool."""
@@ -127,7 +127,7 @@ def test_once_it_was_stated_again_it_goes_on() -> None:
 def test_noise_on_the_line_moves_nothing_and_what_is_counted_stays_true() -> None:
     with driven(step(9.0, "up_mps = 0.0"), fault(5.0, "line_garbage", "for_s = 2.0")) as rig:
         rig.runs(12.0)
-        lost = any(axis.zero_lost for axis in rig.bridge.seen.facts.axes.values())
+        lost = any(axis.reference_lost for axis in rig.bridge.seen.facts.axes.values())
         row = rig.samples[-1]
         assert lost or row["odometry_y_m"] == pytest.approx(row["y_m"], abs=1e-3)
 

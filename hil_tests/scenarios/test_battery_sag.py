@@ -2,8 +2,8 @@
 
 import pytest
 
-from firmware_bridge.kinds import find
 from firmware_bridge.motion.ramp import MARGIN
+from firmware_bridge.robot_types import find
 from hil_tests.scenarios.ride import ARMED, ride, step
 
 RARS = find("rars")

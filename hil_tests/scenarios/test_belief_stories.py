@@ -11,12 +11,12 @@ from firmware_bridge.drivers.driver import Feedback, Position, Power
 from firmware_bridge.drivers.epos2.process_data import SET_POINT, SET_POINT_COB_ID
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.intent import NEVER_RECEIVED
-from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import AnyRobot, Command
-from firmware_bridge.safety.following import Followers, bounds_of
-from firmware_bridge.safety.snapshot import Following
+from firmware_bridge.robot import AnyRobot, CommandForm
+from firmware_bridge.robot_types import find
+from firmware_bridge.safety.snapshot import Tracking
+from firmware_bridge.safety.tracking import Followers, bounds_of
 from firmware_bridge.units import MILLISECOND, from_seconds, to_seconds
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step
 
@@ -98,8 +98,8 @@ def commanded_by_another(ride: Ride, rpm: dict[str, int], began: float, ended: f
     for at in range(from_seconds(began), from_seconds(ended), 5 * MILLISECOND):
         ride.runs_until(to_seconds(at))
         for name, speed in rpm.items():
-            frame = SET_POINT[Command.SPEED].pack(0x000F, speed)
-            address = SET_POINT_COB_ID[Command.SPEED] + nodes[name]
+            frame = SET_POINT[CommandForm.SPEED].pack(0x000F, speed)
+            address = SET_POINT_COB_ID[CommandForm.SPEED] + nodes[name]
             ride.rig.can_wire.carry(master, Packet(CAN, address, frame))
 
 
@@ -168,7 +168,7 @@ def test_a_battery_that_stays_low_stops_the_robot_and_lets_no_one_arm(rides: Rid
 # What is ordinary
 
 
-def beside(known: Following) -> float:
+def beside(known: Tracking) -> float:
     """Return how far an axis was beside its range; negative within it."""
     does = known.position if isinstance(known.demand, Position) else known.velocity
     return max(known.low - does, does - known.high)
@@ -201,7 +201,7 @@ def test_no_ordinary_mission_comes_near_a_bound(
     worst = dict.fromkeys(bounds, 0.0)
     saw = Followers.saw
 
-    def measured(self: Followers, axes: Mapping[str, Feedback]) -> dict[str, Following]:
+    def measured(self: Followers, axes: Mapping[str, Feedback]) -> dict[str, Tracking]:
         known = saw(self, axes)
         for axis, one in known.items():
             if axes[axis].power is not Power.ON or one.changed_at == NEVER_RECEIVED:

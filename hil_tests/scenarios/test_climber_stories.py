@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.path_error import path_error
-from emulators.bench.rehearsal import rehearsal_of
-from emulators.run import Order, followed
+from emulators.run import RunOrder, followed
 from emulators.testing.inherited.scripted import mission_of, scripted
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 
 CLOSED = ("square", "triangle", "diamond")
@@ -22,12 +22,12 @@ class Ridden:
     """A mission that was driven: its figures, its largest distance from the path, and what held."""
 
     def __init__(self, robot: AnyRobot, name: str, until_s: float | None = None, seed: int = 0) -> None:
-        rehearsal, mission = rehearsal_of(robot), mission_of(robot, name)
+        bench_setup, mission = bench_setup_of(robot), mission_of(robot, name)
         with scripted(robot, mission, stream=seed, seed=seed) as rig:
             rig.run(from_seconds(mission.duration_s if until_s is None else until_s))
-            order = Order(robot, rehearsal, name, mission, seed, None)  # type: ignore[arg-type] # no files
+            order = RunOrder(robot, bench_setup, name, mission, seed, None)  # type: ignore[arg-type] # no files
             self.path = path_error(rig.samples, followed(order), 0.0)
-            reported = {key: figure(rig.samples) for key, figure in rehearsal.figures.items()}
+            reported = {key: figure(rig.samples) for key, figure in bench_setup.figures.items()}
             self.figures = {key: math.nan if it is None else it for key, it in reported.items()}
             self.held = {hold.name: hold.reason for hold in rig.holds if hold.began > from_seconds(4.0)}
             self.samples = rig.samples

@@ -4,11 +4,11 @@ from typing import Any, Final
 
 import pytest
 
-from emulators.bench.rehearsal import rehearsal_of
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.rig import Rig
-from firmware_bridge.kinds import find
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.robot_types import find
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, from_seconds
 
@@ -72,7 +72,7 @@ class Station:
 @pytest.mark.parametrize("which", [BOTH, SYNC])
 def test_no_word_that_is_too_old_moves_it(which: str, jump_s: float) -> None:
     robot, station = find("climber"), Station()
-    rig = Rig(robot, rehearsal_of(robot), station)
+    rig = Rig(robot, bench_setup_of(robot), station)
 
     def runs(seconds: float) -> None:
         rig.run(rig.world.now + from_seconds(seconds))

@@ -7,9 +7,9 @@ import pytest
 from emulators.rewind import Checkpoint
 from emulators.wires import DatagramWire
 from firmware_bridge.bridge import Bridge, Phase
-from firmware_bridge.kinds import find, kind_of
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find, robot_type_of
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import MILLISECOND, SECOND, to_seconds
 from firmware_bridge.wire.canopen import NmtState
@@ -77,7 +77,7 @@ def test_drives_that_a_dead_bridge_has_left_are_left_operational_and_without_pow
     one.runs_until(5.0)
     one.rig.world.silence("bridge", one.rig.world.now)
     one.rig.runs(0.01)
-    second = Bridge(RARS, kind_of(RARS))
+    second = Bridge(RARS, robot_type_of(RARS))
     links: dict[str, Wire] = {"drives": one.rig.can_wire, OPERATOR: DatagramWire()}
     one.rig.world.attach("second", guarded(second, RARS), links)
     one.rig.world.run(one.rig.world.now)

@@ -10,10 +10,10 @@ import pytest
 from emulators.bench.faults import Fault
 from emulators.robots.rars import RarsStep as Step
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.robot_types import find
+from firmware_bridge.wire.cia402 import PowerState, state_of
 from firmware_bridge.wire.epos2.address import STATUSWORD
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step
 
@@ -80,7 +80,7 @@ def _from(x: float, y: float, heading: float, to_x: float, to_y: float) -> tuple
     return ahead * cosine + aside * sine, aside * cosine - ahead * sine
 
 
-def power(ride: Ride, name: str) -> State | None:
+def power(ride: Ride, name: str) -> PowerState | None:
     return state_of(ride.rig.devices.drives[name].store.get(STATUSWORD))
 
 
@@ -104,7 +104,7 @@ def test_after_a_failure_in_motion_the_goal_five_metres_away_is_reached(
     # One wheel that drives alone pulls the robot aside, by some 0.02 1/m.
     alone = mode in ("left_failed", "right_failed")
     assert odometry_error(ride) < (0.4 if alone else 0.05)
-    assert power(ride, DEAD[mode]) is not State.OPERATION_ENABLED
+    assert power(ride, DEAD[mode]) is not PowerState.OPERATION_ENABLED
 
 
 def test_a_wheel_that_drives_alone_takes_the_robot_on(rides: Ridden) -> None:
@@ -112,7 +112,7 @@ def test_a_wheel_that_drives_alone_takes_the_robot_on(rides: Ridden) -> None:
     ride.runs_until(15.5)
     assert reached(ride, MODE_AT_S) > 0.5
     assert ride.operator.diary.armed
-    assert power(ride, "left") is State.FAULT
+    assert power(ride, "left") is PowerState.FAULT
 
 
 @pytest.mark.long(beside="test_a_wheel_that_drives_alone_takes_the_robot_on")
@@ -148,7 +148,7 @@ def test_a_mode_is_not_entered_in_motion_nor_while_armed(rides: Ridden) -> None:
     assert "stop and disarm first" in texts(ride)
     assert abs(ride.now["speed_mps"]) < 0.002, "a station that requests another mode does not drive by hand"
     ride.runs_until(10.0)
-    assert power(ride, "left") is State.OPERATION_ENABLED
+    assert power(ride, "left") is PowerState.OPERATION_ENABLED
 
 
 @pytest.mark.long(beside="test_a_wheel_that_drives_alone_takes_the_robot_on")
@@ -165,9 +165,9 @@ def test_a_drive_that_heals_is_given_no_power_until_the_robot_is_whole_again(rid
     )
     ride.runs_until(16.5)
     assert reached(ride, MODE_AT_S) > 0.5
-    assert power(ride, "left") is not State.OPERATION_ENABLED
+    assert power(ride, "left") is not PowerState.OPERATION_ENABLED
     ride.runs_until(25.0)
-    assert power(ride, "left") is State.OPERATION_ENABLED
+    assert power(ride, "left") is PowerState.OPERATION_ENABLED
     assert ride.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
 
 

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from emulators.bench import mission
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.columns import Samples
 from emulators.bench.operator import ScriptedOperator
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
 from emulators.servo.pins import SWITCHES, input_lines
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find
 from hil_tests.scenarios.homed import LIFT, homed
 from hil_tests.scenarios.ride import ARMED, Ridden, fault, step
 
@@ -45,11 +45,11 @@ def mirrored(robot: AnyRobot, *names: str) -> AnyRobot:
 @contextmanager
 def driven(robot: AnyRobot) -> Iterator[Samples]:
     """Give what became of the first seconds of one of its missions."""
-    rehearsal = rehearsal_of(robot)
+    bench_setup = bench_setup_of(robot)
     name, seconds = MISSIONS[robot.name]
-    plan = mission.find(name, robot, rehearsal)
-    operator = ScriptedOperator(plan.on(robot), rehearsal, plan, np.random.default_rng(1))
-    rig = Rig(plan.on(robot), rehearsal, operator, seed=1, noise=plan.noise)
+    plan = mission.find(name, robot, bench_setup)
+    operator = ScriptedOperator(plan.on(robot), bench_setup, plan, np.random.default_rng(1))
+    rig = Rig(plan.on(robot), bench_setup, operator, seed=1, noise=plan.noise)
     try:
         rig.runs(seconds)
         yield rig.samples

@@ -10,11 +10,11 @@ from typing import Any, Final
 import pytest
 
 from emulators.bench import mission as missions
-from emulators.robots.rars import REHEARSAL
-from emulators.run import Order, drive
+from emulators.robots.rars import BENCH_SETUP
+from emulators.run import RunOrder, drive
 from firmware_bridge.drivers.epos2.scale import Scale
-from firmware_bridge.kinds import find
 from firmware_bridge.recording import parse_candump
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 
 TSHARK: Final = shutil.which("tshark") or "tshark: not installed"
@@ -39,7 +39,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Driven:
 
 def run(name: str, folder: Path, seed: int = 0) -> str:
     rars = find("rars")
-    order = Order(rars, REHEARSAL, name, missions.find(name, rars, REHEARSAL), seed, folder)
+    order = RunOrder(rars, BENCH_SETUP, name, missions.find(name, rars, BENCH_SETUP), seed, folder)
     return drive(order, lambda _: None).trace_sha256
 
 
@@ -117,7 +117,7 @@ def test_what_goes_wrong_in_the_mission_of_faults_is_held_and_named(driven: Driv
     reported = summary(driven("faults"))
     assert reported["max_speed_mps"] <= LARGEST_SPEED_MPS
     assert reported["max_acceleration_mps2"] <= LARGEST_ACCELERATION_MPS2
-    assert len(reported["faults"]) == len(missions.find("faults", find("rars"), REHEARSAL).fault)
+    assert len(reported["faults"]) == len(missions.find("faults", find("rars"), BENCH_SETUP).fault)
     assert all(fault["title"] for fault in reported["faults"])
     reasons = " ".join(hold["reason"] for hold in reported["interlock_events"])
     for code in ("0x8110", "0x3220", "0x4210", "0xFF0A", "0x81FD", "0x8130"):

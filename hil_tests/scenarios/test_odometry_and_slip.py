@@ -18,8 +18,8 @@ from emulators.bench.summary import mean_acceleration, odometry_errors
 from emulators.run import HAND_STREAM
 from emulators.testing.inherited.scripted import mission_of, scripted
 from firmware_bridge.drivers.epos2.scale import Scale
-from firmware_bridge.kinds import find
 from firmware_bridge.motion.ramp import MARGIN
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds, to_seconds
 from fmu.rars.parameters import PARAMETERS
 

@@ -5,13 +5,13 @@ from typing import Final
 
 import pytest
 
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.mission import parse
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.devices import plant_parameters
 from emulators.rig import BRIDGE
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step
 
 RARS: Final[AnyRobot] = find("rars")
@@ -131,6 +131,6 @@ def test_another_master_s_frames_are_held_against_him(rides: Ridden) -> None:
 def test_a_mission_names_its_floor() -> None:
     rest = '[[step]]\nat_s = 1.0\ntitle = "s"\narm = true\n'
     text = f'title = "t"\nduration_s = 9.0\n[plant]\nslope = 0.05\n{rest}'
-    mission = parse(text, "my.toml", RARS, rehearsal_of(RARS))
+    mission = parse(text, "my.toml", RARS, bench_setup_of(RARS))
     assert plant_parameters(mission.on(RARS))["slope"] == 0.05
     assert "slope" not in plant_parameters(RARS)

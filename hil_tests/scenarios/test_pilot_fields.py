@@ -4,18 +4,18 @@ from collections import Counter
 from typing import Final
 
 from emulators.bench import mission as missions
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.piloted import PilotedMission
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
-from firmware_bridge.kinds import find
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.pilot.profiles import PROFILES
-from firmware_bridge.pilot.station import Station
+from firmware_bridge.pilot.station import PilotStation
+from firmware_bridge.robot_types import find
 from firmware_bridge.teleop.mavlink import Codec, text_of
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 
 ROBOT: Final = find("rars")
-REHEARSAL: Final = rehearsal_of(ROBOT)
+BENCH_SETUP: Final = bench_setup_of(ROBOT)
 FIELDS: Final = {
     "X, Y, theta": "ODOMETRY",
     "steer angle": "STEER",
@@ -56,13 +56,13 @@ class Counted:
 
 
 def test_every_field_comes_twenty_times_a_second_and_so_often_the_station_speaks() -> None:
-    script = missions.find("pursuit", ROBOT, REHEARSAL)
+    script = missions.find("pursuit", ROBOT, BENCH_SETUP)
     assert script.pilot is not None
     operator = PilotedMission(ROBOT, script.step, script.pilot)
     target = (ROBOT.operator.system_id, ROBOT.operator.component_id)
-    operator.station = Station(operator.follower, target, requests=PROFILES["cycle"])  # type: ignore[misc]
+    operator.station = PilotStation(operator.follower, target, requests=PROFILES["cycle"])  # type: ignore[misc]
     counted = Counted(operator, 5 * SECOND)
-    rig = Rig(ROBOT, REHEARSAL, counted, link=script.conditions)
+    rig = Rig(ROBOT, BENCH_SETUP, counted, link=script.conditions)
     try:
         rig.run(from_seconds(6.5))
     finally:

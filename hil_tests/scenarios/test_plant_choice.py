@@ -3,8 +3,8 @@
 import pytest
 
 from emulators.devices import plant_parameters
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import PlantFile, RobotFileError
+from firmware_bridge.robot_types import find
 
 
 def rars(**plant: object) -> dict[str, float]:

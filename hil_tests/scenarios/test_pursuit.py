@@ -7,20 +7,20 @@ import numpy as np
 import pytest
 
 from emulators.bench import mission as missions
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.columns import Floats
 from emulators.bench.piloted import PilotedMission
 from emulators.bench.radial_error import radial_error
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
-from firmware_bridge.kinds import find
 from firmware_bridge.pilot.driver import DriveCommand, Driver, Sight
-from firmware_bridge.pilot.link import Link
+from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.pilot.pursuit import critical_delay_s
-from firmware_bridge.pilot.station import Station
+from firmware_bridge.pilot.station import PilotStation
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 
 ROBOT: Final = find("rars")
-REHEARSAL: Final = rehearsal_of(ROBOT)
+BENCH_SETUP: Final = bench_setup_of(ROBOT)
 HOLD_S: Final = 0.025
 """A command that is held for 50 ms acts as one that is late by half of that."""
 SWING_S: Final = 2.9
@@ -39,7 +39,7 @@ class Watched:
         self._heading = sight.moving.pose.heading_rad
         self._driver.sees(sight)
 
-    def command(self, link: Link, now: Nanoseconds, *, armed: bool) -> DriveCommand:
+    def command(self, link: PilotLink, now: Nanoseconds, *, armed: bool) -> DriveCommand:
         command = self._driver.command(link, now, armed=armed)
         self.rows.append((to_seconds(now), getattr(command, "yaw_rate_rad_s", 0.0), self._heading))
         return command
@@ -55,21 +55,21 @@ class Driven:
     lag_s: float
     """Delay from a command to its visible effect on the heading."""
     radial_error_m: float | None
-    station: Station
+    station: PilotStation
     error_m: float | None
     holds: tuple[str, ...]
 
 
 def drive(seconds: float, link: str, max_delay_s: float | None = None, **pilot: Any) -> Driven:
-    script = missions.find("pursuit", ROBOT, REHEARSAL).over(link, max_delay_s)
+    script = missions.find("pursuit", ROBOT, BENCH_SETUP).over(link, max_delay_s)
     assert script.pilot is not None
     row = script.pilot.model_copy(update=pilot)
     robot = script.on(ROBOT)
     operator = PilotedMission(robot, script.step, row)
     watched = Watched(operator.follower)
-    station = Station(watched, (robot.operator.system_id, robot.operator.component_id))
+    station = PilotStation(watched, (robot.operator.system_id, robot.operator.component_id))
     operator.station = station  # type: ignore[misc] # with someone who looks over the driver's shoulder
-    rig = Rig(robot, REHEARSAL, operator, link=script.conditions)
+    rig = Rig(robot, BENCH_SETUP, operator, link=script.conditions)
     try:
         rig.run(from_seconds(seconds))
     finally:

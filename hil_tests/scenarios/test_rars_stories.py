@@ -5,10 +5,10 @@ import math
 import pytest
 
 from emulators.bench.mission import Noise
-from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds, to_seconds
-from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.cia402 import PowerState, state_of
 from firmware_bridge.wire.epos2.address import STATUSWORD
 from hil_tests.scenarios.ride import ARMED, Ridden, step
 
@@ -167,20 +167,20 @@ def test_an_orderly_end_leaves_every_drive_without_power(rides: Ridden) -> None:
     assert abs(ride.now["speed_mps"]) < 0.002
     for drive in ride.rig.devices.drives.values():
         state = state_of(drive.store.get(STATUSWORD))
-        assert state in (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON)
+        assert state in (PowerState.SWITCH_ON_DISABLED, PowerState.READY_TO_SWITCH_ON)
 
 
 def test_a_forced_disarm_brakes_within_a_cycle_and_takes_the_power_off_at_rest(rides: Ridden) -> None:
     ride = rides(ARMED, step(4.0, speed_mps=0.5), step(6.0, force_disarm=True), seconds=20)
     ride.runs_until(6.05)
     for drive in ride.rig.devices.drives.values():
-        assert state_of(drive.store.get(STATUSWORD)) is State.QUICK_STOP_ACTIVE, "within one cycle"
+        assert state_of(drive.store.get(STATUSWORD)) is PowerState.QUICK_STOP_ACTIVE, "within one cycle"
     began = ride.now["x_m"]
     ride.runs_until(7.0)
     assert ride.now["x_m"] - began < 0.14
     assert ride.stands_from(6.0, slower_than=0.01) < 6.5
     for drive in ride.rig.devices.drives.values():
-        assert state_of(drive.store.get(STATUSWORD)) is State.SWITCH_ON_DISABLED
+        assert state_of(drive.store.get(STATUSWORD)) is PowerState.SWITCH_ON_DISABLED
     assert not ride.held("axis fault")
     assert ride.hardest() < 1.45
     assert max(abs(ride.now[f"current_{axis.name}_a"]) for axis in ride.rig.robot.axes) < 0.1

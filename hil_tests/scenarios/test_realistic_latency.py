@@ -5,7 +5,7 @@ import pytest
 from emulators.bench.mission import Mission
 from emulators.bench.step import Input
 from emulators.testing.inherited.scripted import scripted
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 from hil_tests.scenarios.ride import ARMED, STANDS, step
 

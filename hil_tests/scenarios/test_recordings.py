@@ -7,15 +7,15 @@ from typing import Any
 
 import pytest
 
-from emulators.replay import Into, Order, replay
-from firmware_bridge.kinds import find
+from emulators.replay import Into, ReplayOrder, replay
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import MICROSECOND, from_seconds
 
 FOLDER = Path(__file__).parents[1] / "recordings"
 OPTIONS = {"into", "until", "tolerance_us", "without", "channel"}
 
 
-def orders(folder: Path) -> Iterator[tuple[str, Order]]:
+def orders(folder: Path) -> Iterator[tuple[str, ReplayOrder]]:
     """Yield title and order of each replay that the files of a folder ask for."""
     files = [file for file in sorted(folder.glob("*/*")) if file.name.split(".")[1] in {"log", "tlog"}]
     by_name: dict[Path, dict[str, Path]] = {}
@@ -30,7 +30,7 @@ def orders(folder: Path) -> Iterator[tuple[str, Order]]:
             until = options.get("until")
             yield (
                 f"{name.parent.name} {name.name} into {into}",
-                Order(
+                ReplayOrder(
                     find(name.parent.name),
                     log or tlog or name,
                     tlog if log and into is Into.BRIDGE else None,

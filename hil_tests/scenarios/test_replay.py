@@ -7,15 +7,15 @@ from pathlib import Path
 
 import pytest
 
-from emulators.replay import Into, Order, Outcome, RecordingFileError, replay
+from emulators.replay import Into, RecordingFileError, ReplayOrder, ReplayResult, replay
 from emulators.replay.player import Player
 from emulators.rig import Rig
-from emulators.robots.rars import REHEARSAL
+from emulators.robots.rars import BENCH_SETUP
 from emulators.trace import parse_trace_line
 from firmware_bridge.intent import ConfirmZero
-from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN
 from firmware_bridge.recording import candump_line, tlog_records
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, SECOND
 
 GOLDEN = Path(__file__).parents[1] / "golden"
@@ -53,10 +53,10 @@ def line(tmp_path_factory: pytest.TempPathFactory) -> Session:
     return Session("line", tmp_path_factory.mktemp("line"))
 
 
-def order(session: Session, into: Into, log: Path | None = None, until: int | None = None) -> Order:
+def order(session: Session, into: Into, log: Path | None = None, until: int | None = None) -> ReplayOrder:
     with_operator = session.tlog if into is Into.BRIDGE else None
     recording = session.tlog if into is Into.BENCH else log or session.log
-    return Order(RARS, recording, with_operator, into, until=until)
+    return ReplayOrder(RARS, recording, with_operator, into, until=until)
 
 
 @pytest.mark.long(keeps=["drives"])
@@ -167,7 +167,7 @@ def test_a_late_frame_is_one_within_the_tolerance(
     text = line.lines[last]
     late = f"{text[:12]}{int(text[12:18]) + 50:06d}{text[18:]}"
     file = edited(line, tmp_path, lambda all_: [*all_[:last], late])
-    outcome = replay(Order(RARS, file, into=Into.DRIVES, tolerance=tolerance_us * 1000))
+    outcome = replay(ReplayOrder(RARS, file, into=Into.DRIVES, tolerance=tolerance_us * 1000))
     assert (outcome.difference is None) is fits
     if outcome.difference is not None:
         assert outcome.difference.endswith("the same, but 50 us earlier")
@@ -177,14 +177,16 @@ def test_services_may_be_left_out(line: Session, tmp_path: Path) -> None:
     number = next(i for i, text in enumerate(line.lines, start=1) if " 283#" in text)
     file = flipped(line, tmp_path, number, 0)
     until = SHORT // 2
-    assert replay(Order(RARS, file, until=until)).difference is not None
-    assert replay(Order(RARS, file, until=until, without=frozenset({"pdo"}))).difference is None
+    assert replay(ReplayOrder(RARS, file, until=until)).difference is not None
+    assert replay(ReplayOrder(RARS, file, until=until, without=frozenset({"pdo"}))).difference is None
 
 
 def test_the_drives_of_a_real_bus_are_switched_on_when_they_boot(line: Session, tmp_path: Path) -> None:
     real = [text.replace("(15778368", "(17778368", 1) for text in line.lines]
     assert real[0] != line.lines[0]
-    outcome = replay(Order(RARS, edited(line, tmp_path, lambda _: real), until=LISTENS + 20 * MILLISECOND))
+    outcome = replay(
+        ReplayOrder(RARS, edited(line, tmp_path, lambda _: real), until=LISTENS + 20 * MILLISECOND)
+    )
     assert outcome.difference is None
     assert outcome.compared > 50
 
@@ -198,11 +200,11 @@ def test_drives_that_were_there_before_the_recording_boot_unheard(line: Session,
         "704#00",
         lines[4].split()[2],
     ]
-    outcome = replay(Order(RARS, edited(line, tmp_path, lambda _: lines[4:])))
+    outcome = replay(ReplayOrder(RARS, edited(line, tmp_path, lambda _: lines[4:])))
     assert outcome.difference is None
     assert outcome.compared > 50
     changed = [*lines[4:-1], lines[-1][:-1] + "F"]
-    outcome = replay(Order(RARS, edited(line, tmp_path, lambda _: changed)))
+    outcome = replay(ReplayOrder(RARS, edited(line, tmp_path, lambda _: changed)))
     assert outcome.difference is not None
     assert outcome.difference.startswith(f"edited.log, line {len(changed)} is the first that differs")
     assert "\nexpected  0.69" in outcome.difference, "instants count from the first frame"
@@ -212,8 +214,8 @@ def test_drives_that_say_nothing_stay_off_the_bus(line: Session, tmp_path: Path)
     keep = [
         text for text, sender in zip(line.lines, line.senders, strict=True) if sender in {"left", "bridge"}
     ]
-    outcome: Outcome = replay(
-        Order(
+    outcome: ReplayResult = replay(
+        ReplayOrder(
             RARS,
             edited(line, tmp_path, lambda _: keep),
             until=LISTENS + 10 * MILLISECOND,
@@ -228,7 +230,7 @@ def test_drives_that_say_nothing_stay_off_the_bus(line: Session, tmp_path: Path)
 def test_a_bridge_that_was_given_where_its_axes_stand_is_informed_again(tmp_path: Path) -> None:
     frames, messages = [], []
     stated = (ConfirmZero("lift", 0.1), ConfirmZero("steer", 10.0))
-    rig = Rig(RARS, REHEARSAL, Player([]), stands=stated)
+    rig = Rig(RARS, BENCH_SETUP, Player([]), stands=stated)
     rig.can_wire.observe(lambda at, _, packet: frames.append(candump_line(at, packet)))
     rig.operator_wire.observe(lambda at, _, packet: messages.append(tlog_records(at, packet.payload)))
     rig.run(2 * SECOND)
@@ -236,8 +238,8 @@ def test_a_bridge_that_was_given_where_its_axes_stand_is_informed_again(tmp_path
     log, tlog = tmp_path / "can.log", tmp_path / "operator.tlog"
     log.write_text("\n".join(frames) + "\n", encoding="ascii")
     tlog.write_bytes(b"".join(messages))
-    for one in (Order(RARS, log, into=Into.BRIDGE), Order(RARS, tlog, into=Into.BENCH)):
+    for one in (ReplayOrder(RARS, log, into=Into.BRIDGE), ReplayOrder(RARS, tlog, into=Into.BENCH)):
         assert replay(replace(one, stands=stated)).difference is None
         assert replay(one).difference is not None
     with pytest.raises(RecordingFileError, match=r"can\.log: the drives take no position, a bridge does"):
-        replay(Order(RARS, log, into=Into.DRIVES, stands=stated))
+        replay(ReplayOrder(RARS, log, into=Into.DRIVES, stands=stated))

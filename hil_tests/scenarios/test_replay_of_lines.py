@@ -10,14 +10,13 @@ import numpy as np
 import pytest
 
 from emulators.bench import mission
-from emulators.bench.rehearsal import rehearsal_of
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.recorded import CHUNKS, FRAMES, SIGHTS, WORDS, recorded
-from emulators.replay import Into, Order, RecordingFileError, replay
+from emulators.replay import Into, RecordingFileError, ReplayOrder, replay
 from emulators.run import HAND_STREAM
 from emulators.testing.inherited.scripted import mission_of, scripted
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.shield.fleet import over_protocol
-from firmware_bridge.kinds import find
 from firmware_bridge.node import OPERATOR, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.recording import (
@@ -31,6 +30,7 @@ from firmware_bridge.recording import (
     tlog_records,
 )
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds, from_seconds
 from firmware_bridge.wire.maxon.frame import Generation
@@ -85,7 +85,7 @@ def read(folder: Path, name: str = CHUNKS) -> list[str]:
 
 
 def plays_again(title: str, folder: Path) -> None:
-    outcome = replay(Order(RUNS[title].robot, folder))
+    outcome = replay(ReplayOrder(RUNS[title].robot, folder))
     assert outcome.difference is None
     assert outcome.into is Into.BRIDGE
     sent = sum(" T " in line for name in (CHUNKS, SIGHTS) for line in read(folder, name))
@@ -104,7 +104,7 @@ def test_all_that_the_bridge_has_sent_is_sent_again_to_the_byte_and_the_nanoseco
 @pytest.mark.parametrize("title", RUNS)
 def test_whole_missions_do(title: str) -> None:
     run = RUNS[title]
-    whole = mission.find(run.mission, run.robot, rehearsal_of(run.robot)).duration_s
+    whole = mission.find(run.mission, run.robot, bench_setup_of(run.robot)).duration_s
     plays_again(title, folder_of(title, whole))
 
 
@@ -136,7 +136,7 @@ def test_one_changed_bit_of_what_the_bridge_has_sent_is_named_by_its_line(title:
     lines = read(folder_of(title))
     for bit, place in enumerate(places_of(lines, "T", 0.0)):
         changed = [*lines[:place], flipped(lines[place], bit), *lines[place + 1 :]]
-        outcome = replay(Order(RUNS[title].robot, with_lines(folder_of(title), changed, tmp_path)))
+        outcome = replay(ReplayOrder(RUNS[title].robot, with_lines(folder_of(title), changed, tmp_path)))
         assert outcome.difference is not None
         head, *_, came = [line for line in outcome.difference.splitlines() if not line.startswith("bytes ")]
         assert head == f"serial.log, line {place + 1} is the first that differs"
@@ -156,7 +156,7 @@ def test_one_changed_bit_of_what_it_has_received_is_another_run(title: str, tmp_
     words = lines[place].split(" ")
     words[6] = f"{int(words[6], 16) ^ 0x10:02X}"
     changed = [*lines[:place], " ".join(words), *lines[place + 1 :]]
-    outcome = replay(Order(RUNS[title].robot, with_lines(folder_of(title), changed, tmp_path)))
+    outcome = replay(ReplayOrder(RUNS[title].robot, with_lines(folder_of(title), changed, tmp_path)))
     assert outcome.difference is not None
     received_at = parse_chunk(lines[place])[0]
     assert received_at < outcome.until < received_at + 100 * MILLISECOND, (
@@ -176,7 +176,7 @@ def test_a_word_more_or_less_and_one_that_comes_late_are_differences(tmp_path: P
         ([*lines[: place + 1], *lines[place:]], MICROSECOND),
         ([*lines[:place], late, *lines[place + 1 :]], 0),
     ):
-        order = Order(run.robot, with_lines(folder, changed, tmp_path))
+        order = ReplayOrder(run.robot, with_lines(folder, changed, tmp_path))
         assert replay(replace(order, tolerance=tolerance)).difference is not None
     assert replay(replace(order, tolerance=1)).difference is None
 
@@ -225,7 +225,7 @@ def test_a_machine_that_was_late_is_late_again(
     driven(run, run.seconds, tmp_path)
     (tmp_path / (FRAMES if run is BUS else CHUNKS)).write_text("\n".join(lines) + "\n", encoding="ascii")
     (tmp_path / WORDS).unlink()
-    order = Order(run.robot, tmp_path)
+    order = ReplayOrder(run.robot, tmp_path)
     if run is not BUS:
         with pytest.raises(RecordingFileError, match="do not show when the bridge was started; give"):
             replay(order)
@@ -246,7 +246,7 @@ def test_what_does_not_go_together_is_refused_with_what_to_give(tmp_path: Path) 
         (rome, tmp_path, "holds no"),
     ):
         with pytest.raises(RecordingFileError, match=message):
-            replay(Order(robot, recording))
+            replay(ReplayOrder(robot, recording))
     for into in (Into.DRIVES, Into.BENCH):
         with pytest.raises(RecordingFileError, match=r"serial\.log: "):
-            replay(Order(rome, blind / CHUNKS, into=into))
+            replay(ReplayOrder(rome, blind / CHUNKS, into=into))

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from emulators.bench import mission as missions
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.path_error import Followed, path_error
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
 from emulators.testing.inherited.scripted import mission_of, scripted
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import Robot
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 
 STILL_M = 1e-3
@@ -67,7 +67,7 @@ def flown(
 
 def off(rig: Rig, script: missions.Mission) -> float:
     """Return the distance of base and tool from their reference, once they had settled, m."""
-    path = rehearsal_of(rig.robot).paths["orbit"](rig.robot)
+    path = bench_setup_of(rig.robot).paths["orbit"](rig.robot)
     error = path_error(rig.samples, [Followed(3.5, path)], script.settled_after_s)
     assert error.same_instant is not None
     return error.same_instant

@@ -8,13 +8,13 @@ from typing import Final
 import pytest
 
 from emulators.bench import mission as missions
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.path_error import Followed, path_error
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
 from emulators.testing.inherited.scripted import scripted
 from firmware_bridge.drivers.shield.fleet import over_protocol
-from firmware_bridge.kinds import find
 from firmware_bridge.motion.captured import Source
+from firmware_bridge.robot_types import find
 
 GUIDED_S: Final = 3.0
 STANDS_MPS: Final = 0.005
@@ -66,7 +66,7 @@ def holds(rig: Rig) -> dict[str, str]:
 
 def error_m(rig: Rig) -> float:
     """The largest distance from the circle at the same instant."""
-    path = rehearsal_of(rig.robot).paths["circle"](rig.robot)
+    path = bench_setup_of(rig.robot).paths["circle"](rig.robot)
     found = path_error(rig.samples, [Followed(GUIDED_S, path)], 2.0).same_instant
     assert found is not None
     return found
@@ -74,7 +74,7 @@ def error_m(rig: Rig) -> float:
 
 @pytest.mark.long(beside="test_a_wheel_that_no_one_counts_and_that_stands_is_seen_and_the_base_stops")
 def test_on_the_rough_floor_cameras_keep_it_nearer_to_the_path_than_odometry_does() -> None:
-    floor = missions.find("floor", find("rome"), rehearsal_of(find("rome")))
+    floor = missions.find("floor", find("rome"), bench_setup_of(find("rome")))
     more = f"plant = {{ {', '.join(f'{name} = {value}' for name, value in floor.plant.items())} }}\n"
     errors = {}
     for name in ("rome", "rome+cameras"):

@@ -2,8 +2,8 @@
 
 import pytest
 
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.path_error import Followed, path_error
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import BRIDGE
 from firmware_bridge.packet import Packet
 from hil_tests.scenarios.rome_ride import FULL, STANDS_MPS, driven, speed
@@ -15,7 +15,7 @@ def test_each_firmware_drives_the_circle_and_the_guard_has_nothing_to_refuse(pro
     with driven(protocol, 'guide = "circle"', 12.0, encoders=FULL[protocol]) as rig:
         rig.runs(9.5)
         assert rig.guard.refused == 0, rig.guard.refusals
-        path = rehearsal_of(rig.robot).paths["circle"](rig.robot)
+        path = bench_setup_of(rig.robot).paths["circle"](rig.robot)
         error = path_error(rig.samples, [Followed(4.5, path)], 2.5)
         assert error.same_instant is not None
         assert error.same_instant < (0.02 if FULL[protocol] == 3 else 0.08)

@@ -3,7 +3,7 @@
 import pytest
 
 from emulators.servo.axis_faults import AxisFaults, SensorWires
-from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.cia402 import PowerState, state_of
 from firmware_bridge.wire.epos2.address import ERROR_HISTORY_COUNT, STATUSWORD
 from firmware_bridge.wire.epos2.emergency import SENSOR_BREACH
 from hil_tests.scenarios.ride import ARMED, Ridden, step
@@ -19,7 +19,7 @@ def test_a_wheel_whose_encoder_is_cut_off_stops_the_robot(rides: Ridden, wheel: 
     AxisFaults(axes[wheel]).wires(SensorWires(broken=True))
     ride.runs_until(7.1)
     drive = ride.rig.devices.drives[wheel]
-    assert state_of(drive.store.get(STATUSWORD)) is State.FAULT
+    assert state_of(drive.store.get(STATUSWORD)) is PowerState.FAULT
     assert drive.store.get(ERROR_HISTORY_COUNT) == 1
     assert not axes[wheel].powered
     ride.runs_until(12.0)

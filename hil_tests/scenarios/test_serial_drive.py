@@ -9,20 +9,20 @@ import pytest
 
 from emulators.bench import mission as missions
 from emulators.epos2.canopen.heartbeat import Consumer
-from emulators.line import Line
+from emulators.line import EmulatedLine
 from emulators.rig import BRIDGE
-from emulators.robots.rars import REHEARSAL
-from emulators.run import Order, drive
+from emulators.robots.rars import BENCH_SETUP
+from emulators.run import RunOrder, drive
 from firmware_bridge.bridge import Phase
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.canopen import NmtCommand
-from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.cia402 import PowerState, state_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
@@ -40,13 +40,13 @@ BRAKED_S: Final = 0.45
 """The watch, one heartbeat that had just come, and the quick stop from 0.3 m/s."""
 
 
-def line_of(one: Ride) -> Line:
+def line_of(one: Ride) -> EmulatedLine:
     line = one.rig.line
-    assert isinstance(line, Line)
+    assert isinstance(line, EmulatedLine)
     return line
 
 
-def states(one: Ride) -> list[State | None]:
+def states(one: Ride) -> list[PowerState | None]:
     """Return the drives' own states, whether reported or not."""
     return [state_of(device.store.get(at.STATUSWORD)) for device in one.rig.devices.drives.values()]
 
@@ -65,8 +65,8 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Callable[[AnyRobot, str]
         link = robot.epos2_link("drives").driver.value
         if (link, mission) not in folders:
             folder = folders[link, mission] = tmp_path_factory.mktemp(f"{link}-{mission}")
-            script = missions.find(mission, robot, REHEARSAL)
-            drive(Order(robot, REHEARSAL, mission, script, 0, folder), lambda _: None)
+            script = missions.find(mission, robot, BENCH_SETUP)
+            drive(RunOrder(robot, BENCH_SETUP, mission, script, 0, folder), lambda _: None)
         return folders[link, mission]
 
     return results
@@ -151,9 +151,9 @@ def test_when_the_bridge_dies_all_four_drives_stop_by_their_own_watch(rides: Rid
     assert one.now["speed_mps"] == pytest.approx(0.3, abs=0.005)
     one.rig.world.silence(BRIDGE, one.rig.world.now)
     one.runs_until(CUT_S + WATCH_S + 0.06)
-    assert State.OPERATION_ENABLED not in states(one)
+    assert PowerState.OPERATION_ENABLED not in states(one)
     one.runs_until(CUT_S + 1)
-    assert states(one) == [State.FAULT] * 4
+    assert states(one) == [PowerState.FAULT] * 4
     assert one.stands_from(CUT_S, slower_than=0.01) < CUT_S + BRAKED_S
 
 
@@ -174,7 +174,7 @@ def test_an_adapter_that_is_unplugged_is_reported_within_a_cycle_and_needs_a_new
     one.runs_until(CUT_S + 0.1)
     assert not armed(one)
     one.runs_until(CUT_S + 1)
-    assert states(one) == [State.FAULT] * 4
+    assert states(one) == [PowerState.FAULT] * 4
     assert one.stands_from(CUT_S, slower_than=0.01) < CUT_S + BRAKED_S
     assert one.held("link lost: drives") == ["the serial line to the drives is gone"]
     line_of(one).adapter.plugged = True
@@ -182,10 +182,10 @@ def test_an_adapter_that_is_unplugged_is_reported_within_a_cycle_and_needs_a_new
     assert "link lost: drives" not in one.holding
     assert one.held("axis fault: left")[0].endswith("reports fault 0x8130")
     assert one.held("axis fault: lift")[0].endswith("reports fault 0x8130")
-    assert states(one) == [State.FAULT] * 4
+    assert states(one) == [PowerState.FAULT] * 4
     assert not armed(one)
     one.runs_until(8.9)
-    assert states(one) == [State.OPERATION_ENABLED] * 4
+    assert states(one) == [PowerState.OPERATION_ENABLED] * 4
     assert armed(one)
     one.runs_until(10.0)
     assert one.now["speed_mps"] == pytest.approx(0.2, abs=0.01)
@@ -214,7 +214,7 @@ def test_a_drive_behind_the_gateway_that_falls_silent_stops_the_robot(rides: Rid
     assert one.stands_from(CUT_S, slower_than=0.01) < CUT_S + 0.6
     one.rig.world.silence("steer", NEVER)
     one.runs_until(11.0)
-    assert states(one) == [State.OPERATION_ENABLED] * 4
+    assert states(one) == [PowerState.OPERATION_ENABLED] * 4
     assert armed(one)
 
 
@@ -242,7 +242,7 @@ def test_a_drive_that_restarts_behind_the_gateway_is_noticed_and_set_up_again(ri
     assert "axis not enabled: steer" in one.holding
     assert not armed(one)
     one.runs_until(9.5)
-    assert states(one) == [State.OPERATION_ENABLED] * 4
+    assert states(one) == [PowerState.OPERATION_ENABLED] * 4
     assert armed(one)
     assert steering.get(at.TARGET_POSITION) == pytest.approx(target, abs=5)
 
@@ -265,7 +265,7 @@ def test_a_drive_that_does_not_notice_the_bridge_s_silence_is_not_driven(
     assert bridge.phase is Phase.FAILED
     assert bridge.failure is not None
     assert "node 1 (left rear wheel): it did not notice that node 2 was silent" in bridge.failure
-    assert State.OPERATION_ENABLED not in states(one)
+    assert PowerState.OPERATION_ENABLED not in states(one)
 
 
 @pytest.mark.long(beside="test_an_orderly_end_leaves_every_drive_without_power")
@@ -275,7 +275,7 @@ def test_the_orderly_end_takes_the_power_off(rides: Ridden) -> None:
     one.ends()
     one.runs_until(8.5)
     assert one.rig.bridge.finished
-    assert states(one) == [State.SWITCH_ON_DISABLED] * 4
+    assert states(one) == [PowerState.SWITCH_ON_DISABLED] * 4
     stores = [device.store for device in one.rig.devices.drives.values()]
     assert [store.get(at.CONSUMER_HEARTBEAT_1) for store in stores] == [0] * 4
 

@@ -14,7 +14,7 @@ import serial
 
 from firmware_bridge.shell.clock import Clock
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.maxon.frame import Answered, Generation
+from firmware_bridge.wire.maxon.frame import Generation, MaxonAnswer
 from firmware_bridge.wire.maxon.lines import host_end
 from firmware_bridge.wire.maxon.messages import Answer, ObjectRead, ReadObject, Request, WriteObject
 from firmware_bridge.wire.maxon.opcodes import decode_answer, encode_request
@@ -78,7 +78,7 @@ def ask(
         outcome = host.receive(client.read(client.in_waiting), clock.now()) or host.wake(clock.now())
         if outcome is not None:
             client.write(host.taken())
-            assert isinstance(outcome, Answered), outcome
+            assert isinstance(outcome, MaxonAnswer), outcome
             return decode_answer(request, outcome.body)
     raise AssertionError("the steps never end")
 

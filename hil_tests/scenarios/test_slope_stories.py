@@ -8,9 +8,9 @@ import pytest
 from emulators.robots.rars import RarsStep as Step
 from firmware_bridge.bridge import Phase
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.robot_types import find
+from firmware_bridge.wire.cia402 import PowerState, state_of
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, step
 
@@ -23,7 +23,7 @@ DOWNHILL: Final = (step(4.0, speed_mps=-0.2), step(4.5, speed_mps=0.0))
 RAISED: Final = (step(4.0, lift_m=0.2),)
 STOPPED_S: Final = 5.5
 STOPPED: Final = step(STOPPED_S, emergency_stop=True)
-POWERED: Final = {State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE}
+POWERED: Final = {PowerState.OPERATION_ENABLED, PowerState.QUICK_STOP_ACTIVE}
 
 on_each_link = pytest.mark.parametrize("serial", [False, True], ids=["can", "serial"])
 
@@ -42,7 +42,7 @@ def on_level(*, serial: bool) -> AnyRobot:
     return over_serial(RARS) if serial else RARS
 
 
-def states(one: Ride) -> set[State | None]:
+def states(one: Ride) -> set[PowerState | None]:
     """Return the drives' own states, whether reported or not."""
     return {state_of(device.store.get(at.STATUSWORD)) for device in one.rig.devices.drives.values()}
 
@@ -78,7 +78,7 @@ def test_an_emergency_stop_ends_without_power_where_the_robot_stands_by_itself(
     one.runs_until(STOPPED_S + 3.0)
     assert went(one, STOPPED_S) < 0.001
     if held:
-        assert states(one) == {State.QUICK_STOP_ACTIVE}
+        assert states(one) == {PowerState.QUICK_STOP_ACTIVE}
         assert "held with power" in one.holding
         assert "on a slope: held with power" in one.held("held with power")[0]
     else:
@@ -224,7 +224,7 @@ def test_ctrl_c_on_a_slope_holds_and_a_second_one_within_5_s_lets_go(
     bridge = one.rig.bridge
     assert bridge.phase is Phase.STOPPING
     assert one.rig.guard.holding
-    assert states(one) == {State.QUICK_STOP_ACTIVE}
+    assert states(one) == {PowerState.QUICK_STOP_ACTIVE}
     assert went(one, STOPPED_S) < 0.001
     assert "held with power" in one.holding
     one.ends()
@@ -271,7 +271,7 @@ def test_a_bridge_that_dies_on_a_slope_leaves_the_robot_to_roll(rides: Ridden) -
     one.runs_until(STOPPED_S)
     one.rig.world.silence("bridge", one.rig.world.now)
     one.runs_until(STOPPED_S + 3.0)
-    assert states(one) == {State.FAULT}
+    assert states(one) == {PowerState.FAULT}
     assert one.fastest(STOPPED_S + 2.9) > 0.5
 
 
@@ -282,6 +282,6 @@ def test_a_driver_that_reports_no_current_keeps_the_power(
     monkeypatch.setattr("firmware_bridge.drivers.epos2.drive.REPORTS", frozenset())
     one = rides(ARMED, *BRAKED, STOPPED, seconds=20, robot=on_slope(0))
     one.runs_until(STOPPED_S + 1.5)
-    assert states(one) == {State.QUICK_STOP_ACTIVE}
+    assert states(one) == {PowerState.QUICK_STOP_ACTIVE}
     reason = one.held("held with power")[0]
     assert reason == "held with power: the holding current of node 1 (left rear wheel) is not known"

@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
-from firmware_bridge.kinds import find
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import UnknownAge
+from firmware_bridge.robot_types import find
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import SECOND, Nanoseconds
 from firmware_bridge.wire.internet import number_of

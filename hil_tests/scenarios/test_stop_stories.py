@@ -9,14 +9,14 @@ from emulators.wires import DatagramWire
 from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.bridge.stops import NOT_ACKNOWLEDGED
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.kinds import find, kind_of
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find, robot_type_of
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.units import to_seconds
 from firmware_bridge.wire import canopen
-from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.cia402 import PowerState, state_of
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.scenarios.ride import ARMED, Ridden, Ride, fault, step
 
@@ -28,7 +28,7 @@ LINKS: Final = {"can": RARS, "serial": over_serial(RARS)}
 DRIVING: Final = (ARMED, step(4.0, speed_mps=0.3))
 NOT_RECEIVING_S: Final = 6.0
 LEFT: Final = "node 1 (left rear wheel)"
-UNPOWERED: Final = (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.SWITCHED_ON)
+UNPOWERED: Final = (PowerState.SWITCH_ON_DISABLED, PowerState.READY_TO_SWITCH_ON, PowerState.SWITCHED_ON)
 BEAT: Final = canopen.ERROR_CONTROL + RARS.epos2_link("drives").bridge_node
 
 on_each_link = pytest.mark.parametrize("link", LINKS)
@@ -44,7 +44,7 @@ def driven(rides: Ridden, link: str, *steps: Step, command: str | None = None, f
     return rides(*DRIVING, *steps, seconds=20, faults=faults, **own_bench)
 
 
-def states(one: Ride) -> list[State | None]:
+def states(one: Ride) -> list[PowerState | None]:
     """Return the drives' own states, whether reported or not."""
     return [state_of(device.store.get(at.STATUSWORD)) for device in one.rig.devices.drives.values()]
 
@@ -110,7 +110,7 @@ def test_a_forced_disarm_takes_the_power_of_a_drive_that_receives_nothing(
     one = driven(rides, link, step(6.05, force_disarm=True), command=command)
     one.runs_until(NOT_RECEIVING_S + 1.5)
     assert unpowered(one)
-    assert not set(states(one)) & {State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE}
+    assert not set(states(one)) & {PowerState.OPERATION_ENABLED, PowerState.QUICK_STOP_ACTIVE}
 
 
 @pytest.mark.long(keeps=["reset_communication-can"])
@@ -134,7 +134,7 @@ def test_a_drive_that_receives_only_the_heartbeat_stops_when_it_is_withheld(ride
     receives_only(one, BEAT)
     one.runs_until(9.0)
     left = one.rig.devices.drives["left"]
-    assert state_of(left.store.get(at.STATUSWORD)) is State.FAULT
+    assert state_of(left.store.get(at.STATUSWORD)) is PowerState.FAULT
     assert left.store.get(at.Address(0x1003, 1)) == 0x8130
     assert f"{LEFT}: power off by SDO not acknowledged" in reported(one)
     assert f"{LEFT}: silence not acknowledged" not in reported(one), "it was enough"
@@ -146,7 +146,7 @@ def test_a_drive_without_a_watch_that_receives_only_the_network_is_reset_at_last
     one.runs_until(NOT_RECEIVING_S + 0.01)
     receives_only(one, canopen.NMT)
     one.runs_until(10.0)
-    assert states(one)[0] is State.SWITCH_ON_DISABLED
+    assert states(one)[0] is PowerState.SWITCH_ON_DISABLED
     assert unpowered(one)
     one.runs_until(14.0)
     assert one.fastest(13.5, 14.0) < 0.003, "it rolls out"
@@ -164,7 +164,7 @@ def test_where_nothing_helps_the_operator_and_the_program_say_so(rides: Ridden) 
     assert last == f"{LEFT}: reset not acknowledged; nothing is left to try; it may go on moving"
     ended(one, 4.0)
     assert one.rig.bridge.unconfirmed == ("node 1 (left rear wheel)",)
-    assert states(one)[0] is State.OPERATION_ENABLED, "only the battery switch is left"
+    assert states(one)[0] is PowerState.OPERATION_ENABLED, "only the battery switch is left"
 
 
 def test_an_end_that_a_drive_does_not_confirm_goes_on_to_the_last_step_and_names_it(rides: Ridden) -> None:
@@ -174,14 +174,14 @@ def test_an_end_that_a_drive_does_not_confirm_goes_on_to_the_last_step_and_names
     assert ended(one, 8.0) > 1.0
     assert one.rig.bridge.unconfirmed == ("node 2 (right rear wheel)",)
     left, right, steer, lift = states(one)
-    assert {left, steer, lift} <= {State.SWITCH_ON_DISABLED, State.FAULT}
-    assert right is State.FAULT, "its own watch"
+    assert {left, steer, lift} <= {PowerState.SWITCH_ON_DISABLED, PowerState.FAULT}
+    assert right is PowerState.FAULT, "its own watch"
     assert one.rig.devices.drives["right"].store.get(at.CONSUMER_HEARTBEAT_1) != 0
 
 
 def second_bridge(one: Ride) -> tuple[Bridge, list[Packet]]:
     """Start a second bridge on the drives' bus, now; return it, and the frames that it sends there."""
-    second, sent = Bridge(RARS, kind_of(RARS)), list[Packet]()
+    second, sent = Bridge(RARS, robot_type_of(RARS)), list[Packet]()
     links: dict[str, Wire] = {"drives": one.rig.can_wire, OPERATOR: DatagramWire()}
     one.rig.world.attach("second", guarded(second, RARS), links)
     one.rig.can_wire.observe(lambda _, sender, packet: sent.append(packet) if sender == "second" else None)

@@ -28,9 +28,11 @@ def test_a_client_drives_is_killed_and_the_robot_stops_then_ctrl_c(bench: Bench)
     assert client.x > 0.05
     client.link.close()
     sleep(0.6)
-    at_rest = bench.eye.metres()
+    at_standstill = bench.eye.metres()
     sleep(0.3)
-    assert bench.eye.metres() == pytest.approx(at_rest, abs=0.001), "it stands 0.6 s after the last word"
+    assert bench.eye.metres() == pytest.approx(at_standstill, abs=0.001), (
+        "it stands 0.6 s after the last word"
+    )
     assert bridge.ends() == 0, bridge.printed
     for node in (1, 2, 3, 4):
         assert bench.eye.state(node) in DISABLED, (node, bridge.printed)
@@ -72,9 +74,9 @@ def test_the_drives_stop_by_themselves_when_the_bridge_is_killed(bench: Bench) -
     bench.gets_under_way(client, 0.3)
     bridge.ends(signal.SIGKILL)
     sleep(0.8)
-    at_rest = bench.eye.metres()
+    at_standstill = bench.eye.metres()
     sleep(0.3)
-    assert bench.eye.metres() == pytest.approx(at_rest, abs=0.001)
+    assert bench.eye.metres() == pytest.approx(at_standstill, abs=0.001)
     for node in (1, 2):
         assert bench.eye.state(node) != 0x0137, "enabled operation is over"
 
@@ -91,9 +93,9 @@ def test_a_drive_that_falls_silent_stops_the_robot_and_is_named(bench: Bench) ->
         client.states(0.2, 0.2)
     client.states(0.2, 1.0)
     assert any("3" in text and "steering" in text for text in client.texts), (client.texts, emulator.printed)
-    at_rest = bench.eye.metres()
+    at_standstill = bench.eye.metres()
     client.states(0.2, 0.3)
-    assert bench.eye.metres() == pytest.approx(at_rest, abs=0.001)
+    assert bench.eye.metres() == pytest.approx(at_standstill, abs=0.001)
 
 
 def test_the_kernel_s_broadcast_manager_sends_a_master_s_heartbeat(bench: Bench) -> None:

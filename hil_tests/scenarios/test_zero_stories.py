@@ -9,8 +9,8 @@ from typing import Final
 import pytest
 
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon.frame import Generation

@@ -3,9 +3,9 @@
 from html.parser import HTMLParser
 from pathlib import Path
 
-from emulators.testing.page import PICTURED, Outcome, page
+from emulators.testing.page import PICTURED, CaseOutcome, page
 
-FAILED = Outcome(
+FAILED = CaseOutcome(
     "test_it.py::test_a<b>",
     "failed",
     1.5,
@@ -44,7 +44,7 @@ class Seen(HTMLParser):
 
 
 def test_what_failed_is_there_whole_and_all_tests_are_in_the_table() -> None:
-    skipped = Outcome("test_it.py::test_b", "skipped", 0.0, "", "needs a SocketCAN bus")
+    skipped = CaseOutcome("test_it.py::test_b", "skipped", 0.0, "", "needs a SocketCAN bus")
     seen = Seen(page("2 tests", iter([FAILED, skipped])))
     assert seen.open == []
     assert "script" not in seen.all
@@ -57,7 +57,7 @@ def test_what_failed_is_there_whole_and_all_tests_are_in_the_table() -> None:
 def test_the_first_failures_show_their_pictures_and_the_others_say_where_theirs_are(tmp_path: Path) -> None:
     (tmp_path / "path.png").write_bytes(b"\x89PNG")
     (tmp_path / "can.log").write_text("")
-    one = Outcome("test", "error", 0.0, "", kept=str(tmp_path))
+    one = CaseOutcome("test", "error", 0.0, "", kept=str(tmp_path))
     seen = Seen(page("many", [one] * (PICTURED + 1)))
     assert seen.all.count("img") == PICTURED
     assert seen.text.count(f"1 pictures are in {tmp_path}") == 1

@@ -9,7 +9,7 @@ import pytest
 from emulators.devices import plant_parameters
 from emulators.testing.errors import RigError
 from emulators.testing.plant import VirtualPlant
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 
 ROBOT = "rome"
 REFERENCE = Path(__file__).parents[2] / "validation" / "references" / "rome_base.csv"

@@ -6,23 +6,23 @@ from firmware_bridge.wire.cia402 import (
     FAULT_RESET_WORDS,
     PASSING,
     TOWARDS,
-    Command,
-    Control,
-    State,
+    ControlwordBit,
+    ControlwordCommand,
+    PowerState,
     command_of,
     towards,
     word_of,
 )
 
-S = State
+S = PowerState
 # Where each command leads at last, once the states that end by themselves have ended, or None where it does
 # nothing: CiA 402, transitions 2 to 12 and 16.
 COLUMNS = (
-    Command.SHUTDOWN,
-    Command.DISABLE_OPERATION,
-    Command.ENABLE_OPERATION,
-    Command.QUICK_STOP,
-    Command.DISABLE_VOLTAGE,
+    ControlwordCommand.SHUTDOWN,
+    ControlwordCommand.DISABLE_OPERATION,
+    ControlwordCommand.ENABLE_OPERATION,
+    ControlwordCommand.QUICK_STOP,
+    ControlwordCommand.DISABLE_VOLTAGE,
 )
 LEADS = {
     S.SWITCH_ON_DISABLED: (S.READY_TO_SWITCH_ON, None, None, None, None),
@@ -47,7 +47,7 @@ WAYS = [(wanted, state) for wanted, way in TOWARDS.items() for state in way]
 
 
 @pytest.mark.parametrize(("wanted", "begin"), WAYS)
-def test_every_way_ends_where_it_is_wanted(wanted: State, begin: State) -> None:
+def test_every_way_ends_where_it_is_wanted(wanted: PowerState, begin: PowerState) -> None:
     state, passed = begin, []
     while state is not wanted:
         assert state not in passed, "it goes in a circle"
@@ -60,14 +60,16 @@ def test_every_way_ends_where_it_is_wanted(wanted: State, begin: State) -> None:
 
 
 @pytest.mark.parametrize("wanted", TOWARDS)
-def test_a_way_ends_at_its_end_and_begins_neither_in_a_fault_nor_in_a_passing_state(wanted: State) -> None:
+def test_a_way_ends_at_its_end_and_begins_neither_in_a_fault_nor_in_a_passing_state(
+    wanted: PowerState,
+) -> None:
     for state in (wanted, S.FAULT, *PASSING, None):
         assert towards(state, wanted) is None
 
 
 def test_only_the_way_to_operation_enabled_gives_power() -> None:
     for wanted, way in TOWARDS.items():
-        assert (Command.ENABLE_OPERATION in way.values()) is (wanted is S.OPERATION_ENABLED)
+        assert (ControlwordCommand.ENABLE_OPERATION in way.values()) is (wanted is S.OPERATION_ENABLED)
 
 
 def test_a_drive_without_power_is_never_sent_to_its_quick_stop() -> None:
@@ -76,29 +78,29 @@ def test_a_drive_without_power_is_never_sent_to_its_quick_stop() -> None:
 
 def test_quick_stop_active_is_left_with_power_or_by_disable_voltage_alone() -> None:
     assert {wanted: way.get(S.QUICK_STOP_ACTIVE) for wanted, way in TOWARDS.items()} == {
-        S.OPERATION_ENABLED: Command.ENABLE_OPERATION,
+        S.OPERATION_ENABLED: ControlwordCommand.ENABLE_OPERATION,
         S.READY_TO_SWITCH_ON: None,
         S.QUICK_STOP_ACTIVE: None,
-        S.SWITCH_ON_DISABLED: Command.DISABLE_VOLTAGE,
+        S.SWITCH_ON_DISABLED: ControlwordCommand.DISABLE_VOLTAGE,
     }
 
 
 @pytest.mark.parametrize(
     ("command", "word"),
     [
-        (Command.SHUTDOWN, 0x06),
-        (Command.DISABLE_OPERATION, 0x07),
-        (Command.ENABLE_OPERATION, 0x0F),
-        (Command.QUICK_STOP, 0x02),
-        (Command.DISABLE_VOLTAGE, 0x00),
+        (ControlwordCommand.SHUTDOWN, 0x06),
+        (ControlwordCommand.DISABLE_OPERATION, 0x07),
+        (ControlwordCommand.ENABLE_OPERATION, 0x0F),
+        (ControlwordCommand.QUICK_STOP, 0x02),
+        (ControlwordCommand.DISABLE_VOLTAGE, 0x00),
     ],
 )
-def test_the_plainest_word_of_each_command(command: Command, word: int) -> None:
+def test_the_plainest_word_of_each_command(command: ControlwordCommand, word: int) -> None:
     assert word_of(command) == word
     assert command_of(word) is command
 
 
 def test_a_fault_is_reset_by_a_rising_edge() -> None:
     before, after = FAULT_RESET_WORDS
-    assert after & ~before & Control.FAULT_RESET
-    assert command_of(before) is Command.DISABLE_VOLTAGE
+    assert after & ~before & ControlwordBit.FAULT_RESET
+    assert command_of(before) is ControlwordCommand.DISABLE_VOLTAGE

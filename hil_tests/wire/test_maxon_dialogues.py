@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.maxon.end import DeviceEnd, HostEnd
-from firmware_bridge.wire.maxon.frame import Answered, Generation, Outcome
+from firmware_bridge.wire.maxon.frame import Generation, MaxonAnswer, Outcome
 from firmware_bridge.wire.maxon.lines import host_end
 from firmware_bridge.wire.maxon.opcodes import encode_answer, encode_request, row_of
 from hil_tests.wire.maxon_dialogues import Cut, dialogue, every_exchange, fragmented, golden
@@ -53,7 +53,7 @@ def test_the_host_states_its_part(exchange: Exchange, generation: Generation, cu
                 outcome = end.receive(chunk, 0)
         assert end.taken() == b""
         body = encode_answer(exchange.request, exchange.answer) if answered else b""
-        assert outcome == Answered(body)
+        assert outcome == MaxonAnswer(body)
         assert not end.busy
         assert (end.due, end.ready_at) == (NEVER, 0)
 
@@ -119,4 +119,4 @@ def test_both_ends_understand_each_other(exchange: Exchange, generation: Generat
     body = encode_answer(exchange.request, exchange.answer) if answered else None
     for _ in range(3):
         host.ask(encode_request(exchange.request), 0, answered=answered)
-        assert join(host, drive, body) == Answered(body or b"")
+        assert join(host, drive, body) == MaxonAnswer(body or b"")

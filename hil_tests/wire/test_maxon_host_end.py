@@ -3,7 +3,7 @@
 import pytest
 
 from firmware_bridge.units import NEVER
-from firmware_bridge.wire.maxon.frame import Answered, Failure, Generation
+from firmware_bridge.wire.maxon.frame import Failure, Generation, MaxonAnswer
 from firmware_bridge.wire.maxon.lines import host_end
 from hil_tests.wire.maxon_ends import READ, REQUESTED_V1, REQUESTED_V2, TIMEOUT, both
 
@@ -37,7 +37,7 @@ def test_v1_the_host_gives_up_a_step_that_takes_too_long(stated: str) -> None:
 def test_v1_the_host_receives_the_handshake_through_noise() -> None:
     host = host_end(Generation.V1, TIMEOUT)
     host.ask(READ, 0)
-    assert host.receive(bytes.fromhex("01FF4F 02FF4F FF0100 030000000040010000 5D46 77"), 0) == Answered(
+    assert host.receive(bytes.fromhex("01FF4F 02FF4F FF0100 030000000040010000 5D46 77"), 0) == MaxonAnswer(
         bytes.fromhex("0000000040010000")
     )
 
@@ -46,7 +46,7 @@ def test_v2_the_host_receives_its_answer_through_noise_and_reports_a_garbled_one
     host = host_end(Generation.V2, TIMEOUT)
     host.ask(READ, 0)
     answer = bytes.fromhex("9002 0004 0000000040010000 2CC6")
-    assert host.receive(b"\x90\x02\x10" + REQUESTED_V2 + answer, 0) == Answered(answer[4:-2])
+    assert host.receive(b"\x90\x02\x10" + REQUESTED_V2 + answer, 0) == MaxonAnswer(answer[4:-2])
     host.ask(READ, 0)
     assert host.receive(answer[:-1] + b"\xc7", 0) is Failure.GARBLED
     host.ask(READ, 3)

@@ -3,7 +3,7 @@
 from itertools import groupby
 
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.maxon.frame import Answered, Generation
+from firmware_bridge.wire.maxon.frame import Generation, MaxonAnswer
 from firmware_bridge.wire.maxon.lines import host_end
 from firmware_bridge.wire.maxon.opcodes import encode_answer, encode_request, row_of
 from hil_tests.wire.maxon_dialogues import Cut, dialogue, every_exchange, fragmented
@@ -38,5 +38,5 @@ def test_the_host_states_its_part_through_noise(exchange: Exchange, generation: 
                 for chunk in cut(noisy):
                     assert outcome is None
                     outcome = host.receive(chunk, 0)
-        assert outcome == Answered(encode_answer(exchange.request, exchange.answer) if answered else b"")
+        assert outcome == MaxonAnswer(encode_answer(exchange.request, exchange.answer) if answered else b"")
         assert not host.busy

@@ -8,10 +8,10 @@ import pytest
 from firmware_bridge.units import MILLISECOND, NEVER
 from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.maxon.frame import (
-    Answered,
     Failure,
     Frame,
     Generation,
+    MaxonAnswer,
     Outcome,
     encode_v1,
     encode_v2,
@@ -66,7 +66,7 @@ def requested(generation: Generation, command: int) -> tuple[Outcome | None, int
 
 @pytest.mark.parametrize("generation", Generation)
 def test_the_host_takes_silence_for_success_of_a_reset_alone(generation: Generation) -> None:
-    assert [requested(generation, command) for command in RESETS] == [(Answered(b""), RESETS_WITHIN)] * 2
+    assert [requested(generation, command) for command in RESETS] == [(MaxonAnswer(b""), RESETS_WITHIN)] * 2
     assert {requested(generation, command) for command in OTHERS} == {(Failure.SILENCE, TIMEOUT)}
 
 
@@ -75,7 +75,7 @@ def test_a_device_that_ends_a_reset_all_the_same_is_understood(generation: Gener
     host, body = host_end(generation, TIMEOUT), encode_answer(SendNmtService(1, 129), Done(0))
     host.ask(nmt(NmtCommand.RESET_NODE), 0, answered=generation is Generation.V2)
     end = b"OO" if generation is Generation.V1 else encode_v2(Frame(0, body))
-    assert host.receive(end, MILLISECOND) == Answered(b"" if generation is Generation.V1 else body)
+    assert host.receive(end, MILLISECOND) == MaxonAnswer(b"" if generation is Generation.V1 else body)
     assert (host.busy, host.ready_at, host.due) == (False, MILLISECOND, NEVER)
 
 

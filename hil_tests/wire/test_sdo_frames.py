@@ -64,7 +64,7 @@ def test_a_short_upload_travels_in_its_answer(address: Address, raw: bytes) -> N
 
 @given(SEGMENTS, st.booleans(), st.booleans())
 def test_segments_are_the_same_both_ways(raw: bytes, toggle: bool, last: bool) -> None:  # noqa: FBT001
-    segment = sdo.Segment(toggle, raw, last)
+    segment = sdo.SdoSegment(toggle, raw, last)
     assert sdo.decode_request(sdo.encode_download_segment(raw, toggle=toggle, last=last)) == segment
     assert sdo.decode_response(sdo.encode_upload_segment_response(raw, toggle=toggle, last=last)) == segment
 

@@ -11,10 +11,10 @@ from typing import Final
 import numpy as np
 
 from emulators.bench import mission as missions
-from emulators.bench.rehearsal import rehearsal_of
-from firmware_bridge.kinds import find
+from emulators.bench.bench_setup import bench_setup_of
 from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.motion.resolved_rate import pose_law, resolved
+from firmware_bridge.robot_types import find
 from validation.studies.chain import driven
 from validation.studies.solve import Floats
 from validation.studies.study import Compared, Curve, Findings, Plot, Sheet
@@ -171,7 +171,7 @@ def _amplitude(course: _Course) -> float:
 
 def _driven(name: str, seconds: float | None) -> _Course:
     robot = find("ar2")
-    samples = driven(robot, missions.find(name, robot, rehearsal_of(robot)), seconds).samples
+    samples = driven(robot, missions.find(name, robot, bench_setup_of(robot)), seconds).samples
     since = samples.seconds - BEGINS_S
     on_it = (since >= 0.0) & (since <= LASTS_S)
     seconds_of, height = since[on_it], samples.column("y_m")[on_it]

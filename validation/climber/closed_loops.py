@@ -12,13 +12,13 @@ from typing import Final
 import numpy as np
 
 from emulators.bench import mission as missions
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.columns import Samples
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.path_error import Followed, PathError, path_error
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
 from emulators.robots.climber import PATHS
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 from validation.climber.constraints import Robot
 from validation.climber.plant import Way, sizes
@@ -86,16 +86,16 @@ def closed_loops(quick: bool) -> Findings:  # noqa: FBT001 - every study takes i
 
 def _driven(name: str, loop: str) -> _Driven:
     robot = find(name)
-    rehearsal = rehearsal_of(robot)
-    mission = missions.find(loop, robot, rehearsal)
-    operator = ScriptedOperator(robot, rehearsal, mission, np.random.default_rng(0))
-    rig = Rig(robot, rehearsal, operator)
+    bench_setup = bench_setup_of(robot)
+    mission = missions.find(loop, robot, bench_setup)
+    operator = ScriptedOperator(robot, bench_setup, mission, np.random.default_rng(0))
+    rig = Rig(robot, bench_setup, operator)
     try:
         rig.run(from_seconds(mission.duration_s))
         samples = rig.samples
         begin = next(step.at_s for step in mission.step if step.guide)
         path = path_error(samples, [Followed(begin, PATHS[loop](robot))], 0.0)
-        numbers = {key: figure(samples) for key, figure in rehearsal.figures.items()}
+        numbers = {key: figure(samples) for key, figure in bench_setup.figures.items()}
     finally:
         rig.finish()
     return _Driven(

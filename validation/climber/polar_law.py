@@ -13,12 +13,12 @@ from typing import Final, TypeAlias
 import numpy as np
 
 from firmware_bridge.drivers.driver import Feedback, Power
-from firmware_bridge.kinds import find, kind_of
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.climber.geometry import Control, Geometry
-from firmware_bridge.robots.climber.guide import Follower
-from firmware_bridge.robots.climber.motion import Motion, State
+from firmware_bridge.robot_types import find, robot_type_of
+from firmware_bridge.robots.climber.geometry import ClimberGains, ClimberGeometry
+from firmware_bridge.robots.climber.guide import ClimberPathFollower
+from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
 from firmware_bridge.safety.snapshot import Facts, Snapshot
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 from validation.studies.solve import Floats, integrate
@@ -112,12 +112,12 @@ def polar_law(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
     )
 
 
-def _pushed(robot: Robot[Geometry], seconds: float) -> tuple[Floats, Floats]:
+def _pushed(robot: Robot[ClimberGeometry], seconds: float) -> tuple[Floats, Floats]:
     """Return instants after the push, s, and how far off the path the robot is then, m."""
-    kind = kind_of(robot)
-    guide = Follower(robot, "vertical")
-    body = State(0.0, 0.0, 0.0, 1.0)
-    demanded: Motion = kind.rest
+    kind = robot_type_of(robot)
+    guide = ClimberPathFollower(robot, "vertical")
+    body = ClimberState(0.0, 0.0, 0.0, 1.0)
+    demanded: ClimberMotion = kind.rest
     ahead, left, heading = 0.0, 0.0, 0.0
     rows: list[float] = []
     now: Nanoseconds = 0
@@ -131,7 +131,7 @@ def _pushed(robot: Robot[Geometry], seconds: float) -> tuple[Floats, Floats]:
         axes = {axis.name: Feedback(axis.name, power=Power.ON, sampled_at=now) for axis in robot.axes}
         facts = Facts(now, True, False, now, True, axes, {}, {})  # noqa: FBT003 - in the order of its fields
         pose = Pose(ahead, left, heading)
-        seen: Snapshot[Motion, State] = Snapshot(
+        seen: Snapshot[ClimberMotion, ClimberState] = Snapshot(
             facts=facts, command=kind.rest, demanded=demanded, body=body, pose=pose
         )
         demanded = guide.command(seen, CYCLE)
@@ -143,13 +143,13 @@ def _pushed(robot: Robot[Geometry], seconds: float) -> tuple[Floats, Floats]:
     return to_seconds(CYCLE) * np.arange(len(rows), dtype=np.float64), np.array(rows, dtype=np.float64)
 
 
-def _poles(control: Control) -> tuple[float, complex]:
+def _poles(control: ClimberGains) -> tuple[float, complex]:
     """Return decay and swing of y'' + k_alpha y' + (k_alpha - k_beta) k_rho y = 0, 1/s."""
     half = control.k_alpha_per_s / 2.0
     return half, cmath.sqrt(half**2 - (control.k_alpha_per_s - control.k_beta_per_s) * control.k_rho_per_s)
 
 
-def _closed_form(robot: Robot[Geometry], seconds: Floats) -> Floats:
+def _closed_form(robot: Robot[ClimberGeometry], seconds: Floats) -> Floats:
     """Return how a push dies out by the linear equation, m."""
     half, swing = _poles(robot.geometry.control)
     one, other = -half + swing, -half - swing
@@ -157,7 +157,9 @@ def _closed_form(robot: Robot[Geometry], seconds: Floats) -> Floats:
     return np.asarray(PUSH_M * way.real)
 
 
-def _approached(robot: Robot[Geometry], turn: Turn, sign: float, course: float, times: Floats) -> Floats:
+def _approached(
+    robot: Robot[ClimberGeometry], turn: Turn, sign: float, course: float, times: Floats
+) -> Floats:
     """Return place and heading of a robot that goes to a pose that stands: m, m, rad."""
     control = robot.geometry.control
 

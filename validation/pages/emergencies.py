@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Final
 
 from emulators.epos2.control.power_states import TRANSITIONS, Happening
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES, Emergency, FaultReaction, Recovery
 
 HEADINGS: Final = (
@@ -60,15 +60,15 @@ def table(tests: Tests) -> list[tuple[str, ...]]:
     return [cells(EMERGENCIES[code], tests) for code in sorted(EMERGENCIES)]
 
 
-def states_not_enabled() -> tuple[State, ...]:
+def states_not_enabled() -> tuple[PowerState, ...]:
     """Return the states that a fault leaves by way of the reaction while disabled (transition 13)."""
-    return _faulting(State.FAULT_REACTION_DISABLED)
+    return _faulting(PowerState.FAULT_REACTION_DISABLED)
 
 
-def states_enabled() -> tuple[State, ...]:
+def states_enabled() -> tuple[PowerState, ...]:
     """Return the states that a fault leaves by way of the reaction while enabled (transition 17)."""
-    return _faulting(State.FAULT_REACTION_ENABLED)
+    return _faulting(PowerState.FAULT_REACTION_ENABLED)
 
 
-def _faulting(target: State) -> tuple[State, ...]:
+def _faulting(target: PowerState) -> tuple[PowerState, ...]:
     return tuple(row.source for row in TRANSITIONS if row.trigger is Happening.FAULT and row.target is target)

@@ -6,7 +6,7 @@ from typing import Any, Final, Literal, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from emulators.bench.faults import KINDS, Kind
+from emulators.bench.faults import KINDS, FaultKind
 from emulators.cli.faults import COMMON
 
 HEADINGS: Final = ("key", "what it reports", "values", "without it")
@@ -14,7 +14,7 @@ _SIGNS: Final = MappingProxyType({"ge": ">=", "gt": ">", "le": "<=", "lt": "<"})
 """Pydantic's names of a bound."""
 
 
-def target(kind: Kind) -> str:
+def target(kind: FaultKind) -> str:
     """Return whom a fault of this kind meets, in words."""
     fields = kind.fault.model_fields
     if "node" not in fields:
@@ -22,7 +22,7 @@ def target(kind: Kind) -> str:
     return kind.fault.among.value + ("" if fields["node"].is_required() else "; without `node` all of them")
 
 
-def parameters(kind: Kind) -> Iterator[tuple[str, str, str, str]]:
+def parameters(kind: FaultKind) -> Iterator[tuple[str, str, str, str]]:
     """Give a row for each key of its own."""
     for name, field in kind.fault.model_fields.items():
         if name not in COMMON:
@@ -52,7 +52,7 @@ def _choices(annotation: Any) -> tuple[str, ...]:
     return tuple(choice for part in get_args(annotation) for choice in _choices(part))
 
 
-def sections() -> Iterator[tuple[Kind, list[tuple[str, str, str, str]]]]:
+def sections() -> Iterator[tuple[FaultKind, list[tuple[str, str, str, str]]]]:
     """Give every kind with the rows of its keys."""
     for kind in KINDS.values():
         yield kind, list(parameters(kind))

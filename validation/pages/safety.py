@@ -5,22 +5,22 @@ from pathlib import Path
 from typing import Final, TypeAlias
 
 import firmware_bridge
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.drivers.driver import Reports
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.fleets import STOP_STEPS, reports_of
 from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.drivers.stop_steps import StopStep, sums, way
-from firmware_bridge.kind import AnyKind
-from firmware_bridge.robot import AnyRobot, Axis, Command
+from firmware_bridge.robot import AnyRobot, Axis, CommandForm
 from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
-from firmware_bridge.safety.common import AXIS_ROWS, LEFT_OUT_ROW, whole_robot_rows
-from firmware_bridge.safety.following import bounds_of, within
+from firmware_bridge.robot_type import AnyRobotType
+from firmware_bridge.safety.common import AXIS_INTERLOCKS, EXCLUDED_AXIS, whole_robot_interlocks
 from firmware_bridge.safety.guard.ar2 import GuardedJoint
 from firmware_bridge.safety.guard.bounds import targets
 from firmware_bridge.safety.guard.shield import GuardedMotor
 from firmware_bridge.safety.interlock import AxisInterlock
-from firmware_bridge.safety.row import Row
+from firmware_bridge.safety.interlock_base import InterlockBase
+from firmware_bridge.safety.tracking import bounds_of, within
 from firmware_bridge.teleop.age import ROWS as AGES
 from firmware_bridge.units import MILLISECOND, SECOND
 
@@ -35,7 +35,7 @@ AXIS_HEADINGS: Final = (
 BELIEF_HEADINGS: Final = (
     "axis", "stands below", "speed", "position", "ramp", "cruise", "lag", "repeats", "holds with", "within"
 )  # fmt: skip
-AGE_HEADINGS: Final = ("from", "dated", "notes")
+AGE_HEADINGS: Final = ("from", "timestamped", "notes")
 UNPOWERED_HEADINGS: Final = ("axis", "without power", "friction")
 BOUND_HEADINGS: Final = (
     "axis", "on the link", "silent after", "top speed", "travel", "zero", "on the wire", "rows"
@@ -53,20 +53,20 @@ STOP_HEADINGS: Final = (
 )
 
 
-def shipped() -> Iterator[tuple[AnyKind, AnyRobot]]:
+def shipped() -> Iterator[tuple[AnyRobotType, AnyRobot]]:
     """Yield the robots that come with this package; those of other packages have their own pages."""
     here = Path(firmware_bridge.__file__).parent
-    for name in kinds.names():
-        kind = kinds.kind_named(name)
+    for name in robot_types.names():
+        kind = robot_types.robot_type_named(name)
         if here in kind.file.parents:
-            yield kind, kinds.find(name)
+            yield kind, robot_types.find(name)
 
 
-def interlocks(kind: AnyKind, robot: AnyRobot) -> Iterator[Cells]:
+def interlocks(kind: AnyRobotType, robot: AnyRobot) -> Iterator[Cells]:
     """Yield the rows of the whole robot in the order in which they are judged."""
     rules = kind.rules(robot)[""]
-    rows: tuple[Row, ...] = (
-        *whole_robot_rows(rules.numbers, robot.links),
+    rows: tuple[InterlockBase, ...] = (
+        *whole_robot_interlocks(rules.numbers, robot.links),
         *rules.interlocks,
         *rules.after_limits,
     )
@@ -75,7 +75,7 @@ def interlocks(kind: AnyKind, robot: AnyRobot) -> Iterator[Cells]:
         yield (row.name, _groups(row), _severity(row), *answers, _clear(row), row.remedy)
 
 
-def limits(kind: AnyKind, robot: AnyRobot) -> Iterator[Cells]:
+def limits(kind: AnyRobotType, robot: AnyRobot) -> Iterator[Cells]:
     """Yield what clips a command, in its order."""
     for row in kind.rules(robot)[""].limits:
         yield (row.name, _severity(row), _clear(row), row.remedy)
@@ -84,24 +84,24 @@ def limits(kind: AnyKind, robot: AnyRobot) -> Iterator[Cells]:
 def axis_rows() -> Iterator[Cells]:
     """Yield what is judged of each axis, every weaker row behind the first one that it stands in for."""
     named: set[AxisInterlock] = set()
-    for row in (*AXIS_ROWS, LEFT_OUT_ROW):
+    for row in (*AXIS_INTERLOCKS, EXCLUDED_AXIS):
         standing: AxisInterlock | None = row
         while standing is not None and standing not in named:
             named.add(standing)
             needs = ", ".join(sorted(one.value for one in standing.needs)) or "-"
             weaker = "-" if not standing.needs else _instead(standing)
-            takes_power = _yes(standing.takes_power)
+            disables_power = _yes(standing.disables_power)
             yield (
-                *(standing.name, needs, weaker, _severity(standing), takes_power),
+                *(standing.name, needs, weaker, _severity(standing), disables_power),
                 *(_clear(standing), standing.remedy),
             )
-            standing = standing.instead
+            standing = standing.replacement
 
 
 def ages() -> Iterator[Cells]:
     """Yield the methods to determine the age of a command, the best first."""
     for row in AGES:
-        yield (row.name, _yes(row.dated), "its age" if row.dated else "how old it is at least")
+        yield (row.name, _yes(row.timestamped), "its age" if row.timestamped else "how old it is at least")
 
 
 def bounds(robot: AnyRobot) -> Iterator[Cells]:
@@ -126,7 +126,7 @@ def beliefs(robot: AnyRobot) -> Iterator[Cells]:
         bounds, unit = bounds_of(robot, axis), axis.unit.value
         yield (
             f"`{axis.name}`",
-            f"{axis.rests_below:.3g} {unit}/s",
+            f"{axis.standstill_below:.3g} {unit}/s",
             f"{bounds.speed:.3g} {unit}/s",
             f"{bounds.position:.3g} {unit}",
             f"{bounds.ramp:.3g} {unit}/s2",
@@ -208,7 +208,7 @@ def spoken(robot: AnyRobot, name: str) -> str:
 
 
 def _fitting(robot: AnyRobot, axis: Axis) -> Iterator[str]:
-    for row in AXIS_ROWS:
+    for row in AXIS_INTERLOCKS:
         if Reports.ZERO in row.needs and not axis.zero_confirmed:
             continue
         fitting = row.fitting(reports_of(robot, axis))
@@ -222,24 +222,24 @@ def _on_the_wire(robot: AnyRobot, axis: Axis) -> str:
     if axis.link in robot.ar2_links:
         joint = GuardedJoint(axis, robot)
         return f"{joint.least} to {joint.most} steps, {joint.at_once} at once"
-    unit = "qc" if axis.command is Command.POSITION else "rpm"
+    unit = "qc" if axis.command is CommandForm.POSITION else "rpm"
     allowed = targets(axis)
     return f"{allowed[0]} to {allowed[-1]} {unit}"
 
 
 def _instead(row: AxisInterlock) -> str:
-    return "the driver is refused" if row.instead is None else row.instead.name
+    return "the driver is refused" if row.replacement is None else row.replacement.name
 
 
-def _groups(row: Row) -> str:
+def _groups(row: InterlockBase) -> str:
     return "everything" if row.stops is None else ", ".join(sorted(row.stops)) or "nothing"
 
 
-def _severity(row: Row) -> str:
+def _severity(row: InterlockBase) -> str:
     return row.severity.name.lower()
 
 
-def _clear(row: Row) -> str:
+def _clear(row: InterlockBase) -> str:
     return f"{row.clear_after // MILLISECOND} ms" if row.clear_after else "at once"
 
 

@@ -2,14 +2,20 @@
 
 from typing import Final
 
-from emulators.epos2.control.power_states import TRANSITIONS, Happening, RampOption, Stage, Transition
-from firmware_bridge.wire.cia402 import Command, State
+from emulators.epos2.control.power_states import (
+    TRANSITIONS,
+    Happening,
+    PowerStageEffect,
+    RampOption,
+    Transition,
+)
+from firmware_bridge.wire.cia402 import ControlwordCommand, PowerState
 
 HEADINGS: Final = ("no.", "from", "on", "to", "power stage", "slow-down requested by")
 _FAULT: Final = 13
 
 
-def title(state: State) -> str:
+def title(state: PowerState) -> str:
     """Return a state's name for people."""
     return state.name.replace("_", " ").capitalize()
 
@@ -18,7 +24,7 @@ def trigger(row: Transition) -> str:
     """Return what moves the machine, for people."""
     if isinstance(row.trigger, Happening):
         return row.trigger.value
-    name = {Command.DISABLE_OPERATION: "switch on, or disable operation"}.get(row.trigger)
+    name = {ControlwordCommand.DISABLE_OPERATION: "switch on, or disable operation"}.get(row.trigger)
     return name or row.trigger.name.replace("_", " ").lower()
 
 
@@ -26,7 +32,7 @@ def cells(row: Transition) -> tuple[str, ...]:
     """Return the texts of one line, as `HEADINGS` names them."""
     goes_on = ", then once more from there" if row.goes_on else ""
     ramp = "" if row.ramp is RampOption.NONE else f"{row.ramp.value} = 1"
-    stage = "" if row.stage is Stage.KEEP else row.stage.value
+    stage = "" if row.stage is PowerStageEffect.KEEP else row.stage.value
     return (str(row.number), title(row.source), trigger(row), title(row.target) + goes_on, stage, ramp)
 
 
@@ -37,11 +43,11 @@ def diagram() -> str:
     """
     before = {row.source: None for row in TRANSITIONS if row.number == _FAULT}
     lines = ["stateDiagram-v2", "    direction TB"]
-    lines += [f'    state "{title(state)}<br/>0x{state.value:04X}" as {state.name}' for state in State]
+    lines += [f'    state "{title(state)}<br/>0x{state.value:04X}" as {state.name}' for state in PowerState]
     lines += ["    [*] --> START : 19 node reset", "    state not_enabled {"]
     lines += [f"        {state.name}" for state in before]
-    lines += ["    }", f"    not_enabled --> {State.FAULT_REACTION_DISABLED.name} : {_FAULT} fault"]
-    merged: dict[tuple[State, State], list[str]] = {}
+    lines += ["    }", f"    not_enabled --> {PowerState.FAULT_REACTION_DISABLED.name} : {_FAULT} fault"]
+    merged: dict[tuple[PowerState, PowerState], list[str]] = {}
     for row in TRANSITIONS:
         if row.number != _FAULT:
             merged.setdefault((row.source, row.target), []).append(f"{row.number} {trigger(row)}")

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 from typing import Final, TypeAlias
 
-from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_type import AnyRobotType
 from firmware_bridge.teleop.commands import ROWS as COMMANDS
 from firmware_bridge.teleop.lacking import LACKING
 from firmware_bridge.teleop.manual_control import AXES
@@ -115,7 +115,7 @@ def _each(period: Nanoseconds) -> str:
     return f"{to_seconds(period):.3g} s"
 
 
-def _talker() -> tuple[AnyKind, AnyRobot]:
+def _talker() -> tuple[AnyRobotType, AnyRobot]:
     """Return the shipped robot whose station has the most values: the page shows its own rows."""
     return max(shipped(), key=lambda one: len(one[0].station.values) + len(one[0].station.switches))
 

@@ -11,12 +11,12 @@ from typing import Final
 import numpy as np
 
 from emulators.bench import mission as missions
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.columns import ODOMETRY, POSE
 from emulators.bench.mission import Mission
 from emulators.bench.piloted import Pilot
-from emulators.bench.rehearsal import rehearsal_of
-from firmware_bridge.kinds import find
 from firmware_bridge.pilot.pursuit import critical_delay_s
+from firmware_bridge.robot_types import find
 from validation.studies.chain import driven
 from validation.studies.solve import Floats
 from validation.studies.study import Compared, Curve, Findings, Plot, Sheet
@@ -146,7 +146,7 @@ def _run(case: _Case, until_s: float | None) -> _Run:
 def _mission(case: _Case) -> Mission:
     """Return the mission `pursuit` over this link, with this pilot."""
     robot = find("rars")
-    mission = missions.find("pursuit", robot, rehearsal_of(robot))
+    mission = missions.find("pursuit", robot, bench_setup_of(robot))
     pilot = Pilot(
         path="circle",
         size_m=RADIUS,

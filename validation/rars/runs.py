@@ -11,10 +11,10 @@ from typing import Final
 import numpy as np
 
 from emulators.bench import mission as missions
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.columns import ODOMETRY, POSE, Samples
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.bench.summary import odometry_errors
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from validation.studies.chain import driven
 from validation.studies.solve import Floats
 from validation.studies.study import Compared, Curve, Findings, Plot, Sheet
@@ -147,7 +147,7 @@ def _of_circles(run: _Run, radii: tuple[float, ...]) -> tuple[Compared, ...]:
 
 def _driven(name: str, seconds: float | None) -> _Run:
     robot = find("rars")
-    samples = driven(robot, missions.find(name, robot, rehearsal_of(robot)), seconds).samples
+    samples = driven(robot, missions.find(name, robot, bench_setup_of(robot)), seconds).samples
     x, y = (samples.column(column) for column in POSE[:2])
     away = odometry_errors(samples)
     believed = np.isfinite(samples.column(ODOMETRY[0]))

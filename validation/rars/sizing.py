@@ -9,8 +9,8 @@ from typing import Final
 
 import numpy as np
 
-from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import SECOND
 from validation.rars.plant import PLAIN, STEP, P, Plant
 from validation.studies.solve import Floats

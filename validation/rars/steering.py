@@ -11,8 +11,8 @@ from typing import Final
 
 import numpy as np
 
-from firmware_bridge.kinds import find
 from firmware_bridge.motion.davis import rack_from_steer
+from firmware_bridge.robot_types import find
 from validation.rars.plant import P, Plant
 from validation.studies.solve import Floats, root
 from validation.studies.study import Compared, Curve, Findings, Plot, Style

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from emulators.robots.rars import steer_of_radius
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars.rules import tipping_speed
 from firmware_bridge.units import STANDARD_GRAVITY
 from validation.rars.plant import PLAIN, P, Plant

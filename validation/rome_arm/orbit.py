@@ -11,13 +11,13 @@ from typing import Any, Final
 import numpy as np
 
 from emulators.bench import mission as missions
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.path_error import OFFSET
-from emulators.bench.rehearsal import rehearsal_of
-from firmware_bridge.kinds import find
 from firmware_bridge.motion.orbit import THESIS, functions, period, propagated
 from firmware_bridge.motion.orbit_elements import elements
 from firmware_bridge.motion.orbit_scale import real_seconds
 from firmware_bridge.robot import Robot
+from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rome_arm.orbit import PATHS
 from validation.studies.chain import driven
 from validation.studies.solve import Floats, integrate
@@ -235,7 +235,7 @@ def _scaled(m_per_du: float) -> Robot[Any]:
 def _fly(m_per_du: float, apart: Floats, stretch: float, until_s: float | None) -> _Flown:
     """Fly the mission `orbit`; one that lasts longer keeps flying, without its end."""
     robot = _scaled(m_per_du)
-    mission = missions.find("orbit", robot, rehearsal_of(robot))
+    mission = missions.find("orbit", robot, bench_setup_of(robot))
     if until_s is not None:
         steps = tuple(step for step in mission.step if step.at_s <= BEGINS_S)
         mission = mission.model_copy(update={"step": steps, "duration_s": until_s})

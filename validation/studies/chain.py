@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.columns import Samples
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.piloted import PilotedMission
-from emulators.bench.records import HoldRecord
-from emulators.bench.rehearsal import rehearsal_of
+from emulators.bench.records import InterlockEvent
 from emulators.rig import Rig
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import from_seconds
@@ -27,20 +27,20 @@ class Driven:
     """A mission that was driven, and what became of it."""
 
     samples: Samples
-    holds: tuple[HoldRecord, ...]
+    holds: tuple[InterlockEvent, ...]
 
 
 def driven(robot: AnyRobot, mission: Mission, seconds: float | None = None, *, seed: int = 0) -> Driven:
     """Drive it to its end, or for so many seconds, with its pilot or by its steps, as `bench` does."""
-    robot, rehearsal = mission.on(robot), rehearsal_of(robot)
+    robot, bench_setup = mission.on(robot), bench_setup_of(robot)
     operator: Node = (
-        ScriptedOperator(robot, rehearsal, mission, np.random.default_rng([seed, HAND_STREAM]))
+        ScriptedOperator(robot, bench_setup, mission, np.random.default_rng([seed, HAND_STREAM]))
         if mission.pilot is None
         else PilotedMission(robot, mission.step, mission.pilot)
     )
     rig = Rig(
         robot,
-        rehearsal,
+        bench_setup,
         operator,
         seed=seed,
         noise=mission.noise,

@@ -28,7 +28,7 @@ from emulators.arduino_omni.ar2.moves import (
 )
 from emulators.arduino_omni.ar2.strings import number, real, steps, substring
 from emulators.arduino_omni.mega.arithmetic import atoi, int16, single, truncated
-from emulators.arduino_omni.mega.jobs import Call, Pause, Say
+from emulators.arduino_omni.mega.jobs import Call, Delay, Say
 from emulators.arduino_omni.mega.mega import Mega
 from emulators.arduino_omni.mega.pins import FIRST_ANALOG, INPUT_PULLUP, OUTPUT
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, Nanoseconds
@@ -157,7 +157,7 @@ class Ar2Sketch:
     def _wait(self, line: bytes) -> None:
         # A negative int becomes a long without a sign: seven weeks.
         milliseconds = int16(truncated(single(real(line, "S") * 1_000.0))) % _LONG
-        self._mega.do(Pause(milliseconds * MILLISECOND), Say(words.DONE))
+        self._mega.do(Delay(milliseconds * MILLISECOND), Say(words.DONE))
 
     def _input(self, line: bytes) -> None:
         high, low = self._firmware.input
@@ -188,7 +188,7 @@ class Ar2Sketch:
         if self._mega.pins.read(pin) == level:
             self._say(words.DONE)
         else:
-            self._mega.do(Pause(POLL), Call(self._look))
+            self._mega.do(Delay(POLL), Call(self._look))
 
     def _echo(self, line: bytes) -> None:
         self._say(substring(line, 2) + words.ECHO_END)
@@ -244,7 +244,7 @@ class Ar2Sketch:
         wait, self._rising = self._beats.popleft()
         for axis in self._rising:
             self._write(AXES[axis].step_pin, 0, at)
-        self._mega.do(Pause(wait * MICROSECOND), Call(self._go_on))
+        self._mega.do(Delay(wait * MICROSECOND), Call(self._go_on))
 
     def _reached(self) -> tuple[bool, ...]:
         return tuple(self._mega.pins.read(pin) == 1 for pin in _SWITCH_PINS)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from emulators.arduino_omni.shield.i2c import Result, Transfer
+from emulators.arduino_omni.shield.i2c import Transfer, TransferResult
 from firmware_bridge.units import Nanoseconds
 
 
@@ -13,11 +13,11 @@ class OnBus:
     """A transfer on the I2C bus; `then` gets its result."""
 
     transfer: Transfer
-    then: Callable[[Result, Nanoseconds], None] | None = None
+    then: Callable[[TransferResult, Nanoseconds], None] | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Pause:
+class Delay:
     """delay(), or whatever else keeps the processor."""
 
     duration: Nanoseconds
@@ -37,4 +37,4 @@ class Call:
     action: Callable[[Nanoseconds], None]
 
 
-Job: TypeAlias = OnBus | Pause | Say | Call
+Job: TypeAlias = OnBus | Delay | Say | Call

@@ -17,10 +17,10 @@ from collections.abc import Callable, Iterable
 from typing import Final, Protocol
 
 from emulators.arduino_omni.mega.clock import Clock
-from emulators.arduino_omni.mega.jobs import Call, Job, OnBus, Pause, Say
+from emulators.arduino_omni.mega.jobs import Call, Delay, Job, OnBus, Say
 from emulators.arduino_omni.mega.pins import Pins, Shafts
 from emulators.arduino_omni.mega.uart import Uart
-from emulators.arduino_omni.shield.i2c import Chip, I2cBus, Result
+from emulators.arduino_omni.shield.i2c import Chip, I2cBus, TransferResult
 from emulators.arduino_omni.shield.motor_shield import MotorShield
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet, Reaction
@@ -237,7 +237,7 @@ class Mega:
             self._free_at = at
             self._then(job, result, at)
 
-    def _then(self, job: OnBus, result: Result, at: Nanoseconds) -> None:
+    def _then(self, job: OnBus, result: TransferResult, at: Nanoseconds) -> None:
         """Let the sketch go on with what it has read: what it gives now comes before what waits."""
         if job.then is not None:
             waiting = list(self._jobs)
@@ -249,7 +249,7 @@ class Mega:
         if isinstance(job, OnBus):
             self._running = job
             self.bus.begin(job.transfer, at)
-        elif isinstance(job, Pause):
+        elif isinstance(job, Delay):
             self._free_at = at + job.duration
         elif isinstance(job, Say):
             self._free_at = self.serial.write(job.data, at)

@@ -10,8 +10,8 @@ from math import floor
 from typing import Final
 
 from emulators.arduino_omni.mega.arithmetic import float32
-from emulators.arduino_omni.mega.jobs import Job, OnBus, Pause
-from emulators.arduino_omni.shield.i2c import Segment, Transfer, read, write
+from emulators.arduino_omni.mega.jobs import Delay, Job, OnBus
+from emulators.arduino_omni.shield.i2c import Transfer, TransferSegment, read, write
 from emulators.arduino_omni.shield.motor_shield import PORTS, Port
 from emulators.arduino_omni.shield.pca9685 import (
     AI,
@@ -40,7 +40,7 @@ COUNTS_PER_STEP: Final = 16
 """setSpeed() counts to 255."""
 
 
-class Run(IntEnum):
+class RunArgument(IntEnum):
     """The argument of run(). BRAKE has no case in the library: nothing is written."""
 
     FORWARD = 1
@@ -82,11 +82,11 @@ def set_speed_fine(port: Port, speed: int) -> bytes:
 
 def run(port: Port, command: int) -> tuple[bytes, ...]:
     """Return the writes of a run command; nothing for what the library has no case for."""
-    if command == Run.FORWARD:
+    if command == RunArgument.FORWARD:
         return set_pin(port.in2, high=False), set_pin(port.in1, high=True)
-    if command == Run.BACKWARD:
+    if command == RunArgument.BACKWARD:
         return set_pin(port.in1, high=False), set_pin(port.in2, high=True)
-    if command == Run.RELEASE:
+    if command == RunArgument.RELEASE:
         return set_pin(port.in1, high=False), set_pin(port.in2, high=False)
     return ()
 
@@ -103,14 +103,16 @@ def begin(address: int, frequency: int = DEFAULT_HZ, *, repeated_start: bool = F
     """
     yield OnBus(write(address, bytes((MODE1, 0))))
     if repeated_start:
-        yield OnBus(Transfer((Segment(address, bytes((MODE1,))), Segment(address, to_read=1))))
+        yield OnBus(
+            Transfer((TransferSegment(address, bytes((MODE1,))), TransferSegment(address, to_read=1)))
+        )
     else:
         yield OnBus(write(address, bytes((MODE1,))))
         yield OnBus(read(address, 1))
     yield OnBus(write(address, bytes((MODE1, SLEEP))))
     yield OnBus(write(address, bytes((PRE_SCALE, pre_scale(frequency)))))
     yield OnBus(write(address, bytes((MODE1, 0))))
-    yield Pause(WAKES_IN)
+    yield Delay(WAKES_IN)
     yield OnBus(write(address, bytes((MODE1, RESTART | AI | ALLCALL))))
     for channel in range(CHANNELS):
         yield OnBus(write(address, set_pin(channel, high=False)))

@@ -22,7 +22,7 @@ NO_ANSWER: Final = 0xFF
 
 
 @dataclass(frozen=True, slots=True)
-class Segment:
+class TransferSegment:
     """Part of a transfer after one START: bytes to a 7-bit address, or a number of bytes to read from it."""
 
     address: int
@@ -39,11 +39,11 @@ class Segment:
 class Transfer:
     """One transfer from START to STOP, with a repeated START between two segments."""
 
-    segments: tuple[Segment, ...]
+    segments: tuple[TransferSegment, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Result:
+class TransferResult:
     """Result of a transfer: the acknowledge of each byte, and the bytes read."""
 
     acknowledged: bool
@@ -75,12 +75,12 @@ class Chip(Protocol):
 
 def write(address: int, data: bytes) -> Transfer:
     """Return one write, as Wire's endTransmission() makes it."""
-    return Transfer((Segment(address, data),))
+    return Transfer((TransferSegment(address, data),))
 
 
 def read(address: int, count: int) -> Transfer:
     """Return one read, as Wire's requestFrom() makes it."""
-    return Transfer((Segment(address, to_read=count),))
+    return Transfer((TransferSegment(address, to_read=count),))
 
 
 class I2cBus:
@@ -133,7 +133,7 @@ class I2cBus:
         bits = sum([1 + BITS_PER_BYTE * segment.length for segment in transfer.segments]) + 1
         return bits * self.bit
 
-    def advance(self, now: Nanoseconds) -> Result | None:
+    def advance(self, now: Nanoseconds) -> TransferResult | None:
         """Carry what has passed by `now`; return the result of a transfer whose STOP has."""
         while self._next_at <= now:
             if self._ending:
@@ -164,7 +164,7 @@ class I2cBus:
                 return True
         return False
 
-    def _answering(self, segment: Segment) -> tuple[Chip, ...]:
+    def _answering(self, segment: TransferSegment) -> tuple[Chip, ...]:
         reading = segment.to_read > 0
         return tuple([it for it in self._chips if it.acknowledges(segment.address, reading=reading)])
 
@@ -192,7 +192,7 @@ class I2cBus:
             at += each
         self._place, self._next_at = place, at
 
-    def _byte(self, segment: Segment, place: int, at: Nanoseconds) -> bool:
+    def _byte(self, segment: TransferSegment, place: int, at: Nanoseconds) -> bool:
         """Carry one byte; return whether it is acknowledged."""
         if place == 0:
             self._addressed = self._answering(segment)
@@ -215,12 +215,12 @@ class I2cBus:
         self._ending = True
         self._next_at = self._stop_at = at + self.bit
 
-    def _stop(self, at: Nanoseconds) -> Result:
+    def _stop(self, at: Nanoseconds) -> TransferResult:
         for chip in self._chips:
             chip.stopped(at)
         self.busy += at - self._begun_at
         self._forget()
-        return Result(self._acknowledged, bytes(self._read))
+        return TransferResult(self._acknowledged, bytes(self._read))
 
     def _forget(self) -> None:
         self._transfer = None

@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Final
 
 from emulators.arduino_omni.shield.pca9685 import PERIOD_COUNTS, Pca9685, Wave, driven
-from emulators.arduino_omni.shield.tb6612 import Bridge, Output, bridge
+from emulators.arduino_omni.shield.tb6612 import Bridge, BridgeDuty, bridge
 from firmware_bridge.units import Nanoseconds
 
 DEFAULT_ADDRESS: Final = 0x60
@@ -31,7 +31,7 @@ class Port:
 PORTS: Final = (Port("M1", 8, 9, 10), Port("M2", 13, 12, 11), Port("M3", 2, 3, 4), Port("M4", 7, 6, 5))
 
 
-def share(pwm: Wave, in1: Wave, in2: Wave) -> Output:
+def share(pwm: Wave, in1: Wave, in2: Wave) -> BridgeDuty:
     """Return what a half bridge does over one PWM period, count by count, from its three inputs."""
     waves = (pwm, in1, in2)
     edges = {0, PERIOD_COUNTS}
@@ -42,12 +42,12 @@ def share(pwm: Wave, in1: Wave, in2: Wave) -> Output:
     for begin, end in pairwise(cuts):
         levels = [(begin - it.rises) % PERIOD_COUNTS < it.high for it in waves]
         counts[bridge(pwm=levels[0], in1=levels[1], in2=levels[2])] += end - begin
-    return Output(counts[Bridge.CW], counts[Bridge.CCW], counts[Bridge.BRAKE], counts[Bridge.OPEN])
+    return BridgeDuty(counts[Bridge.CW], counts[Bridge.CCW], counts[Bridge.BRAKE], counts[Bridge.OPEN])
 
 
 # Called in every tick that something happens in, and there are few answers: a sign and 256 duties.
 @lru_cache(maxsize=4_096)
-def _shared(pwm: bytes, in1: bytes, in2: bytes, mode2: int, runs: bool) -> Output:  # noqa: FBT001 - a cache's key
+def _shared(pwm: bytes, in1: bytes, in2: bytes, mode2: int, runs: bool) -> BridgeDuty:  # noqa: FBT001 - a cache's key
     return share(driven(pwm, mode2, runs=runs), driven(in1, mode2, runs=runs), driven(in2, mode2, runs=runs))
 
 
@@ -59,11 +59,11 @@ class MotorShield:
             raise ValueError(f"a shield's jumpers add 0 to 31 to its address, and not {jumpers}")
         self.chip: Final = Pca9685(DEFAULT_ADDRESS + jumpers)
 
-    def outputs(self, now: Nanoseconds) -> tuple[Output, ...]:
+    def outputs(self, now: Nanoseconds) -> tuple[BridgeDuty, ...]:
         """Return what the motors M1 to M4 get, now."""
         return tuple(self.output(port, now) for port in PORTS)
 
-    def output(self, port: Port, now: Nanoseconds) -> Output:
+    def output(self, port: Port, now: Nanoseconds) -> BridgeDuty:
         """Return what one motor gets, now."""
         chip = self.chip
         pins = (chip.latched(port.pwm), chip.latched(port.in1), chip.latched(port.in2))

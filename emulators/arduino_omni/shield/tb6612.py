@@ -56,7 +56,7 @@ def bridge(*, in1: bool, in2: bool, pwm: bool, standby: bool = False) -> Bridge:
 
 
 @dataclass(frozen=True, slots=True)
-class Output:
+class BridgeDuty:
     """Shares of a PWM period of 4096 counts; the four add up to it."""
 
     cw: int = 0
@@ -75,10 +75,10 @@ class Output:
         return ((self.cw - self.ccw) * supply - conducts * current * resistance) / COUNTS
 
 
-COAST: Final = Output(open=COUNTS)
+COAST: Final = BridgeDuty(open=COUNTS)
 
 
-def limited(output: Output, current: float, peak: float = PEAK_CURRENT) -> Output:
+def limited(output: BridgeDuty, current: float, peak: float = PEAK_CURRENT) -> BridgeDuty:
     """Return what is left of an output where the current has reached the peak, in A: a fault to be chosen.
 
     The side that would make it larger is cut to a brake (ASSUME: a chip that limits does it so; the data
@@ -87,8 +87,8 @@ def limited(output: Output, current: float, peak: float = PEAK_CURRENT) -> Outpu
     if abs(current) < peak:
         return output
     if current > 0:
-        return Output(0, output.ccw, output.brake + output.cw, output.open)
-    return Output(output.cw, 0, output.brake + output.ccw, output.open)
+        return BridgeDuty(0, output.ccw, output.brake + output.cw, output.open)
+    return BridgeDuty(output.cw, 0, output.brake + output.ccw, output.open)
 
 
 def on_resistance(supply: float) -> float:
@@ -122,6 +122,6 @@ class Thermal:
         self._at = now
         self.shut_down = self.celsius >= (BACK_C if self.shut_down else SHUTDOWN_C)
 
-    def passes(self, output: Output) -> Output:
+    def passes(self, output: BridgeDuty) -> BridgeDuty:
         """Return what a channel of this chip does."""
         return COAST if self.shut_down else output

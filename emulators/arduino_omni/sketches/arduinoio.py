@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from emulators.arduino_omni.mega import motor_library as library
-from emulators.arduino_omni.mega.jobs import OnBus, Pause, Say
+from emulators.arduino_omni.mega.jobs import Delay, OnBus, Say
 from emulators.arduino_omni.mega.mega import CONVERSION, Mega
 from emulators.arduino_omni.mega.pins import INPUT_PULLUP, Counter
 from emulators.arduino_omni.shield.i2c import write
@@ -25,10 +25,10 @@ STOCK_ENCODERS: Final = 2
 """Number of encoders in the stock sketch: the third has pins of its own, and no interrupt at them."""
 MIDDLE: Final = 90
 LARGEST_ANGLE: Final = 180
-RUNS: Final[Mapping[int, library.Run]] = {
-    ord("f"): library.Run.FORWARD,
-    ord("b"): library.Run.BACKWARD,
-    ord("r"): library.Run.RELEASE,
+RUNS: Final[Mapping[int, library.RunArgument]] = {
+    ord("f"): library.RunArgument.FORWARD,
+    ord("b"): library.RunArgument.BACKWARD,
+    ord("r"): library.RunArgument.RELEASE,
 }
 
 
@@ -100,7 +100,7 @@ class ArduinoIoSketch:
         self._say(self._mega.pins.read(pin))
 
     def _read_analog(self, channel: int) -> None:
-        self._mega.do(Pause(CONVERSION))
+        self._mega.do(Delay(CONVERSION))
         self._say(self._mega.pins.read_analog(channel))
 
     def _has_servo(self, pin: int) -> None:

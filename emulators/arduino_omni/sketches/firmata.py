@@ -15,10 +15,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from emulators.arduino_omni.mega.jobs import Call, OnBus, Pause, Say
+from emulators.arduino_omni.mega.jobs import Call, Delay, OnBus, Say
 from emulators.arduino_omni.mega.mega import CONVERSION, Mega
 from emulators.arduino_omni.mega.pins import ANALOG, FIRST_ANALOG, INPUT, INPUT_PULLUP, OUTPUT, PINS, Counter
-from emulators.arduino_omni.shield.i2c import Result, Segment, Transfer, read, write
+from emulators.arduino_omni.shield.i2c import Transfer, TransferResult, TransferSegment, read, write
 from emulators.arduino_omni.sketches.firmata_pins import (
     FIRST_PIN,
     I2C_PINS,
@@ -111,7 +111,7 @@ class FirmataSketch:
     def setup(self) -> None:
         """Blink, and say who is there."""
         self._reset()
-        self._mega.do(Pause(BLINKS))
+        self._mega.do(Delay(BLINKS))
         self._say_version()
         self._say_firmware()
         self._mega.do(Call(self._start))
@@ -262,7 +262,7 @@ class FirmataSketch:
             self._say_analog(channel)
 
     def _say_analog(self, channel: int) -> None:
-        self._mega.do(Pause(CONVERSION))
+        self._mega.do(Delay(CONVERSION))
         raw = self._mega.pins.read_analog(channel)
         self._say(words.Message(words.ANALOG, words.pairs((raw,)), channel))
 
@@ -322,7 +322,7 @@ class FirmataSketch:
         wanted = mode & words.I2C_STOP
         if wanted == words.I2C_WRITE:
             written = bytes(it & 0xFF for it in values[:WIRE_BUFFER])
-            self._mega.do(OnBus(write(address, written)), Pause(AFTER_WRITE))
+            self._mega.do(OnBus(write(address, written)), Delay(AFTER_WRITE))
         elif wanted == words.I2C_STOP:
             self._forget(address)
         elif values:
@@ -352,13 +352,16 @@ class FirmataSketch:
             return
         register = bytes((query.register,))
         if query.restart and not self._delay:
-            segments = (Segment(query.address, register), Segment(query.address, to_read=count))
+            segments = (
+                TransferSegment(query.address, register),
+                TransferSegment(query.address, to_read=count),
+            )
             self._mega.do(OnBus(Transfer(segments), self._reply))
             return
-        self._mega.do(OnBus(write(query.address, register)), Pause(self._delay * MICROSECOND))
+        self._mega.do(OnBus(write(query.address, register)), Delay(self._delay * MICROSECOND))
         self._mega.do(OnBus(read(query.address, count), self._reply))
 
-    def _reply(self, result: Result, _now: Nanoseconds) -> None:
+    def _reply(self, result: TransferResult, _now: Nanoseconds) -> None:
         query = self._pending.pop(0)
         if len(result.read) < query.count:
             self._complain("I2C: Too few bytes received")

@@ -18,7 +18,7 @@ from typing import Any, Final, TypeAlias
 
 from emulators.arduino_omni.mega import motor_library as library
 from emulators.arduino_omni.mega.arithmetic import int16, wrapped
-from emulators.arduino_omni.mega.jobs import Call, OnBus, Pause, Say
+from emulators.arduino_omni.mega.jobs import Call, Delay, OnBus, Say
 from emulators.arduino_omni.mega.mega import CONVERSION, Mega
 from emulators.arduino_omni.mega.pins import FIRST_ANALOG, LED, OUTPUT, Counter
 from emulators.arduino_omni.shield.i2c import write
@@ -151,7 +151,7 @@ class MwSketch:
         self._answer()
 
     def _read_voltage(self, request: messages.ReadVoltage) -> None:
-        self._mega.do(Pause(CONVERSION))
+        self._mega.do(Delay(CONVERSION))
         raw = self._mega.pins.read_analog(request.pin)
         self._answer(mw.row_of(request).answer.encode(messages.Voltage(raw)))
 
@@ -187,7 +187,9 @@ class MwSketch:
         made = self._made(request.shield, request.motor)
         if made is not None:
             address, port = made
-            self._mega.do_all(OnBus(write(address, data)) for data in library.run(port, library.Run.RELEASE))
+            self._mega.do_all(
+                OnBus(write(address, data)) for data in library.run(port, library.RunArgument.RELEASE)
+            )
         self._answer()
 
     # Encoders
@@ -218,7 +220,7 @@ class MwSketch:
 
     def _read_speed(self, request: messages.ReadSpeed) -> None:
         self._counts_before = [(it, self._total(it)) for it in request.encoders]
-        self._mega.do(Pause(SPEED_TIME), Call(self._speeds_now))
+        self._mega.do(Delay(SPEED_TIME), Call(self._speeds_now))
 
     def _speeds_now(self, _now: Nanoseconds) -> None:
         pairs = [(self._total(it) - before) for it, before in self._counts_before]

@@ -23,7 +23,7 @@ from typing import Final
 from emulators.arduino_omni.mega import motor_library as library
 from emulators.arduino_omni.mega.arithmetic import atoi, int16
 from emulators.arduino_omni.mega.clock import WORD as CLOCK_WORD
-from emulators.arduino_omni.mega.jobs import Pause, Say
+from emulators.arduino_omni.mega.jobs import Delay, Say
 from emulators.arduino_omni.mega.mega import CONVERSION, Mega
 from emulators.arduino_omni.mega.pins import (
     BUSY_PINS,
@@ -155,7 +155,7 @@ class RosSketch:
 
     def read_analog(self) -> None:
         """Answer `a`."""
-        self._mega.do(Pause(CONVERSION))
+        self._mega.do(Delay(CONVERSION))
         self._say(self._mega.pins.read_analog(self._number(0) & 0xFF))
 
     def say_baud(self) -> None:
@@ -208,7 +208,7 @@ class RosSketch:
         pin, pins = self._pin(), self._mega.pins
         pins.write(pin, 0)
         pins.configure(pin, INPUT)
-        self._mega.do(Pause(NO_ECHO))
+        self._mega.do(Delay(NO_ECHO))
         self._say(0)
 
     def reset_encoders(self) -> None:
@@ -255,8 +255,8 @@ class RosSketch:
     def _drive(self, speeds: list[int]) -> None:
         for port, speed in zip(PORTS, speeds, strict=False):
             size = min(abs(int16(speed)), MAX_PWM)
-            turned = library.Run.BACKWARD if speed < 0 else library.Run.FORWARD
-            command = turned if size else library.Run.RELEASE
+            turned = library.RunArgument.BACKWARD if speed < 0 else library.RunArgument.FORWARD
+            command = turned if size else library.RunArgument.RELEASE
             self._mega.do_all(library.drive(self._address, port, size, command))
 
 

@@ -1,7 +1,7 @@
 """Faults that a mission, or a program, names by the field's names: a table of kinds, put on and taken off."""
 
 from emulators.bench.faults.fault import CABLE_ORDER, Fault, Lasting
-from emulators.bench.faults.kind import Kind
+from emulators.bench.faults.kind import FaultKind
 from emulators.bench.faults.reading import WRONG, FaultTable, misfits, read
 from emulators.bench.faults.schedule import FaultError, Faults
 from emulators.bench.faults.site import BRIDGE, OPERATOR_STATION, SECOND_BRIDGE, Site
@@ -16,9 +16,9 @@ __all__ = [
     "WRONG",
     "Fault",
     "FaultError",
+    "FaultKind",
     "FaultTable",
     "Faults",
-    "Kind",
     "Lasting",
     "Site",
     "misfits",

@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import Any
 
 from emulators.bench.faults import KINDS, read
-from emulators.bench.faults.kind import Kind
+from emulators.bench.faults.kind import FaultKind
 from emulators.bench.faults.severe import SEVERE
 from firmware_bridge.robot import AnyRobot
 
@@ -45,7 +45,7 @@ def failures_of(robot: AnyRobot) -> tuple[Failure, ...]:
     return tuple(found)
 
 
-def _places(kind: Kind, robot: AnyRobot) -> Iterator[tuple[str, Mapping[str, Any]]]:
+def _places(kind: FaultKind, robot: AnyRobot) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """Yield where a kind may be tried: one node after the other, or one link, or as it is."""
     fields, nodes = kind.fault.model_fields, kind.fault.among.of(robot)
     if "between" in fields:
@@ -59,7 +59,7 @@ def _places(kind: Kind, robot: AnyRobot) -> Iterator[tuple[str, Mapping[str, Any
         yield "", {}
 
 
-def _link(kind: Kind, robot: AnyRobot, node: str) -> Mapping[str, str]:
+def _link(kind: FaultKind, robot: AnyRobot, node: str) -> Mapping[str, str]:
     """Return on which link a node is that is on several."""
     on_several = "link" in kind.fault.model_fields and not any(axis.name == node for axis in robot.axes)
     return {"link": next(iter(robot.links))} if on_several and len(robot.links) > 1 else {}

@@ -6,7 +6,7 @@ from emulators.bench.faults.fault import Fault, Lasting
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class FaultKind:
     """One kind of fault."""
 
     fault: type[Fault]

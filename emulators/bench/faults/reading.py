@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, InstanceOf, ValidationError
 from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from emulators.bench.faults.fault import Fault, Problem
-from emulators.bench.faults.kind import Kind
+from emulators.bench.faults.kind import FaultKind
 from emulators.bench.faults.table import KINDS
 from firmware_bridge.renamed import fault_table
 from firmware_bridge.robot import AnyRobot
@@ -68,7 +68,7 @@ def _collision(one: Fault, other: Fault, robot: AnyRobot) -> str | None:
     return thing if together else None
 
 
-def _text_of(kind: Kind, error: ErrorDetails) -> InitErrorDetails:
+def _text_of(kind: FaultKind, error: ErrorDetails) -> InitErrorDetails:
     """Return pydantic's finding in one sentence, with a near name for a key that is not there."""
     location = error["loc"]
     key = str(location[0]) if location else ""

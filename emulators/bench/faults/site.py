@@ -15,7 +15,7 @@ from emulators.epos2.drive import Epos2
 from emulators.motion_capture.system import MotionCapture
 from emulators.servo.axis import ServoAxis
 from emulators.wires import DatagramWire, FaultyCanWire
-from emulators.world import Station, Wire, World
+from emulators.world import Wire, World, WorldNode
 from firmware_bridge.node import CAN, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
@@ -84,7 +84,7 @@ class Site:
     plant: FmuPlant | None = None
     stations: list[SecondStation] = field(default_factory=list)
     """All stations that have joined the operator's link, the newest last."""
-    _foreign_nodes: dict[str, Station] = field(default_factory=dict)
+    _foreign_nodes: dict[str, WorldNode] = field(default_factory=dict)
     """Foreign nodes by the link on whose bus or line they are."""
     _unplugged: dict[str, Mapping[str, Wire]] = field(default_factory=dict)
 
@@ -108,7 +108,7 @@ class Site:
             self._foreign_node(link, f"{FOREIGN_NODE} on {link}", {SERIAL: wire}), Packet(SERIAL, 0, data)
         )
 
-    def _foreign_node(self, link: str, name: str, wires: Mapping[str, Wire]) -> Station:
+    def _foreign_node(self, link: str, name: str, wires: Mapping[str, Wire]) -> WorldNode:
         found = self._foreign_nodes.get(link)
         if found is None:
             found = self._foreign_nodes[link] = self.world.attach(name, ForeignNode(), wires)

@@ -6,14 +6,14 @@ from typing import Final
 
 from emulators.bench.faults import bus, capture, device, link, people, plant
 from emulators.bench.faults.board_table import BOARD_ROWS
-from emulators.bench.faults.kind import Kind
+from emulators.bench.faults.kind import FaultKind
 from emulators.wires.faulty_can import WAITING
 
 _CONNECTION: Final = "the connection"
 _SUPPLY: Final = "the supply"
 
 _ROWS: Final = (
-    Kind(
+    FaultKind(
         bus.FrameError,
         "A disturbance on the cable flips a bit. All nodes see it, an error flag ends the frame, and its"
         " sender sends it again at once. Each costs 8 and each good frame gives 1 back, so above one in"
@@ -23,25 +23,25 @@ _ROWS: Final = (
         " grows passive, 0x81FD when it is back from bus off; both stop the motor, and 0x8120 is cured by"
         " NMT reset communication only.",
     ),
-    Kind(
+    FaultKind(
         bus.ReceptionError,
         "A bad plug or termination at one node: it alone sees frames wrongly, and its error flag"
         " destroys them for all, until it is passive after some 15; from then on it misses them alone.",
         "As with `frame_error`: EMCY 0x8120 when it is passive. It receives no set-point and no heartbeat"
         " any more, so EMCY 0x8130 follows after 0x1016.",
     ),
-    Kind(
+    FaultKind(
         bus.FrameLoss,
         "A driver, an adapter or a full queue between a node's program and its controller swallows"
         " frames: nothing is on the cable, no one notices.",
         "Sends as ever and is not received. It misses nothing itself.",
     ),
-    Kind(
+    FaultKind(
         bus.ReceiveOverrun,
         "The bus is right, but a node's program does not fetch frames from its controller in time.",
         "Does not get them, and reports EMCY 0x8110 (object lost), which stops its motor.",
     ),
-    Kind(
+    FaultKind(
         bus.BusOff,
         "All frames of a node are damaged until its controller leaves the bus (32 of them, some 4 ms);"
         " no one restarts the controller before the end. A bridge on a real bus ends then; this one goes"
@@ -51,7 +51,7 @@ _ROWS: Final = (
         " its history.",
         _CONNECTION,
     ),
-    Kind(
+    FaultKind(
         bus.CanCut,
         "The bus falls into two that receive nothing of each other. A node that is alone on its part gets"
         " no acknowledgement, repeats its frame until it is passive, and sends it when the cable is whole"
@@ -61,7 +61,7 @@ _ROWS: Final = (
         " 0x8120, too.",
         _CONNECTION,
     ),
-    Kind(
+    FaultKind(
         bus.CanSwapped,
         "The node receives nothing and is not understood. As soon as it has a frame to send no one"
         " acknowledges it, and its repetitions pull the bus the wrong way: they destroy everybody's"
@@ -70,35 +70,35 @@ _ROWS: Final = (
         " these before the wires are right.",
         _CONNECTION,
     ),
-    Kind(
+    FaultKind(
         bus.BabblingNode,
         "A node that no one knows sends without end. Lower identifiers win the bus, so frames of others"
         " come late or not at all.",
         "Its frames wait; heartbeats may come too late for those who watch them (EMCY 0x8130).",
         "the foreign node",
     ),
-    Kind(
+    FaultKind(
         bus.NmtForeignNode,
         "Another master, or a tool that someone has plugged in, sends a network command. An instant: no end.",
         "Obeys. Stopped or pre-operational it takes no set-point and sends no process data, and by"
         " itself stops no motion (ASSUME); a reset takes the power off, and the position counter begins"
         " at 0.",
     ),
-    Kind(
+    FaultKind(
         bus.StrayFrames,
         "Another master, or a tool that replays a log, sends one frame again and again: a SYNC, a set-point,"
         " the bridge's own heartbeat.",
         "Obeys it as it would the bridge's.",
         "the foreign node",
     ),
-    Kind(
+    FaultKind(
         bus.NodeSilent,
         "All cables of a node are out, or its transceiver is dead; it lives on.",
         "Misses the bridge's heartbeat: EMCY 0x8130, which no one receives, and it stops by 0x6007."
         " Was it the bridge, all drives do so.",
         _CONNECTION,
     ),
-    Kind(
+    FaultKind(
         device.DriveRestart,
         "The supply of one drive is interrupted, logic included (a loose plug). The motor is without"
         " power and rolls out; with the supply the drive starts again.",
@@ -106,7 +106,7 @@ _ROWS: Final = (
         " saved parameters, and counts positions from 0.",
         _CONNECTION,
     ),
-    Kind(
+    FaultKind(
         device.SetPointsIgnored,
         "The program part of a drive that takes set-points hangs; its regulators, its communication and its"
         " watch over the bridge live on.",
@@ -115,7 +115,7 @@ _ROWS: Final = (
         " and a reset still stop it (ASSUME).",
         "the drive's set-points",
     ),
-    Kind(
+    FaultKind(
         device.SupplySag,
         "A weak battery, a long cable or a bad contact: so many volts are left at the drives. The logic"
         " lives on.",
@@ -123,38 +123,38 @@ _ROWS: Final = (
         " Above it: less voltage for the winding.",
         _SUPPLY,
     ),
-    Kind(
+    FaultKind(
         device.SupplySurge,
         "A charger, or energy that braking motors feed back into a supply that cannot take it.",
         "Above its limit: EMCY 0x3210, power stage off at once; the motor rolls out.",
         _SUPPLY,
     ),
-    Kind(
+    FaultKind(
         device.LogicSupplySag,
         "A short in a sensor's cable pulls the drive's 5 V down.",
         "EMCY 0x5113, power stage off at once.",
         "the logic supply",
     ),
-    Kind(
+    FaultKind(
         device.GateSupplySag,
         "The supply of the power stage's gate drivers fails.",
         "EMCY 0x5114, power stage off at once.",
         "the gate supply",
     ),
-    Kind(
+    FaultKind(
         device.Overheating,
         "The air at the heat sink is hot: a fan has stopped, the sun shines on the box.",
         "The current's own heat is added; too hot: EMCY 0x4210, power stage off at once.",
         "the air",
     ),
-    Kind(
+    FaultKind(
         device.EncoderCut,
         "The encoder's cable is out: no count, no index.",
         "EMCY 0xFF0A, power stage off at once; the position is not referenced any more. When the cable"
         " is back, the first index comes at a wrong count: 0xFF03 where 0x2210 has it watch the index.",
         "the encoder's cable",
     ),
-    Kind(
+    FaultKind(
         device.EncoderSwapped,
         "Channels A and B are exchanged: the count runs against the motor, and the regulator drives it"
         " away. At rest nothing shows.",
@@ -164,14 +164,14 @@ _ROWS: Final = (
         " following error is too large.",
         "the encoder's channels",
     ),
-    Kind(
+    FaultKind(
         device.EncoderCountsLost,
         "Disturbed lines or a dirty disc: of the quadcounts a share does not arrive, so the shaft turns"
         " further than the drive counts.",
         "Counts less. It notices only where 0x2210 has it watch the index (EMCY 0xFF02, 0xFF03).",
         "the encoder's counts",
     ),
-    Kind(
+    FaultKind(
         device.EncoderFrozen,
         "The coupling between shaft and encoder is loose: the disc stands while the shaft turns. All lines"
         " have their levels, and neither counts nor indexes come.",
@@ -179,79 +179,79 @@ _ROWS: Final = (
         " following error is too large; no error in velocity mode.",
         "the encoder's counts",
     ),
-    Kind(
+    FaultKind(
         device.IndexMissing,
         "The index line of the encoder is broken.",
         "EMCY 0xFF02 after some turns where 0x2210 has it watch the index; else nothing.",
         "the index",
     ),
-    Kind(
+    FaultKind(
         device.IndexSpurious,
         "A disturbance on the index line: a second pulse an eighth of a turn after the first.",
         "EMCY 0xFF02 or 0xFF03 where 0x2210 has it watch the index; else nothing.",
         "the index",
     ),
     *BOARD_ROWS,
-    Kind(
+    FaultKind(
         link.DatagramLoss,
         "The radio link loses datagrams.",
         "No device: interlock `operator link timeout` after `operator.silent_ms`.",
     ),
-    Kind(
+    FaultKind(
         link.DatagramLate,
         "Datagrams queue up somewhere and come late. At the end later ones overtake them.",
         "No device: when it begins the bridge receives nothing for so long, and then old commands as if they"
         " were new: MANUAL_CONTROL carries no time.",
     ),
-    Kind(
+    FaultKind(
         link.DatagramDoubled,
         "The network delivers datagrams twice.",
         "No device: a command counts once, and its repetition is answered again.",
     ),
-    Kind(
+    FaultKind(
         link.SerialUnplugged,
         "The USB or RS232 adapter of a bridge on a serial line is pulled out.",
         "The gateway misses its host; its own watch over another drive stops the motors. The bridge"
         " holds `link lost`.",
         "the serial line",
     ),
-    Kind(
+    FaultKind(
         plant.GripLost,
         "What holds the robot on a wall lets go at one axis: a magnet over paint or rust. Where the others"
         " cannot hold it, it falls.",
         "No device notices; the motor turns on, without load where the robot has fallen.",
         "the grip",
     ),
-    Kind(
+    FaultKind(
         capture.BodyHidden,
         "Someone stands before the cameras, or the robot is where none of them looks.",
         "The capture system sends the last pose again and reports the body as not tracked.",
         "what the cameras see",
     ),
-    Kind(
+    FaultKind(
         capture.BodyShakes,
         "The body trembles: bumps from roller to roller, a floor that is not even, loose markers. ASSUME 1 mm"
         ": the thesis names vibration without a number.",
         "A capture system: sees each frame's place with that error, and its own beside it. The bridge's pose"
         " follows a share of it.",
     ),
-    Kind(
+    FaultKind(
         capture.MarkersSwapped,
         "A reflection, or another body with markers alike: markers are taken for others.",
         "The capture system sends a pose elsewhere, as one that is tracked.",
         "what the cameras see",
     ),
-    Kind(
+    FaultKind(
         capture.CaptureLate,
         "The network between the capture system and the bridge is busy: frames queue up, and come late.",
         "Frames come late, with the times at which they were taken.",
     ),
-    Kind(
+    FaultKind(
         capture.CaptureLoss,
         "The network between the capture system and the bridge loses frames.",
         "Frames do not come.",
     ),
-    Kind(
+    FaultKind(
         people.BridgeEnds,
         "Someone presses Ctrl-C, once or twice, or the bridge's process is killed: what it had queued is"
         " not sent. With the end of the fault a bridge is started, which knows of the one before what that"
@@ -260,13 +260,13 @@ _ROWS: Final = (
         " bridge's heartbeat, EMCY 0x8130, and stops by 0x6007.",
         _CONNECTION,
     ),
-    Kind(
+    FaultKind(
         people.SecondBridge,
         "Someone starts a second bridge on the same bus, and ends it by Ctrl-C with the end of the fault.",
         "No device: the second bridge receives the first one, reports it and sends nothing.",
         "the second bridge",
     ),
-    Kind(
+    FaultKind(
         people.SecondStation,
         "A second ground station joins: it holds a stick, and may ask for something twice a second.",
         "No device: who drives goes on to drive. The other's stick and orders are refused, but an emergency"
@@ -275,5 +275,5 @@ _ROWS: Final = (
     ),
 )
 
-KINDS: Final[Mapping[str, Kind]] = MappingProxyType({row.name: row for row in _ROWS})
+KINDS: Final[Mapping[str, FaultKind]] = MappingProxyType({row.name: row for row in _ROWS})
 """Every kind by its name."""

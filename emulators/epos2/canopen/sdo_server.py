@@ -20,7 +20,7 @@ from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.epos2.address import Address
 
 _Answers: TypeAlias = Mapping[type[sdo.Request], Callable[..., bytes | None]]
-_WITHOUT_ADDRESS: Final = (sdo.UploadSegmentRequest, sdo.Segment)
+_WITHOUT_ADDRESS: Final = (sdo.UploadSegmentRequest, sdo.SdoSegment)
 
 
 @dataclass(slots=True)
@@ -48,7 +48,7 @@ class SdoServer:
             sdo.UploadRequest: self._start_upload,
             sdo.DownloadRequest: self._start_download,
             sdo.UploadSegmentRequest: self._next_segment,
-            sdo.Segment: self._take_segment,
+            sdo.SdoSegment: self._take_segment,
             sdo.Abort: self._give_up,
             sdo.Unknown: self._refuse,
         }
@@ -116,7 +116,7 @@ class SdoServer:
         wanted = self._store.row(address).type.size
         return raw[:wanted] if wanted else raw
 
-    def _take_segment(self, segment: sdo.Segment) -> bytes:
+    def _take_segment(self, segment: sdo.SdoSegment) -> bytes:
         transfer = self._transfer
         if not isinstance(transfer, _Download):
             raise SdoAbort(AbortCode.UNKNOWN_COMMAND)

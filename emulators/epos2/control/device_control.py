@@ -16,12 +16,12 @@ from emulators.epos2.io.drive_pins import Pins
 from emulators.epos2.modes.mode_selector import ModeSelector
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.wire.cia402 import Command, Control, State, command_of
+from firmware_bridge.wire.cia402 import ControlwordBit, ControlwordCommand, PowerState, command_of
 from firmware_bridge.wire.epos2 import emergency
 
 # The controlword's bits as plain numbers: flags are slow, and every frame is looked at.
-_FAULT_RESET: Final = int(Control.FAULT_RESET)
-_NEW_SETPOINT: Final = int(Control.NEW_SETPOINT)
+_FAULT_RESET: Final = int(ControlwordBit.FAULT_RESET)
+_NEW_SETPOINT: Final = int(ControlwordBit.NEW_SETPOINT)
 
 
 class DeviceControl:
@@ -82,16 +82,16 @@ class DeviceControl:
         before, power.controlword = power.controlword, word
         if written and self._modes.mode.goes_by_writes:
             before &= ~_NEW_SETPOINT
-        if power.state is State.FAULT:
+        if power.state is PowerState.FAULT:
             if word & ~before & _FAULT_RESET:
                 self._reset_fault()
-        elif power.releasing and command_of(word) is not Command.ENABLE_OPERATION:
+        elif power.releasing and command_of(word) is not ControlwordCommand.ENABLE_OPERATION:
             power.give_up_release()
             self._obey(word, before)
         elif power.under_way or power.state in TIMED:
             # What waits keeps its edges: a set-point that comes while the drive enables is taken then.
             self._delayed = word, before if self._delayed is None else self._delayed[1]
-        elif power.state is not State.FAULT_REACTION_ENABLED:
+        elif power.state is not PowerState.FAULT_REACTION_ENABLED:
             self._obey(word, before)
 
     def _obey(self, word: int, before: int) -> None:
@@ -101,7 +101,7 @@ class DeviceControl:
         power = self._power
         was_free = power.free
         power.go(self._admitted(command_of(word)))
-        if power.state is State.REFRESH:  # just entered: in it every command waits
+        if power.state is PowerState.REFRESH:  # just entered: in it every command waits
             contradiction = enable_checks.found(self._store)
             if contradiction is not None:
                 self.fail(contradiction)
@@ -110,10 +110,10 @@ class DeviceControl:
             self._modes.controls(word, before)
             self._heed()
 
-    def _admitted(self, command: Command) -> Command:
+    def _admitted(self, command: ControlwordCommand) -> ControlwordCommand:
         """Return a master's command, or the stronger one that the input pins give."""
         pins = self._inputs.restriction
-        return command if pins is None or command is Command.DISABLE_VOLTAGE else pins
+        return command if pins is None or command is ControlwordCommand.DISABLE_VOLTAGE else pins
 
     def _obeys_pins(self) -> bool:
         """Carry out the command that the input pins give; say whether that has moved the drive."""
@@ -167,7 +167,7 @@ class DeviceControl:
     def _heed_limits(self) -> None:
         """Stop at a limit switch; called with every new set-point, for it may lead into one."""
         inputs, modes = self._inputs, self._modes
-        if not self._axis.powered or self._power.state is State.FAULT_REACTION_ENABLED:
+        if not self._axis.powered or self._power.state is PowerState.FAULT_REACTION_ENABLED:
             return
         met = inputs.limits_met(modes.shaft.heading, modes.mode.sought)
         if met and not inputs.risen:

@@ -26,7 +26,7 @@ from emulators.servo.axis import CURRENT_LIMITED, ServoAxis
 from emulators.servo.scaling import Settings, configure
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.cia402 import State, Status
+from firmware_bridge.wire.cia402 import PowerState, Status
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.address import Address
@@ -76,7 +76,7 @@ class MotionControl:
         self.reset()
 
     @property
-    def state(self) -> State:
+    def state(self) -> PowerState:
         """The power state of CiA 402."""
         return self._power.state
 

@@ -12,8 +12,8 @@ from emulators.epos2.control.power_states import (
     TIMED,
     Delays,
     Happening,
+    PowerStageEffect,
     RampOption,
-    Stage,
     Transition,
     Trigger,
 )
@@ -23,11 +23,13 @@ from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.sensors import align
 from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire.cia402 import Command, State
+from firmware_bridge.wire.cia402 import ControlwordCommand, PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import OutputFunction
 
-_FAULTS: Final = frozenset({State.FAULT, State.FAULT_REACTION_ENABLED, State.FAULT_REACTION_DISABLED})
+_FAULTS: Final = frozenset(
+    {PowerState.FAULT, PowerState.FAULT_REACTION_ENABLED, PowerState.FAULT_REACTION_DISABLED}
+)
 
 
 class PowerSequence:
@@ -42,8 +44,8 @@ class PowerSequence:
         self._axis = axis
         self._modes = modes
         self._delays = delays
-        self.state = State.START
-        self.word = State.START.value
+        self.state = PowerState.START
+        self.word = PowerState.START.value
         """The state's bits of the statusword."""
         self.controlword = 0
         """The latest one; a halt in it counts once the drive is enabled."""
@@ -63,7 +65,7 @@ class PowerSequence:
     @property
     def free(self) -> bool:
         """True if it is enabled, and no transition is under way: the modes may move the shaft."""
-        enabled = self.state is State.OPERATION_ENABLED
+        enabled = self.state is PowerState.OPERATION_ENABLED
         return enabled and self._completing is None and not self.releasing
 
     @property
@@ -80,17 +82,21 @@ class PowerSequence:
         self.controlword = 0
         self._completing = None
         self.releasing = False
-        self._enter(State.START)
+        self._enter(PowerState.START)
 
     def go(self, trigger: Trigger) -> None:
         """Follow the row that leads out of the present state on this, if there is one."""
         row = self._ways_out.get(trigger)
         if row is None:
             return
-        held = row.stage is Stage.OFF and isinstance(trigger, Command) and self._brake.fitted
+        held = (
+            row.stage is PowerStageEffect.OFF
+            and isinstance(trigger, ControlwordCommand)
+            and self._brake.fitted
+        )
         if held or self._slows_down(row.ramp):
             self._completing = row
-            if self.state is not State.QUICK_STOP_ACTIVE:
+            if self.state is not PowerState.QUICK_STOP_ACTIVE:
                 self._modes.shaft.brake()
             return
         self._complete(row)
@@ -102,7 +108,7 @@ class PowerSequence:
         self._completing = None
         self.give_up_release()
         self.go(Happening.FAULT)
-        if self.state is State.FAULT_REACTION_ENABLED:
+        if self.state is PowerState.FAULT_REACTION_ENABLED:
             if deceleration is None:
                 self.go(Happening.REACTED)
             else:
@@ -122,7 +128,7 @@ class PowerSequence:
             self._modes.begin(self.controlword)
         elif self._completing is not None and self._at_rest():
             self._complete(self._completing)
-        elif self.state is State.FAULT_REACTION_ENABLED and self._at_rest():
+        elif self.state is PowerState.FAULT_REACTION_ENABLED and self._at_rest():
             self.go(Happening.REACTED)
         else:
             return False
@@ -136,29 +142,29 @@ class PowerSequence:
 
     def _complete(self, row: Transition) -> None:
         self._completing = None
-        if row.stage is Stage.ON:
+        if row.stage is PowerStageEffect.ON:
             self._axis.switch_on()
             align(self._axis)
-        elif row.stage is Stage.OFF and self._axis.powered:
+        elif row.stage is PowerStageEffect.OFF and self._axis.powered:
             self._brake.close()
             self.releasing = False
             self._axis.switch_off()
             self._modes.forget()
         self._enter(row.target)
 
-    def _enter(self, state: State) -> None:
+    def _enter(self, state: PowerState) -> None:
         self.state, self.word, self._ways_out = state, state.value, LEAVING[state]
         self._outputs.show(OutputFunction.READY, active=state not in _FAULTS)
         self._due = NEVER
         if state in TIMED:
             self._due = self._axis.now + self._delays.of(state, self._store.get(at.MOTOR_TYPE))
-        elif state is State.OPERATION_ENABLED:
+        elif state is PowerState.OPERATION_ENABLED:
             self.releasing = self._brake.release()
             if self.releasing:
                 self._modes.hold()
             else:
                 self._modes.begin(self.controlword)
-        elif state is State.QUICK_STOP_ACTIVE:
+        elif state is PowerState.QUICK_STOP_ACTIVE:
             self._stop(at.QUICK_STOP_DECELERATION)
 
     def _stop(self, deceleration: at.Address) -> None:

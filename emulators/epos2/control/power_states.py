@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Final, TypeAlias
 
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.cia402 import Command, State
+from firmware_bridge.wire.cia402 import ControlwordCommand, PowerState
 
 
 class Happening(Enum):
@@ -26,7 +26,7 @@ class Happening(Enum):
     FAULT_RESET = "fault reset, cause gone"
 
 
-class Stage(Enum):
+class PowerStageEffect(Enum):
     """Effect of a transition on the power stage."""
 
     KEEP = "as it was"
@@ -42,7 +42,7 @@ class RampOption(Enum):
     DISABLE = "0x605C"
 
 
-Trigger: TypeAlias = Command | Happening
+Trigger: TypeAlias = ControlwordCommand | Happening
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,69 +50,75 @@ class Transition:
     """One row: number in the specification, from, on, to."""
 
     number: int
-    source: State
+    source: PowerState
     trigger: Trigger
-    target: State
-    stage: Stage = Stage.KEEP
+    target: PowerState
+    stage: PowerStageEffect = PowerStageEffect.KEEP
     ramp: RampOption = RampOption.NONE
     goes_on: bool = False
     """The same command counts once more in the new state: switch on with bit 3 does 3, then 4."""
 
 
-_DISABLE = Command.DISABLE_VOLTAGE
-_QUICK = Command.QUICK_STOP
-_SHUTDOWN = Command.SHUTDOWN
-_SWITCH_ON = Command.DISABLE_OPERATION
-_ENABLE = Command.ENABLE_OPERATION
-_OFF = Stage.OFF
+_DISABLE = ControlwordCommand.DISABLE_VOLTAGE
+_QUICK = ControlwordCommand.QUICK_STOP
+_SHUTDOWN = ControlwordCommand.SHUTDOWN
+_SWITCH_ON = ControlwordCommand.DISABLE_OPERATION
+_ENABLE = ControlwordCommand.ENABLE_OPERATION
+_OFF = PowerStageEffect.OFF
 
 TRANSITIONS: Final = (
-    Transition(0, State.START, Happening.STARTED, State.NOT_READY_TO_SWITCH_ON, _OFF),
-    Transition(1, State.NOT_READY_TO_SWITCH_ON, Happening.OFFSET_MEASURED, State.SWITCH_ON_DISABLED),
-    Transition(2, State.SWITCH_ON_DISABLED, _SHUTDOWN, State.READY_TO_SWITCH_ON),
-    Transition(3, State.READY_TO_SWITCH_ON, _SWITCH_ON, State.SWITCHED_ON),
-    Transition(3, State.READY_TO_SWITCH_ON, _ENABLE, State.SWITCHED_ON, goes_on=True),
-    Transition(4, State.SWITCHED_ON, _ENABLE, State.REFRESH),
-    Transition(5, State.OPERATION_ENABLED, _SWITCH_ON, State.SWITCHED_ON, _OFF, RampOption.DISABLE),
-    Transition(6, State.SWITCHED_ON, _SHUTDOWN, State.READY_TO_SWITCH_ON),
-    Transition(7, State.READY_TO_SWITCH_ON, _QUICK, State.SWITCH_ON_DISABLED),
-    Transition(7, State.READY_TO_SWITCH_ON, _DISABLE, State.SWITCH_ON_DISABLED),
-    Transition(8, State.OPERATION_ENABLED, _SHUTDOWN, State.READY_TO_SWITCH_ON, _OFF, RampOption.SHUTDOWN),
-    Transition(9, State.OPERATION_ENABLED, _DISABLE, State.SWITCH_ON_DISABLED, _OFF),
-    Transition(10, State.SWITCHED_ON, _QUICK, State.SWITCH_ON_DISABLED),
-    Transition(10, State.SWITCHED_ON, _DISABLE, State.SWITCH_ON_DISABLED),
-    Transition(11, State.OPERATION_ENABLED, _QUICK, State.QUICK_STOP_ACTIVE),
-    Transition(12, State.QUICK_STOP_ACTIVE, _DISABLE, State.SWITCH_ON_DISABLED, _OFF),
-    Transition(13, State.START, Happening.FAULT, State.FAULT_REACTION_DISABLED, _OFF),
-    Transition(13, State.NOT_READY_TO_SWITCH_ON, Happening.FAULT, State.FAULT_REACTION_DISABLED, _OFF),
-    Transition(13, State.SWITCH_ON_DISABLED, Happening.FAULT, State.FAULT_REACTION_DISABLED, _OFF),
-    Transition(13, State.READY_TO_SWITCH_ON, Happening.FAULT, State.FAULT_REACTION_DISABLED, _OFF),
-    Transition(13, State.SWITCHED_ON, Happening.FAULT, State.FAULT_REACTION_DISABLED, _OFF),
-    Transition(13, State.REFRESH, Happening.FAULT, State.FAULT_REACTION_DISABLED, _OFF),
-    Transition(13, State.MEASURE_INIT, Happening.FAULT, State.FAULT_REACTION_DISABLED, _OFF),
-    Transition(14, State.FAULT_REACTION_DISABLED, Happening.REACTED, State.FAULT, _OFF),
-    Transition(15, State.FAULT, Happening.FAULT_RESET, State.SWITCH_ON_DISABLED),
-    Transition(16, State.QUICK_STOP_ACTIVE, _ENABLE, State.OPERATION_ENABLED),
-    Transition(17, State.OPERATION_ENABLED, Happening.FAULT, State.FAULT_REACTION_ENABLED),
-    Transition(17, State.QUICK_STOP_ACTIVE, Happening.FAULT, State.FAULT_REACTION_ENABLED),
-    Transition(18, State.FAULT_REACTION_ENABLED, Happening.REACTED, State.FAULT, _OFF),
-    Transition(20, State.REFRESH, Happening.REFRESHED, State.MEASURE_INIT, Stage.ON),
-    Transition(21, State.MEASURE_INIT, Happening.MEASURED, State.OPERATION_ENABLED),
+    Transition(0, PowerState.START, Happening.STARTED, PowerState.NOT_READY_TO_SWITCH_ON, _OFF),
+    Transition(
+        1, PowerState.NOT_READY_TO_SWITCH_ON, Happening.OFFSET_MEASURED, PowerState.SWITCH_ON_DISABLED
+    ),
+    Transition(2, PowerState.SWITCH_ON_DISABLED, _SHUTDOWN, PowerState.READY_TO_SWITCH_ON),
+    Transition(3, PowerState.READY_TO_SWITCH_ON, _SWITCH_ON, PowerState.SWITCHED_ON),
+    Transition(3, PowerState.READY_TO_SWITCH_ON, _ENABLE, PowerState.SWITCHED_ON, goes_on=True),
+    Transition(4, PowerState.SWITCHED_ON, _ENABLE, PowerState.REFRESH),
+    Transition(5, PowerState.OPERATION_ENABLED, _SWITCH_ON, PowerState.SWITCHED_ON, _OFF, RampOption.DISABLE),
+    Transition(6, PowerState.SWITCHED_ON, _SHUTDOWN, PowerState.READY_TO_SWITCH_ON),
+    Transition(7, PowerState.READY_TO_SWITCH_ON, _QUICK, PowerState.SWITCH_ON_DISABLED),
+    Transition(7, PowerState.READY_TO_SWITCH_ON, _DISABLE, PowerState.SWITCH_ON_DISABLED),
+    Transition(
+        8, PowerState.OPERATION_ENABLED, _SHUTDOWN, PowerState.READY_TO_SWITCH_ON, _OFF, RampOption.SHUTDOWN
+    ),
+    Transition(9, PowerState.OPERATION_ENABLED, _DISABLE, PowerState.SWITCH_ON_DISABLED, _OFF),
+    Transition(10, PowerState.SWITCHED_ON, _QUICK, PowerState.SWITCH_ON_DISABLED),
+    Transition(10, PowerState.SWITCHED_ON, _DISABLE, PowerState.SWITCH_ON_DISABLED),
+    Transition(11, PowerState.OPERATION_ENABLED, _QUICK, PowerState.QUICK_STOP_ACTIVE),
+    Transition(12, PowerState.QUICK_STOP_ACTIVE, _DISABLE, PowerState.SWITCH_ON_DISABLED, _OFF),
+    Transition(13, PowerState.START, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF),
+    Transition(
+        13, PowerState.NOT_READY_TO_SWITCH_ON, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF
+    ),
+    Transition(13, PowerState.SWITCH_ON_DISABLED, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF),
+    Transition(13, PowerState.READY_TO_SWITCH_ON, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF),
+    Transition(13, PowerState.SWITCHED_ON, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF),
+    Transition(13, PowerState.REFRESH, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF),
+    Transition(13, PowerState.MEASURE_INIT, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF),
+    Transition(14, PowerState.FAULT_REACTION_DISABLED, Happening.REACTED, PowerState.FAULT, _OFF),
+    Transition(15, PowerState.FAULT, Happening.FAULT_RESET, PowerState.SWITCH_ON_DISABLED),
+    Transition(16, PowerState.QUICK_STOP_ACTIVE, _ENABLE, PowerState.OPERATION_ENABLED),
+    Transition(17, PowerState.OPERATION_ENABLED, Happening.FAULT, PowerState.FAULT_REACTION_ENABLED),
+    Transition(17, PowerState.QUICK_STOP_ACTIVE, Happening.FAULT, PowerState.FAULT_REACTION_ENABLED),
+    Transition(18, PowerState.FAULT_REACTION_ENABLED, Happening.REACTED, PowerState.FAULT, _OFF),
+    Transition(20, PowerState.REFRESH, Happening.REFRESHED, PowerState.MEASURE_INIT, PowerStageEffect.ON),
+    Transition(21, PowerState.MEASURE_INIT, Happening.MEASURED, PowerState.OPERATION_ENABLED),
 )
 """Transition 19, node reset, leads from every state to Start: see `MotionControl.reset`."""
 
-LEAVING: Final[Mapping[State, dict[Trigger, Transition]]] = MappingProxyType(
-    {state: {row.trigger: row for row in TRANSITIONS if row.source is state} for state in State}
+LEAVING: Final[Mapping[PowerState, dict[Trigger, Transition]]] = MappingProxyType(
+    {state: {row.trigger: row for row in TRANSITIONS if row.source is state} for state in PowerState}
 )
 """The rows by the state that they leave."""
 
-TIMED: Final[Mapping[State, Happening]] = MappingProxyType(
+TIMED: Final[Mapping[PowerState, Happening]] = MappingProxyType(
     {
-        State.START: Happening.STARTED,
-        State.NOT_READY_TO_SWITCH_ON: Happening.OFFSET_MEASURED,
-        State.REFRESH: Happening.REFRESHED,
-        State.MEASURE_INIT: Happening.MEASURED,
-        State.FAULT_REACTION_DISABLED: Happening.REACTED,
+        PowerState.START: Happening.STARTED,
+        PowerState.NOT_READY_TO_SWITCH_ON: Happening.OFFSET_MEASURED,
+        PowerState.REFRESH: Happening.REFRESHED,
+        PowerState.MEASURE_INIT: Happening.MEASURED,
+        PowerState.FAULT_REACTION_DISABLED: Happening.REACTED,
     }
 )
 """States that end by themselves; a command that arrives in one waits until then."""
@@ -136,12 +142,12 @@ class Delays:
     refresh_brushless: Nanoseconds = 1 * MILLISECOND
     measure_brushless: Nanoseconds = 10 * MILLISECOND
 
-    def of(self, state: State, motor_type: int) -> Nanoseconds:
+    def of(self, state: PowerState, motor_type: int) -> Nanoseconds:
         """Return how long this state lasts with this motor."""
         brushed = motor_type == BRUSHED_DC
         return {
-            State.START: self.start,
-            State.NOT_READY_TO_SWITCH_ON: self.offset,
-            State.REFRESH: self.refresh if brushed else self.refresh_brushless,
-            State.MEASURE_INIT: self.measure if brushed else self.measure_brushless,
+            PowerState.START: self.start,
+            PowerState.NOT_READY_TO_SWITCH_ON: self.offset,
+            PowerState.REFRESH: self.refresh if brushed else self.refresh_brushless,
+            PowerState.MEASURE_INIT: self.measure if brushed else self.measure_brushless,
         }.get(state, 0)

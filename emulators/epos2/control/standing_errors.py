@@ -9,7 +9,7 @@ from emulators.epos2.control import enable_checks, supervision
 from emulators.epos2.control.supervision import WATCHED, ErrorReaction
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 
 
@@ -30,7 +30,7 @@ class StandingErrors:
         if code not in self.codes:
             self.codes = (*self.codes, code)
 
-    def found(self, state: State) -> tuple[int, ...]:
+    def found(self, state: PowerState) -> tuple[int, ...]:
         """Return what the axis finds in this state and what does not stand yet."""
         flags = self._axis.flags
         if not flags & WATCHED:

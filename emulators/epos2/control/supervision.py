@@ -15,7 +15,7 @@ from typing import Final
 from emulators.epos2.control.power_states import RampOption
 from emulators.epos2.control.sensing import ABSOLUTE
 from emulators.servo import axis as servo
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.address import Address
@@ -33,9 +33,9 @@ class Watch:
     absolute: int = 0
     """The emergency in its place with a sensor that reports a position."""
 
-    def code_in(self, state: State, sensor_type: int) -> int:
+    def code_in(self, state: PowerState, sensor_type: int) -> int:
         """Return the emergency in this state, with this position sensor (0x2210:2)."""
-        if self.measuring and state is State.MEASURE_INIT:
+        if self.measuring and state is PowerState.MEASURE_INIT:
             return self.measuring
         return self.absolute if self.absolute and sensor_type in ABSOLUTE else self.code
 
@@ -72,7 +72,7 @@ POSITION_LOST: Final = frozenset(
 WATCHED: Final = reduce(or_, (watch.flag for watch in WATCHES))
 
 
-def findings(flags: int, state: State, sensor_type: int, reported: Collection[int]) -> tuple[int, ...]:
+def findings(flags: int, state: PowerState, sensor_type: int, reported: Collection[int]) -> tuple[int, ...]:
     """Return the emergencies that the axis' flags stand for, but for those that have been reported."""
     return tuple(
         code

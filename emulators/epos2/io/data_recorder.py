@@ -15,7 +15,7 @@ from typing import Final
 from emulators.epos2.objects.axis_parameters import ACTUAL_VALUES, SENSOR_RESOLUTION
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
-from emulators.servo.record import Record
+from emulators.servo.record import ServoRecord
 from emulators.servo.recorder import ERROR
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
 from firmware_bridge.wire.epos2 import address as at
@@ -152,7 +152,7 @@ class DataRecorder:
         return bytes(memory.ljust(MEMORY_WORDS * WORD_BYTES, b"\0"))
 
     def _value(self, address: Address, fields: tuple[str, ...], numbers: tuple[int, ...]) -> int:
-        shadow = Record()
+        shadow = ServoRecord()
         shadow.resolution, shadow.fraction = self._scale
         for field, number in zip(fields, numbers, strict=True):
             setattr(shadow, field, number)

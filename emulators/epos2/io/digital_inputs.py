@@ -11,7 +11,7 @@ from typing import Final
 
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.wire.cia402 import Command
+from firmware_bridge.wire.cia402 import ControlwordCommand
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.functions import (
     INPUT_EXECUTION,
@@ -46,7 +46,7 @@ class DigitalInputs:
         """Active functions that act by themselves."""
         self.risen = 0
         """Functions that have begun to act since the refresh before the last one."""
-        self.restriction: Command | None = None
+        self.restriction: ControlwordCommand | None = None
         """The command that the pins give in place of a master's weaker one."""
         self.fitted = 0
         """Functions that a pin has."""
@@ -96,11 +96,11 @@ class DigitalInputs:
     def _shown(self) -> int:
         return self._now_active() & self._store.get(INPUT_MASK)
 
-    def _restricts(self, execution: int) -> Command | None:
+    def _restricts(self, execution: int) -> ControlwordCommand | None:
         if execution & self.fitted & ~self.active & InputFunction.DEVICE_ENABLE.bit:
-            return Command.DISABLE_VOLTAGE
+            return ControlwordCommand.DISABLE_VOLTAGE
         if self.executed & InputFunction.QUICK_STOP.bit:
-            return Command.QUICK_STOP
+            return ControlwordCommand.QUICK_STOP
         return None
 
     def limits_met(self, heading: int, sought: int) -> tuple[int, ...]:

@@ -14,17 +14,17 @@ from emulators.epos2.modes.profile_position import HIGHEST, LOWEST
 from emulators.epos2.modes.shaft import Shaft
 from emulators.servo.axis import CURRENT_REACHED, TARGET_REACHED
 from emulators.servo.commands import displace
-from firmware_bridge.wire.cia402 import Control, Status
+from firmware_bridge.wire.cia402 import ControlwordBit, Status
 from firmware_bridge.wire.epos2 import address as at
 
-_START: Final = int(Control.NEW_SETPOINT)
+_START: Final = int(ControlwordBit.NEW_SETPOINT)
 _ATTAINED: Final = int(Status.HOMING_ATTAINED)
 _ERROR: Final = int(Status.HOMING_ERROR)
 SENSORS_WITH_INDEX: Final = frozenset({1, 6})
 """Sensor types 0x2210:2 (maxon's command library)."""
 
 
-class Homing(ModeOfOperation):
+class HomingMode(ModeOfOperation):
     """Homing by the method in 0x6098."""
 
     heeds_halt: ClassVar[bool] = True

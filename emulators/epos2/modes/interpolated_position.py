@@ -19,13 +19,13 @@ from emulators.epos2.modes.shaft import Shaft
 from emulators.servo import spline
 from emulators.servo.axis import SPLINE
 from emulators.servo.scaling import speed_units
-from emulators.servo.spline import Knot, Segment
-from firmware_bridge.wire.cia402 import Control, Mode, Status
+from emulators.servo.spline import Knot, SplineSegment
+from firmware_bridge.wire.cia402 import ControlwordBit, Mode, Status
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.pvt import PvtRecord
 
-_ENABLE: Final = int(Control.ENABLE_INTERPOLATION)
+_ENABLE: Final = int(ControlwordBit.ENABLE_INTERPOLATION)
 _ACTIVE: Final = int(Status.INTERPOLATION_ACTIVE)
 _FEWEST: Final = 2
 """Records that a segment needs."""
@@ -132,7 +132,7 @@ class InterpolatedPosition(ModeOfOperation):
         if not self._beyond(following) and not self._error(following):
             spline.prepare(self.shaft.axis, following)
 
-    def _admitted(self, present: Segment) -> bool:
+    def _admitted(self, present: SplineSegment) -> bool:
         """Look at the segment that is to run now: fail with its error, or note its warnings."""
         if self._beyond(present):
             self._buffer.fail(BufferStatus(0))
@@ -150,14 +150,14 @@ class InterpolatedPosition(ModeOfOperation):
         self._buffer.warnings = warnings
         return True
 
-    def _error(self, segment: Segment) -> BufferStatus:
+    def _error(self, segment: SplineSegment) -> BufferStatus:
         if segment.fastest() > self.shaft.fastest():
             return BufferStatus.VELOCITY_ERROR
         if segment.sharpest() > self.shaft.acceleration(at.MAX_ACCELERATION):
             return BufferStatus.ACCELERATION_ERROR
         return BufferStatus(0)
 
-    def _beyond(self, segment: Segment) -> bool:
+    def _beyond(self, segment: SplineSegment) -> bool:
         """Return True if a segment ends outside the software position limits."""
         low, high = self.shaft.limits()
         end = segment.start + segment.linear + segment.square + segment.cube
@@ -167,7 +167,7 @@ class InterpolatedPosition(ModeOfOperation):
         axis = self.shaft.axis
         return Knot(record.position << axis.fraction, speed_units(axis, record.velocity))
 
-    def _segment(self, first: int) -> Segment:
+    def _segment(self, first: int) -> SplineSegment:
         start, end = self._buffer.records[first : first + 2]
         return spline.segment(self._knot(start), self._knot(end), start.ms)
 

@@ -10,7 +10,7 @@ from typing import Final
 from emulators.epos2.io.digital_inputs import DigitalInputs
 from emulators.epos2.modes.digital_position import DigitalPosition
 from emulators.epos2.modes.direct import CurrentMode, PositionMode, VelocityMode
-from emulators.epos2.modes.homing import Homing
+from emulators.epos2.modes.homing import HomingMode
 from emulators.epos2.modes.interpolated_position import InterpolatedPosition
 from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.profile_position import ProfilePosition
@@ -18,14 +18,14 @@ from emulators.epos2.modes.profile_velocity import ProfileVelocity
 from emulators.epos2.modes.shaft import Shaft
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
-from firmware_bridge.wire.cia402 import Control, Mode
+from firmware_bridge.wire.cia402 import ControlwordBit, Mode
 from firmware_bridge.wire.epos2 import emergency
 from firmware_bridge.wire.epos2.address import Address
 
 MODES: Final[Mapping[int, type[ModeOfOperation]]] = MappingProxyType(
     {
         Mode.INTERPOLATED_POSITION: InterpolatedPosition,
-        Mode.HOMING: Homing,
+        Mode.HOMING: HomingMode,
         Mode.PROFILE_VELOCITY: ProfileVelocity,
         Mode.PROFILE_POSITION: ProfilePosition,
         Mode.POSITION: PositionMode,
@@ -45,8 +45,8 @@ HEEDED: Final[tuple[Address, ...]] = tuple(
 
 
 # The controlword's bits as plain numbers: flags are slow, and every frame is looked at.
-_HALT: Final = int(Control.HALT)
-_NEW_SETPOINT: Final = int(Control.NEW_SETPOINT)
+_HALT: Final = int(ControlwordBit.HALT)
+_NEW_SETPOINT: Final = int(ControlwordBit.NEW_SETPOINT)
 
 
 class ModeSelector:

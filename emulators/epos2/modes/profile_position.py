@@ -13,14 +13,14 @@ from emulators.epos2.modes.mode import ModeOfOperation
 from emulators.epos2.modes.shaft import Shaft
 from emulators.servo.axis import MOVE, PROFILE_DONE
 from emulators.servo.scaling import speed_units
-from firmware_bridge.wire.cia402 import Control, Status
+from firmware_bridge.wire.cia402 import ControlwordBit, Status
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2 import emergency
 
 # The controlword's bits as plain numbers: flags are slow, and every set-point is looked at.
-_NEW_SETPOINT: Final = int(Control.NEW_SETPOINT)
-_CHANGE_IMMEDIATELY: Final = int(Control.CHANGE_IMMEDIATELY)
-_RELATIVE: Final = int(Control.RELATIVE)
+_NEW_SETPOINT: Final = int(ControlwordBit.NEW_SETPOINT)
+_CHANGE_IMMEDIATELY: Final = int(ControlwordBit.CHANGE_IMMEDIATELY)
+_RELATIVE: Final = int(ControlwordBit.RELATIVE)
 _SETPOINT_ACKNOWLEDGED: Final = int(Status.SETPOINT_ACKNOWLEDGED)
 LOWEST: Final = -(1 << 31)
 HIGHEST: Final = (1 << 31) - 1

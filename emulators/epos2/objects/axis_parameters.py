@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from emulators.servo.axis import ELECTRONIC_GEAR, POSITION
-from emulators.servo.record import Record
+from emulators.servo.record import ServoRecord
 from emulators.servo.scaling import raw_speed_rpm, speed_rpm
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -69,31 +69,31 @@ def _signed_16(value: int) -> int:
     return max(-0x8000, min(0x7FFF, value))
 
 
-def following_error(axis: Record) -> int:
+def following_error(axis: ServoRecord) -> int:
     """Return demand minus actual position in qc; 0 where no position is regulated."""
     return position_demand(axis) - axis.position if axis.regulator == POSITION else 0
 
 
-def position_demand(axis: Record) -> int:
+def position_demand(axis: ServoRecord) -> int:
     """Return the position demand in qc; it follows the shaft where no position is regulated."""
     if axis.regulator != POSITION:
         return axis.position
     return (axis.position_demand + (1 << axis.fraction >> 1)) >> axis.fraction
 
 
-def velocity_demand(axis: Record) -> int:
+def velocity_demand(axis: ServoRecord) -> int:
     """Return the velocity demand in rpm; 0 where none is regulated."""
     return speed_rpm(axis, axis.velocity_demand) if axis.powered else 0
 
 
-def desired_value(axis: Record) -> int:
+def desired_value(axis: ServoRecord) -> int:
     """Return where the digital position input wants the shaft, in qc; the demand while it does not count."""
     if axis.profile != ELECTRONIC_GEAR:
         return position_demand(axis)
     return axis.target_position >> axis.fraction
 
 
-ACTUAL_VALUES: Final[tuple[tuple[Address, Callable[[Record], int]], ...]] = (
+ACTUAL_VALUES: Final[tuple[tuple[Address, Callable[[ServoRecord], int]], ...]] = (
     (at.ENCODER_COUNTER, lambda axis: axis.encoder + axis.slipped & 0xFFFF_FFFF),
     (at.CURRENT_AVERAGED, lambda axis: _signed_16((axis.current_average + 0x8000) >> 16)),
     (at.VELOCITY_AVERAGED, lambda axis: speed_rpm(axis, axis.velocity_average)),

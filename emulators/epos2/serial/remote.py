@@ -193,7 +193,7 @@ class Remote:
 
     def _segment_read(self, _request: messages.SegmentRead, response: sdo.Response) -> Answer | None:
         transfer = self._transfer
-        if transfer is None or not isinstance(response, sdo.Segment):
+        if transfer is None or not isinstance(response, sdo.SdoSegment):
             return None
         if response.toggle is not transfer.toggle:
             return None

@@ -11,22 +11,22 @@ from typing import Annotated, Final, Literal, TypeAlias
 
 import numpy as np
 
+from emulators.bench.bench_setup import BenchSetup, Channel, StickAxes, TwistAxes
 from emulators.bench.columns import Column, Curve, Floats, Panel, Samples
 from emulators.bench.path_error import OFFSET
 from emulators.bench.path_error import Path as FollowedPath
-from emulators.bench.rehearsal import Channel, Rehearsal, StickAxes, Twist
 from emulators.bench.step import Finite, Holds, Positive, Presses, Slope, Step
 from emulators.robots.ar2.cases import cases
 from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.ar2.geometry import Geometry
-from firmware_bridge.robots.ar2.motion import Motion, State
+from firmware_bridge.robots.ar2.geometry import Ar2Geometry
+from firmware_bridge.robots.ar2.motion import Ar2Motion, Ar2State
 from firmware_bridge.robots.ar2.rules import tool
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import to_seconds
 
-Ar2: TypeAlias = Robot[Geometry]
-Seen: TypeAlias = Snapshot[Motion, State]
+Ar2: TypeAlias = Robot[Ar2Geometry]
+Seen: TypeAlias = Snapshot[Ar2Motion, Ar2State]
 BUTTONS: Final = {"emergency_stop": 4}
 LIFTS: Final = 8
 """The button, as MAVLink's mask has it, without which z counts for nothing."""
@@ -68,7 +68,7 @@ def _believed(axis: int) -> Callable[[Seen], float]:
     """Return a reader of the tool's counted position; NaN while a joint's reference is lost."""
 
     def read(seen: Seen) -> float:
-        lost = any(it.zero_lost for it in seen.facts.axes.values())
+        lost = any(it.reference_lost for it in seen.facts.axes.values())
         return math.nan if lost else tool(seen.body)[axis]
 
     return read
@@ -126,7 +126,7 @@ def _lost(samples: Samples) -> float:
     return float(max(lags)) / STEP_RAD
 
 
-REHEARSAL: Final = Rehearsal(
+BENCH_SETUP: Final = BenchSetup(
     step=Ar2Step,
     missions=Path(__file__).with_name("missions"),
     channels=(
@@ -136,7 +136,7 @@ REHEARSAL: Final = Rehearsal(
         Channel("turn", lambda robot: robot.geometry.limits.turn_rate_rad_s, trembles_with="turn"),
     ),
     stick=_stick,
-    twist=lambda values, _: Twist(values["speed"], -values["left"], -values["turn"]),
+    twist=lambda values, _: TwistAxes(values["speed"], -values["left"], -values["turn"]),
     columns=(
         Column("x_m", "tool, ahead of the foot", "m", plant="tool_x"),
         Column("y_m", "tool, above the floor", "m", plant="tool_z"),

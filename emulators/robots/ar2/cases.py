@@ -6,22 +6,22 @@ from typing import Final, TypeAlias
 
 from emulators.bench import cases as bench
 from firmware_bridge.robot import Axis, Robot
-from firmware_bridge.robots.ar2.body import Body
-from firmware_bridge.robots.ar2.geometry import Geometry
-from firmware_bridge.robots.ar2.motion import STILL, Motion, State, motion_of
+from firmware_bridge.robots.ar2.body import Ar2Kinematics
+from firmware_bridge.robots.ar2.geometry import Ar2Geometry
+from firmware_bridge.robots.ar2.motion import STILL, Ar2Motion, Ar2State, motion_of
 from firmware_bridge.robots.ar2.rules import HORIZON, OUTSIDE_M, tool
 
-Case: TypeAlias = bench.Case[Motion, State]
-Situation: TypeAlias = bench.Situation[Motion, State]
+Case: TypeAlias = bench.Case[Ar2Motion, Ar2State]
+Situation: TypeAlias = bench.Situation[Ar2Motion, Ar2State]
 JUST: Final = 1.0 + 1e-5
 """A limit reports what is beyond it by more than a millionth."""
-STRAIGHT: Final = State(tuple(map(math.radians, (0.0, -90.0, 90.0, 0.0, 0.0, 0.0))), STILL)
+STRAIGHT: Final = Ar2State(tuple(map(math.radians, (0.0, -90.0, 90.0, 0.0, 0.0, 0.0))), STILL)
 """Its wrist is: the fourth and sixth joint turn about one axis."""
-BENT: Final = State(tuple(map(math.radians, (0.0, -90.0, 90.0, 0.0, 60.0, 0.0))), STILL)
+BENT: Final = Ar2State(tuple(map(math.radians, (0.0, -90.0, 90.0, 0.0, 60.0, 0.0))), STILL)
 """Posture of the arm as it begins on the bench: far from singular ones."""
 
 
-def cases(robot: Robot[Geometry]) -> Iterator[Case]:
+def cases(robot: Robot[Ar2Geometry]) -> Iterator[Case]:
     """Yield at least one case for each interlock and limit."""
     limits = robot.geometry.limits
     yield _outside(robot)
@@ -52,12 +52,12 @@ def cases(robot: Robot[Geometry]) -> Iterator[Case]:
     )
 
 
-def upwards(speed: float) -> Motion:
+def upwards(speed: float) -> Ar2Motion:
     """Return the motion with which the tool rises, m/s."""
-    return Motion(up_mps=speed)
+    return Ar2Motion(up_mps=speed)
 
 
-def _moving(motion: Motion, body: State) -> Situation:
+def _moving(motion: Ar2Motion, body: Ar2State) -> Situation:
     """Return the situation of an arm that moves so already."""
     return Situation(command=motion, demanded=motion, body=body)
 
@@ -76,8 +76,8 @@ def _beyond(row: str, axis: int, high: float, reason: str) -> Case:
 
 
 def _with_box(
-    robot: Robot[Geometry], *, behind: float | None = None, high: float | None = None
-) -> Robot[Geometry]:
+    robot: Robot[Ar2Geometry], *, behind: float | None = None, high: float | None = None
+) -> Robot[Ar2Geometry]:
     """Return the robot with another side behind, or another ceiling, of its workspace."""
     space = robot.geometry.workspace
     corners = {
@@ -88,9 +88,9 @@ def _with_box(
     return robot.model_copy(update={"geometry": geometry})
 
 
-def _outside(robot: Robot[Geometry]) -> Case:
+def _outside(robot: Robot[Ar2Geometry]) -> Case:
     j1, j2, *others = BENT.angles
-    back = State((j1, j2 - 1e-5, *others), STILL)
+    back = Ar2State((j1, j2 - 1e-5, *others), STILL)
     behind = tool(back)[0] + OUTSIDE_M + 1e-7
     return Case(
         "tool outside",
@@ -101,7 +101,7 @@ def _outside(robot: Robot[Geometry]) -> Case:
     )
 
 
-def _at_the_end(robot: Robot[Geometry]) -> Case:
+def _at_the_end(robot: Robot[Ar2Geometry]) -> Case:
     speed = robot.geometry.limits.speed_mps / 2.0
     ceiling = tool(BENT)[2] + speed * HORIZON * robot.cycle_ms / 1000.0
     return Case(
@@ -113,10 +113,10 @@ def _at_the_end(robot: Robot[Geometry]) -> Case:
     )
 
 
-def _too_fast_for_joints(robot: Robot[Geometry]) -> Case:
+def _too_fast_for_joints(robot: Robot[Ar2Geometry]) -> Case:
     slow = robot.model_copy(update={"axes": tuple(_slower(axis) for axis in robot.axes)})
     speed = robot.geometry.limits.speed_mps / 2.0
-    _, share = Body(slow).rates(BENT.angles, upwards(speed).twist)
+    _, share = Ar2Kinematics(slow).rates(BENT.angles, upwards(speed).twist)
     return Case(
         "joint limit",
         trips=_moving(upwards(JUST * share * speed), BENT),

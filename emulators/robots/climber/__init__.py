@@ -11,6 +11,7 @@ from typing import Annotated, Final, Literal, TypeAlias
 
 import numpy as np
 
+from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.columns import Column, Curve, Panel, Samples
 from emulators.bench.differential import (
     CHANNELS,
@@ -24,19 +25,18 @@ from emulators.bench.differential import (
 )
 from emulators.bench.path_error import OFFSET
 from emulators.bench.path_error import Path as FollowedPath
-from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Presses
 from emulators.robots.climber.cases import cases
 from emulators.robots.climber.pictures import on_the_tank
 from firmware_bridge.motion.captured import Source
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.climber.geometry import Geometry
-from firmware_bridge.robots.climber.motion import Motion, State
+from firmware_bridge.robots.climber.geometry import ClimberGeometry
+from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import to_seconds
 
-Climber: TypeAlias = Robot[Geometry]
-Seen: TypeAlias = Snapshot[Motion, State]
+Climber: TypeAlias = Robot[ClimberGeometry]
+Seen: TypeAlias = Snapshot[ClimberMotion, ClimberState]
 UP: Final = math.pi / 2.0
 BUTTONS: Final = {"emergency_stop": 4}
 
@@ -132,7 +132,7 @@ def _largest_joint(samples: Samples) -> float:
     return math.degrees(float(np.abs(samples.column("joint_rad")).max(initial=0.0)))
 
 
-REHEARSAL: Final = Rehearsal(
+BENCH_SETUP: Final = BenchSetup(
     step=ClimberStep,
     missions=Path(__file__).with_name("missions"),
     channels=CHANNELS,

@@ -7,26 +7,26 @@ from typing import TypeAlias
 
 from emulators.bench import cases as bench
 from emulators.bench import differential
-from firmware_bridge.kinds import find
 from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
+from firmware_bridge.robot_types import find
 from firmware_bridge.robots.climber.body import CLIMBER
-from firmware_bridge.robots.climber.geometry import Geometry
-from firmware_bridge.robots.climber.motion import Motion, State
+from firmware_bridge.robots.climber.geometry import ClimberGeometry
+from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
 from firmware_bridge.robots.climber.rules import ON_WALL
 
-Case: TypeAlias = bench.Case[Motion, State]
-Situation: TypeAlias = bench.Situation[Motion, State]
-WELL = State(0.0, 0.0, 0.0, 1.0)
+Case: TypeAlias = bench.Case[ClimberMotion, ClimberState]
+Situation: TypeAlias = bench.Situation[ClimberMotion, ClimberState]
+WELL = ClimberState(0.0, 0.0, 0.0, 1.0)
 UP, ROUND = math.pi / 2.0, 0.0
 SEEN = Located(Pose(), Source.CAPTURED, 0.0, 0.0, 0.0, 0)
 
 
-def cases(robot: Robot[Geometry]) -> Iterator[Case]:
+def cases(robot: Robot[ClimberGeometry]) -> Iterator[Case]:
     """Yield at least one case for each interlock and limit."""
     # Tail first at full speed, so that the joint has no say.
-    yield from differential.cases(robot, Motion, WELL, spin=CLIMBER.spin, ahead=-1.0)
+    yield from differential.cases(robot, ClimberMotion, WELL, spin=CLIMBER.spin, ahead=-1.0)
     for side in (-1.0, 1.0):
         yield from _at_the_joint(robot, side)
     yield from _on_the_wall(robot)
@@ -35,10 +35,10 @@ def cases(robot: Robot[Geometry]) -> Iterator[Case]:
     yield from _coupled(robot)
 
 
-def _at_the_joint(robot: Robot[Geometry], side: float) -> Iterator[Case]:
+def _at_the_joint(robot: Robot[ClimberGeometry], side: float) -> Iterator[Case]:
     """Yield the cases of a joint that is turned: the way in which it grows it is slower, and stops."""
     joint, speed = robot.geometry.joint, robot.geometry.limits.speed_mps
-    ahead, first = Motion(side * speed), "nose" if side > 0.0 else "tail"
+    ahead, first = ClimberMotion(side * speed), "nose" if side > 0.0 else "tail"
     slow, bound = math.radians(joint.slow_deg), math.radians(joint.bound_deg)
     half = side * 0.5 * (slow + bound)
     for angle, spared, allowed in (
@@ -49,7 +49,7 @@ def _at_the_joint(robot: Robot[Geometry], side: float) -> Iterator[Case]:
         ),
         (
             side * bound,
-            Situation(command=Motion(-side * speed), body=replace(WELL, joint_rad=side * bound)),
+            Situation(command=ClimberMotion(-side * speed), body=replace(WELL, joint_rad=side * bound)),
             0.0,
         ),
     ):
@@ -66,14 +66,14 @@ def _at_the_joint(robot: Robot[Geometry], side: float) -> Iterator[Case]:
         yield Case(
             "joint limit",
             trips=Situation(command=ahead, demanded=ahead, body=replace(WELL, joint_rad=unknown)),
-            spares=Situation(command=Motion(turn_rad_s=0.01), body=replace(WELL, joint_rad=unknown)),
+            spares=Situation(command=ClimberMotion(turn_rad_s=0.01), body=replace(WELL, joint_rad=unknown)),
             reason=(
                 f"the joint's angle is {known}: requested {speed:.3f} m/s {first} first, allowed is 0.000 m/s"
             ),
         )
 
 
-def _on_the_wall(robot: Robot[Geometry]) -> Iterator[Case]:
+def _on_the_wall(robot: Robot[ClimberGeometry]) -> Iterator[Case]:
     del robot
     below = math.nextafter(ON_WALL, 0.0)
     for share, reason in (
@@ -91,7 +91,7 @@ def _on_the_wall(robot: Robot[Geometry]) -> Iterator[Case]:
 
 def _lost() -> Iterator[Case]:
     """Yield the cases of a robot that cameras see: a guide needs its place, an operator does not."""
-    guided = Motion(path_s=1.0)
+    guided = ClimberMotion(path_s=1.0)
     lost = replace(SEEN, source=Source.LOST, uncertain_m=0.051)
     yield Case(
         "pose lost",
@@ -116,7 +116,7 @@ def _lost() -> Iterator[Case]:
     )
 
 
-def _bounded(robot: Robot[Geometry]) -> Iterator[Case]:
+def _bounded(robot: Robot[ClimberGeometry]) -> Iterator[Case]:
     """Yield the cases of a place beyond which it may not drive: it stands there, and looks beyond or back."""
     limits, wall = robot.geometry.limits, robot.geometry.wall
     bounds = (
@@ -127,7 +127,7 @@ def _bounded(robot: Robot[Geometry]) -> Iterator[Case]:
     for row, machine, place, bound, why in (*bounds, _heavy(robot)):
         there, back = replace(SEEN, pose=place), place.heading_rad + math.pi
         gone = replace(SEEN, pose=Pose(place.x_m, place.y_m, back))
-        ahead = Motion(limits.speed_mps)
+        ahead = ClimberMotion(limits.speed_mps)
         yield Case(
             row,
             trips=Situation(command=ahead, demanded=ahead, located=there),
@@ -141,7 +141,7 @@ def _bounded(robot: Robot[Geometry]) -> Iterator[Case]:
         )
 
 
-def _heavy(robot: Robot[Geometry]) -> tuple[str, Robot[Geometry], Pose, float, str]:
+def _heavy(robot: Robot[ClimberGeometry]) -> tuple[str, Robot[ClimberGeometry], Pose, float, str]:
     """Return the case of a cable so heavy that the magnets end the climb below the other bounds."""
     geometry = robot.geometry
     spare = geometry.wall.heaviest_kg - geometry.wall.mass_kg
@@ -152,13 +152,13 @@ def _heavy(robot: Robot[Geometry]) -> tuple[str, Robot[Geometry], Pose, float, s
     return "adhesion limit", machine, Pose(0.0, high, UP), high, held
 
 
-def _coupled(robot: Robot[Geometry]) -> Iterator[Case]:
+def _coupled(robot: Robot[ClimberGeometry]) -> Iterator[Case]:
     base = robot.geometry.base.model_copy(update={"coupled": True})
     machine = robot.model_copy(update={"geometry": robot.geometry.model_copy(update={"base": base})})
-    back = Motion(-robot.geometry.limits.speed_mps)
+    back = ClimberMotion(-robot.geometry.limits.speed_mps)
     yield Case(
         "coupled wheels",
-        trips=Situation(command=Motion(turn_rad_s=0.1), demanded=Motion(turn_rad_s=0.1)),
+        trips=Situation(command=ClimberMotion(turn_rad_s=0.1), demanded=ClimberMotion(turn_rad_s=0.1)),
         spares=Situation(command=back, demanded=back),
         reason="requested a turn of 0.10 rad/s: one shaft turns both wheels",
         robot=machine,

@@ -7,7 +7,7 @@ import numpy as np
 from emulators.bench.columns import Floats, Samples
 from emulators.bench.style import BLUE, GREEN, INK, PALE
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.climber.geometry import Geometry
+from firmware_bridge.robots.climber.geometry import ClimberGeometry
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,7 +17,7 @@ MARGIN_M: Final = 0.5
 LINES: Final = 9
 
 
-def on_the_tank(figure: "Figure", robot: Robot[Geometry], samples: Samples) -> None:
+def on_the_tank(figure: "Figure", robot: Robot[ClimberGeometry], samples: Samples) -> None:
     """Draw the way of the plant and what the bridge believed, on the unrolled tank and in space."""
     figure.set_size_inches(11.0, 5.6)
     radius = robot.geometry.tank.radius_m

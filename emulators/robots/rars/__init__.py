@@ -10,16 +10,16 @@ from typing import Annotated, Final, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
+from emulators.bench.bench_setup import BenchSetup, Channel, StickAxes, TwistAxes
 from emulators.bench.columns import PLANAR, Column, Curve, Panel
-from emulators.bench.rehearsal import Channel, Rehearsal, StickAxes, Twist
 from emulators.bench.step import Finite, Holds, NonNegative, Positive, Presses, Sends, Slope, Step
 from emulators.robots.rars.cases import cases
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rars.geometry import Geometry
-from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.robots.rars.geometry import RarsGeometry
+from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.safety.snapshot import Snapshot
 
-Rars: TypeAlias = Robot[Geometry]
+Rars: TypeAlias = Robot[RarsGeometry]
 BUTTONS: Final = {"detector": 1, "headlamp": 2, "emergency_stop": 4}
 LIFT_ENABLE: Final = 8
 _ILLUMINATOR: Final = 405
@@ -83,16 +83,16 @@ def _stick(values: Mapping[str, float], robot: Rars) -> StickAxes:
     )
 
 
-def _twist(values: Mapping[str, float], robot: Rars) -> Twist:
+def _twist(values: Mapping[str, float], robot: Rars) -> TwistAxes:
     speed, steer = values["speed"], values["steer"]
     if steer == 0.0:
-        return Twist(speed, yaw_rate=-speed * 0.0)
+        return TwistAxes(speed, yaw_rate=-speed * 0.0)
     base = robot.geometry.base
     radius = base.kingpin_distance_m / 2.0 + base.wheelbase_m / math.tan(abs(steer))
-    return Twist(speed, yaw_rate=-speed * math.copysign(1.0 / radius, steer))
+    return TwistAxes(speed, yaw_rate=-speed * math.copysign(1.0 / radius, steer))
 
 
-def _demanded(seen: Snapshot[Motion, State]) -> float:
+def _demanded(seen: Snapshot[RarsMotion, RarsState]) -> float:
     return seen.demanded.speed_mps
 
 
@@ -104,7 +104,7 @@ def _remarks(robot: Rars) -> Mapping[str, str]:
     }
 
 
-REHEARSAL: Final = Rehearsal(
+BENCH_SETUP: Final = BenchSetup(
     step=RarsStep,
     missions=Path(__file__).with_name("missions"),
     channels=(

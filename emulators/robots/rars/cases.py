@@ -9,25 +9,25 @@ from emulators.bench import cases as bench
 from firmware_bridge.motion import scissor
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rars.body import ramp_of
-from firmware_bridge.robots.rars.geometry import Geometry
-from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.robots.rars.geometry import RarsGeometry
+from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.robots.rars.rules import tipping_speed
 
-Case: TypeAlias = bench.Case[Motion, State]
-Situation: TypeAlias = bench.Situation[Motion, State]
+Case: TypeAlias = bench.Case[RarsMotion, RarsState]
+Situation: TypeAlias = bench.Situation[RarsMotion, RarsState]
 
-WELL: Final = State(steer_rad=0.0, lift_m=0.0, screw_rad_s=0.0, speed_mps=0.0, yaw_rate_rad_s=0.0)
+WELL: Final = RarsState(steer_rad=0.0, lift_m=0.0, screw_rad_s=0.0, speed_mps=0.0, yaw_rate_rad_s=0.0)
 JUST: Final = 1.0 + 1e-5
 """A limit reports what is beyond it by more than a millionth."""
 
 
-def cases(robot: Robot[Geometry]) -> Iterator[Case]:
+def cases(robot: Robot[RarsGeometry]) -> Iterator[Case]:
     """Yield at least one case for each interlock and limit."""
     yield from _interlocks(robot)
     yield from _limits(robot)
 
 
-def _interlocks(robot: Robot[Geometry]) -> Iterator[Case]:
+def _interlocks(robot: Robot[RarsGeometry]) -> Iterator[Case]:
     retracted = robot.geometry.limits.lift_retracted_m
     for unknown in (None, math.nan, math.inf):
         yield _seen("steer angle unknown", "the actual steer angle is not known", steer_rad=unknown)
@@ -48,21 +48,23 @@ def _interlocks(robot: Robot[Geometry]) -> Iterator[Case]:
         yield Case(
             "lift refused",
             trips=Situation(
-                command=Motion(lift_rate_mps=0.05),
+                command=RarsMotion(lift_rate_mps=0.05),
                 body=replace(WELL, speed_mps=side * math.nextafter(0.010, 1.0)),
             ),
-            spares=Situation(command=Motion(lift_rate_mps=0.05), body=replace(WELL, speed_mps=side * 0.010)),
+            spares=Situation(
+                command=RarsMotion(lift_rate_mps=0.05), body=replace(WELL, speed_mps=side * 0.010)
+            ),
             reason=f"the robot drives with {side * 0.01:.2f} m/s",
         )
         # Each wheel turns against the other: 10 mm/s at 0.2 m from the middle are 0.05 rad/s.
         yield Case(
             "lift refused",
             trips=Situation(
-                command=Motion(lift_rate_mps=0.05),
+                command=RarsMotion(lift_rate_mps=0.05),
                 body=replace(WELL, yaw_rate_rad_s=side * math.nextafter(0.05, 1.0)),
             ),
             spares=Situation(
-                command=Motion(lift_rate_mps=0.05),
+                command=RarsMotion(lift_rate_mps=0.05),
                 body=replace(WELL, yaw_rate_rad_s=side * math.nextafter(0.05, 0.0)),
             ),
             reason="the robot drives with 0.01 m/s",
@@ -78,49 +80,49 @@ def _seen(row: str, reason: str, **body: float | None) -> Case:
     )
 
 
-def _limits(robot: Robot[Geometry]) -> Iterator[Case]:
+def _limits(robot: Robot[RarsGeometry]) -> Iterator[Case]:
     limits, tightest = robot.geometry.limits, robot.geometry.tightest_steer_rad
     highest = scissor.highest(robot.geometry.lift)
     step = ramp_of(robot).step(0.0, limits.speed_mps, 0.0, robot.cycle)
     for side in (-1.0, 1.0):
         fast, tight, rate = side * limits.speed_mps, side * tightest, side * limits.lift_rate_mps
-        yield _limited("speed limit", Motion(fast), Motion(JUST * fast), (JUST * fast, fast, "m/s"))
+        yield _limited("speed limit", RarsMotion(fast), RarsMotion(JUST * fast), (JUST * fast, fast, "m/s"))
         lock = side * limits.steer_angle_rad
         yield _limited(
             "steer angle limit",
-            Motion(steer_rad=tight),
-            Motion(steer_rad=JUST * lock),
+            RarsMotion(steer_rad=tight),
+            RarsMotion(steer_rad=JUST * lock),
             (math.degrees(JUST * lock), math.degrees(lock), "deg"),
         )
         yield _limited(
             "turn radius limit",
-            Motion(steer_rad=tight),
-            Motion(steer_rad=JUST * tight),
+            RarsMotion(steer_rad=tight),
+            RarsMotion(steer_rad=JUST * tight),
             (math.degrees(JUST * tight), math.degrees(tight), "deg"),
         )
         yield _limited(
             "lift rate limit",
-            Motion(lift_rate_mps=rate),
-            Motion(lift_rate_mps=JUST * rate),
+            RarsMotion(lift_rate_mps=rate),
+            RarsMotion(lift_rate_mps=JUST * rate),
             (JUST * rate, rate, "m/s"),
         )
         yield Case(
             "acceleration limit",
-            trips=Situation(command=Motion(side * 2.0 * step)),
-            spares=Situation(command=Motion(side * step)),
+            trips=Situation(command=RarsMotion(side * 2.0 * step)),
+            spares=Situation(command=RarsMotion(side * step)),
             reason=f"requested a step from 0.00 to {side * 2.0 * step:.2f} m/s at once, "
             f"limit {limits.acceleration_mps2:.2f} m/s2",
         )
     yield _limited(
         "lift range limit",
-        Motion(lift_m=highest),
-        Motion(lift_m=JUST * highest),
+        RarsMotion(lift_m=highest),
+        RarsMotion(lift_m=JUST * highest),
         (JUST * highest, highest, "m"),
     )
     yield _tipping(robot, tightest)
 
 
-def _limited(row: str, within: Motion, beyond: Motion, values: tuple[float, float, str]) -> Case:
+def _limited(row: str, within: RarsMotion, beyond: RarsMotion, values: tuple[float, float, str]) -> Case:
     """Return the case of a limit that is passed at the pace that the robot has already."""
     requested, allowed, unit = values
     return Case(
@@ -131,12 +133,12 @@ def _limited(row: str, within: Motion, beyond: Motion, values: tuple[float, floa
     )
 
 
-def _tipping(robot: Robot[Geometry], steer_rad: float) -> Case:
+def _tipping(robot: Robot[RarsGeometry], steer_rad: float) -> Case:
     """Return the case of a robot that may drive fast enough to tip over, in its tightest turn."""
     top = tipping_speed(robot, steer_rad)
     limits = robot.geometry.limits.model_copy(update={"speed_mps": 2.0 * top})
     turning = replace(WELL, steer_rad=steer_rad)
-    within, beyond = Motion(top), Motion(JUST * top)
+    within, beyond = RarsMotion(top), RarsMotion(JUST * top)
     return Case(
         "tipping limit",
         trips=Situation(command=beyond, demanded=within, body=turning),

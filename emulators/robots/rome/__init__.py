@@ -11,20 +11,20 @@ from typing import Annotated, Final, Literal, TypeAlias
 
 import numpy as np
 
+from emulators.bench.bench_setup import BenchSetup, Channel, StickAxes, TwistAxes
 from emulators.bench.columns import PLANAR, Column, Curve, Panel
 from emulators.bench.path_error import OFFSET
 from emulators.bench.path_error import Path as FollowedPath
-from emulators.bench.rehearsal import Channel, Rehearsal, StickAxes, Twist
 from emulators.bench.step import Finite, Holds, Positive, Presses, Slope, Step
 from emulators.robots.rome.cases import cases
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rome.geometry import Geometry
-from firmware_bridge.robots.rome.motion import Motion, State
+from firmware_bridge.robots.rome.geometry import RomeGeometry
+from firmware_bridge.robots.rome.motion import RomeMotion, RomeState
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import to_seconds
 
-Rome: TypeAlias = Robot[Geometry]
-Seen: TypeAlias = Snapshot[Motion, State]
+Rome: TypeAlias = Robot[RomeGeometry]
+Seen: TypeAlias = Snapshot[RomeMotion, RomeState]
 BUTTONS: Final = {"emergency_stop": 4}
 
 
@@ -95,7 +95,7 @@ def _remarks(robot: Rome) -> Mapping[str, str]:
     }
 
 
-REHEARSAL: Final = Rehearsal(
+BENCH_SETUP: Final = BenchSetup(
     step=RomeStep,
     missions=Path(__file__).with_name("missions"),
     channels=(
@@ -104,7 +104,7 @@ REHEARSAL: Final = Rehearsal(
         Channel("turn", lambda robot: robot.geometry.limits.turn_rate_rad_s, trembles_with="turn"),
     ),
     stick=_stick,
-    twist=lambda values, _: Twist(values["speed"], -values["left"], -values["turn"]),
+    twist=lambda values, _: TwistAxes(values["speed"], -values["left"], -values["turn"]),
     columns=(
         *PLANAR,
         Column("speed_left_mps", "speed to the left", "m/s", plant="speed_sideways"),

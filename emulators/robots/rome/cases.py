@@ -7,45 +7,45 @@ from typing import TypeAlias
 
 from emulators.bench import cases as bench
 from firmware_bridge.drivers.shield.fleet import over_protocol
-from firmware_bridge.kinds import find
 from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rome.geometry import Geometry
-from firmware_bridge.robots.rome.motion import Motion, State
+from firmware_bridge.robot_types import find
+from firmware_bridge.robots.rome.geometry import RomeGeometry
+from firmware_bridge.robots.rome.motion import RomeMotion, RomeState
 from firmware_bridge.robots.rome.rules import SPIN
 
-Case: TypeAlias = bench.Case[Motion, State]
-Situation: TypeAlias = bench.Situation[Motion, State]
+Case: TypeAlias = bench.Case[RomeMotion, RomeState]
+Situation: TypeAlias = bench.Situation[RomeMotion, RomeState]
 JUST: float = 1.0 + 1e-5
 """A limit reports what is beyond it by more than a millionth."""
 DIAGONAL = math.sqrt(0.5)
 
 
-def cases(robot: Robot[Geometry]) -> Iterator[Case]:
+def cases(robot: Robot[RomeGeometry]) -> Iterator[Case]:
     """Yield at least one case for each interlock and limit."""
     limits = robot.geometry.limits
     for side in (-1.0, 1.0):
         spin = side * SPIN * limits.turn_rate_rad_s
         yield Case(
             "turns too fast",
-            trips=Situation(body=State(0.0, 0.0, math.nextafter(spin, side * math.inf))),
-            spares=Situation(body=State(0.0, 0.0, spin)),
+            trips=Situation(body=RomeState(0.0, 0.0, math.nextafter(spin, side * math.inf))),
+            spares=Situation(body=RomeState(0.0, 0.0, spin)),
             reason=f"the base turns with {spin:.2f} rad/s, limit {limits.turn_rate_rad_s:.2f} rad/s",
         )
         yield from _limited(robot, side)
     yield Case(
         "turns too fast",
-        trips=Situation(body=State(0.0, 0.0, math.nan)),
-        spares=Situation(body=State(limits.speed_mps, limits.speed_mps, 0.0)),
+        trips=Situation(body=RomeState(0.0, 0.0, math.nan)),
+        spares=Situation(body=RomeState(limits.speed_mps, limits.speed_mps, 0.0)),
         reason=f"the base turns with nan rad/s, limit {limits.turn_rate_rad_s:.2f} rad/s",
     )
     yield from _lost()
     step = 0.8 * limits.acceleration_mps2 * robot.cycle_ms / 1000.0
     yield Case(
         "acceleration limit",
-        trips=Situation(command=Motion(left_mps=2.0 * step)),
-        spares=Situation(command=Motion(left_mps=step)),
+        trips=Situation(command=RomeMotion(left_mps=2.0 * step)),
+        spares=Situation(command=RomeMotion(left_mps=step)),
         reason=(
             "requested a step from (0.00, 0.00) m/s and 0.00 rad/s to "
             f"(0.00, {2.0 * step:.2f}) m/s and 0.00 rad/s at once"
@@ -55,13 +55,13 @@ def cases(robot: Robot[Geometry]) -> Iterator[Case]:
 
 def _lost() -> Iterator[Case]:
     """Yield the cases of a base that cameras see: a guide needs its place, an operator does not."""
-    guided, seen = Motion(path_s=1.0), Located(Pose(), Source.CAPTURED, 0.0, 0.0, 0.0, 0)
+    guided, seen = RomeMotion(path_s=1.0), Located(Pose(), Source.CAPTURED, 0.0, 0.0, 0.0, 0)
     unseen = replace(seen, source=Source.UNSEEN)
     lost = replace(seen, source=Source.LOST, uncertain_m=0.051)
     off = "the place is off by 0.051 m at most without the cameras: they "
     for trips, spares, reason in (
         (unseen, Situation(command=guided, located=seen), "the cameras have not seen the robot yet"),
-        (lost, Situation(command=Motion(), located=lost), off + "do not see it"),
+        (lost, Situation(command=RomeMotion(), located=lost), off + "do not see it"),
         (
             replace(lost, refused=1, off_m=0.3, off_rad=-0.35),
             Situation(command=guided, located=replace(seen, source=Source.ODOMETRY, uncertain_m=0.05)),
@@ -89,17 +89,17 @@ def _lost() -> Iterator[Case]:
     )
 
 
-def _limited(robot: Robot[Geometry], side: float) -> Iterator[Case]:
+def _limited(robot: Robot[RomeGeometry], side: float) -> Iterator[Case]:
     limits, distance = robot.geometry.limits, robot.geometry.base.wheel_distance_m
     speed, turn = limits.speed_mps, side * limits.turn_rate_rad_s
-    straight = Motion(side * DIAGONAL * speed, DIAGONAL * speed)
-    faster = Motion(JUST * straight.ahead_mps, JUST * straight.left_mps)
+    straight = RomeMotion(side * DIAGONAL * speed, DIAGONAL * speed)
+    faster = RomeMotion(JUST * straight.ahead_mps, JUST * straight.left_mps)
     yield _beyond("speed limit", straight, faster, f"{JUST * speed:.2f} m/s", f"{speed:.2f} m/s")
-    spinning = Motion(turn_rad_s=turn)
+    spinning = RomeMotion(turn_rad_s=turn)
     yield _beyond(
         "turn rate limit",
         spinning,
-        Motion(turn_rad_s=JUST * turn),
+        RomeMotion(turn_rad_s=JUST * turn),
         f"{JUST * turn:.2f} rad/s",
         f"{turn:.2f} rad/s",
     )
@@ -108,16 +108,16 @@ def _limited(robot: Robot[Geometry], side: float) -> Iterator[Case]:
     left = limits.rim_mps - distance * turning
     yield Case(
         "rim limit",
-        trips=Situation(command=Motion(0.0, side * JUST * left, side * JUST * turning)),
+        trips=Situation(command=RomeMotion(0.0, side * JUST * left, side * JUST * turning)),
         spares=Situation(
-            command=Motion(0.0, side * left, side * turning),
-            demanded=Motion(0.0, side * left, side * turning),
+            command=RomeMotion(0.0, side * left, side * turning),
+            demanded=RomeMotion(0.0, side * left, side * turning),
         ),
         reason=(f"requested {JUST * limits.rim_mps:.2f} m/s at a wheel, allowed is {limits.rim_mps:.2f} m/s"),
     )
 
 
-def _beyond(row: str, within: Motion, beyond: Motion, requested: str, allowed: str) -> Case:
+def _beyond(row: str, within: RomeMotion, beyond: RomeMotion, requested: str, allowed: str) -> Case:
     """Return the case of a limit that is passed at the pace that the base has already."""
     return Case(
         row,

@@ -12,20 +12,20 @@ from typing import Annotated, Final, TypeAlias
 
 import numpy as np
 
+from emulators.bench.bench_setup import BenchSetup, Channel, StickAxes
 from emulators.bench.columns import Column, Curve, Floats, Panel, Samples
 from emulators.bench.path_error import HEIGHT
 from emulators.bench.path_error import Path as FollowedPath
-from emulators.bench.rehearsal import Channel, Rehearsal, StickAxes
 from emulators.bench.step import Finite, Holds
 from emulators.robots import ar2, rome
 from emulators.robots.ar2 import LIFTS
 from emulators.robots.rome import RomeStep
 from emulators.robots.rome_arm.cases import cases
 from firmware_bridge.robot import AnyRobot, Robot
-from firmware_bridge.robots.rome_arm.geometry import Geometry
+from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
 from firmware_bridge.robots.rome_arm.halves import ARM, BASE, Half
 
-RomeArm: TypeAlias = Robot[Geometry]
+RomeArm: TypeAlias = Robot[RomeArmGeometry]
 WHEELS: Final = ("one", "two", "three")
 OF_THE_ARM: Final = ("angle_", "lag_")
 """Prefixes of the arm's columns: of its tool the plant has the place in the room."""
@@ -45,7 +45,7 @@ class RomeArmStep(RomeStep):
 
 
 def _stick(values: Mapping[str, float], robot: RomeArm) -> StickAxes:
-    base = rome.REHEARSAL.stick(values, BASE.robot(robot))
+    base = rome.BENCH_SETUP.stick(values, BASE.robot(robot))
     up = values["up"] / robot.geometry.arm.limits.speed_mps
     return replace(base, z=up, buttons=LIFTS if up else 0)
 
@@ -70,7 +70,7 @@ def _panels(half: Half, rows: tuple[Panel, ...]) -> Iterator[Panel]:
 
 def _full(half: Half, name: str) -> Channel:
     """Return a channel of one half."""
-    rows: tuple[Channel, ...] = (ar2 if half is ARM else rome).REHEARSAL.channels
+    rows: tuple[Channel, ...] = (ar2 if half is ARM else rome).BENCH_SETUP.channels
     row = next(row for row in rows if row.name == name)
     return replace(row, full=lambda robot: row.full(half.robot(robot)))
 
@@ -159,7 +159,7 @@ def _least_load(samples: Samples) -> float | None:
     return float((3.0 * means / means.sum(axis=0)).min())
 
 
-REHEARSAL: Final = Rehearsal(
+BENCH_SETUP: Final = BenchSetup(
     step=RomeArmStep,
     missions=Path(__file__).with_name("missions"),
     channels=(
@@ -167,26 +167,26 @@ REHEARSAL: Final = Rehearsal(
         _full(ARM, "up"),
     ),
     stick=_stick,
-    twist=rome.REHEARSAL.twist,
+    twist=rome.BENCH_SETUP.twist,
     columns=(
-        *_columns(BASE, rome.REHEARSAL.columns),
-        *(row for row in ar2.REHEARSAL.columns if row.name.startswith(OF_THE_ARM)),
+        *_columns(BASE, rome.BENCH_SETUP.columns),
+        *(row for row in ar2.BENCH_SETUP.columns if row.name.startswith(OF_THE_ARM)),
         Column(HEIGHT, "tool, above the floor", "m", plant="tool_z"),
         Column("tool_x_m", "tool, in the frame in which the run began", "m", plant="tool_x"),
         Column("tool_y_m", "tool, left", "m", plant="tool_y"),
         *(Column(f"load_{it}_n", f"what wheel {it} carries", "N", plant=f"load_{it}") for it in WHEELS),
     ),
     panels=(
-        *_panels(BASE, rome.REHEARSAL.panels),
+        *_panels(BASE, rome.BENCH_SETUP.panels),
         Panel("Tool above the floor", "height [mm]", (Curve(HEIGHT, "plant", scale=1000.0),)),
-        *(row for row in ar2.REHEARSAL.panels if row.limit is None),
+        *(row for row in ar2.BENCH_SETUP.panels if row.limit is None),
         Panel(
             "What the wheels carry", "load [N]", tuple(Curve(f"load_{it}_n", f"wheel {it}") for it in WHEELS)
         ),
     ),
-    remarks=lambda robot: rome.REHEARSAL.remarks(BASE.robot(robot)),
+    remarks=lambda robot: rome.BENCH_SETUP.remarks(BASE.robot(robot)),
     cases=cases,
-    stands=ar2.REHEARSAL.stands,
-    figures={**ar2.REHEARSAL.figures, "least_wheel_load_share": _least_load},
+    stands=ar2.BENCH_SETUP.stands,
+    figures={**ar2.BENCH_SETUP.figures, "least_wheel_load_share": _least_load},
     paths={"orbit": _orbit, "formation": _formation, "pose": _pose},
 )

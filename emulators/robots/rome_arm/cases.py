@@ -9,25 +9,25 @@ from emulators.bench import cases as bench
 from emulators.robots.ar2.cases import BENT
 from emulators.robots.ar2.cases import cases as cases_of_arm
 from emulators.robots.rome.cases import cases as cases_of_base
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import Robot
+from firmware_bridge.robot_types import find
 from firmware_bridge.robots.ar2 import motion as arm
 from firmware_bridge.robots.ar2.rules import tool
 from firmware_bridge.robots.rome import motion as base
 from firmware_bridge.robots.rome_arm.balance import balance
-from firmware_bridge.robots.rome_arm.geometry import Geometry
+from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
 from firmware_bridge.robots.rome_arm.halves import ARM, BASE, Half
-from firmware_bridge.robots.rome_arm.motion import Motion, State
+from firmware_bridge.robots.rome_arm.motion import RomeArmMotion, RomeArmState
 
-Case: TypeAlias = bench.Case[Motion, State]
-Situation: TypeAlias = bench.Situation[Motion, State]
-STANDS: Final = base.State(0.0, 0.0, 0.0)
-WHOLE: Final = State(STANDS, BENT)
-AHEAD: Final = State(STANDS, arm.State((0.0, BENT.angles[1] + 1e-5, *BENT.angles[2:]), arm.STILL))
+Case: TypeAlias = bench.Case[RomeArmMotion, RomeArmState]
+Situation: TypeAlias = bench.Situation[RomeArmMotion, RomeArmState]
+STANDS: Final = base.RomeState(0.0, 0.0, 0.0)
+WHOLE: Final = RomeArmState(STANDS, BENT)
+AHEAD: Final = RomeArmState(STANDS, arm.Ar2State((0.0, BENT.angles[1] + 1e-5, *BENT.angles[2:]), arm.STILL))
 """A little further forward."""
 
 
-def cases(robot: Robot[Geometry]) -> Iterator[Case]:
+def cases(robot: Robot[RomeArmGeometry]) -> Iterator[Case]:
     """Yield at least one case for each interlock and limit."""
     for of_base in cases_of_base(BASE.robot(robot)):
         yield _whole(BASE, of_base, None if of_base.robot is None else _with_board(of_base.robot))
@@ -42,7 +42,7 @@ def cases(robot: Robot[Geometry]) -> Iterator[Case]:
     yield from _between(robot)
 
 
-def _whole(half: Half, case: bench.Case[Any, Any], robot: Robot[Geometry] | None) -> Case:
+def _whole(half: Half, case: bench.Case[Any, Any], robot: Robot[RomeArmGeometry] | None) -> Case:
     return Case(
         case.row,
         trips=_both(half, case.trips),
@@ -56,22 +56,22 @@ def _both(half: Half, of_half: bench.Situation[Any, Any]) -> Situation:
     """Return the situation of both, in which the other half rests."""
     put = {"command": of_half.command, "demanded": of_half.demanded}
     body = WHOLE if of_half.body is None else replace(WHOLE, **{half.name: of_half.body})
-    motions = {key: None if it is None else half.put(Motion(), it) for key, it in put.items()}
+    motions = {key: None if it is None else half.put(RomeArmMotion(), it) for key, it in put.items()}
     return Situation(body=body, located=of_half.located, **motions)
 
 
-def _with_board(base_alone: Robot[Any]) -> Robot[Geometry]:
+def _with_board(base_alone: Robot[Any]) -> Robot[RomeArmGeometry]:
     """Return the whole robot under cameras, with the board of another one's base."""
-    whole: Robot[Geometry] = find("rome_arm+cameras")
+    whole: Robot[RomeArmGeometry] = find("rome_arm+cameras")
     return whole.model_copy(update={"links": {**whole.links, "board": base_alone.links["board"]}})
 
 
-def _balanced(robot: Robot[Geometry], **values: float) -> Robot[Geometry]:
+def _balanced(robot: Robot[RomeArmGeometry], **values: float) -> Robot[RomeArmGeometry]:
     table = robot.geometry.balance.model_copy(update=values)
     return robot.model_copy(update={"geometry": robot.geometry.model_copy(update={"balance": table})})
 
 
-def _between(robot: Robot[Geometry]) -> Iterator[Case]:
+def _between(robot: Robot[RomeArmGeometry]) -> Iterator[Case]:
     x, y, _ = tool(BENT)
     away = math.hypot(x, y) + 1e-9
     yield Case(
@@ -91,7 +91,7 @@ def _between(robot: Robot[Geometry]) -> Iterator[Case]:
         robot=_balanced(robot, margin_m=room),
     )
     slow = 0.001
-    ahead, back = (Motion(arm=arm.Motion(ahead_mps=speed)) for speed in (slow, -slow))
+    ahead, back = (RomeArmMotion(arm=arm.Ar2Motion(ahead_mps=speed)) for speed in (slow, -slow))
     yield Case(
         "tool balance",
         trips=Situation(command=ahead, demanded=ahead, body=WHOLE),
@@ -101,7 +101,7 @@ def _between(robot: Robot[Geometry]) -> Iterator[Case]:
     )
     yield Case(
         "time stretched",
-        trips=Situation(command=Motion(path_rate=1.0 / 1.5), body=WHOLE),
-        spares=Situation(command=Motion(), body=WHOLE),
+        trips=Situation(command=RomeArmMotion(path_rate=1.0 / 1.5), body=WHOLE),
+        spares=Situation(command=RomeArmMotion(), body=WHOLE),
         reason="the path takes 1.50 times its time: the base could not follow it",
     )

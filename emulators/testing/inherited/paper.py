@@ -4,15 +4,15 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Final, TypeAlias
 
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.cases import Case, Situation
-from emulators.bench.rehearsal import rehearsal_of
 from firmware_bridge.drivers.driver import Demand, Feedback, Position, Power, Reading, Reports, Speed
-from firmware_bridge.kind import AnyKind
-from firmware_bridge.kinds import find, kind_of
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_type import AnyRobotType
+from firmware_bridge.robot_types import find, robot_type_of
 from firmware_bridge.safety.gate import Gate
-from firmware_bridge.safety.snapshot import Facts, Ruling, Snapshot
+from firmware_bridge.safety.snapshot import Decision, Facts, Snapshot
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
 
 START: Final = 100 * SECOND
@@ -24,13 +24,13 @@ WELL: Final[AnySituation] = Situation()
 def gate_of(robot: AnyRobot) -> Gate[Any, Any, Any]:
     """Return the robot's gate; its drives report everything."""
     reports = {axis.name: frozenset(Reports) for axis in robot.axes}
-    return Gate(robot, kind_of(robot).rules(robot), reports)
+    return Gate(robot, robot_type_of(robot).rules(robot), reports)
 
 
 def axes_of(robot: AnyRobot, now: Nanoseconds) -> dict[str, Feedback]:
     """Return all axes where the bench begins with them, with power, received now."""
-    gauges = {gauge.role: gauge for gauge in kind_of(robot).station.gauges}
-    stands = rehearsal_of(robot).stands
+    gauges = {gauge.role: gauge for gauge in robot_type_of(robot).station.gauges}
+    stands = bench_setup_of(robot).stands
 
     def place(role: str) -> float:
         read = stands.get(role, 0.0)
@@ -46,7 +46,7 @@ def axes_of(robot: AnyRobot, now: Nanoseconds) -> dict[str, Feedback]:
 
 def well(robot: AnyRobot, now: Nanoseconds) -> dict[str, Reading]:
     """Return the sensor values of a robot that is well."""
-    return {name: Reading(value, now, now) for name, value in rehearsal_of(robot).well.items()}
+    return {name: Reading(value, now, now) for name, value in bench_setup_of(robot).well.items()}
 
 
 def seen(
@@ -57,7 +57,7 @@ def seen(
     **facts: Any,
 ) -> Snapshot[Any, Any]:
     """Return the robot armed and well, but for the given facts."""
-    kind = kind_of(robot)
+    kind = robot_type_of(robot)
     feedback = dict(axes_of(robot, now) if axes is None else axes)
     body = kind.body(robot).sensed(feedback, well(robot, now)) if situation.body is None else situation.body
     known: dict[str, Any] = {
@@ -80,18 +80,18 @@ def seen(
     )
 
 
-def held(ruling: Ruling[Any]) -> dict[str, str]:
+def held(decision: Decision[Any]) -> dict[str, str]:
     """Return the reasons of all that holds, by name."""
-    return {hold.name: hold.reason for hold in ruling.holds}
+    return {hold.name: hold.reason for hold in decision.holds}
 
 
 def cases_of(name: str) -> list[AnyCase]:
     """Return the boundary cases that a robot's package declares."""
     robot = find(name)
-    return list(rehearsal_of(robot).cases(robot))
+    return list(bench_setup_of(robot).cases(robot))
 
 
-def full_motions(kind: AnyKind, robot: AnyRobot) -> list[Any]:
+def full_motions(kind: AnyRobotType, robot: AnyRobot) -> list[Any]:
     """Return motions that ask for as much as the robot may do."""
     return [motion for motion, _ in kind.reach(robot)]
 
@@ -101,7 +101,7 @@ class Paper:
 
     def __init__(self, robot: AnyRobot) -> None:
         self.robot: Final = robot
-        self.kind: Final = kind_of(robot)
+        self.kind: Final = robot_type_of(robot)
         self.rules: Final = self.kind.rules(robot)[""]
         self.gate: Final = gate_of(robot)
         self.axes: Final = axes_of(robot, START)
@@ -111,18 +111,18 @@ class Paper:
         self.demands: Mapping[str, Demand] = {}
         self.now: Nanoseconds = START
 
-    def cycle(self, command: Any, **facts: Any) -> Ruling[Any]:
+    def cycle(self, command: Any, **facts: Any) -> Decision[Any]:
         """Do one cycle of the bridge, as `firmware_bridge.bridge.pipeline` does it."""
         self.now += self.robot.cycle
         for name, axis in self.axes.items():
             self.axes[name] = replace(axis, received_at=self.now, sampled_at=self.now)
         situation: AnySituation = Situation(command=command, demanded=self.demanded)
         known = seen(self.robot, self.now, situation, self.axes, **facts)
-        ruling = self.gate.rule(known)
-        self.demanded = self.rules.body.ramped(self.demanded, ruling.allowed, known.body, self.robot.cycle)
+        decision = self.gate.rule(known)
+        self.demanded = self.rules.body.ramped(self.demanded, decision.allowed, known.body, self.robot.cycle)
         self.demands = self.rules.body.demands(self.demanded, known.body)
         self._obey()
-        return ruling
+        return decision
 
     def _obey(self) -> None:
         self.before = dict(self.axes)

@@ -7,18 +7,18 @@ from typing import Any
 import numpy as np
 
 from emulators.bench import mission as missions
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.operator import ScriptedOperator
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import Rig
 from firmware_bridge.robot import AnyRobot
 
 
 def mission_of(robot: AnyRobot, text: str) -> missions.Mission:
     """Return a mission of the robot's by its name, or read a file's text."""
-    rehearsal = rehearsal_of(robot)
+    bench_setup = bench_setup_of(robot)
     if "\n" in text:
-        return missions.parse(text, "story.toml", robot, rehearsal)
-    return missions.find(text, robot, rehearsal)
+        return missions.parse(text, "story.toml", robot, bench_setup)
+    return missions.find(text, robot, bench_setup)
 
 
 @contextmanager
@@ -30,9 +30,9 @@ def scripted(
     `options` are the rig's own, and take the place of the mission's.
     """
     script = mission_of(robot, mission) if isinstance(mission, str) else mission
-    rehearsal = rehearsal_of(robot)
-    operator = ScriptedOperator(robot, rehearsal, script, np.random.default_rng(stream))
-    rig = Rig(script.on(robot), rehearsal, operator, **{"faults": script.fault, **options})
+    bench_setup = bench_setup_of(robot)
+    operator = ScriptedOperator(robot, bench_setup, script, np.random.default_rng(stream))
+    rig = Rig(script.on(robot), bench_setup, operator, **{"faults": script.fault, **options})
     try:
         yield rig
     finally:

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.cases import Situation
-from emulators.bench.rehearsal import rehearsal_of
 from emulators.rig import BRIDGE
 from emulators.testing.inherited.paper import (
     START,
@@ -29,12 +29,12 @@ from emulators.testing.inherited.paper import (
 from emulators.testing.inherited.scripted import mission_of, scripted
 from firmware_bridge.drivers.driver import Position, Power, Speed
 from firmware_bridge.intent import NEVER_RECEIVED
-from firmware_bridge.kinds import find, kind_of, names
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.safety.common import AXIS_ROWS
+from firmware_bridge.robot_types import find, names, robot_type_of
+from firmware_bridge.safety.common import AXIS_INTERLOCKS
 from firmware_bridge.safety.interlock import Limit
-from firmware_bridge.safety.row import Row
-from firmware_bridge.safety.snapshot import Following, Ruling
+from firmware_bridge.safety.interlock_base import InterlockBase
+from firmware_bridge.safety.snapshot import Decision, Tracking
 from firmware_bridge.teleop.station import Stick, Unusable, Velocity
 from firmware_bridge.units import MILLISECOND, SECOND, from_seconds
 
@@ -73,25 +73,25 @@ def generate(
         driven = [
             (name, mission)
             for name in robots
-            for mission in missions.get(name, tuple(rehearsal_of(find(name)).shipped()))
+            for mission in missions.get(name, tuple(bench_setup_of(find(name)).shipped()))
         ]
         metafunc.parametrize(("name", "mission"), driven)
     elif "name" in metafunc.fixturenames:
         metafunc.parametrize("name", robots)
 
 
-def rows_of(robot: AnyRobot) -> tuple[Row, ...]:
+def rows_of(robot: AnyRobot) -> tuple[InterlockBase, ...]:
     """Return the robot's own rows, the limits last."""
-    kind = kind_of(robot)
+    kind = robot_type_of(robot)
     return (*kind.interlocks, *kind.limits)
 
 
 def test_its_file_loads_and_it_is_what_it_is_installed_as(name: str) -> None:
     robot = find(name)
-    assert kind_of(robot).name == robot.kind
+    assert robot_type_of(robot).name == robot.kind
     assert name.endswith(".toml") or robot.kind == name
-    assert {axis.role for axis in robot.axes} == frozenset().union(*kind_of(robot).groups.values())
-    assert rehearsal_of(robot).shipped()
+    assert {axis.role for axis in robot.axes} == frozenset().union(*robot_type_of(robot).groups.values())
+    assert bench_setup_of(robot).shipped()
 
 
 def test_every_row_of_its_own_has_a_boundary_case_and_no_case_is_for_nothing(name: str) -> None:
@@ -102,23 +102,23 @@ def test_at_its_threshold_a_row_holds_and_states_why(name: str, case: AnyCase) -
     robot = case.robot or find(name)
     row = next(row for row in rows_of(robot) if row.name == case.row)
     gate = gate_of(robot)
-    ruling = gate.rule(seen(robot, START, case.trips))
-    assert held(ruling)[case.row] == case.reason
-    assert next(hold for hold in ruling.holds if hold.name == case.row).remedy
+    decision = gate.rule(seen(robot, START, case.trips))
+    assert held(decision)[case.row] == case.reason
+    assert next(hold for hold in decision.holds if hold.name == case.row).remedy
     if isinstance(row, Limit):
-        assert ruling.stopped == frozenset()
+        assert decision.stopped == frozenset()
     else:
-        groups = frozenset(kind_of(robot).groups)
+        groups = frozenset(robot_type_of(robot).groups)
         stopped = groups if row.stops is None else row.stops
-        assert stopped <= ruling.stopped
-        assert not ruling.requested & stopped
+        assert stopped <= decision.stopped
+        assert not decision.requested & stopped
 
 
 def test_just_within_its_threshold_a_row_does_not_hold(name: str, case: AnyCase) -> None:
     robot = case.robot or find(name)
-    ruling = gate_of(robot).rule(seen(robot, START, case.spares))
-    assert case.row not in held(ruling)
-    assert ruling.stopped == frozenset()
+    decision = gate_of(robot).rule(seen(robot, START, case.spares))
+    assert case.row not in held(decision)
+    assert decision.stopped == frozenset()
 
 
 def test_a_row_lets_go_when_it_was_clear_for_its_clear_time(name: str, case: AnyCase) -> None:
@@ -155,13 +155,13 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
             ("axis reconfigured", {"rewritten": "601#2316100100000000"}),
             ("axis not enabled", {"power": Power.STOPPED}),
             ("axis not enabled", {"power": Power.OFF}),
-            *((("reference lost", {"zero_lost": True}),) if axis.zero_confirmed else ()),
+            *((("reference lost", {"reference_lost": True}),) if axis.zero_confirmed else ()),
         ):
             changed = replace(well[axis.name], **changes)
             yield f"{row}: {axis.name}", {"axes": {**well, axis.name: changed}}
         stated = axis.belief.within_ms
         long = limit if stated is None else stated * MILLISECOND
-        deviates = Following(sampled_at=START, obeyed_at=START - long)
+        deviates = Tracking(sampled_at=START, obeyed_at=START - long)
         repeats = replace(deviates, obeyed_at=START, settled_at=START - long)
         for row, following in (
             ("tracking error", deviates),
@@ -173,18 +173,18 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
 
 def test_the_common_rows_stop_all_of_it_whatever_it_is_requested(name: str) -> None:
     robot = find(name)
-    kind = kind_of(robot)
+    kind = robot_type_of(robot)
     tripped = set()
     for hold, facts in common_trips(robot):
         for command in full_motions(kind, robot):
-            ruling = gate_of(robot).rule(seen(robot, START, Situation(command=command), **facts))
-            assert hold in held(ruling), hold
+            decision = gate_of(robot).rule(seen(robot, START, Situation(command=command), **facts))
+            assert hold in held(decision), hold
             if not hold.startswith(("link lost", "second controller")):
-                assert ruling.stopped == frozenset(kind.groups), hold
-            assert not ruling.requested & ruling.stopped, hold
+                assert decision.stopped == frozenset(kind.groups), hold
+            assert not decision.requested & decision.stopped, hold
         tripped.add(hold.split(":")[0])
     unsent = set() if any(axis.zero_confirmed for axis in robot.axes) else {"reference lost"}
-    assert {row.name for row in AXIS_ROWS} - unsent <= tripped
+    assert {row.name for row in AXIS_INTERLOCKS} - unsent <= tripped
 
 
 def test_a_word_just_in_time_stops_nothing(name: str) -> None:
@@ -210,40 +210,42 @@ def spoiled(motion: Any, value: float) -> Iterator[Any]:
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_a_command_that_is_no_number_stops_all_of_it(name: str, value: float) -> None:
     robot = find(name)
-    kind = kind_of(robot)
+    kind = robot_type_of(robot)
     named = set()
     for command in spoiled(kind.rest, value):
         titles = [title for title, read in kind.numbers.items() if repr(read(command)) == repr(value)]
         if titles:
-            ruling = gate_of(robot).rule(seen(robot, START, Situation(command=command)))
-            assert held(ruling)["command unusable"] == f"the {titles[0]} requested is {value}"
-            assert ruling.stopped == frozenset(kind.groups)
-            assert not ruling.requested
+            decision = gate_of(robot).rule(seen(robot, START, Situation(command=command)))
+            assert held(decision)["command unusable"] == f"the {titles[0]} requested is {value}"
+            assert decision.stopped == frozenset(kind.groups)
+            assert not decision.requested
             named.update(titles)
     assert named == set(kind.numbers), "every number of the motion is judged"
 
 
 def test_it_rests_when_each_axis_that_takes_it_from_its_place_stands(name: str) -> None:
     robot = find(name)
-    rules = kind_of(robot).rules(robot)[""]
+    rules = robot_type_of(robot).rules(robot)[""]
     well = axes_of(robot, START)
-    travelling = {role for group in rules.travelling for role in kind_of(robot).groups[group]}
+    travelling = {role for group in rules.travelling for role in robot_type_of(robot).groups[group]}
     assert set(rules.body.rolling) <= {axis.name for axis in robot.axes if axis.role in travelling}
-    assert rules.at_rest(seen(robot))
+    assert rules.at_standstill(seen(robot))
     for axis in robot.axes:
-        for speed in (axis.rests_below, -axis.rests_below, math.nan, math.inf):
+        for speed in (axis.standstill_below, -axis.standstill_below, math.nan, math.inf):
             moves = {**well, axis.name: replace(well[axis.name], velocity=speed)}
-            at_rest = rules.at_rest(seen(robot, situation=Situation(body=resting(robot)), axes=moves))
-            assert at_rest is (axis.name not in rules.body.rolling), (axis.name, speed)
+            at_standstill = rules.at_standstill(
+                seen(robot, situation=Situation(body=resting(robot)), axes=moves)
+            )
+            assert at_standstill is (axis.name not in rules.body.rolling), (axis.name, speed)
         for sign in (1.0, -1.0):
-            below = sign * math.nextafter(axis.rests_below, 0.0)
+            below = sign * math.nextafter(axis.standstill_below, 0.0)
             creeps = {**well, axis.name: replace(well[axis.name], velocity=below)}
-            assert rules.at_rest(seen(robot, situation=Situation(body=resting(robot)), axes=creeps))
+            assert rules.at_standstill(seen(robot, situation=Situation(body=resting(robot)), axes=creeps))
 
 
 def test_wheels_that_turn_against_each_other_do_not_rest(name: str) -> None:
     robot = find(name)
-    rules = kind_of(robot).rules(robot)[""]
+    rules = robot_type_of(robot).rules(robot)[""]
     first, *others = (axis for axis in robot.axes if axis.name in rules.body.rolling)
     spins = axes_of(robot, START)
     share = first.top_speed / max(len(others), 1)
@@ -251,12 +253,12 @@ def test_wheels_that_turn_against_each_other_do_not_rest(name: str) -> None:
         spins[axis.name] = replace(spins[axis.name], velocity=speed)
     known = seen(robot, axes=spins)
     assert rules.body.moving(known.body) & rules.travelling
-    assert not rules.at_rest(known)
+    assert not rules.at_standstill(known)
 
 
 def resting(robot: AnyRobot) -> Any:
     """Return what is known of a body at rest."""
-    return kind_of(robot).body(robot).sensed(axes_of(robot, START), {})
+    return robot_type_of(robot).body(robot).sensed(axes_of(robot, START), {})
 
 
 shares = st.none() | st.floats(-1.0, 1.0)
@@ -323,21 +325,21 @@ def test_whatever_is_stated_the_guards_bounds_hold(
 
 def test_nothing_moves_before_it_is_armed(name: str) -> None:
     robot = find(name)
-    for command in full_motions(kind_of(robot), robot):
+    for command in full_motions(robot_type_of(robot), robot):
         paper = Paper(robot)
         for _ in range(20):
             paper.cycle(command, armed=False)
             assert not moves(paper, tuple(paper.axes))
 
 
-def settled(paper: Paper, command: Any, **facts: Any) -> Ruling[Any]:
+def settled(paper: Paper, command: Any, **facts: Any) -> Decision[Any]:
     """Go on until a cycle repeats the set-points and speeds of the one before; return its decision."""
     for _ in range(CYCLES):
         before = paper.demanded, turning(paper)
-        ruling: Ruling[Any] = paper.cycle(command, **facts)
+        decision: Decision[Any] = paper.cycle(command, **facts)
         if (paper.demanded, turning(paper)) == before:
-            return ruling
-    holds = "; ".join(f"{hold.name}: {hold.reason}" for hold in ruling.holds) or "nothing holds it"
+            return decision
+    holds = "; ".join(f"{hold.name}: {hold.reason}" for hold in decision.holds) or "nothing holds it"
     speeds = ", ".join(f"{name} {one.velocity:.3g}" for name, one in paper.axes.items())
     raise AssertionError(f"it never settles: {holds}, with {speeds}")
 
@@ -348,23 +350,23 @@ def turning(paper: Paper) -> list[float]:
 
 def test_a_stop_brings_every_axis_to_rest(name: str) -> None:
     robot = find(name)
-    for command in full_motions(kind_of(robot), robot):
+    for command in full_motions(robot_type_of(robot), robot):
         paper = Paper(robot)
         settled(paper, command)
-        ruling = settled(paper, command, emergency_stopped=True)
-        assert ruling.stopped == frozenset(paper.kind.groups)
+        decision = settled(paper, command, emergency_stopped=True)
+        assert decision.stopped == frozenset(paper.kind.groups)
         assert not moves(paper, tuple(paper.axes))
         assert not paper.rules.body.requested(paper.demanded, paper.kind.body(robot).sensed(paper.axes, {}))
 
 
 def test_its_missions_drive_without_a_refusal_and_it_ends_without_power(name: str, mission: str) -> None:
     robot = find(name)
-    script, rehearsal = mission_of(robot, mission), rehearsal_of(robot)
+    script, bench_setup = mission_of(robot, mission), bench_setup_of(robot)
     with scripted(robot, script, noise=script.noise) as rig:
         rig.run(from_seconds(script.duration_s))
         assert rig.guard.refused == 0, rig.guard.refusals
         speed = rig.samples.column("speed_mps")
-        top = next(channel.full(robot) for channel in rehearsal.channels if channel.name == "speed")
+        top = next(channel.full(robot) for channel in bench_setup.channels if channel.name == "speed")
         assert np.abs(speed).max() > MOVES * top
         assert np.abs(speed).max() <= 1.02 * top
         rig.world.stop(BRIDGE)

@@ -3,18 +3,18 @@
 from pathlib import Path
 
 from emulators.bench import mission as missions
-from emulators.bench.rehearsal import rehearsal_of
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.summary import Summary
-from emulators.run import Order, drive
-from firmware_bridge.kinds import find
+from emulators.run import RunOrder, drive
+from firmware_bridge.robot_types import find
 
 
 def driven(name: str, folder: Path) -> Summary:
     """Drive a mission and return its numbers."""
     robot = find("carrier")
-    rehearsal = rehearsal_of(robot)
-    mission = missions.find(name, robot, rehearsal)
-    return drive(Order(robot, rehearsal, name, mission, 0, folder), lambda _: None)
+    bench_setup = bench_setup_of(robot)
+    mission = missions.find(name, robot, bench_setup)
+    return drive(RunOrder(robot, bench_setup, name, mission, 0, folder), lambda _: None)
 
 
 def test_it_drives_the_line(tmp_path: Path) -> None:

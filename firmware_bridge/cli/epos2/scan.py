@@ -11,7 +11,14 @@ from firmware_bridge.cli.epos2.drive_options import JsonOption
 from firmware_bridge.cli.epos2.one_drive import OneDrive, one_drive
 from firmware_bridge.cli.node_numbers import listed, numbers
 from firmware_bridge.drivers.commissioning.can_access import CanAccess
-from firmware_bridge.drivers.commissioning.scan import HARDWARE, SERIAL_NUMBER, SOFTWARE, TIMEOUT, Found, Scan
+from firmware_bridge.drivers.commissioning.scan import (
+    HARDWARE,
+    SERIAL_NUMBER,
+    SOFTWARE,
+    TIMEOUT,
+    Scan,
+    ScannedNode,
+)
 from firmware_bridge.units import MILLISECOND, from_seconds
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
@@ -83,14 +90,14 @@ def _text(scan: Scan) -> str:
     return "\n".join([*lines, f"silent: {listed(scan.silent) or 'none'}"])
 
 
-def _row(found: Found) -> tuple[str, ...]:
+def _row(found: ScannedNode) -> tuple[str, ...]:
     network = " or ".join(each.title for each in found.network) or "unknown"
     if not found.answers:
         return (f"{found.node}", "received, does not answer", "-", "-", network, "-")
     return (f"{found.node}", _device(found), _version(found), _serial_number(found), network, _state(found))
 
 
-def _device(found: Found) -> str:
+def _device(found: ScannedNode) -> str:
     """Return the device's maker and type, as it reports them."""
     name, product, vendor = (found.value(one) for one in (at.DEVICE_NAME, at.PRODUCT_CODE, at.VENDOR_ID))
     known = type_of(product) if found.maxon and isinstance(product, int) else None
@@ -101,23 +108,23 @@ def _device(found: Found) -> str:
     return f"'{name or 'no name'}' {'of maxon' if found.maxon else maker}{kind}"
 
 
-def _version(found: Found) -> str:
+def _version(found: ScannedNode) -> str:
     if found.maxon:
         return f"software {_hex(found, SOFTWARE, 4)}, hardware {_hex(found, HARDWARE, 4)}"
     return f"revision {_hex(found, at.REVISION, 8)}"
 
 
-def _serial_number(found: Found) -> str:
+def _serial_number(found: ScannedNode) -> str:
     return _hex(found, SERIAL_NUMBER, 1) if found.maxon else _hex(found, at.SERIAL_NUMBER, 1)
 
 
-def _hex(found: Found, address: Address, digits: int) -> str:
+def _hex(found: ScannedNode, address: Address, digits: int) -> str:
     """Return a number as maxon prints it, in hexadecimal digits."""
     value = found.number(address)
     return "-" if value is None else f"0x{value:0{digits}X}"
 
 
-def _state(found: Found) -> str:
+def _state(found: ScannedNode) -> str:
     if found.number(at.STATUSWORD) is None:
         return "-"
     return "no state of a drive" if found.state is None else found.state.title

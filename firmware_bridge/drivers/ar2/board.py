@@ -44,7 +44,7 @@ class Question(NamedTuple):
 
 
 class Ar2Board:
-    """A `firmware_bridge.drivers.fleet.Link`."""
+    """A `firmware_bridge.drivers.fleet.DeviceLink`."""
 
     def __init__(self, name: str, table: Ar2Link) -> None:
         self.name = name

@@ -110,7 +110,7 @@ class Ar2Joint:
             position=self._position,
             velocity=self._velocity,
             text="" if power is Power.UNKNOWN else "counted" if self.enabled else "counted, not moved",
-            zero_lost=self.count is None,
+            reference_lost=self.count is None,
         )
 
     @property

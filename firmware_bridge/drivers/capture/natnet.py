@@ -35,7 +35,7 @@ _WHICH: Final = packet(MessageId.REQUEST_MODELDEF)
 
 
 class NatNetLink:
-    """A `firmware_bridge.drivers.fleet.Link`."""
+    """A `firmware_bridge.drivers.fleet.DeviceLink`."""
 
     def __init__(self, name: str, table: CaptureLink, bodies: Iterable[SeenBody]) -> None:
         self.name = name

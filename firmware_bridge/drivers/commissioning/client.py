@@ -26,7 +26,7 @@ class Ask:
 
 
 @dataclass(frozen=True, slots=True)
-class Pause:
+class Wait:
     """Let time pass."""
 
     duration: Nanoseconds
@@ -39,7 +39,7 @@ class Do:
     act: Callable[[], "Script"]
 
 
-Step: TypeAlias = Union[Ask, Pause, Do]  # noqa: UP007 - `Script` is a name yet to come
+Step: TypeAlias = Union[Ask, Wait, Do]  # noqa: UP007 - `Script` is a name yet to come
 Script: TypeAlias = tuple[Step, ...]
 Overhear: TypeAlias = Callable[[Packet], None]
 """A listener for every packet that arrives, from any sender."""
@@ -111,7 +111,7 @@ class JobClient:
                 case Ask(job):
                     self._requested = step
                     outbox += self._link.begin(job, now)
-                case Pause(duration):
+                case Wait(duration):
                     self._paused_until = now + duration
                 case Do(act):
                     self._rest = act() + self._rest

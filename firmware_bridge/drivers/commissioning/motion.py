@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-from firmware_bridge.wire.cia402 import Command, command_of
+from firmware_bridge.wire.cia402 import ControlwordCommand, command_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 
@@ -35,7 +35,7 @@ _RESTING: Final = frozenset({at.TARGET_VELOCITY, at.VELOCITY_MODE_SETTING})
 def why_it_may_move(address: Address, raw: bytes) -> str | None:
     """Return why writing this may set something in motion; None where it does not."""
     if address == at.CONTROLWORD:
-        enables = command_of(int.from_bytes(raw[:2], "little")) is Command.ENABLE_OPERATION
+        enables = command_of(int.from_bytes(raw[:2], "little")) is ControlwordCommand.ENABLE_OPERATION
         return "it enables operation, and may start a move" if enables else None
     if address in _RESTING and not any(raw):
         return None

@@ -7,7 +7,7 @@ A node in Stopped answers no SDO, so nothing is checked there.
 from functools import partial
 from typing import Final
 
-from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Do, Pause, Script, need
+from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Do, Script, Wait, need
 from firmware_bridge.drivers.commissioning.job import JobError, NetworkJob, Outcome, ReadJob, SilentError
 from firmware_bridge.drivers.commissioning.serial_access import OWN, SerialAccess
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
@@ -48,15 +48,15 @@ class NetworkCommand:
         if self.node == ALL_NODES or self.command is NmtCommand.STOP:
             return ()
         if self.command in _RESETS:
-            return (Pause(SETTLE), Ask(ReadJob(at.ERROR_REGISTER), self._back))
-        return (Pause(SETTLE), Ask(ReadJob(at.STATUSWORD), need(partial(self._look))))
+            return (Wait(SETTLE), Ask(ReadJob(at.ERROR_REGISTER), self._back))
+        return (Wait(SETTLE), Ask(ReadJob(at.STATUSWORD), need(partial(self._look))))
 
     def _back(self, outcome: Outcome) -> Script:
         self._time_left -= SETTLE
         if isinstance(outcome, SilentError):
             self._time_left -= outcome.waited
         if isinstance(outcome, JobError) and self._time_left > 0:
-            return (Pause(SETTLE), Ask(ReadJob(at.ERROR_REGISTER), self._back))
+            return (Wait(SETTLE), Ask(ReadJob(at.ERROR_REGISTER), self._back))
         if isinstance(outcome, JobError):
             raise outcome
         self.seen = True

@@ -5,7 +5,7 @@ from typing import Final
 from firmware_bridge.drivers.commissioning.client import Do, Script
 from firmware_bridge.drivers.commissioning.reading import Reading
 from firmware_bridge.wire.canopen import NmtState
-from firmware_bridge.wire.cia402 import Mode, State, Status, state_of
+from firmware_bridge.wire.cia402 import Mode, PowerState, Status, state_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 
@@ -55,7 +55,7 @@ class Overview:
         return self._standing, self._history
 
     @property
-    def state(self) -> State | None:
+    def state(self) -> PowerState | None:
         """The state of the power state machine; None where it was not read."""
         word = self._standing.value(at.STATUSWORD)
         return state_of(word) if isinstance(word, int) else None

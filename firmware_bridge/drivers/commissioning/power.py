@@ -11,16 +11,16 @@ from enum import Enum
 from functools import partial
 from typing import Final
 
-from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Pause, Script, need
+from firmware_bridge.drivers.commissioning.client import Ask, CommissioningError, Script, Wait, need
 from firmware_bridge.drivers.commissioning.job import ReadJob, WriteJob
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.cia402 import (
     FAULT_RESET_WORDS,
     PASSING,
     TOWARDS,
-    Command,
-    Control,
-    State,
+    ControlwordBit,
+    ControlwordCommand,
+    PowerState,
     state_of,
     word_of,
 )
@@ -30,18 +30,18 @@ LOOK_EVERY: Final[Nanoseconds] = 10 * MILLISECOND
 LOOKS: Final = 500
 """So many looks, 5 s, as maxon's command library does."""
 
-ENABLE_WITH_HALT: Final = word_of(Command.ENABLE_OPERATION) | Control.HALT
-_WORDS: Final[Mapping[Command, int]] = {
+ENABLE_WITH_HALT: Final = word_of(ControlwordCommand.ENABLE_OPERATION) | ControlwordBit.HALT
+_WORDS: Final[Mapping[ControlwordCommand, int]] = {
     # Enabling while only ready switches on first: transition 3, then 4.
-    Command.DISABLE_OPERATION: ENABLE_WITH_HALT,
-    Command.ENABLE_OPERATION: ENABLE_WITH_HALT,
+    ControlwordCommand.DISABLE_OPERATION: ENABLE_WITH_HALT,
+    ControlwordCommand.ENABLE_OPERATION: ENABLE_WITH_HALT,
 }
 """Controlwords that are not the plainest ones of their commands."""
 _HINTS: Final = {
-    State.FAULT: "read `state` for the cause, then `state reset-fault`",
-    State.QUICK_STOP_ACTIVE: "`state disable` first",
+    PowerState.FAULT: "read `state` for the cause, then `state reset-fault`",
+    PowerState.QUICK_STOP_ACTIVE: "`state disable` first",
 }
-_OFF: Final = frozenset({State.SWITCH_ON_DISABLED, State.FAULT})
+_OFF: Final = frozenset({PowerState.SWITCH_ON_DISABLED, PowerState.FAULT})
 
 
 class Wanted(Enum):
@@ -58,8 +58,8 @@ class Wanted(Enum):
 class Procedure:
     """Procedure for a state: the Controlwords to write in each state, and the states in which it is done."""
 
-    words: Mapping[State, tuple[int, ...]]
-    done: frozenset[State]
+    words: Mapping[PowerState, tuple[int, ...]]
+    done: frozenset[PowerState]
     leaves: str
     """State in which it leaves the drive."""
     at_once: int | None = None
@@ -67,38 +67,38 @@ class Procedure:
     may_move: bool = False
 
 
-def _words_towards(wanted: State) -> Mapping[State, tuple[int, ...]]:
+def _words_towards(wanted: PowerState) -> Mapping[PowerState, tuple[int, ...]]:
     return {state: (_WORDS.get(command, word_of(command)),) for state, command in TOWARDS[wanted].items()}
 
 
 PROCEDURES: Final[Mapping[Wanted, Procedure]] = {
     Wanted.ENABLE: Procedure(
-        _words_towards(State.OPERATION_ENABLED),
-        frozenset({State.OPERATION_ENABLED}),
+        _words_towards(PowerState.OPERATION_ENABLED),
+        frozenset({PowerState.OPERATION_ENABLED}),
         "the power stage is on and stays on when this program ends; halt is set where this command "
         "enabled it; `state disable` switches it off",
         may_move=True,
     ),
     Wanted.SHUTDOWN: Procedure(
-        _words_towards(State.READY_TO_SWITCH_ON),
-        frozenset({State.READY_TO_SWITCH_ON}),
+        _words_towards(PowerState.READY_TO_SWITCH_ON),
+        frozenset({PowerState.READY_TO_SWITCH_ON}),
         "the power stage is off; what turned is slowed down or runs out, by 0x605B",
     ),
     Wanted.QUICK_STOP: Procedure(
         {},
-        frozenset({State.QUICK_STOP_ACTIVE}) | _OFF,
+        frozenset({PowerState.QUICK_STOP_ACTIVE}) | _OFF,
         "an enabled drive ramps down with 0x6085 and then holds with power; `state disable` switches it off",
-        at_once=word_of(Command.QUICK_STOP),
+        at_once=word_of(ControlwordCommand.QUICK_STOP),
     ),
     Wanted.DISABLE: Procedure(
         {},
         _OFF,
         "the power stage is off; a motor that turned runs out, and only a brake holds a load",
-        at_once=word_of(Command.DISABLE_VOLTAGE),
+        at_once=word_of(ControlwordCommand.DISABLE_VOLTAGE),
     ),
     Wanted.RESET_FAULT: Procedure(
-        {State.FAULT: FAULT_RESET_WORDS},
-        frozenset(State) - PASSING - {State.FAULT},
+        {PowerState.FAULT: FAULT_RESET_WORDS},
+        frozenset(PowerState) - PASSING - {PowerState.FAULT},
         "the power stage is as it was, off after a fault; the error history is kept, "
         "`write number-of-errors 0` clears it",
     ),
@@ -112,7 +112,7 @@ class PowerCommand:
         self.wanted: Final = wanted
         self.procedure: Final = PROCEDURES[wanted]
         self._looks_left = LOOKS
-        self._written_in: State | None = None
+        self._written_in: PowerState | None = None
 
     def script(self) -> Script:
         """Write what has to be written, and look until the drive is where it is wanted."""
@@ -142,13 +142,13 @@ class PowerCommand:
         if self._looks_left == 0:
             waited = to_seconds(LOOKS * LOOK_EVERY)
             raise CommissioningError(f"{self._stuck(state)} within {waited:g} s; {self._cause(state)}")
-        return (Pause(LOOK_EVERY), *self._looks())
+        return (Wait(LOOK_EVERY), *self._looks())
 
-    def _stuck(self, state: State) -> str:
+    def _stuck(self, state: PowerState) -> str:
         return f"'{self.wanted.value}' does not lead out of the state '{state.title}'"
 
-    def _cause(self, state: State) -> str:
-        if state is State.FAULT:
+    def _cause(self, state: PowerState) -> str:
+        if state is PowerState.FAULT:
             return "the cause of the fault still stands, see `state`; some need `nmt reset-node`"
         return "see `state`; a second controller may write the controlword, too"
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Final
 
-from firmware_bridge.drivers.commissioning.client import Ask, Do, Pause, Script
+from firmware_bridge.drivers.commissioning.client import Ask, Do, Script, Wait
 from firmware_bridge.drivers.commissioning.job import JobError, Outcome, ReadJob
 from firmware_bridge.drivers.commissioning.values import decode
 from firmware_bridge.drivers.commissioning.words import BY_MODE, mode_of
@@ -50,7 +50,7 @@ class Reading:
         now = {address: str(outcome) for address, outcome in self.found.items()}
         if now != before:
             changed()
-        return (Pause(period), Do(partial(self._round, period, changed, now)))
+        return (Wait(period), Do(partial(self._round, period, changed, now)))
 
     def _keep(self, address: Address, outcome: Outcome) -> Script:
         if isinstance(outcome, JobError) and outcome.unheard:

@@ -10,7 +10,7 @@ from functools import partial
 from typing import Final, TypeAlias
 
 from firmware_bridge.drivers.commissioning.can_access import CanAccess
-from firmware_bridge.drivers.commissioning.client import Ask, Do, Pause, Script, need
+from firmware_bridge.drivers.commissioning.client import Ask, Do, Script, Wait, need
 from firmware_bridge.drivers.commissioning.job import JobError, Outcome, ReadJob
 from firmware_bridge.drivers.commissioning.network_command import SDO_SERVER
 from firmware_bridge.drivers.commissioning.overview import network_states
@@ -21,7 +21,7 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.canopen import NODE_MASK, NmtState
-from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.cia402 import PowerState, state_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.hardware import MAXON
@@ -36,7 +36,7 @@ SERIAL_NUMBER: Final = Address(0x2004)
 _PROFILE_MASK: Final = 0xFFFF
 
 
-class Found:
+class ScannedNode:
     """The answers of one node."""
 
     def __init__(self, node: int, *, alone: bool) -> None:
@@ -75,7 +75,7 @@ class Found:
         return None if kind is None else kind & _PROFILE_MASK
 
     @property
-    def state(self) -> State | None:
+    def state(self) -> PowerState | None:
         """State of a drive's power state machine; None where no Statusword gives one."""
         word = self.number(at.STATUSWORD)
         return None if word is None else state_of(word)
@@ -94,7 +94,7 @@ class Found:
         return next((address for address in wanted if address not in self.outcomes), None)
 
 
-_Of: TypeAlias = Callable[[Found], bool]
+_Of: TypeAlias = Callable[[ScannedNode], bool]
 _QUESTIONS: Final[tuple[tuple[_Of, tuple[Address, ...]], ...]] = (
     (
         lambda _found: True,
@@ -117,10 +117,10 @@ class Scan:
         self._link = link
         self._nodes = tuple(nodes)
         self._listen = listen
-        self._found: dict[int, Found] = {}
+        self._found: dict[int, ScannedNode] = {}
 
     @property
-    def found(self) -> tuple[Found, ...]:
+    def found(self) -> tuple[ScannedNode, ...]:
         """The nodes that have answered or were received, by number."""
         return tuple(found for _, found in sorted(self._found.items()))
 
@@ -134,7 +134,7 @@ class Scan:
         if isinstance(self._link, SerialAccess):
             self._link.node = OWN
             return (Ask(ReadJob(SDO_SERVER), need(self._begin)),)
-        listening = (Pause(self._listen),) if self._listen else ()
+        listening = (Wait(self._listen),) if self._listen else ()
         return (*listening, *self._all(self._nodes))
 
     def overhear(self, packet: Packet) -> None:
@@ -170,5 +170,5 @@ class Scan:
             () if following is None else (Ask(ReadJob(following), partial(self._on_answer, node, following)),)
         )
 
-    def _of(self, node: int) -> Found:
-        return self._found.setdefault(node, Found(node, alone=node == self.own))
+    def _of(self, node: int) -> ScannedNode:
+        return self._found.setdefault(node, ScannedNode(node, alone=node == self.own))

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final, TypeAlias
 
-from firmware_bridge.wire.cia402 import Control, Mode, Status, command_of, state_of
+from firmware_bridge.wire.cia402 import ControlwordBit, Mode, Status, command_of, state_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES, NO_ERROR, RegisterBit
@@ -35,12 +35,12 @@ _BIT_13: Final = {
 }
 _CONTROL: Final[Mapping[Mode, Mapping[int, str]]] = {
     Mode.PROFILE_POSITION: {
-        Control.NEW_SETPOINT: "new set-point",
-        Control.CHANGE_IMMEDIATELY: "change immediately",
-        Control.RELATIVE: "relative",
+        ControlwordBit.NEW_SETPOINT: "new set-point",
+        ControlwordBit.CHANGE_IMMEDIATELY: "change immediately",
+        ControlwordBit.RELATIVE: "relative",
     },
-    Mode.HOMING: {Control.NEW_SETPOINT: "start homing"},
-    Mode.INTERPOLATED_POSITION: {Control.NEW_SETPOINT: "enable interpolation"},
+    Mode.HOMING: {ControlwordBit.NEW_SETPOINT: "start homing"},
+    Mode.INTERPOLATED_POSITION: {ControlwordBit.NEW_SETPOINT: "enable interpolation"},
 }
 _REGISTER: Final = {
     RegisterBit.GENERIC: "generic",
@@ -80,9 +80,9 @@ def _statusword(value: int, mode: Mode | None) -> Words:
 
 def _controlword(value: int, mode: Mode | None) -> Words:
     decoded = [command_of(value).value]
-    if value & Control.FAULT_RESET:
+    if value & ControlwordBit.FAULT_RESET:
         decoded.append("fault reset")
-    if value & Control.HALT:
+    if value & ControlwordBit.HALT:
         decoded.append("halt")
     by_mode = {} if mode is None else _CONTROL.get(mode, {})
     return (*decoded, *(text for bit, text in by_mode.items() if value & bit))

@@ -6,9 +6,9 @@ from typing import Final, Generic, TypeVar
 from firmware_bridge.drivers.driver import Feedback, Reports, StartupError
 from firmware_bridge.drivers.epos2.feedback import REPORTS, DriveFeedback
 from firmware_bridge.drivers.epos2.set_point import set_point
-from firmware_bridge.drivers.epos2.setup import Row
+from firmware_bridge.drivers.epos2.setup import SetupObject
 from firmware_bridge.drivers.epos2.task_runner import TaskRunner
-from firmware_bridge.drivers.script_runner import Client, Script, ScriptRunner
+from firmware_bridge.drivers.script_runner import ObjectClient, Script, ScriptRunner
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
 
@@ -24,8 +24,8 @@ class Epos2Drive(Generic[F]):
         self,
         axis: Axis,
         feedback: F,
-        client: Client,
-        rows: tuple[Row, ...],
+        client: ObjectClient,
+        rows: tuple[SetupObject, ...],
         *,
         started: Callable[[], Script] = tuple,
     ) -> None:

@@ -12,29 +12,33 @@ from firmware_bridge.drivers.epos2.scale import Scale, wrapped
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds, to_seconds
-from firmware_bridge.wire.cia402 import State, Status, state_of
+from firmware_bridge.wire.cia402 import PowerState, Status, state_of
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 
 REPORTS: Final = frozenset(Reports)
 """An EPOS2 has all reports that there are."""
 POWERED: Final = (
-    State.REFRESH,
-    State.MEASURE_INIT,
-    State.OPERATION_ENABLED,
-    State.QUICK_STOP_ACTIVE,
-    State.FAULT_REACTION_ENABLED,
+    PowerState.REFRESH,
+    PowerState.MEASURE_INIT,
+    PowerState.OPERATION_ENABLED,
+    PowerState.QUICK_STOP_ACTIVE,
+    PowerState.FAULT_REACTION_ENABLED,
 )
 """States in which the motor may have torque."""
-FAULT_STATES: Final = (State.FAULT, State.FAULT_REACTION_DISABLED, State.FAULT_REACTION_ENABLED)
+FAULT_STATES: Final = (
+    PowerState.FAULT,
+    PowerState.FAULT_REACTION_DISABLED,
+    PowerState.FAULT_REACTION_ENABLED,
+)
 _POWERS: Final = {
-    **dict.fromkeys(State, Power.OFF),
-    State.OPERATION_ENABLED: Power.ON,
-    State.QUICK_STOP_ACTIVE: Power.STOPPED,
+    **dict.fromkeys(PowerState, Power.OFF),
+    PowerState.OPERATION_ENABLED: Power.ON,
+    PowerState.QUICK_STOP_ACTIVE: Power.STOPPED,
     **dict.fromkeys(FAULT_STATES, Power.FAULT),
 }
-_SHOWN: Final[Mapping[State | None, tuple[Power, str]]] = {
+_SHOWN: Final[Mapping[PowerState | None, tuple[Power, str]]] = {
     None: (Power.UNKNOWN, ""),
-    **{state: (_POWERS[state], state.title) for state in State},
+    **{state: (_POWERS[state], state.title) for state in PowerState},
 }
 """Power and text of each state."""
 MILLIAMPERES: Final = 1000.0
@@ -55,7 +59,7 @@ class DriveFeedback:
     def __init__(self, axis: Axis) -> None:
         self._axis: Final = axis.name
         self._scale: Final = Scale.of(axis)
-        self.state: State | None = None
+        self.state: PowerState | None = None
         """None while it is unknown, or the drive does not listen to set-points."""
         self.statusword = 0
         self.operational = False
@@ -82,14 +86,14 @@ class DriveFeedback:
         self.unpowered = False
         """True where the newest Statusword has a state without torque; False again after a power request."""
 
-        self.zero_lost = False
+        self.reference_lost = False
         """True where a Statusword has reported this, or it restarted, since it was referenced."""
         self.zeroing = False
         """True while its counter is being set: a difference between two samples then is no motion."""
         self.seeking = False
         """True while it moves for homing; its counter is set when it reports homing attained."""
 
-    def on_statusword(self, statusword: int) -> State | None:
+    def on_statusword(self, statusword: int) -> PowerState | None:
         """Take a Statusword from any link, whether the drive receives set-points or not.
 
         Return its state.
@@ -98,7 +102,7 @@ class DriveFeedback:
         """
         self.statusword = statusword
         if not statusword & _REFERENCED:
-            self.zero_lost = True
+            self.reference_lost = True
         if self.seeking and statusword & _ATTAINED:
             self.zeroing = True
         state = state_of(statusword)
@@ -120,18 +124,18 @@ class DriveFeedback:
 
     def restart(self) -> None:
         """Learn that it has restarted: set-up and zero are lost, and its counter begins again."""
-        self.restarted = self.zero_lost = True
+        self.restarted = self.reference_lost = True
         self.expected = False
         self.forget_motion()
 
     def lose_zero(self) -> None:
         """Learn that no one knows whether its counter was set already: what was to set it has ended."""
-        self.zero_lost, self.zeroing, self.seeking = True, False, False
+        self.reference_lost, self.zeroing, self.seeking = True, False, False
         self.forget_motion()
 
     def zero_set(self, counter: int) -> None:
         """Count from the zero that was just set; that is what the drive's counter shows by it."""
-        self.zero_lost = self.zeroing = self.seeking = False
+        self.reference_lost = self.zeroing = self.seeking = False
         self.position_qc = counter
         self.forget_motion()
 
@@ -150,6 +154,6 @@ class DriveFeedback:
             current_at=self.current_at,
             fault=in_words(fault) if fault else "",
             text=text,
-            zero_lost=self.zero_lost,
+            reference_lost=self.reference_lost,
             rewritten=self.rewritten,
         )

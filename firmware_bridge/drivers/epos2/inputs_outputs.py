@@ -38,7 +38,7 @@ class ObjectRequest:
         self.over, self.outcome, self.ended_at = True, outcome, now
 
 
-class Drive(Protocol):
+class IoDrive(Protocol):
     """The view of a drive for its inputs and outputs."""
 
     @property
@@ -64,7 +64,7 @@ class Drive(Protocol):
 class AnalogueInput:
     """A sensor behind an analogue input (0x207C, EDS); a `firmware_bridge.drivers.driver.SensorDriver`."""
 
-    def __init__(self, sensor: Sensor, drive: Drive) -> None:
+    def __init__(self, sensor: Sensor, drive: IoDrive) -> None:
         self.sensor: Final = sensor
         self._drive: Final = drive
         self._address: Final = Address(at.ANALOGUE_INPUT_1.index, sensor.analogue.input)
@@ -106,7 +106,7 @@ class DigitalOutputs:
     Leaving, the bridge does not touch them: whether a magnet or a lamp goes out then is for the robot.
     """
 
-    def __init__(self, outputs: tuple[Output, ...], drive: Drive) -> None:
+    def __init__(self, outputs: tuple[Output, ...], drive: IoDrive) -> None:
         self.outputs: Final = outputs
         self._drive: Final = drive
         self._bits: Final = {output.name: general_purpose(output.settings.output).bit for output in outputs}
@@ -145,7 +145,7 @@ class DigitalOutputs:
         self._confirmed = _STATE.decode(raw) if taken and raw is not None else None
 
 
-def inputs_of(robot: AnyRobot, link: str, drives: Iterable[Drive]) -> tuple[AnalogueInput, ...]:
+def inputs_of(robot: AnyRobot, link: str, drives: Iterable[IoDrive]) -> tuple[AnalogueInput, ...]:
     """Return the sensors on a link, in the robot file's order."""
     by_axis = {drive.axis.name: drive for drive in drives}
     return tuple(
@@ -155,7 +155,7 @@ def inputs_of(robot: AnyRobot, link: str, drives: Iterable[Drive]) -> tuple[Anal
     )
 
 
-def outputs_of(robot: AnyRobot, drives: Iterable[Drive]) -> tuple[DigitalOutputs, ...]:
+def outputs_of(robot: AnyRobot, drives: Iterable[IoDrive]) -> tuple[DigitalOutputs, ...]:
     """Return the outputs of these drives, a group for each drive that has any."""
     return tuple(
         DigitalOutputs(outputs, drive) for drive in drives if (outputs := outputs_at(robot, drive.axis))

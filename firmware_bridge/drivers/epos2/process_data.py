@@ -7,7 +7,7 @@ Statusword, position and current, all sampled at that SYNC. The other PDOs are o
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.robot import Command
+from firmware_bridge.robot import CommandForm
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.rows import DataType
@@ -17,8 +17,12 @@ SYNCHRONOUS: Final = 1
 ON_CHANGE: Final = 255
 
 SET_POINT: Final = {
-    Command.SPEED: Layout((at.CONTROLWORD, DataType.UNSIGNED16), (at.TARGET_VELOCITY, DataType.INTEGER32)),
-    Command.POSITION: Layout((at.CONTROLWORD, DataType.UNSIGNED16), (at.TARGET_POSITION, DataType.INTEGER32)),
+    CommandForm.SPEED: Layout(
+        (at.CONTROLWORD, DataType.UNSIGNED16), (at.TARGET_VELOCITY, DataType.INTEGER32)
+    ),
+    CommandForm.POSITION: Layout(
+        (at.CONTROLWORD, DataType.UNSIGNED16), (at.TARGET_POSITION, DataType.INTEGER32)
+    ),
 }
 STATUS: Final = Layout((at.STATUSWORD, DataType.UNSIGNED16))
 SAMPLE: Final = Layout(
@@ -27,7 +31,10 @@ SAMPLE: Final = Layout(
     (at.CURRENT_AVERAGED, DataType.INTEGER16),
 )
 
-SET_POINT_COB_ID: Final = {Command.SPEED: canopen.RECEIVE_PDO[3], Command.POSITION: canopen.RECEIVE_PDO[2]}
+SET_POINT_COB_ID: Final = {
+    CommandForm.SPEED: canopen.RECEIVE_PDO[3],
+    CommandForm.POSITION: canopen.RECEIVE_PDO[2],
+}
 """Add the node's number."""
 STATUS_COB_ID: Final = canopen.TRANSMIT_PDO[0]
 SAMPLE_COB_ID: Final = canopen.TRANSMIT_PDO[1]
@@ -55,7 +62,7 @@ class Pdo:
         return flags | (self.cob_id + node)
 
 
-def pdos(command: Command) -> tuple[Pdo, ...]:
+def pdos(command: CommandForm) -> tuple[Pdo, ...]:
     """Return the eight PDOs of a drive that is commanded like this."""
     received = {SET_POINT_COB_ID[command]: SET_POINT[command]}
     sent = {STATUS_COB_ID: STATUS, SAMPLE_COB_ID: SAMPLE}

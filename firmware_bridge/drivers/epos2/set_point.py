@@ -13,21 +13,21 @@ from firmware_bridge.drivers.epos2.feedback import DriveFeedback
 from firmware_bridge.drivers.epos2.process_data import SET_POINT, SET_POINT_COB_ID
 from firmware_bridge.drivers.epos2.scale import WHOLE_COUNTER, Scale, highest_rpm, travel_of, wrapped
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Axis, Command
+from firmware_bridge.robot import Axis, CommandForm
 from firmware_bridge.wire import cia402
-from firmware_bridge.wire.cia402 import Control, State, word_of
+from firmware_bridge.wire.cia402 import ControlwordBit, PowerState, word_of
 
-DISABLE_VOLTAGE: Final = word_of(cia402.Command.DISABLE_VOLTAGE)
-SHUTDOWN: Final = word_of(cia402.Command.SHUTDOWN)
-ENABLE: Final = word_of(cia402.Command.ENABLE_OPERATION)
-HALT: Final = int(ENABLE | Control.HALT)
-NEW_POSITION: Final = int(ENABLE | Control.NEW_SETPOINT | Control.CHANGE_IMMEDIATELY)
-QUICK_STOP: Final = int(ENABLE & ~Control.NO_QUICK_STOP)
+DISABLE_VOLTAGE: Final = word_of(cia402.ControlwordCommand.DISABLE_VOLTAGE)
+SHUTDOWN: Final = word_of(cia402.ControlwordCommand.SHUTDOWN)
+ENABLE: Final = word_of(cia402.ControlwordCommand.ENABLE_OPERATION)
+HALT: Final = int(ENABLE | ControlwordBit.HALT)
+NEW_POSITION: Final = int(ENABLE | ControlwordBit.NEW_SETPOINT | ControlwordBit.CHANGE_IMMEDIATELY)
+QUICK_STOP: Final = int(ENABLE & ~ControlwordBit.NO_QUICK_STOP)
 """0x000B, quick stop. Without power it commands no motion: it is the Controlword for a disabled drive."""
-FAULT_RESET: Final = int(Control.FAULT_RESET)
+FAULT_RESET: Final = int(ControlwordBit.FAULT_RESET)
 
-_SPEED: Final = SET_POINT[Command.SPEED]
-_POSITION: Final = SET_POINT[Command.POSITION]
+_SPEED: Final = SET_POINT[CommandForm.SPEED]
+_POSITION: Final = SET_POINT[CommandForm.POSITION]
 
 SMALLEST_MOVE_QC: Final = 2
 """A target that changed by less is not sent again: it is the rounding of the kinematics."""
@@ -48,7 +48,7 @@ class SetPoint(Protocol):
 
 def set_point(axis: Axis, feedback: DriveFeedback) -> SetPoint:
     """Return the kind of set-point that the axis's command needs."""
-    if axis.command is Command.SPEED:
+    if axis.command is CommandForm.SPEED:
         return VelocitySetPoint(axis, feedback)
     return PositionSetPoint(axis, feedback)
 
@@ -58,7 +58,7 @@ class VelocitySetPoint:
 
     def __init__(self, axis: Axis, feedback: DriveFeedback) -> None:
         self._link = axis.link
-        self._cob_id = SET_POINT_COB_ID[Command.SPEED] + axis.epos2.node
+        self._cob_id = SET_POINT_COB_ID[CommandForm.SPEED] + axis.epos2.node
         self._feedback = feedback
         self._scale = Scale.of(axis)
         self._highest_rpm = highest_rpm(axis)
@@ -71,7 +71,7 @@ class VelocitySetPoint:
         """Return the frame for a demand; a position, or what is no finite speed, counts as rest."""
         if demand is Stop.POWER_OFF:
             return self._frame(DISABLE_VOLTAGE, 0)
-        if demand is Stop.QUICK_STOP or self._feedback.state is not State.OPERATION_ENABLED:
+        if demand is Stop.QUICK_STOP or self._feedback.state is not PowerState.OPERATION_ENABLED:
             return self._frame(QUICK_STOP, 0)
         if isinstance(demand, Speed) and math.isfinite(demand.value):
             rpm = self._scale.rpm(demand.value)
@@ -93,7 +93,7 @@ class PositionSetPoint:
 
     def __init__(self, axis: Axis, feedback: DriveFeedback) -> None:
         self._link = axis.link
-        self._cob_id = SET_POINT_COB_ID[Command.POSITION] + axis.epos2.node
+        self._cob_id = SET_POINT_COB_ID[CommandForm.POSITION] + axis.epos2.node
         self._feedback = feedback
         self._scale = Scale.of(axis)
         self._travel = travel_of(axis) or WHOLE_COUNTER
@@ -137,7 +137,7 @@ class PositionSetPoint:
         return self._frame(NEW_POSITION)
 
     def _stopped(self) -> bool:
-        return self._feedback.state is not State.OPERATION_ENABLED
+        return self._feedback.state is not PowerState.OPERATION_ENABLED
 
     def _frame(self, controlword: int) -> Packet:
         self._bit_is_set = controlword == NEW_POSITION

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 
 from firmware_bridge.drivers.epos2.process_data import Pdo, pdos
 from firmware_bridge.drivers.epos2.scale import Travel, travel_of
-from firmware_bridge.robot import Axis, Command, Output
+from firmware_bridge.robot import Axis, CommandForm, Output
 from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.wire import cia402
 from firmware_bridge.wire.epos2 import address as at
@@ -32,14 +32,14 @@ QUICK_STOP_ON_FAULT: Final = 2
 TRAPEZOID: Final = 0
 INHIBIT_100US: Final = 10
 MODE: Final = {
-    Command.SPEED: cia402.Mode.PROFILE_VELOCITY,
-    Command.POSITION: cia402.Mode.PROFILE_POSITION,
+    CommandForm.SPEED: cia402.Mode.PROFILE_VELOCITY,
+    CommandForm.POSITION: cia402.Mode.PROFILE_POSITION,
 }
 _MAPPING_SOURCE: Final = f"{FIRMWARE_SPECIFICATION}; {CIA_301}"
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class SetupObject:
     """One object: the value that it must have, or is given, and why."""
 
     address: Address
@@ -105,12 +105,12 @@ def through_gateway(axis: Axis, link: Epos2Link, nodes: Sequence[int]) -> Traffi
     return Traffic(off, link.watched_by(axis.epos2.node, nodes), 0)
 
 
-def identity(axis: Axis) -> tuple[Row, ...]:
+def identity(axis: Axis) -> tuple[SetupObject, ...]:
     """Return what the drive must answer before anything is written to it."""
     return (
-        Row(at.DEVICE_TYPE, U32, SERVO_DRIVE, "device type", "a CiA 402 servo drive answers"),
-        Row(at.VENDOR_ID, U32, MAXON, "vendor", "the objects below are maxon's"),
-        Row(
+        SetupObject(at.DEVICE_TYPE, U32, SERVO_DRIVE, "device type", "a CiA 402 servo drive answers"),
+        SetupObject(at.VENDOR_ID, U32, MAXON, "vendor", "the objects below are maxon's"),
+        SetupObject(
             at.PRODUCT_CODE,
             U32,
             axis.epos2.product_code,
@@ -123,7 +123,7 @@ def identity(axis: Axis) -> tuple[Row, ...]:
 
 def configuration(
     axis: Axis, link: Epos2Link, outputs: Sequence[Output] = (), traffic: Traffic | None = None
-) -> tuple[Row, ...]:
+) -> tuple[SetupObject, ...]:
     """Return what is written in pre-operational, with the power stage off, in this order.
 
     An axis without `travel` leaves the drive's position limits alone. `outputs` are those at this drive.
@@ -138,7 +138,7 @@ def configuration(
     )
 
 
-def commissioned(axis: Axis) -> tuple[Row, ...]:
+def commissioned(axis: Axis) -> tuple[SetupObject, ...]:
     """Return what belongs to motor and mechanics: what who commissions the axis saves in its drive, too."""
     travel = travel_of(axis)
     return (
@@ -149,14 +149,16 @@ def commissioned(axis: Axis) -> tuple[Row, ...]:
     )
 
 
-def farewell() -> tuple[Row, ...]:
+def farewell() -> tuple[SetupObject, ...]:
     """Return what is written before the bridge leaves for good."""
     return (
-        Row(at.CONSUMER_HEARTBEAT_1, U32, 0, "heartbeat consumer", "the bridge's silence is no fault now"),
+        SetupObject(
+            at.CONSUMER_HEARTBEAT_1, U32, 0, "heartbeat consumer", "the bridge's silence is no fault now"
+        ),
     )
 
 
-def _process_data(pdo: Pdo, node: int) -> Iterator[Row]:
+def _process_data(pdo: Pdo, node: int) -> Iterator[SetupObject]:
     """Give the procedure of a mapping: invalid, empty, entries, how many, how sent, valid."""
     title = f"PDO 0x{pdo.communication:04X}"
     cob_id = Address(pdo.communication, 1)
@@ -164,45 +166,55 @@ def _process_data(pdo: Pdo, node: int) -> Iterator[Row]:
     off = pdo.cob_id_entry(node, valid=False)
     on = pdo.cob_id_entry(node, valid=True)
     if pdo.layout is None:
-        yield Row(cob_id, U32, off, f"{title} COB-ID", "not used", read_back=True)
+        yield SetupObject(cob_id, U32, off, f"{title} COB-ID", "not used", read_back=True)
         return
-    yield Row(cob_id, U32, off, f"{title} COB-ID", "a mapping changes only while it is off", _MAPPING_SOURCE)
-    yield Row(count, U8, 0, f"{title} entries", "a mapping changes only while it is empty", _MAPPING_SOURCE)
+    yield SetupObject(
+        cob_id, U32, off, f"{title} COB-ID", "a mapping changes only while it is off", _MAPPING_SOURCE
+    )
+    yield SetupObject(
+        count, U8, 0, f"{title} entries", "a mapping changes only while it is empty", _MAPPING_SOURCE
+    )
     entries = pdo.layout.entries()
     for number, entry in enumerate(entries, 1):
         where = Address(pdo.mapping, number)
-        yield Row(where, U32, entry.encode(), f"{title} entry {number}", f"carries {entry.address}")
-    yield Row(count, U8, len(entries), f"{title} entries", "the drive checks length and objects now")
+        yield SetupObject(where, U32, entry.encode(), f"{title} entry {number}", f"carries {entry.address}")
+    yield SetupObject(count, U8, len(entries), f"{title} entries", "the drive checks length and objects now")
     kind = Address(pdo.communication, 2)
-    yield Row(kind, U8, pdo.transmission, f"{title} type", "1 with each SYNC, 255 on change")
+    yield SetupObject(kind, U8, pdo.transmission, f"{title} type", "1 with each SYNC, 255 on change")
     if pdo.transmits:
         inhibit = Address(pdo.communication, 3)
         why = "a chattering statusword must not fill the bus; unit 100 us"
-        yield Row(inhibit, U16, INHIBIT_100US, f"{title} inhibit time", why)
-    yield Row(cob_id, U32, on, f"{title} COB-ID", "on", _MAPPING_SOURCE, read_back=True)
+        yield SetupObject(inhibit, U16, INHIBIT_100US, f"{title} inhibit time", why)
+    yield SetupObject(cob_id, U32, on, f"{title} COB-ID", "on", _MAPPING_SOURCE, read_back=True)
 
 
-def _supervision(link: Epos2Link, flows: Traffic) -> Iterator[Row]:
+def _supervision(link: Epos2Link, flows: Traffic) -> Iterator[SetupObject]:
     watch = flows.watched << 16 | link.bridge_silent_ms
     why = "the bridge sees that the drive lives; without, it answers node guarding"
-    yield Row(at.PRODUCER_HEARTBEAT, U16, flows.heartbeat_ms, "heartbeat producer", why, APPLICATION_NOTES)
+    yield SetupObject(
+        at.PRODUCER_HEARTBEAT, U16, flows.heartbeat_ms, "heartbeat producer", why, APPLICATION_NOTES
+    )
     why = "a dead bridge stops the drive"
-    yield Row(
+    yield SetupObject(
         at.CONSUMER_HEARTBEAT_1, U32, watch, "heartbeat consumer", why, APPLICATION_NOTES, read_back=True
     )
     why = "a dead bridge means a quick stop, not a coasting motor"
     reaction = QUICK_STOP_ON_LOST_CONNECTION
-    yield Row(at.ABORT_CONNECTION_OPTION, I16, reaction, "abort connection option", why, read_back=True)
+    yield SetupObject(
+        at.ABORT_CONNECTION_OPTION, I16, reaction, "abort connection option", why, read_back=True
+    )
     why = "a fault ends in a quick stop"
-    yield Row(
+    yield SetupObject(
         at.FAULT_REACTION_OPTION, I16, QUICK_STOP_ON_FAULT, "fault reaction option", why, read_back=True
     )
 
 
-def _protection(axis: Axis) -> Iterator[Row]:
+def _protection(axis: Axis) -> Iterator[SetupObject]:
     motor, profile = axis.epos2, axis.epos2.profile
     protects = "protects the motor and people near it"
-    yield Row(at.MOTOR_TYPE, U16, motor.motor_type, "motor type", "how the winding is driven", read_back=True)
+    yield SetupObject(
+        at.MOTOR_TYPE, U16, motor.motor_type, "motor type", "how the winding is driven", read_back=True
+    )
     for address, kind, value, name, why in (
         (at.ENCODER_PULSES, U32, motor.encoder_lines, "encoder lines", "every position is counted in them"),
         (at.CONTINUOUS_CURRENT_LIMIT, U16, motor.continuous_current_ma, "continuous current limit", protects),
@@ -212,32 +224,32 @@ def _protection(axis: Axis) -> Iterator[Row]:
         (at.MAX_PROFILE_VELOCITY, U32, profile.max_velocity_rpm, "profile velocity limit", protects),
         (at.MAX_FOLLOWING_ERROR, U32, profile.max_following_error_qc, "following error limit", protects),
     ):
-        yield Row(address, kind, value, name, why, read_back=True)
+        yield SetupObject(address, kind, value, name, why, read_back=True)
 
 
-def _range(travel: Travel, margin_qc: int) -> Iterator[Row]:
+def _range(travel: Travel, margin_qc: int) -> Iterator[SetupObject]:
     # The drive judges the actual position, too: without the margin an overshoot at the end would be a fault.
     why = "no target beyond the mechanics; the margin is the following error, within which all is well"
     low, high = travel.low_qc - margin_qc, travel.high_qc + margin_qc
-    yield Row(at.MIN_POSITION_LIMIT, I32, low, "lower position limit", why, read_back=True)
-    yield Row(at.MAX_POSITION_LIMIT, I32, high, "upper position limit", why, read_back=True)
+    yield SetupObject(at.MIN_POSITION_LIMIT, I32, low, "lower position limit", why, read_back=True)
+    yield SetupObject(at.MAX_POSITION_LIMIT, I32, high, "upper position limit", why, read_back=True)
 
 
-def _motion(axis: Axis) -> Iterator[Row]:
+def _motion(axis: Axis) -> Iterator[SetupObject]:
     profile, mode = axis.epos2.profile, MODE[axis.command]
-    yield Row(at.MODE, I8, mode, "mode of operation", "by the robot file", read_back=True)
+    yield SetupObject(at.MODE, I8, mode, "mode of operation", "by the robot file", read_back=True)
     why = "a trapezoid: its acceleration is bounded"
-    yield Row(at.MOTION_PROFILE_TYPE, I16, TRAPEZOID, "motion profile type", why)
+    yield SetupObject(at.MOTION_PROFILE_TYPE, I16, TRAPEZOID, "motion profile type", why)
     for address, value, name in (
         (at.PROFILE_VELOCITY, profile.velocity_rpm, "profile velocity"),
         (at.PROFILE_ACCELERATION, profile.acceleration_rpm_s, "profile acceleration"),
         (at.PROFILE_DECELERATION, profile.deceleration_rpm_s, "profile deceleration"),
         (at.QUICK_STOP_DECELERATION, profile.quick_stop_rpm_s, "quick stop deceleration"),
     ):
-        yield Row(address, U32, value, name, "how the axis starts and stops", read_back=True)
+        yield SetupObject(address, U32, value, name, "how the axis starts and stops", read_back=True)
 
 
-def _gains(axis: Axis) -> Iterator[Row]:
+def _gains(axis: Axis) -> Iterator[SetupObject]:
     gains = axis.epos2.gains
     for address, kind, value, name in (
         (at.CURRENT_P, I16, gains.current_p, "current P gain"),
@@ -262,10 +274,10 @@ def _gains(axis: Axis) -> Iterator[Row]:
             "position feed-forward of acceleration",
         ),
     ):
-        yield Row(address, kind, value, name, "the regulators as tuned for this axis")
+        yield SetupObject(address, kind, value, name, "the regulators as tuned for this axis")
 
 
-def _switched(outputs: Sequence[Output]) -> Iterator[Row]:
+def _switched(outputs: Sequence[Output]) -> Iterator[SetupObject]:
     """Give pins to the bridge; their polarity stays as the wiring needs it, their state is not touched."""
     if not outputs:
         return
@@ -275,6 +287,8 @@ def _switched(outputs: Sequence[Output]) -> Iterator[Row]:
         function = general_purpose(pin)
         mask |= function.bit
         why = f"switched by the bridge: {output.title}"
-        yield Row(OUTPUT_PINS[pin - 1], U16, function, f"digital output {pin}", why, read_back=True)
+        yield SetupObject(OUTPUT_PINS[pin - 1], U16, function, f"digital output {pin}", why, read_back=True)
     why = "lets the bridge's outputs through, and no others"
-    yield Row(OUTPUT_MASK, U16, mask, "digital outputs' mask", why, FIRMWARE_SPECIFICATION, read_back=True)
+    yield SetupObject(
+        OUTPUT_MASK, U16, mask, "digital outputs' mask", why, FIRMWARE_SPECIFICATION, read_back=True
+    )

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from firmware_bridge.drivers.driver import StartupError
-from firmware_bridge.drivers.epos2.setup import Row
+from firmware_bridge.drivers.epos2.setup import SetupObject
 from firmware_bridge.drivers.script_runner import Ask, Do, Script, Until
 from firmware_bridge.drivers.sdo_client import ATTEMPTS, Outcome, SdoError, Transfer
 from firmware_bridge.packet import Packet
@@ -30,7 +30,7 @@ class _Expected:
     """A check of a read value: the task fails unless it is the row's value."""
 
     axis: Axis
-    row: Row
+    row: SetupObject
 
     def __call__(self, outcome: Outcome) -> Script:
         row = self.row
@@ -69,7 +69,7 @@ class _Taken:
         return ()
 
 
-def expected(axis: Axis, row: Row, attempts: int = 2) -> Ask:
+def expected(axis: Axis, row: SetupObject, attempts: int = 2) -> Ask:
     """Read an object; the task fails unless it holds the row's value."""
     return Ask(Transfer(row.address, attempts=attempts), _Expected(axis, row))
 

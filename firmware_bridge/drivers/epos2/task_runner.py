@@ -10,7 +10,7 @@ from firmware_bridge.drivers.epos2 import tasks as scripts
 from firmware_bridge.drivers.epos2 import zero
 from firmware_bridge.drivers.epos2.feedback import DriveFeedback
 from firmware_bridge.drivers.epos2.set_point import QUICK_STOP, SetPoint
-from firmware_bridge.drivers.epos2.setup import Row
+from firmware_bridge.drivers.epos2.setup import SetupObject
 from firmware_bridge.drivers.script_runner import Do, Script, ScriptRunner
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis
@@ -47,7 +47,7 @@ class TaskRunner:
         feedback: DriveFeedback,
         set_point: SetPoint,
         runner: ScriptRunner,
-        configuration: tuple[Row, ...],
+        configuration: tuple[SetupObject, ...],
         *,
         started: Callable[[], Script] = tuple,
     ) -> None:
@@ -200,7 +200,7 @@ class TaskRunner:
 
     def _home(self) -> Script:
         self._feedback.zeroing, self._in_own_mode = True, False
-        self._feedback.zero_lost = True
+        self._feedback.reference_lost = True
         return (*zero.home(self._axis, self._feedback), Do(self._zero_is_set))
 
     def _zero_is_set(self) -> Script:

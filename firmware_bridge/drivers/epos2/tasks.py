@@ -17,14 +17,14 @@ from firmware_bridge.drivers.epos2.set_point import (
     SHUTDOWN,
     SetPoint,
 )
-from firmware_bridge.drivers.epos2.setup import Row
+from firmware_bridge.drivers.epos2.setup import SetupObject
 from firmware_bridge.drivers.epos2.steps import controlled, expected, failing, nmt, pause, read, written
 from firmware_bridge.drivers.script_runner import Ask, Do, Script, Step, Until
 from firmware_bridge.drivers.sdo_client import ATTEMPTS, TIMEOUT, Outcome, SdoError, Transfer
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.canopen import NmtCommand
-from firmware_bridge.wire.cia402 import State, state_of, towards, word_of
+from firmware_bridge.wire.cia402 import PowerState, state_of, towards, word_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.rows import DataType
 
@@ -63,7 +63,7 @@ def identify(axis: Axis) -> Script:
     return tuple(expected(axis, row) for row in setup.identity(axis))
 
 
-def configure(axis: Axis, feedback: DriveFeedback, rows: tuple[Row, ...]) -> Script:
+def configure(axis: Axis, feedback: DriveFeedback, rows: tuple[SetupObject, ...]) -> Script:
     """Bring the drive to rest without power, write the set-up, read back what safety hangs on."""
     steps: list[Step] = [*_come_to_rest(axis, feedback)]
     for row in rows:
@@ -145,7 +145,7 @@ def _found(feedback: DriveFeedback) -> Script:
 
 
 def _is_off(feedback: DriveFeedback) -> bool:
-    return feedback.state in (State.SWITCH_ON_DISABLED, State.FAULT)
+    return feedback.state in (PowerState.SWITCH_ON_DISABLED, PowerState.FAULT)
 
 
 def _confirmed_off(axis: Axis, feedback: DriveFeedback) -> Script:
@@ -202,7 +202,7 @@ def _without_power(axis: Axis, feedback: DriveFeedback, polls: int) -> Ask:
     """Wait until the power is off; so many polls are left."""
 
     def judge(statusword: int) -> Script:
-        if state_of(statusword) in (State.SWITCH_ON_DISABLED, State.FAULT):
+        if state_of(statusword) in (PowerState.SWITCH_ON_DISABLED, PowerState.FAULT):
             return ()
         if polls > 1:
             return (pause(POLL), _without_power(axis, feedback, polls - 1))
@@ -225,7 +225,7 @@ def _restarted(axis: Axis, feedback: DriveFeedback, polls: int) -> Ask:
     return Ask(Transfer(at.STATUSWORD, attempts=1), judge)
 
 
-def _farewell(axis: Axis, feedback: DriveFeedback, rows: tuple[Row, ...]) -> Script:
+def _farewell(axis: Axis, feedback: DriveFeedback, rows: tuple[SetupObject, ...]) -> Script:
     """Write what is written before leaving; a drive that refuses is left as it is."""
     if not rows:
         left = NmtCommand.START if feedback.found_operational else NmtCommand.ENTER_PRE_OPERATIONAL
@@ -240,12 +240,12 @@ def _farewell(axis: Axis, feedback: DriveFeedback, rows: tuple[Row, ...]) -> Scr
 
 def _towards_enabled(axis: Axis, feedback: DriveFeedback, set_point: SetPoint, resets: int) -> Script:
     """Take the next step from the present state; `resets` faults were reset so far."""
-    if feedback.state is State.OPERATION_ENABLED:
+    if feedback.state is PowerState.OPERATION_ENABLED:
         feedback.fault = 0
         return ()
-    if feedback.state is not State.FAULT:
+    if feedback.state is not PowerState.FAULT:
         # In a state that has none the drive is on its way by itself.
-        command = towards(feedback.state, State.OPERATION_ENABLED)
+        command = towards(feedback.state, PowerState.OPERATION_ENABLED)
         word = None if command is None else word_of(command)
         go_on = Do(lambda: _towards_enabled(axis, feedback, set_point, resets))
         return (*_turn(axis, feedback, set_point, word), go_on)
@@ -290,12 +290,12 @@ def _turn(axis: Axis, feedback: DriveFeedback, set_point: SetPoint, controlword:
     )
 
 
-def _stuck(feedback: DriveFeedback, state: State | None, controlword: int | None) -> str:
+def _stuck(feedback: DriveFeedback, state: PowerState | None, controlword: int | None) -> str:
     where = "its state stayed unknown" if state is None else f"it stayed in '{state.title}'"
     after = "" if controlword is None else f" after controlword 0x{controlword:04X}"
     return (
         f"{where} for {STATE_WITHIN // MILLISECOND} ms{after} "
-        f"(expected '{State.OPERATION_ENABLED.title}', statusword 0x{feedback.statusword:04X})"
+        f"(expected '{PowerState.OPERATION_ENABLED.title}', statusword 0x{feedback.statusword:04X})"
         f"{_fault(feedback)}"
     )
 

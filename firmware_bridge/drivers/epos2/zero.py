@@ -17,18 +17,18 @@ from firmware_bridge.drivers.driver import StartupError
 from firmware_bridge.drivers.epos2.feedback import MILLIAMPERES, DriveFeedback
 from firmware_bridge.drivers.epos2.scale import Scale, travel_of
 from firmware_bridge.drivers.epos2.set_point import ENABLE, HALT
-from firmware_bridge.drivers.epos2.setup import MODE, Row
+from firmware_bridge.drivers.epos2.setup import MODE, SetupObject
 from firmware_bridge.drivers.epos2.steps import controlled, expected, failing, pause, read, written
 from firmware_bridge.drivers.script_runner import Ask, Do, Script, Step, Until
 from firmware_bridge.drivers.sdo_client import Transfer
-from firmware_bridge.robot import Axis, Command
+from firmware_bridge.robot import Axis, CommandForm
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
-from firmware_bridge.wire.cia402 import Control, Mode, State, Status
+from firmware_bridge.wire.cia402 import ControlwordBit, Mode, PowerState, Status
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.rows import FIRMWARE_SPECIFICATION, DataType
 
 ACTUAL_POSITION: Final = 35
-START_HOMING: Final = int(ENABLE | Control.NEW_SETPOINT)
+START_HOMING: Final = int(ENABLE | ControlwordBit.NEW_SETPOINT)
 POLL: Final[Nanoseconds] = 10 * MILLISECOND
 POLLS: Final = 20
 _ATTAINED: Final = int(Status.HOMING_ATTAINED | Status.REFERENCED)
@@ -64,7 +64,7 @@ def home(axis: Axis, feedback: DriveFeedback) -> Script:
     )
 
 
-def _homing(axis: Axis, feedback: DriveFeedback, rows: tuple[Row, ...], awaited: Script) -> Script:
+def _homing(axis: Axis, feedback: DriveFeedback, rows: tuple[SetupObject, ...], awaited: Script) -> Script:
     """Write and read back what it hangs on, start, wait; then back to the axis's own mode."""
     steps: list[Step] = [Do(lambda: _is_enabled(axis, feedback))]
     for row in rows:
@@ -83,16 +83,18 @@ def _homing(axis: Axis, feedback: DriveFeedback, rows: tuple[Row, ...], awaited:
     )
 
 
-def rows(home_qc: int) -> tuple[Row, ...]:
+def rows(home_qc: int) -> tuple[SetupObject, ...]:
     """Return what method 35 hangs on."""
     source = FIRMWARE_SPECIFICATION
     return (
-        Row(at.HOME_POSITION, DataType.INTEGER32, home_qc, "home position", _WHY, source),
-        Row(at.HOMING_METHOD, DataType.INTEGER8, ACTUAL_POSITION, "homing method", "no shaft turns", source),
+        SetupObject(at.HOME_POSITION, DataType.INTEGER32, home_qc, "home position", _WHY, source),
+        SetupObject(
+            at.HOMING_METHOD, DataType.INTEGER8, ACTUAL_POSITION, "homing method", "no shaft turns", source
+        ),
     )
 
 
-def rows_of(axis: Axis) -> tuple[Row, ...]:
+def rows_of(axis: Axis) -> tuple[SetupObject, ...]:
     """Return what the homing of an axis hangs on; StartupError where it has none."""
     homing, travel, scale, source = axis.zero.homing, travel_of(axis), Scale.of(axis), FIRMWARE_SPECIFICATION
     if homing is None or travel is None:
@@ -103,16 +105,24 @@ def rows_of(axis: Axis) -> tuple[Row, ...]:
     u16, u32, i32 = DataType.UNSIGNED16, DataType.UNSIGNED32, DataType.INTEGER32
     there = "the robot file knows this place"
     return (
-        Row(at.HOME_POSITION, i32, scale.within(homing.at, travel), "home position", there, source),
-        Row(at.HOME_OFFSET, i32, offset_qc, "home offset", "off stop and switch", source),
-        Row(at.HOMING_SPEED_SWITCH, u32, _whole_rpm(scale, fast), "speed for switch search", _SLOW, source),
-        Row(at.HOMING_SPEED_ZERO, u32, _whole_rpm(scale, slow), "speed for zero search", _SLOW, source),
-        Row(at.HOMING_ACCELERATION, u32, _whole_rpm(scale, ramp), "homing acceleration", _SLOW, source),
+        SetupObject(at.HOME_POSITION, i32, scale.within(homing.at, travel), "home position", there, source),
+        SetupObject(at.HOME_OFFSET, i32, offset_qc, "home offset", "off stop and switch", source),
+        SetupObject(
+            at.HOMING_SPEED_SWITCH, u32, _whole_rpm(scale, fast), "speed for switch search", _SLOW, source
+        ),
+        SetupObject(
+            at.HOMING_SPEED_ZERO, u32, _whole_rpm(scale, slow), "speed for zero search", _SLOW, source
+        ),
+        SetupObject(
+            at.HOMING_ACCELERATION, u32, _whole_rpm(scale, ramp), "homing acceleration", _SLOW, source
+        ),
         *(
-            Row(at.HOMING_CURRENT, u16, threshold, "current threshold", "this is the stop", source)
+            SetupObject(at.HOMING_CURRENT, u16, threshold, "current threshold", "this is the stop", source)
             for threshold in current
         ),
-        Row(at.HOMING_METHOD, DataType.INTEGER8, homing.method, "homing method", "as the robot file", source),
+        SetupObject(
+            at.HOMING_METHOD, DataType.INTEGER8, homing.method, "homing method", "as the robot file", source
+        ),
     )
 
 
@@ -122,7 +132,7 @@ def _whole_rpm(scale: Scale, speed: float) -> int:
 
 
 def _halted(axis: Axis) -> Ask:
-    return controlled(axis, HALT if axis.command is Command.POSITION else ENABLE)
+    return controlled(axis, HALT if axis.command is CommandForm.POSITION else ENABLE)
 
 
 def _sets_out(axis: Axis, feedback: DriveFeedback) -> Ask:
@@ -150,7 +160,7 @@ def _found(axis: Axis, feedback: DriveFeedback) -> Ask:
 
 
 def _is_enabled(axis: Axis, feedback: DriveFeedback) -> Script:
-    if feedback.state is not State.OPERATION_ENABLED:
+    if feedback.state is not PowerState.OPERATION_ENABLED:
         raise StartupError(axis, "it is not enabled; without power it takes no position")
     return ()
 
@@ -158,7 +168,7 @@ def _is_enabled(axis: Axis, feedback: DriveFeedback) -> Script:
 def _mode(axis: Axis, mode: Mode) -> Script:
     """Change the mode of operation, and wait for the drive's own report of it."""
     raw = DataType.INTEGER8.encode(mode)
-    display = Row(at.MODE_DISPLAY, DataType.INTEGER8, mode, "mode of operation", "it counts now")
+    display = SetupObject(at.MODE_DISPLAY, DataType.INTEGER8, mode, "mode of operation", "it counts now")
     return (written(axis, Transfer(at.MODE, raw), f"writing mode {mode:d}"), expected(axis, display))
 
 

@@ -32,7 +32,7 @@ _LETTING_GO: Final = (Task.LEAVE, Task.DISABLE)
 
 
 class Board:
-    """A `firmware_bridge.drivers.fleet.Link`."""
+    """A `firmware_bridge.drivers.fleet.DeviceLink`."""
 
     def __init__(self, name: str, table: ShieldLink, dialect: Dialect, answers_within: Nanoseconds) -> None:
         self.name = name

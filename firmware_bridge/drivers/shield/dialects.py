@@ -202,8 +202,8 @@ class Mw(Dialect):
         return mw.AnswerReader()
 
     def _ask(self, what: str, request: Any, **more: Any) -> Say:
-        def reads(answered: mw.Answered | mw.Traced) -> Numbers | None:
-            decoded = mw.decode_answer(request, answered) if isinstance(answered, mw.Answered) else None
+        def reads(answered: mw.MwAnswer | mw.Traced) -> Numbers | None:
+            decoded = mw.decode_answer(request, answered) if isinstance(answered, mw.MwAnswer) else None
             if isinstance(decoded, messages.ServerInfo):
                 names = tuple(name.decode("ascii", "replace") for name in decoded.libraries)
                 missing = {mw.SHIELD, mw.ENCODER} - set(names)

@@ -117,7 +117,7 @@ class ShieldMotor:
             position=self._position,
             velocity=self._velocity,
             text="" if power is Power.UNKNOWN else "driven" if self.enabled else "released",
-            zero_lost=False,
+            reference_lost=False,
         )
 
     @property
@@ -154,7 +154,7 @@ class ShieldMotor:
     @property
     def turns(self) -> bool:
         """True where its encoder shows motion."""
-        return self.measured and abs(self._velocity) > self._axis.rests_below
+        return self.measured and abs(self._velocity) > self._axis.standstill_below
 
     @property
     def wake_at(self) -> Nanoseconds:

@@ -27,7 +27,7 @@ class ShieldPlanError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class BoardCommand:
     """One command of a cycle."""
 
     what: str
@@ -40,8 +40,8 @@ class ShieldPlan:
     """The fullest cycle, in the order in which its commands leave."""
 
     cycle: Nanoseconds
-    samples: tuple[Entry, ...]
-    words: tuple[Entry, ...]
+    samples: tuple[BoardCommand, ...]
+    words: tuple[BoardCommand, ...]
 
     @property
     def time(self) -> Nanoseconds:
@@ -88,8 +88,8 @@ def fitting_plan(robot: AnyRobot, name: str) -> ShieldPlan:
     )
 
 
-def _entries(link: ShieldLink, orders: Iterable[Say]) -> tuple[Entry, ...]:
-    return tuple(Entry(say.what, len(say.data) + say.answer, takes(link, say)) for say in orders)
+def _entries(link: ShieldLink, orders: Iterable[Say]) -> tuple[BoardCommand, ...]:
+    return tuple(BoardCommand(say.what, len(say.data) + say.answer, takes(link, say)) for say in orders)
 
 
 def takes(link: ShieldLink, say: Say) -> Nanoseconds:

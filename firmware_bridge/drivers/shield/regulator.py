@@ -80,7 +80,7 @@ class Pwm:
         self._forward: Final = FULL_PWM / free
         self._gains: Final = motor.regulator
         self._direction: Final = axis.direction
-        self._rests: Final = axis.rests_below
+        self._rests: Final = axis.standstill_below
         self._most: Final = motor.max_pwm
         self._slope: Final = motor.slope_pwm_s
         self._cycle: Final = cycle

@@ -4,19 +4,20 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
-from firmware_bridge.kind import Kind
-from firmware_bridge.robots.ar2.body import GROUPS, TOOL, Body, reach
-from firmware_bridge.robots.ar2.geometry import Geometry
-from firmware_bridge.robots.ar2.guide import COURSES, Follower
-from firmware_bridge.robots.ar2.motion import Motion, State
+from firmware_bridge import renamed
+from firmware_bridge.robot_type import RobotType
+from firmware_bridge.robots.ar2.body import GROUPS, TOOL, Ar2Kinematics, reach
+from firmware_bridge.robots.ar2.geometry import Ar2Geometry
+from firmware_bridge.robots.ar2.guide import COURSES, Ar2PathFollower
+from firmware_bridge.robots.ar2.motion import Ar2Motion, Ar2State
 from firmware_bridge.robots.ar2.rules import INTERLOCKS, LIMITS, slowed
 from firmware_bridge.robots.ar2.station import STATION
 
-KIND: Final[Kind[Geometry, Motion, State]] = Kind(
+ROBOT_TYPE: Final[RobotType[Ar2Geometry, Ar2Motion, Ar2State]] = RobotType(
     name="ar2",
     file=Path(__file__).with_name("ar2.toml"),
-    geometry=Geometry,
-    rest=Motion(),
+    geometry=Ar2Geometry,
+    rest=Ar2Motion(),
     numbers={
         "tool's speed ahead": lambda motion: motion.ahead_mps,
         "tool's speed to the left": lambda motion: motion.left_mps,
@@ -25,7 +26,7 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
         "tool's turn about y": lambda motion: motion.pitch_rad_s,
         "tool's turn about z": lambda motion: motion.yaw_rad_s,
     },
-    body=Body,
+    body=Ar2Kinematics,
     groups=GROUPS,
     travelling=frozenset({TOOL}),
     interlocks=INTERLOCKS,
@@ -33,5 +34,8 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     slowed=slowed,
     reach=reach,
     station=STATION,
-    guides={name: partial(Follower, course=course) for name, course in COURSES.items()},
+    guides={name: partial(Ar2PathFollower, course=course) for name, course in COURSES.items()},
 )
+
+
+__getattr__ = renamed.module(__name__, __name__, KIND="ROBOT_TYPE")

@@ -16,8 +16,8 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.motion.ramp import MARGIN
 from firmware_bridge.motion.resolved_rate import Rates, resolved, slowed
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.ar2.geometry import Geometry
-from firmware_bridge.robots.ar2.motion import STILL, Motion, State, motion_of
+from firmware_bridge.robots.ar2.geometry import Ar2Geometry
+from firmware_bridge.robots.ar2.motion import STILL, Ar2Motion, Ar2State, motion_of
 from firmware_bridge.units import Nanoseconds, to_seconds
 
 TOOL: Final = "tool"
@@ -41,12 +41,12 @@ def changed(before: tuple[float, ...], wanted: tuple[float, ...], most: float) -
     return tuple(old + most / length * step for old, step in zip(before, way, strict=True))
 
 
-class Body:
-    """A `firmware_bridge.safety.body.Body`."""
+class Ar2Kinematics:
+    """A `firmware_bridge.safety.kinematic_model.KinematicModel`."""
 
     __slots__ = ("_cycle_s", "_fastest", "_limits", "_margin", "_names", "_steps", "_travel", "rolling")
 
-    def __init__(self, robot: Robot[Geometry]) -> None:
+    def __init__(self, robot: Robot[Ar2Geometry]) -> None:
         axes = [robot.axis(role) for role in JOINTS]
         self._names = tuple(axis.name for axis in axes)
         self._fastest = tuple(axis.top_speed for axis in axes)
@@ -58,25 +58,27 @@ class Body:
         self.rolling: tuple[str, ...] = self._names
         """The arm rests when none of its joints moves; its pose stays, as its foot does."""
 
-    def sensed(self, axes: Mapping[str, Feedback], _sensors: Mapping[str, Reading]) -> State:
+    def sensed(self, axes: Mapping[str, Feedback], _sensors: Mapping[str, Reading]) -> Ar2State:
         """Return where the joints are, as they are counted."""
         feedback = [axes[name] for name in self._names]
-        return State(tuple(it.position for it in feedback), tuple(it.velocity for it in feedback))
+        return Ar2State(tuple(it.position for it in feedback), tuple(it.velocity for it in feedback))
 
-    def requested(self, motion: Motion, _state: State) -> frozenset[str]:
+    def requested(self, motion: Ar2Motion, _state: Ar2State) -> frozenset[str]:
         """Return the arm where the motion commands it to move."""
         return NOTHING if motion.twist == STILL else frozenset({TOOL})
 
-    def moving(self, state: State) -> frozenset[str]:
+    def moving(self, state: Ar2State) -> frozenset[str]:
         """Return the arm where a joint is counted to move."""
         slow = (abs(it) <= MOVES * top for it, top in zip(state.rates, self._fastest, strict=True))
         return NOTHING if all(slow) else frozenset({TOOL})
 
-    def rested(self, motion: Motion, groups: frozenset[str]) -> Motion:
+    def rested(self, motion: Ar2Motion, groups: frozenset[str]) -> Ar2Motion:
         """Return the motion at rest."""
         return motion_of(STILL, path_s=motion.path_s) if TOOL in groups else motion
 
-    def ramped(self, demanded: Motion, allowed: Motion, state: State, elapsed: Nanoseconds) -> Motion:
+    def ramped(
+        self, demanded: Ar2Motion, allowed: Ar2Motion, state: Ar2State, elapsed: Nanoseconds
+    ) -> Ar2Motion:
         """Return the next demand on the way to what is allowed, with where the joints shall be."""
         seconds, limits = to_seconds(elapsed), self._limits
         twist = (
@@ -84,13 +86,13 @@ class Body:
             *changed(demanded.turn, allowed.turn, MARGIN * limits.turn_acceleration_rad_s2 * seconds),
         )
         if twist == STILL:
-            return Motion(path_s=allowed.path_s)
+            return Ar2Motion(path_s=allowed.path_s)
         begin = self.begin(demanded, state)
         rates, share = self.rates(begin, twist)
         angles = np.clip(np.array(begin) + share * self._cycle_s * rates.joints, *self._travel)
         return motion_of(twist, tuple(map(float, angles)), allowed.path_s)
 
-    def begin(self, demanded: Motion, state: State) -> tuple[float, ...]:
+    def begin(self, demanded: Ar2Motion, state: Ar2State) -> tuple[float, ...]:
         """Return from where the joints go on: from where they were to be, unless they have not got there."""
         if demanded.angles is None:
             return state.angles
@@ -106,7 +108,7 @@ class Body:
         top = [NEAR_TOP * it for it in self._fastest]
         return found, slowed(AR2, angles, found.joints, top, self._cycle_s, margin=self._margin)
 
-    def demands(self, motion: Motion, _state: State) -> Mapping[str, Demand]:
+    def demands(self, motion: Ar2Motion, _state: Ar2State) -> Mapping[str, Demand]:
         """Return where the joints shall be; those that shall stay rest."""
         if motion.angles is None:
             return {}
@@ -124,9 +126,9 @@ class Body:
         return pose
 
 
-def reach(robot: Robot[Geometry]) -> Iterator[tuple[Motion, State]]:
+def reach(robot: Robot[Ar2Geometry]) -> Iterator[tuple[Ar2Motion, Ar2State]]:
     """Yield both ends of all joints, as far as they may go."""
     margin = math.radians(robot.geometry.limits.joint_margin_deg)
     for ends, inwards in ((AR2.least, margin), (AR2.most, -margin)):
         angles = tuple(end + inwards for end in ends)
-        yield Motion(angles=angles), State(angles, STILL)
+        yield Ar2Motion(angles=angles), Ar2State(angles, STILL)

@@ -4,10 +4,11 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
+from firmware_bridge import renamed
 from firmware_bridge.robot.table import Finite, NonNegative, Positive, Table
 
 
-class Limits(Table):
+class Ar2Limits(Table):
     """The limits that the interlocks enforce, whatever the operator commands."""
 
     speed_mps: Positive
@@ -38,14 +39,14 @@ class Workspace(Table):
         return self
 
 
-class Control(Table):
+class Ar2Gains(Table):
     """Gains of the law (3.16), (3.21) to (3.23)."""
 
     kp_per_s: NonNegative
     ko_per_s: NonNegative
 
 
-class Pose(Table):
+class ToolPose(Table):
     """The path follower `pose`: from the tool's place to one beside, turned by less than 90 degrees."""
 
     by_m: Annotated[tuple[Finite, Finite, Finite], Field(strict=False)]
@@ -58,13 +59,16 @@ class Courses(Table):
 
     height_m: Positive = 0.08
     ramp_s: Positive = 60.0
-    pose: Pose
+    pose: ToolPose
 
 
-class Geometry(Table):
+class Ar2Geometry(Table):
     """The arm's part of a robot file beside its joints."""
 
-    limits: Limits
+    limits: Ar2Limits
     workspace: Workspace
-    control: Control
+    control: Ar2Gains
     courses: Courses
+
+
+__getattr__ = renamed.module(__name__, __name__, Geometry="Ar2Geometry")

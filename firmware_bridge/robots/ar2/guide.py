@@ -18,14 +18,14 @@ from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.motion.chain import Matrix
 from firmware_bridge.motion.resolved_rate import pose_law
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.ar2.body import Body
-from firmware_bridge.robots.ar2.geometry import Courses, Geometry
-from firmware_bridge.robots.ar2.motion import STILL, Motion, State, motion_of
+from firmware_bridge.robots.ar2.body import Ar2Kinematics
+from firmware_bridge.robots.ar2.geometry import Ar2Geometry, Courses
+from firmware_bridge.robots.ar2.motion import STILL, Ar2Motion, Ar2State, motion_of
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import Nanoseconds, to_seconds
 
 
-class Place(NamedTuple):
+class CoursePoint(NamedTuple):
     """A course's position at an instant, from where it began, m and m/s; turned by a vector, rad."""
 
     by: tuple[float, float, float]
@@ -33,45 +33,45 @@ class Place(NamedTuple):
     turned: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
-Course: TypeAlias = Callable[[Courses, float], Place]
+Course: TypeAlias = Callable[[Courses, float], CoursePoint]
 
 
-def ramp(courses: Courses, seconds: float) -> Place:
+def ramp(courses: Courses, seconds: float) -> CoursePoint:
     """Return the place on a ramp upwards, which ends at its height."""
     rate = courses.height_m / courses.ramp_s
     over = seconds >= courses.ramp_s
     height = courses.height_m if over else rate * seconds
-    return Place((0.0, 0.0, height), (0.0, 0.0, 0.0 if over else rate))
+    return CoursePoint((0.0, 0.0, height), (0.0, 0.0, 0.0 if over else rate))
 
 
-def sine(courses: Courses, seconds: float) -> Place:
+def sine(courses: Courses, seconds: float) -> CoursePoint:
     """Return the place on one sine up and down, which ends where it began."""
     if seconds >= courses.ramp_s:
-        return Place((0.0, 0.0, 0.0))
+        return CoursePoint((0.0, 0.0, 0.0))
     rate = math.tau / courses.ramp_s
     height = courses.height_m * math.sin(rate * seconds)
-    return Place((0.0, 0.0, height), (0.0, 0.0, courses.height_m * rate * math.cos(rate * seconds)))
+    return CoursePoint((0.0, 0.0, height), (0.0, 0.0, courses.height_m * rate * math.cos(rate * seconds)))
 
 
-def pose(courses: Courses, seconds: float) -> Place:
+def pose(courses: Courses, seconds: float) -> CoursePoint:
     """Return the pose beside as the target from the first instant: the law alone takes the tool there."""
     del seconds
     x, y, z = (math.radians(it) for it in courses.pose.tilt_deg)
-    return Place(courses.pose.by_m, turned=(x, y, z))
+    return CoursePoint(courses.pose.by_m, turned=(x, y, z))
 
 
 COURSES: Final[Mapping[str, Course]] = MappingProxyType({"ramp": ramp, "sine": sine, "pose": pose})
 """Courses by the path followers' names."""
 
 
-class Follower:
-    """A `firmware_bridge.kind.Guide` along one course."""
+class Ar2PathFollower:
+    """A `firmware_bridge.robot_type.PathFollower` along one course."""
 
-    def __init__(self, robot: Robot[Geometry], course: Course) -> None:
+    def __init__(self, robot: Robot[Ar2Geometry], course: Course) -> None:
         self._courses: Final = robot.geometry.courses
         self._gains: Final = (robot.geometry.control.kp_per_s, robot.geometry.control.ko_per_s)
         self._course: Final = course
-        self._body: Final = Body(robot)
+        self._body: Final = Ar2Kinematics(robot)
         self._start: Matrix | None = None
         self._seconds = 0.0
         self._waits = False
@@ -80,7 +80,7 @@ class Follower:
         """Let the course wait: the arm was held back."""
         self._waits = True
 
-    def command(self, seen: Snapshot[Motion, State], elapsed: Nanoseconds) -> Motion:
+    def command(self, seen: Snapshot[Ar2Motion, Ar2State], elapsed: Nanoseconds) -> Ar2Motion:
         """Return the motion towards where the course is now."""
         actual = AR2.pose(self._body.begin(seen.demanded, seen.body))
         if self._start is None:

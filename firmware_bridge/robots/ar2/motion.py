@@ -3,13 +3,14 @@
 from collections.abc import Sequence
 from typing import Final
 
+from firmware_bridge import renamed
 from firmware_bridge.value import valueclass
 
 STILL: Final[tuple[float, ...]] = (0.0,) * 6
 
 
 @valueclass(frozen=True, slots=True)
-class Motion:
+class Ar2Motion:
     """A motion: the operator's command, the permitted one, or the bridge's set-point."""
 
     ahead_mps: float = 0.0
@@ -42,17 +43,20 @@ class Motion:
 
 def motion_of(
     twist: Sequence[float], angles: tuple[float, ...] | None = None, path_s: float | None = None
-) -> Motion:
+) -> Ar2Motion:
     """Return the motion with six speeds, m/s along x, y and z and rad/s about them."""
     x, y, z, roll, pitch, yaw = map(float, twist)
-    return Motion(x, y, z, roll, pitch, yaw, angles, path_s)
+    return Ar2Motion(x, y, z, roll, pitch, yaw, angles, path_s)
 
 
 @valueclass(frozen=True, slots=True)
-class State:
+class Ar2State:
     """State of the joints: counted, not measured."""
 
     angles: tuple[float, ...]
     """rad."""
     rates: tuple[float, ...]
     """rad/s."""
+
+
+__getattr__ = renamed.module(__name__, __name__, Motion="Ar2Motion", State="Ar2State")

@@ -12,17 +12,17 @@ import numpy as np
 
 from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.ar2.body import Body, changed
-from firmware_bridge.robots.ar2.geometry import Geometry
-from firmware_bridge.robots.ar2.motion import STILL, Motion, State, motion_of
+from firmware_bridge.robots.ar2.body import Ar2Kinematics, changed
+from firmware_bridge.robots.ar2.geometry import Ar2Geometry
+from firmware_bridge.robots.ar2.motion import STILL, Ar2Motion, Ar2State, motion_of
 from firmware_bridge.safety import interlock
+from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.safety.limits import ROUNDING
-from firmware_bridge.safety.row import Severity
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
-View: TypeAlias = interlock.View[Geometry, Motion, State]
-Interlock: TypeAlias = interlock.Interlock[Geometry, Motion, State]
-Limit: TypeAlias = interlock.Limit[Geometry, Motion, State]
+View: TypeAlias = interlock.View[Ar2Geometry, Ar2Motion, Ar2State]
+Interlock: TypeAlias = interlock.Interlock[Ar2Geometry, Ar2Motion, Ar2State]
+Limit: TypeAlias = interlock.Limit[Ar2Geometry, Ar2Motion, Ar2State]
 
 CLEARS_AFTER: Final[Nanoseconds] = 300 * MILLISECOND
 HORIZON: Final = 2.0
@@ -41,7 +41,7 @@ class Side(NamedTuple):
     outwards: tuple[float, float, float]
 
 
-def sides(robot: Robot[Geometry], place: tuple[float, float, float]) -> Iterator[Side]:
+def sides(robot: Robot[Ar2Geometry], place: tuple[float, float, float]) -> Iterator[Side]:
     """Yield the sides of the box, and of the arm's own base, for a place of the tool."""
     space = robot.geometry.workspace
     for axis, letter in enumerate("xyz"):
@@ -59,7 +59,7 @@ def sides(robot: Robot[Geometry], place: tuple[float, float, float]) -> Iterator
         yield Side("its own base", over, (0.0, 0.0, -1.0))
 
 
-def tool(state: State) -> tuple[float, float, float]:
+def tool(state: Ar2State) -> tuple[float, float, float]:
     """Return where the tool is, as the joints are counted, m."""
     x, y, z = AR2.pose(state.angles)[:3, 3]
     return float(x), float(y), float(z)
@@ -67,7 +67,7 @@ def tool(state: State) -> tuple[float, float, float]:
 
 def _outside(view: View) -> str | None:
     # Of an arm whose zero is lost no one knows where the tool is: one cause, one hold.
-    if any(axis.zero_lost for axis in view.facts.axes.values()):
+    if any(axis.reference_lost for axis in view.facts.axes.values()):
         return None
     for side in sides(view.robot, tool(view.body)):
         if not side.room >= -OUTSIDE_M:
@@ -87,7 +87,7 @@ INTERLOCKS: Final = (
 )
 
 
-def _with(motion: Motion, speed: tuple[float, ...], turn: tuple[float, ...]) -> Motion:
+def _with(motion: Ar2Motion, speed: tuple[float, ...], turn: tuple[float, ...]) -> Ar2Motion:
     return motion_of((*speed, *turn), motion.angles, motion.path_s)
 
 
@@ -96,7 +96,7 @@ def _bounded(vector: tuple[float, ...], high: float) -> tuple[tuple[float, ...],
     return (vector if length <= high else tuple(high / length * it for it in vector)), length
 
 
-def slowed(view: View, share: float) -> tuple[Motion, str | None]:
+def slowed(view: View, share: float) -> tuple[Ar2Motion, str | None]:
     """Clip the tool's speed to a share of its top."""
     motion, high = view.allowed, share * view.geometry.limits.speed_mps
     speed, length = _bounded(motion.speed, high)
@@ -105,7 +105,7 @@ def slowed(view: View, share: float) -> tuple[Motion, str | None]:
     return _with(motion, speed, motion.turn), f"requested {length:.3f} m/s, allowed is {high:.3f} m/s"
 
 
-def _turn(view: View) -> tuple[Motion, str | None]:
+def _turn(view: View) -> tuple[Ar2Motion, str | None]:
     motion, high = view.allowed, view.geometry.limits.turn_rate_rad_s
     turn, length = _bounded(motion.turn, high)
     if length <= high * (1.0 + ROUNDING):
@@ -113,7 +113,7 @@ def _turn(view: View) -> tuple[Motion, str | None]:
     return _with(motion, motion.speed, turn), f"requested {length:.2f} rad/s, allowed is {high:.2f} rad/s"
 
 
-def _workspace(view: View) -> tuple[Motion, str | None]:
+def _workspace(view: View) -> tuple[Ar2Motion, str | None]:
     """Take away what would lead out of the workspace, one side after the other."""
     motion = view.allowed
     if motion.twist == STILL:
@@ -132,12 +132,12 @@ def _workspace(view: View) -> tuple[Motion, str | None]:
     return allowed, f"the tool is at the end of its workspace: {', '.join(met)}"
 
 
-def _joints(view: View) -> tuple[Motion, str | None]:
+def _joints(view: View) -> tuple[Ar2Motion, str | None]:
     """Take the share at which no joint is too fast or passes its end, so that the tool stays on its way."""
     motion = view.allowed
     if motion.twist == STILL:
         return motion, None
-    body = Body(view.robot)
+    body = Ar2Kinematics(view.robot)
     rates, share = body.rates(body.begin(view.seen.demanded, view.body), motion.twist)
     if rates.watch.damping and share >= 1.0:
         return motion, f"near a singular posture, at {rates.watch.smallest:.3f}: the tool leaves its path"
@@ -147,7 +147,7 @@ def _joints(view: View) -> tuple[Motion, str | None]:
     return allowed, f"the joints follow at {100.0 * share:.0f} % of that"
 
 
-def _acceleration(view: View) -> tuple[Motion, str | None]:
+def _acceleration(view: View) -> tuple[Ar2Motion, str | None]:
     """Clip nothing, the ramp does; say where it will take more than one cycle."""
     requested, limits, cycle_s = view.allowed, view.geometry.limits, to_seconds(view.robot.cycle)
     before = view.seen.demanded
@@ -163,7 +163,7 @@ def _acceleration(view: View) -> tuple[Motion, str | None]:
 
 def _limit(
     name: str,
-    clip: Callable[[View], tuple[Motion, str | None]],
+    clip: Callable[[View], tuple[Ar2Motion, str | None]],
     remedy: str,
     severity: Severity = Severity.WARNING,
 ) -> Limit:

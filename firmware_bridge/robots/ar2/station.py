@@ -9,8 +9,8 @@ from typing import Final
 
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.ar2.body import JOINTS
-from firmware_bridge.robots.ar2.geometry import Geometry
-from firmware_bridge.robots.ar2.motion import Motion, State
+from firmware_bridge.robots.ar2.geometry import Ar2Geometry
+from firmware_bridge.robots.ar2.motion import Ar2Motion, Ar2State
 from firmware_bridge.robots.ar2.rules import tool
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.station import (
@@ -27,11 +27,11 @@ from firmware_bridge.teleop.station import (
 from firmware_bridge.units import SECOND
 
 
-def of_stick(stick: Stick, _command: Motion, robot: Robot[Geometry]) -> Motion:
+def of_stick(stick: Stick, _command: Ar2Motion, robot: Robot[Ar2Geometry]) -> Ar2Motion:
     """Return the command for a stick."""
     limits = robot.geometry.limits
     speed = limits.speed_mps
-    return Motion(
+    return Ar2Motion(
         ahead_mps=(stick.forward or 0.0) * speed,
         left_mps=(stick.left or 0.0) * speed,
         up_mps=(stick.up or 0.0) * speed,
@@ -39,35 +39,35 @@ def of_stick(stick: Stick, _command: Motion, robot: Robot[Geometry]) -> Motion:
     )
 
 
-def of_target(velocity: Velocity, _command: Motion, _robot: Robot[Geometry]) -> Motion:
+def of_target(velocity: Velocity, _command: Ar2Motion, _robot: Robot[Ar2Geometry]) -> Ar2Motion:
     """Return the command for a velocity on the level, and a turn rate."""
-    return Motion(velocity.forward_mps, velocity.left_mps, yaw_rad_s=velocity.yaw_rate_rad_s or 0.0)
+    return Ar2Motion(velocity.forward_mps, velocity.left_mps, yaw_rad_s=velocity.yaw_rate_rad_s or 0.0)
 
 
-def _largest(robot: Robot[Geometry]) -> Twist:
+def _largest(robot: Robot[Ar2Geometry]) -> Twist:
     limits = robot.geometry.limits
     return Twist(limits.speed_mps, limits.speed_mps, limits.turn_rate_rad_s)
 
 
-def _still(_state: State) -> Twist:
+def _still(_state: Ar2State) -> Twist:
     """Return a foot at standstill: the tool's motion has values of its own."""
     return Twist(0.0, 0.0, 0.0)
 
 
-def _coordinate(axis: int, letter: str) -> Value[Motion, State]:
-    def read(seen: Snapshot[Motion, State]) -> float:
+def _coordinate(axis: int, letter: str) -> Value[Ar2Motion, Ar2State]:
+    def read(seen: Snapshot[Ar2Motion, Ar2State]) -> float:
         return tool(seen.body)[axis]
 
     return Value(f"TOOL_{letter}", SECOND // 5, read, "m, where the tool is counted to be")
 
 
-def _degrees(role: str) -> Gauge[Geometry]:
+def _degrees(role: str) -> Gauge[Ar2Geometry]:
     return Gauge(
         role, "deg", lambda position, _: math.degrees(position), lambda value, _: math.radians(value)
     )
 
 
-STATION: Final[Station[Geometry, Motion, State]] = Station(
+STATION: Final[Station[Ar2Geometry, Ar2Motion, Ar2State]] = Station(
     stick=of_stick,
     target=of_target,
     twist=_still,

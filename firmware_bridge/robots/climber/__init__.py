@@ -4,22 +4,23 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
-from firmware_bridge.kind import Kind
+from firmware_bridge import renamed
+from firmware_bridge.robot_type import RobotType
 from firmware_bridge.robots.climber.body import CLIMBER
-from firmware_bridge.robots.climber.geometry import Geometry
-from firmware_bridge.robots.climber.guide import Follower
-from firmware_bridge.robots.climber.motion import Motion, State
+from firmware_bridge.robots.climber.geometry import ClimberGeometry
+from firmware_bridge.robots.climber.guide import ClimberPathFollower
+from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
 from firmware_bridge.robots.climber.paths import PATHS
 from firmware_bridge.robots.climber.rules import INTERLOCKS, LIMITS
 from firmware_bridge.robots.climber.station import STATION
 from firmware_bridge.robots.climber.surface import unrolled
 
-KIND: Final[Kind[Geometry, Motion, State]] = Kind(
+ROBOT_TYPE: Final[RobotType[ClimberGeometry, ClimberMotion, ClimberState]] = RobotType(
     name="climber",
     file=Path(__file__).with_name("climber.toml"),
     more={"cameras": Path(__file__).with_name("cameras.toml")},
-    geometry=Geometry,
-    rest=Motion(),
+    geometry=ClimberGeometry,
+    rest=ClimberMotion(),
     numbers=CLIMBER.numbers,
     body=CLIMBER.body,
     groups=CLIMBER.groups,
@@ -30,5 +31,8 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     reach=CLIMBER.reach,
     station=STATION,
     unrolled=lambda robot: partial(unrolled, robot.geometry),
-    guides={name: partial(Follower, name=name) for name in PATHS},
+    guides={name: partial(ClimberPathFollower, name=name) for name in PATHS},
 )
+
+
+__getattr__ = renamed.module(__name__, __name__, KIND="ROBOT_TYPE")

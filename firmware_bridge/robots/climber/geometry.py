@@ -9,6 +9,7 @@ from typing import Annotated, Final, Self
 
 from pydantic import Field, model_validator
 
+from firmware_bridge import renamed
 from firmware_bridge.differential import geometry
 from firmware_bridge.motion.differential import DifferentialBase
 from firmware_bridge.robot.table import Finite, Positive, Table
@@ -140,7 +141,7 @@ class Wall(Table):
         return self
 
 
-class Limits(geometry.Limits):
+class ClimberLimits(geometry.Limits):
     """The limits that the interlocks enforce, with the highest and lowest height."""
 
     lowest_m: Finite
@@ -148,7 +149,7 @@ class Limits(geometry.Limits):
     highest_m: Finite
 
 
-class Control(Table):
+class ClimberGains(Table):
     """Gains of the polar law (27) to (29) of [C], with the signs under which it is stable."""
 
     k_rho_per_s: Positive
@@ -175,7 +176,7 @@ class Paths(Table):
     """Of the circle."""
 
 
-class Geometry(geometry.Geometry):
+class ClimberGeometry(geometry.Geometry):
     """The robot, its tank, its limits, its control and its paths."""
 
     base: Base
@@ -183,8 +184,8 @@ class Geometry(geometry.Geometry):
     start: Start = Start()
     joint: Joint
     wall: Wall
-    limits: Limits
-    control: Control
+    limits: ClimberLimits
+    control: ClimberGains
     paths: Paths = Paths()
 
     @model_validator(mode="after")
@@ -195,3 +196,6 @@ class Geometry(geometry.Geometry):
                 f"{self.limits.speed_mps:g}"
             )
         return self
+
+
+__getattr__ = renamed.module(__name__, __name__, Geometry="ClimberGeometry")

@@ -21,9 +21,9 @@ from firmware_bridge.differential.body import ramp_of
 from firmware_bridge.motion.captured import Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.climber.geometry import Geometry
-from firmware_bridge.robots.climber.motion import Motion, State
-from firmware_bridge.robots.climber.paths import PATHS, Leg
+from firmware_bridge.robots.climber.geometry import ClimberGeometry
+from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
+from firmware_bridge.robots.climber.paths import PATHS, PathLeg
 from firmware_bridge.robots.climber.surface import placed
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import Nanoseconds, to_seconds
@@ -42,10 +42,10 @@ TURN_SHARE: Final = 0.5
 """The same of turns on the spot: nothing is steered by them."""
 
 
-class Follower:
-    """A `firmware_bridge.kind.Guide` along one path."""
+class ClimberPathFollower:
+    """A `firmware_bridge.robot_type.PathFollower` along one path."""
 
-    def __init__(self, robot: Robot[Geometry], name: str) -> None:
+    def __init__(self, robot: Robot[ClimberGeometry], name: str) -> None:
         geometry = robot.geometry
         self._geometry: Final = geometry
         self._control: Final = geometry.control
@@ -74,7 +74,7 @@ class Follower:
         """Begin from rest again: the robot was held back."""
         self._rate = 0.0
 
-    def command(self, seen: Snapshot[Motion, State], elapsed: Nanoseconds) -> Motion:
+    def command(self, seen: Snapshot[ClimberMotion, ClimberState], elapsed: Nanoseconds) -> ClimberMotion:
         """Return the motion towards where the path is now."""
         located, age = seen.located, self._age(seen)
         self._demanded = seen.demanded.speed_mps, seen.demanded.turn_rad_s
@@ -100,14 +100,14 @@ class Follower:
         self._go_on(leg, to_seconds(elapsed), stops=stops)
         return self._driven(leg, pose, self._begin, to_seconds(age))
 
-    def _age(self, seen: Snapshot[Motion, State]) -> Nanoseconds:
+    def _age(self, seen: Snapshot[ClimberMotion, ClimberState]) -> Nanoseconds:
         """Return how old the pose is: it is carried on behind this, so it is that of the samples before."""
         sampled = min(seen.facts.axes[name].sampled_at for name in self._axes)
         age = seen.facts.now - (sampled if self._posed_at is None else self._posed_at)
         self._posed_at = sampled
         return age
 
-    def _must_turn_round(self, state: State) -> bool:
+    def _must_turn_round(self, state: ClimberState) -> bool:
         """Return whether the joint is turned so far that it is better to turn round, if it can."""
         joint = state.joint_rad
         if joint is None or self._geometry.base.coupled:
@@ -115,7 +115,7 @@ class Follower:
         grown = -joint if self._tail else joint
         return grown >= math.radians(self._geometry.joint.turns_round_deg)
 
-    def _turned(self, leg: Leg, pose: Pose) -> Motion | None:
+    def _turned(self, leg: PathLeg, pose: Pose) -> ClimberMotion | None:
         """Return the turn on the spot towards the leg; None where it is over, or none is needed."""
         off = self._askew(leg.at(self._way)[2], pose)
         if abs(off) <= TURNED_RAD:
@@ -127,7 +127,7 @@ class Follower:
         self._rate = 0.0
         return self._motion(0.0, math.copysign(turn, off))
 
-    def _driven(self, leg: Leg, pose: Pose, begin: tuple[float, float], age: float) -> Motion:
+    def _driven(self, leg: PathLeg, pose: Pose, begin: tuple[float, float], age: float) -> ClimberMotion:
         """Return the polar law's motion towards a reference ahead of where the robot shall be."""
         side = -1.0 if self._tail else 1.0
         # The pose is that of the samples before, of that instant.
@@ -150,7 +150,7 @@ class Follower:
             return self._motion(0.0, 0.0)
         return self._motion(side * speed, turn)
 
-    def _go_on(self, leg: Leg, seconds: float, *, stops: bool) -> None:
+    def _go_on(self, leg: PathLeg, seconds: float, *, stops: bool) -> None:
         """Move where the robot shall be on along the leg: as fast as the path may be, and to rest at its end.
 
         It comes to rest before where it `stops`.
@@ -169,7 +169,7 @@ class Follower:
         else:
             self._way, self._rate = self._way + step, fastest
 
-    def _next(self, leg: Leg, begin: tuple[float, float]) -> None:
+    def _next(self, leg: PathLeg, begin: tuple[float, float]) -> None:
         """Turn to the next leg, which begins where this one ends."""
         arc, height, _ = leg.at(leg.length)
         self._begin = begin[0] + arc, begin[1] + height
@@ -179,7 +179,7 @@ class Follower:
     def _askew(self, heading: float, pose: Pose) -> float:
         return math.remainder(heading + (math.pi if self._tail else 0.0) - pose.heading_rad, math.tau)
 
-    def _motion(self, speed: float, turn: float) -> Motion:
+    def _motion(self, speed: float, turn: float) -> ClimberMotion:
         """Return the motion, which is no faster than the robot may be, nor sooner than its ramp allows."""
         limits = self._limits
         command = (
@@ -187,4 +187,4 @@ class Follower:
             min(max(turn, -limits.turn_rate_rad_s), limits.turn_rate_rad_s),
         )
         speed, turn = self._ramp.step(self._demanded, command, self._ramp.longest_step)
-        return Motion(speed, turn, path_s=(self._done_m + self._way) / self._control.speed_mps)
+        return ClimberMotion(speed, turn, path_s=(self._done_m + self._way) / self._control.speed_mps)

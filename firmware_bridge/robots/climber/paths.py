@@ -16,7 +16,7 @@ STRAIGHT_RAD: Final = 1e-9
 """A chord over less is as long as its arc."""
 
 
-class Leg(NamedTuple):
+class PathLeg(NamedTuple):
     """A piece that is driven without turning on the spot: m, rad, 1/m to the left."""
 
     length: float
@@ -33,12 +33,12 @@ class Leg(NamedTuple):
         return chord * math.cos(course), chord * math.sin(course), self.heading + turn
 
 
-Path: TypeAlias = tuple[Leg, ...]
+Path: TypeAlias = tuple[PathLeg, ...]
 
 
 def polygon(side: float, headings: tuple[float, ...]) -> Path:
     """Return sides of one length, one after the other."""
-    return tuple(Leg(side, heading) for heading in headings)
+    return tuple(PathLeg(side, heading) for heading in headings)
 
 
 def _degrees(*headings: float) -> tuple[float, ...]:
@@ -47,10 +47,10 @@ def _degrees(*headings: float) -> tuple[float, ...]:
 
 PATHS: Final[Mapping[str, Callable[[Paths], Path]]] = MappingProxyType(
     {
-        "vertical": lambda paths: (Leg(paths.length_m, UP),),
-        "horizontal": lambda paths: (Leg(paths.length_m, 0.0),),
-        "spiral": lambda paths: (Leg(paths.length_m, math.pi / 4.0),),
-        "circle": lambda paths: (Leg(math.tau * paths.radius_m, UP, 1.0 / paths.radius_m),),
+        "vertical": lambda paths: (PathLeg(paths.length_m, UP),),
+        "horizontal": lambda paths: (PathLeg(paths.length_m, 0.0),),
+        "spiral": lambda paths: (PathLeg(paths.length_m, math.pi / 4.0),),
+        "circle": lambda paths: (PathLeg(math.tau * paths.radius_m, UP, 1.0 / paths.radius_m),),
         "triangle": lambda paths: polygon(paths.side_m, _degrees(90.0, -30.0, -150.0)),
         "square": lambda paths: polygon(paths.side_m, _degrees(90.0, 0.0, -90.0, -180.0)),
         "diamond": lambda paths: polygon(paths.side_m, _degrees(45.0, 135.0, 225.0, 315.0)),

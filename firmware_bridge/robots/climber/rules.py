@@ -9,15 +9,15 @@ from firmware_bridge.motion.captured import Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.motion.ramp import MARGIN
 from firmware_bridge.robots.climber.body import CLIMBER
-from firmware_bridge.robots.climber.geometry import Geometry
-from firmware_bridge.robots.climber.motion import Motion, State
+from firmware_bridge.robots.climber.geometry import ClimberGeometry
+from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
 from firmware_bridge.robots.climber.surface import placed
 from firmware_bridge.safety import interlock
-from firmware_bridge.safety.row import Severity
+from firmware_bridge.safety.interlock_base import Severity
 
-View: TypeAlias = interlock.View[Geometry, Motion, State]
-Interlock: TypeAlias = interlock.Interlock[Geometry, Motion, State]
-Limit: TypeAlias = interlock.Limit[Geometry, Motion, State]
+View: TypeAlias = interlock.View[ClimberGeometry, ClimberMotion, ClimberState]
+Interlock: TypeAlias = interlock.Interlock[ClimberGeometry, ClimberMotion, ClimberState]
+Limit: TypeAlias = interlock.Limit[ClimberGeometry, ClimberMotion, ClimberState]
 
 ON_WALL: Final = 0.9
 """The share of the magnets' switches below which one is off."""
@@ -80,7 +80,7 @@ INTERLOCKS: Final = (
 )
 
 
-def _joint(view: View) -> tuple[Motion, str | None]:
+def _joint(view: View) -> tuple[ClimberMotion, str | None]:
     """Clip the speed the way in which the joint's angle grows; the other way it decays."""
     motion, joint = view.allowed, view.body.joint_rad
     high = view.geometry.joint.share(joint, motion.speed_mps) * view.geometry.limits.speed_mps
@@ -107,7 +107,7 @@ def _braked(left_m: float, view: View) -> float:
     return math.sqrt(2.0 * MARGIN * view.geometry.limits.acceleration_mps2 * max(left_m, 0.0))
 
 
-def _towards(view: View, share: float, left_m: float) -> Motion:
+def _towards(view: View, share: float, left_m: float) -> ClimberMotion:
     """Return the motion that stops before a bound; it comes nearer with this share of the speed ahead."""
     motion = view.allowed
     if share * motion.speed_mps <= _braked(left_m, view):
@@ -115,18 +115,18 @@ def _towards(view: View, share: float, left_m: float) -> Motion:
     return replace(motion, speed_mps=_braked(left_m, view) / share)
 
 
-def _height(view: View) -> tuple[Motion, str | None]:
+def _height(view: View) -> tuple[ClimberMotion, str | None]:
     return _no_higher(view, view.geometry.limits.lowest_m, view.geometry.limits.highest_m, "")
 
 
-def _adhesion(view: View) -> tuple[Motion, str | None]:
+def _adhesion(view: View) -> tuple[ClimberMotion, str | None]:
     wall = view.geometry.wall
     return _no_higher(
         view, -math.inf, wall.highest_m, f": the magnets hold {wall.heaviest_kg:.1f} kg, cable included"
     )
 
 
-def _no_higher(view: View, low: float, high: float, why: str) -> tuple[Motion, str | None]:
+def _no_higher(view: View, low: float, high: float, why: str) -> tuple[ClimberMotion, str | None]:
     place, motion = _place(view), view.allowed
     if place is None:
         return motion, None
@@ -140,7 +140,7 @@ def _no_higher(view: View, low: float, high: float, why: str) -> tuple[Motion, s
     return allowed, f"it is {place.y_m:.2f} m high, and may not pass {bound:.2f} m{why}"
 
 
-def _cable(view: View) -> tuple[Motion, str | None]:
+def _cable(view: View) -> tuple[ClimberMotion, str | None]:
     """Clip what draws the cable taut; it lies straight on the tank, from where arc and height are 0."""
     place, length = _place(view), view.geometry.wall.cable_m
     drawn = 0.0 if place is None else math.hypot(place.x_m, place.y_m)
@@ -153,7 +153,7 @@ def _cable(view: View) -> tuple[Motion, str | None]:
     return allowed, f"{drawn:.2f} m of the cable are drawn, it is {length:.2f} m long"
 
 
-def _coupled(view: View) -> tuple[Motion, str | None]:
+def _coupled(view: View) -> tuple[ClimberMotion, str | None]:
     motion = view.allowed
     if not view.geometry.base.coupled or motion.turn_rad_s == 0.0:
         return motion, None

@@ -7,19 +7,19 @@ import math
 from typing import Final
 
 from firmware_bridge.robots.climber.body import CLIMBER
-from firmware_bridge.robots.climber.geometry import Geometry
-from firmware_bridge.robots.climber.motion import Motion, State
+from firmware_bridge.robots.climber.geometry import ClimberGeometry
+from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.station import Fixed, Station, Value
 from firmware_bridge.units import SECOND
 
 
-def _joint_deg(seen: Snapshot[Motion, State]) -> float | None:
+def _joint_deg(seen: Snapshot[ClimberMotion, ClimberState]) -> float | None:
     joint = seen.body.joint_rad
     return None if joint is None else math.degrees(joint)
 
 
-STATION: Final[Station[Geometry, Motion, State]] = Station(
+STATION: Final[Station[ClimberGeometry, ClimberMotion, ClimberState]] = Station(
     stick=CLIMBER.stick,
     target=CLIMBER.target,
     twist=CLIMBER.twist,

@@ -10,13 +10,13 @@ from typing import Final
 
 from firmware_bridge.drivers.driver import SeenPose
 from firmware_bridge.motion.pose import Pose
-from firmware_bridge.robots.climber.geometry import Geometry
+from firmware_bridge.robots.climber.geometry import ClimberGeometry
 
 FLAT_PER_M: Final = 1e-6
 """Below this curvature along the axle the track is that of a plane."""
 
 
-def unrolled(geometry: Geometry, seen: SeenPose, near: Pose) -> Pose:
+def unrolled(geometry: ClimberGeometry, seen: SeenPose, near: Pose) -> Pose:
     """Return the pose on the unrolled surface of a robot that cameras see in the room.
 
     The arc is that of the turn round the tank which is nearest to the robot's assumed position. How far off
@@ -33,7 +33,7 @@ def unrolled(geometry: Geometry, seen: SeenPose, near: Pose) -> Pose:
     return Pose(tank.radius_m * (round_it + turns), height, math.atan2(ahead[2], along))
 
 
-def track_on(geometry: Geometry, heading_rad: float, joint_rad: float | None = None) -> float:
+def track_on(geometry: ClimberGeometry, heading_rad: float, joint_rad: float | None = None) -> float:
     """Return the track in m, along the surface, of a robot that looks so and whose joint is at an angle.
 
     Across the robot the surface is a circle of radius r = r_c / sin^2(heading). Each half, turned by half of
@@ -54,7 +54,7 @@ def track_on(geometry: Geometry, heading_rad: float, joint_rad: float | None = N
     return 2.0 * math.asin(x * bend / (1.0 + crown * bend)) / bend
 
 
-def placed(geometry: Geometry, rolled: Pose) -> Pose:
+def placed(geometry: ClimberGeometry, rolled: Pose) -> Pose:
     """Return the pose on the unrolled surface of a robot with the robot file's start pose."""
     start = geometry.start
     turn = start.heading_rad

@@ -3,20 +3,21 @@
 from pathlib import Path
 from typing import Final
 
-from firmware_bridge.kind import Kind
+from firmware_bridge import renamed
+from firmware_bridge.robot_type import RobotType
 from firmware_bridge.robots.rars.body import BASE, GROUPS, Rars, reach
-from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.robots.rars.geometry import RarsGeometry
 from firmware_bridge.robots.rars.model import RarsModel
 from firmware_bridge.robots.rars.modes import MODES
-from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.robots.rars.rules import INTERLOCKS, LIMITS, slowed
 from firmware_bridge.robots.rars.station import STATION
 
-KIND: Final[Kind[Geometry, Motion, State]] = Kind(
+ROBOT_TYPE: Final[RobotType[RarsGeometry, RarsMotion, RarsState]] = RobotType(
     name="rars",
     file=Path(__file__).with_name("rars.toml"),
-    geometry=Geometry,
-    rest=Motion(),
+    geometry=RarsGeometry,
+    rest=RarsMotion(),
     numbers={
         "speed": lambda motion: motion.speed_mps,
         "steer angle": lambda motion: motion.steer_rad,
@@ -34,3 +35,6 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     model=RarsModel,
     modes=MODES,
 )
+
+
+__getattr__ = renamed.module(__name__, __name__, KIND="ROBOT_TYPE")

@@ -15,8 +15,8 @@ from firmware_bridge.motion.odometry import moved
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.motion.ramp import MARGIN, Ramp
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rars.geometry import Geometry, Limits
-from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.robots.rars.geometry import RarsGeometry, RarsLimits
+from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.units import Nanoseconds, to_seconds
 
 BASE: Final = "base"
@@ -43,16 +43,16 @@ neutral.
 """
 
 
-def ramp_of(robot: Robot[Geometry], limits: Limits | None = None) -> Ramp:
+def ramp_of(robot: Robot[RarsGeometry], limits: RarsLimits | None = None) -> Ramp:
     """Return the bounds of the base's speed, by these limits or by those of the whole robot."""
     limits, base = limits or robot.geometry.limits, robot.geometry.base
     return Ramp(MARGIN * limits.acceleration_mps2, base.rear_track_m / 2.0, robot.cycle)
 
 
 class Rars:
-    """A `firmware_bridge.kind.Body`."""
+    """A `firmware_bridge.robot_type.Body`."""
 
-    def __init__(self, robot: Robot[Geometry], limits: Limits | None = None) -> None:
+    def __init__(self, robot: Robot[RarsGeometry], limits: RarsLimits | None = None) -> None:
         """Take the robot, and what narrows its limits."""
         limits = limits or robot.geometry.limits
         self._base = robot.geometry.base
@@ -68,7 +68,7 @@ class Rars:
         self.rolling: tuple[str, ...] = (self._left, self._right)
         """The axes from whose positions the pose is carried on."""
 
-    def sensed(self, axes: Mapping[str, Feedback], _sensors: Mapping[str, Reading]) -> State:
+    def sensed(self, axes: Mapping[str, Feedback], _sensors: Mapping[str, Reading]) -> RarsState:
         """Return angle, height and speeds."""
         steering, screw = axes[self._steering], axes[self._screw]
         left = axes[self._left].velocity * self._base.wheel_radius_m
@@ -79,19 +79,19 @@ class Rars:
         if screw.received_at != NEVER_RECEIVED:
             lift = scissor.height_from_screw(self._lift, screw.position)
             turning = screw.velocity
-        return State(steer, lift, turning, (left + right) / 2.0, (right - left) / self._base.rear_track_m)
+        return RarsState(steer, lift, turning, (left + right) / 2.0, (right - left) / self._base.rear_track_m)
 
-    def requested(self, motion: Motion, state: State) -> frozenset[str]:
+    def requested(self, motion: RarsMotion, state: RarsState) -> frozenset[str]:
         """Return the groups that the motion commands to move; a base that only steers is at standstill."""
         base = BASE if motion.speed_mps != 0.0 else ""
         lift = LIFT if _lift_requested(motion, state.lift_m) else ""
         return frozenset(group for group in (base, lift) if group)
 
-    def moving(self, state: State) -> frozenset[str]:
+    def moving(self, state: RarsState) -> frozenset[str]:
         """Return the base where a wheel of it rolls; the lift is judged by rows of its own."""
         return NOTHING if abs(rolls(self._base, state)) < BASE_MOVES_MPS else frozenset({BASE})
 
-    def rested(self, motion: Motion, groups: frozenset[str]) -> Motion:
+    def rested(self, motion: RarsMotion, groups: frozenset[str]) -> RarsMotion:
         """Return the motion with base, lift or both at rest: speed 0, and the rest stays where it is."""
         if BASE in groups:
             motion = replace(motion, speed_mps=0.0, steer_rad=None)
@@ -99,7 +99,9 @@ class Rars:
             motion = replace(motion, lift_m=None, lift_rate_mps=0.0)
         return motion
 
-    def ramped(self, demanded: Motion, allowed: Motion, state: State, elapsed: Nanoseconds) -> Motion:
+    def ramped(
+        self, demanded: RarsMotion, allowed: RarsMotion, state: RarsState, elapsed: Nanoseconds
+    ) -> RarsMotion:
         """Return the next demand: the speed on its ramp in the turn actually steered, a near height."""
         bend = davis.curvature(self._base, steered(state))
         top = self._top_mps * (1.0 - GIVES_BACK * self._straightens(allowed, bend))
@@ -108,7 +110,7 @@ class Rars:
         height = self._next_height(demanded.lift_m, allowed, state.lift_m, to_seconds(elapsed))
         return replace(allowed, speed_mps=speed, lift_m=height, lift_rate_mps=0.0)
 
-    def demands(self, motion: Motion, state: State) -> Mapping[str, Demand]:
+    def demands(self, motion: RarsMotion, state: RarsState) -> Mapping[str, Demand]:
         """Return the steering's demand first, as in the thesis; the wheels follow the actual angle."""
         left, right = davis.wheel_speeds(self._base, motion.speed_mps, steered(state))
         demands: dict[str, Demand] = {}
@@ -132,7 +134,7 @@ class Rars:
         radius = self._base.wheel_radius_m
         return moved(pose, left * radius, right * radius, self._base.rear_track_m)
 
-    def _straightens(self, allowed: Motion, bend_per_m: float) -> float:
+    def _straightens(self, allowed: RarsMotion, bend_per_m: float) -> float:
         """Return by how much less the outer wheel will go before the base than in the turn steered now."""
         if allowed.steer_rad is None:
             return 0.0
@@ -140,7 +142,7 @@ class Rars:
         return max(abs(bend_per_m) - max(goal, 0.0), 0.0) * self._base.rear_track_m / 2.0
 
     def _next_height(
-        self, before_m: float | None, allowed: Motion, height_m: float | None, seconds: float
+        self, before_m: float | None, allowed: RarsMotion, height_m: float | None, seconds: float
     ) -> float | None:
         """Return where the lift shall be now: a target that travels at its rate, near the platform."""
         if height_m is None or (allowed.lift_m is None and allowed.lift_rate_mps == 0.0):
@@ -156,24 +158,24 @@ class Rars:
         return min(max(target, 0.0), self._highest_m)
 
 
-def reach(robot: Robot[Geometry]) -> Iterator[tuple[Motion, State]]:
+def reach(robot: Robot[RarsGeometry]) -> Iterator[tuple[RarsMotion, RarsState]]:
     """Yield full speed both ways at both full locks, straight ahead, and the lift at its ends."""
     geometry = robot.geometry
     lock = min(geometry.limits.steer_angle_rad, geometry.tightest_steer_rad)
     for steer in (-lock, 0.0, lock):
         for speed in (-geometry.limits.speed_mps, geometry.limits.speed_mps):
             for height in (0.0, scissor.highest(geometry.lift)):
-                state = State(steer, height, 0.0, speed, speed * davis.curvature(geometry.base, steer))
-                yield Motion(speed, steer, height), state
+                state = RarsState(steer, height, 0.0, speed, speed * davis.curvature(geometry.base, steer))
+                yield RarsMotion(speed, steer, height), state
 
 
-def _lift_requested(motion: Motion, height_m: float | None) -> bool:
+def _lift_requested(motion: RarsMotion, height_m: float | None) -> bool:
     if motion.lift_m is None:
         return motion.lift_rate_mps != 0.0
     return height_m is None or not abs(motion.lift_m - height_m) <= LIFT_TOLERANCE_M
 
 
-def rolls(base: davis.DavisBase, state: State) -> float:
+def rolls(base: davis.DavisBase, state: RarsState) -> float:
     """Return the speed in m/s of the rear wheel that rolls faster, the way the base drives positive."""
     return state.speed_mps + math.copysign(state.yaw_rate_rad_s * base.rear_track_m / 2.0, state.speed_mps)
 
@@ -183,7 +185,7 @@ def known(value: float | None) -> bool:
     return value is not None and math.isfinite(value)
 
 
-def steered(state: State) -> float:
+def steered(state: RarsState) -> float:
     """Return the angle that the inner wheel has; 0 while it is not known, and an interlock holds."""
     steer = state.steer_rad
     return steer if steer is not None and math.isfinite(steer) else 0.0

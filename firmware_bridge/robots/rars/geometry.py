@@ -5,13 +5,14 @@ from typing import Annotated
 
 from pydantic import Field
 
+from firmware_bridge import renamed
 from firmware_bridge.motion.davis import DavisBase, steer_from_curvature
 from firmware_bridge.motion.scissor import ScissorLift
 from firmware_bridge.robot.table import NonNegative, Positive, Table
 from firmware_bridge.units import STANDARD_GRAVITY
 
 
-class Limits(Table):
+class RarsLimits(Table):
     """The limits that the interlocks enforce, whatever the operator commands (thesis 2.3.1, 4.2.1)."""
 
     speed_mps: Positive
@@ -41,16 +42,16 @@ class Degraded(Table):
     """Limit where one wheel drives alone."""
 
 
-class Geometry(Table):
+class RarsGeometry(Table):
     """Steered base, lift on it, and their limits."""
 
     base: DavisBase
     lift: ScissorLift
-    limits: Limits
+    limits: RarsLimits
     degraded: Degraded
 
     @property
-    def narrowed(self) -> Limits:
+    def narrowed(self) -> RarsLimits:
         """The limits after a failure."""
         degraded, whole = self.degraded, self.limits
         changed = {
@@ -63,3 +64,6 @@ class Geometry(Table):
     def tightest_steer_rad(self) -> float:
         """The inner wheel's angle of the tightest turn, 58.95 degrees for 415 mm (2.13)."""
         return steer_from_curvature(self.base, 1.0 / self.limits.turn_radius_m)
+
+
+__getattr__ = renamed.module(__name__, __name__, Geometry="RarsGeometry")

@@ -7,7 +7,7 @@ from firmware_bridge.motion import davis
 from firmware_bridge.motion.model import Moving, arc
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rars.body import STEERING, ramp_of
-from firmware_bridge.robots.rars.geometry import Geometry
+from firmware_bridge.robots.rars.geometry import RarsGeometry
 from firmware_bridge.units import RPM_PER_RAD_S, from_seconds
 
 STANDS_MPS: Final = 0.02
@@ -15,9 +15,9 @@ STANDS_MPS: Final = 0.02
 
 
 class RarsModel:
-    """A `firmware_bridge.motion.model.Model`."""
+    """A `firmware_bridge.motion.model.MotionModel`."""
 
-    def __init__(self, robot: Robot[Geometry]) -> None:
+    def __init__(self, robot: Robot[RarsGeometry]) -> None:
         steering = robot.axis(STEERING)
         self._base: Final = robot.geometry.base
         self._ramp: Final = ramp_of(robot)

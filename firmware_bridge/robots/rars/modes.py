@@ -11,11 +11,11 @@ from dataclasses import replace
 from typing import Final
 
 from firmware_bridge.drivers.driver import Demand, Feedback, Reading, Speed
-from firmware_bridge.kind import Mode
 from firmware_bridge.motion import davis
 from firmware_bridge.motion.odometry import moved
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
+from firmware_bridge.robot_type import RobotMode
 from firmware_bridge.robots.rars.body import (
     LEFT_WHEEL,
     RIGHT_WHEEL,
@@ -24,8 +24,8 @@ from firmware_bridge.robots.rars.body import (
     Rars,
     steered,
 )
-from firmware_bridge.robots.rars.geometry import Geometry
-from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.robots.rars.geometry import RarsGeometry
+from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.robots.rars.rules import (
     INTERLOCKS,
     LIMIT_CLEARS_AFTER,
@@ -45,11 +45,11 @@ class Failed(Rars):
     role: str
     """Role of that axis."""
 
-    def __init__(self, robot: Robot[Geometry]) -> None:
+    def __init__(self, robot: Robot[RarsGeometry]) -> None:
         super().__init__(robot, robot.geometry.narrowed)
         self._out: Final = robot.axis(self.role).name
 
-    def demands(self, motion: Motion, state: State) -> Mapping[str, Demand]:
+    def demands(self, motion: RarsMotion, state: RarsState) -> Mapping[str, Demand]:
         """Return the demands of the axes that are left."""
         return {name: demand for name, demand in super().demands(motion, state).items() if name != self._out}
 
@@ -59,10 +59,10 @@ class SteeringFailed(Failed):
 
     role = STEERING
 
-    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> State:
+    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> RarsState:
         """Return the state, with an angle as long as its drive has kept its zero."""
         state = super().sensed(axes, sensors)
-        return replace(state, steer_rad=None) if axes[self._out].zero_lost else state
+        return replace(state, steer_rad=None) if axes[self._out].reference_lost else state
 
 
 class LiftFailed(Failed):
@@ -70,10 +70,10 @@ class LiftFailed(Failed):
 
     role = SCREW
 
-    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> State:
+    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> RarsState:
         """Return the state, with a height as long as its drive has kept its zero."""
         state = super().sensed(axes, sensors)
-        return replace(state, lift_m=None) if axes[self._out].zero_lost else state
+        return replace(state, lift_m=None) if axes[self._out].reference_lost else state
 
 
 class OneWheel(Failed):
@@ -85,12 +85,12 @@ class OneWheel(Failed):
     side: int
     """1 where the right wheel drives, -1 where the left one does."""
 
-    def __init__(self, robot: Robot[Geometry]) -> None:
+    def __init__(self, robot: Robot[RarsGeometry]) -> None:
         super().__init__(robot)
         self._driven: Final = self._right if self.side > 0 else self._left
         self.rolling = (self._driven,)
 
-    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> State:
+    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> RarsState:
         """Return the state; speed and yaw rate as the driven wheel has them in the turn that is steered."""
         state = super().sensed(axes, sensors)
         speed = axes[self._driven].velocity * self._base.wheel_radius_m / self._share(steered(state))
@@ -98,7 +98,7 @@ class OneWheel(Failed):
             state, speed_mps=speed, yaw_rate_rad_s=speed * davis.curvature(self._base, steered(state))
         )
 
-    def demands(self, motion: Motion, state: State) -> Mapping[str, Demand]:
+    def demands(self, motion: RarsMotion, state: RarsState) -> Mapping[str, Demand]:
         """Return the steering's demand, and that of the wheel that drives."""
         rolling = motion.speed_mps / self._base.wheel_radius_m
         return {
@@ -144,11 +144,11 @@ class RightFailed(OneWheel):
     side = -1
 
 
-def _little_steer(view: View) -> tuple[Motion, str | None]:
+def _little_steer(view: View) -> tuple[RarsMotion, str | None]:
     return clip_steer(view, math.radians(view.geometry.degraded.steer_angle_deg))
 
 
-def _steering_stays(view: View) -> tuple[Motion, str | None]:
+def _steering_stays(view: View) -> tuple[RarsMotion, str | None]:
     """Keep the steering angle; report that where another one is commanded."""
     motion, angle = view.allowed, steered(view.body)
     if motion.steer_rad is None:
@@ -159,7 +159,7 @@ def _steering_stays(view: View) -> tuple[Motion, str | None]:
     return kept, f"the steering stays at {math.degrees(angle):.0f} deg"
 
 
-def _lift_stays(view: View) -> tuple[Motion, str | None]:
+def _lift_stays(view: View) -> tuple[RarsMotion, str | None]:
     """Keep the lift; report that where it is commanded to move."""
     motion = view.allowed
     if motion.lift_m is None and motion.lift_rate_mps == 0.0:
@@ -181,26 +181,26 @@ LITTLE_STEER: Final = Limit(
     "steer angle after a failure", _little_steer, "steer less", clear_after=LIMIT_CLEARS_AFTER
 )
 
-MODES: Final[Mapping[str, Mode[Geometry, Motion, State]]] = {
-    "steering_failed": Mode(
+MODES: Final[Mapping[str, RobotMode[RarsGeometry, RarsMotion, RarsState]]] = {
+    "steering_failed": RobotMode(
         without=frozenset({STEERING}),
         body=SteeringFailed,
         interlocks=INTERLOCKS,
         limits=_limits(STEERING_STAYS),
     ),
-    "left_failed": Mode(
+    "left_failed": RobotMode(
         without=frozenset({LEFT_WHEEL}),
         body=LeftFailed,
         interlocks=INTERLOCKS,
         limits=_limits(LITTLE_STEER),
     ),
-    "right_failed": Mode(
+    "right_failed": RobotMode(
         without=frozenset({RIGHT_WHEEL}),
         body=RightFailed,
         interlocks=INTERLOCKS,
         limits=_limits(LITTLE_STEER),
     ),
-    "lift_failed": Mode(
+    "lift_failed": RobotMode(
         without=frozenset({SCREW}), body=LiftFailed, interlocks=INTERLOCKS, limits=_limits(LIFT_STAYS)
     ),
 }

@@ -1,10 +1,11 @@
 """RARS's motion in its own terms, and the state of its body; forward, left and up are positive."""
 
+from firmware_bridge import renamed
 from firmware_bridge.value import valueclass
 
 
 @valueclass(frozen=True, slots=True)
-class Motion:
+class RarsMotion:
     """A motion: the operator's command, the permitted one, or the bridge's set-point."""
 
     speed_mps: float = 0.0
@@ -19,7 +20,7 @@ class Motion:
 
 
 @valueclass(frozen=True, slots=True)
-class State:
+class RarsState:
     """State by axes and sensors."""
 
     steer_rad: float | None
@@ -31,3 +32,6 @@ class State:
     speed_mps: float
     """Actual speed of the rear axle's middle."""
     yaw_rate_rad_s: float
+
+
+__getattr__ = renamed.module(__name__, __name__, Motion="RarsMotion", State="RarsState")

@@ -12,16 +12,16 @@ from typing import Any, Final, TypeAlias
 from firmware_bridge.motion import davis, scissor
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rars.body import BASE, BASE_MOVES_MPS, LIFT, known, ramp_of, rolls, steered
-from firmware_bridge.robots.rars.geometry import Geometry, Limits
-from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.robots.rars.geometry import RarsGeometry, RarsLimits
+from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.safety import interlock
+from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.safety.limits import bounded
-from firmware_bridge.safety.row import Severity
 from firmware_bridge.units import MILLISECOND, STANDARD_GRAVITY, Nanoseconds
 
-View: TypeAlias = interlock.View[Geometry, Motion, State]
-Interlock: TypeAlias = interlock.Interlock[Geometry, Motion, State]
-Limit: TypeAlias = interlock.Limit[Geometry, Motion, State]
+View: TypeAlias = interlock.View[RarsGeometry, RarsMotion, RarsState]
+Interlock: TypeAlias = interlock.Interlock[RarsGeometry, RarsMotion, RarsState]
+Limit: TypeAlias = interlock.Limit[RarsGeometry, RarsMotion, RarsState]
 
 LIFT_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
 """Longer than a set-point takes to become a measured speed, so that lift and wheels never overlap."""
@@ -115,7 +115,7 @@ INTERLOCKS: Final = (
 )
 
 
-def tipping_speed(robot: Robot[Geometry], steer_rad: float) -> float:
+def tipping_speed(robot: Robot[RarsGeometry], steer_rad: float) -> float:
     """Return the speed in m/s at which the turn tips the robot over, sqrt(R g d / Zcg) (2.7)."""
     base = robot.geometry.base
     radius = davis.turn_radius(base, steer_rad)
@@ -131,8 +131,8 @@ def _tipping_speed(view: View) -> float:
 
 
 def _clip(
-    motion: Motion, field: str, high: float, unit: str, *, low: float | None = None, scale: float = 1.0
-) -> tuple[Motion, str | None]:
+    motion: RarsMotion, field: str, high: float, unit: str, *, low: float | None = None, scale: float = 1.0
+) -> tuple[RarsMotion, str | None]:
     """Return the motion with one of its numbers within bounds, the same where it is; see `bounded`."""
     requested: float | None = getattr(motion, field)
     if requested is None:
@@ -142,30 +142,30 @@ def _clip(
     return (replace(motion, **clipped) if clipped else motion), reason
 
 
-def clip_speed(view: View, high: float) -> tuple[Motion, str | None]:
+def clip_speed(view: View, high: float) -> tuple[RarsMotion, str | None]:
     """Clip the base's speed, in m/s."""
     return _clip(view.allowed, "speed_mps", high, "m/s")
 
 
-def slowed(view: View, share: float) -> tuple[Motion, str | None]:
+def slowed(view: View, share: float) -> tuple[RarsMotion, str | None]:
     """Clip the base's speed to a share of its top; the lift stays where the robot is."""
     return clip_speed(view, share * view.geometry.limits.speed_mps)
 
 
-def clip_steer(view: View, high: float) -> tuple[Motion, str | None]:
+def clip_steer(view: View, high: float) -> tuple[RarsMotion, str | None]:
     """Clip the steer angle, in rad."""
     return _clip(view.allowed, "steer_rad", high, "deg", scale=_DEGREES)
 
 
-def _lift_rate(view: View, high: float) -> tuple[Motion, str | None]:
+def _lift_rate(view: View, high: float) -> tuple[RarsMotion, str | None]:
     return _clip(view.allowed, "lift_rate_mps", high, "m/s")
 
 
-def _lift_range(view: View) -> tuple[Motion, str | None]:
+def _lift_range(view: View) -> tuple[RarsMotion, str | None]:
     return _clip(view.allowed, "lift_m", scissor.highest(view.geometry.lift), "m", low=0.0)
 
 
-def _acceleration(view: View, limits: Limits) -> tuple[Motion, str | None]:
+def _acceleration(view: View, limits: RarsLimits) -> tuple[RarsMotion, str | None]:
     """Clip nothing, the ramp does; say where it will take more than one cycle."""
     demanded, speed = view.seen.demanded.speed_mps, view.allowed.speed_mps
     ramp = ramp_of(view.robot, limits)
@@ -181,17 +181,17 @@ def _acceleration(view: View, limits: Limits) -> tuple[Motion, str | None]:
 
 def _limit(
     name: str,
-    clip: Callable[[View], tuple[Motion, str | None]],
+    clip: Callable[[View], tuple[RarsMotion, str | None]],
     remedy: str,
     severity: Severity = Severity.WARNING,
 ) -> Limit:
     return Limit(name, clip, remedy, clear_after=LIMIT_CLEARS_AFTER, severity=severity)
 
 
-def limits_by(of: Callable[[Geometry], Limits]) -> tuple[Limit, ...]:
+def limits_by(of: Callable[[RarsGeometry], RarsLimits]) -> tuple[Limit, ...]:
     """Return the limits in the order in which they are applied; a later one sees what an earlier one left."""
 
-    def limits(view: View) -> Limits:
+    def limits(view: View) -> RarsLimits:
         return of(view.geometry)
 
     return (

@@ -12,8 +12,8 @@ from firmware_bridge.motion.davis import DavisBase, pinion_from_steer, steer_fro
 from firmware_bridge.motion.scissor import height_from_screw, highest, screw_from_height
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rars.body import SCREW, STEERING
-from firmware_bridge.robots.rars.geometry import Geometry
-from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.robots.rars.geometry import RarsGeometry
+from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.station import (
     USUAL_AXES,
@@ -42,7 +42,7 @@ def steer_for(speed_mps: float, yaw_rate_rad_s: float, base: DavisBase) -> float
     return steer_from_curvature(base, yaw_rate_rad_s / speed_mps)
 
 
-def of_stick(stick: Stick, command: Motion, robot: Robot[Geometry]) -> Motion:
+def of_stick(stick: Stick, command: RarsMotion, robot: Robot[RarsGeometry]) -> RarsMotion:
     """Return the command for a stick; an unused axis leaves steering and lift target as they are."""
     limits = robot.geometry.limits
     side = stick.left if stick.turn is None else stick.turn
@@ -55,7 +55,7 @@ def of_stick(stick: Stick, command: Motion, robot: Robot[Geometry]) -> Motion:
     )
 
 
-def of_target(velocity: Velocity, command: Motion, robot: Robot[Geometry]) -> Motion | Unusable:
+def of_target(velocity: Velocity, command: RarsMotion, robot: Robot[RarsGeometry]) -> RarsMotion | Unusable:
     """Return the command for a velocity: forward speed, and the steering that gives the yaw rate."""
     if velocity.left_mps != 0.0:
         return Unusable("sideways", "this robot moves forward and backward only")
@@ -66,28 +66,28 @@ def of_target(velocity: Velocity, command: Motion, robot: Robot[Geometry]) -> Mo
     )
 
 
-def _lifted(command: Motion, share: float, robot: Robot[Geometry]) -> Motion:
+def _lifted(command: RarsMotion, share: float, robot: Robot[RarsGeometry]) -> RarsMotion:
     return replace(command, lift_m=share * highest(robot.geometry.lift), lift_rate_mps=0.0)
 
 
-def _forgotten(command: Motion) -> Motion:
+def _forgotten(command: RarsMotion) -> RarsMotion:
     return replace(command, lift_m=None, lift_rate_mps=0.0)
 
 
-def _twist(state: State) -> Twist:
+def _twist(state: RarsState) -> Twist:
     return Twist(state.speed_mps, 0.0, state.yaw_rate_rad_s)
 
 
-def _largest(robot: Robot[Geometry]) -> Twist:
+def _largest(robot: Robot[RarsGeometry]) -> Twist:
     limits = robot.geometry.limits
     return Twist(limits.speed_mps, 0.0, limits.speed_mps / limits.turn_radius_m)
 
 
-def _steer_deg(seen: Snapshot[Motion, State]) -> float | None:
+def _steer_deg(seen: Snapshot[RarsMotion, RarsState]) -> float | None:
     return None if seen.body.steer_rad is None else math.degrees(seen.body.steer_rad)
 
 
-STATION: Final[Station[Geometry, Motion, State]] = Station(
+STATION: Final[Station[RarsGeometry, RarsMotion, RarsState]] = Station(
     stick=of_stick,
     target=of_target,
     twist=_twist,

@@ -4,27 +4,28 @@ from functools import partial
 from pathlib import Path
 from typing import Final
 
-from firmware_bridge.kind import Kind
-from firmware_bridge.robots.rome.body import BASE, GROUPS, Body, reach
-from firmware_bridge.robots.rome.geometry import Geometry
+from firmware_bridge import renamed
+from firmware_bridge.robot_type import RobotType
+from firmware_bridge.robots.rome.body import BASE, GROUPS, RomeKinematics, reach
+from firmware_bridge.robots.rome.geometry import RomeGeometry
 from firmware_bridge.robots.rome.guide import named
-from firmware_bridge.robots.rome.motion import Motion, State
+from firmware_bridge.robots.rome.motion import RomeMotion, RomeState
 from firmware_bridge.robots.rome.paths import PATHS
 from firmware_bridge.robots.rome.rules import INTERLOCKS, LIMITS, slowed
 from firmware_bridge.robots.rome.station import STATION
 
-KIND: Final[Kind[Geometry, Motion, State]] = Kind(
+ROBOT_TYPE: Final[RobotType[RomeGeometry, RomeMotion, RomeState]] = RobotType(
     name="rome",
     file=Path(__file__).with_name("rome.toml"),
     more={"cameras": Path(__file__).with_name("cameras.toml")},
-    geometry=Geometry,
-    rest=Motion(),
+    geometry=RomeGeometry,
+    rest=RomeMotion(),
     numbers={
         "speed ahead": lambda motion: motion.ahead_mps,
         "speed to the left": lambda motion: motion.left_mps,
         "turn rate": lambda motion: motion.turn_rad_s,
     },
-    body=Body,
+    body=RomeKinematics,
     groups=GROUPS,
     travelling=frozenset({BASE}),
     interlocks=INTERLOCKS,
@@ -34,3 +35,6 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     station=STATION,
     guides={name: partial(named, name=name) for name in PATHS},
 )
+
+
+__getattr__ = renamed.module(__name__, __name__, KIND="ROBOT_TYPE")

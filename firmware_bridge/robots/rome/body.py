@@ -6,12 +6,12 @@ from dataclasses import replace
 from typing import Final
 
 from firmware_bridge.drivers.driver import Demand, Feedback, Reading, Speed
-from firmware_bridge.motion.omni import OmniRamp, Twist, moved, rims, shortened, twist
+from firmware_bridge.motion.omni import BodyTwist, OmniRamp, moved, rims, shortened, twist
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.motion.ramp import MARGIN
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rome.geometry import Geometry
-from firmware_bridge.robots.rome.motion import Motion, State
+from firmware_bridge.robots.rome.geometry import RomeGeometry
+from firmware_bridge.robots.rome.motion import RomeMotion, RomeState
 from firmware_bridge.units import Nanoseconds
 
 BASE: Final = "base"
@@ -27,46 +27,48 @@ DIRECTIONS: Final = 24
 """In which its bounds are looked at."""
 
 
-def ramp_of(robot: Robot[Geometry]) -> OmniRamp:
+def ramp_of(robot: Robot[RomeGeometry]) -> OmniRamp:
     """Return the bounds of how fast the motion changes."""
     limits = robot.geometry.limits
     return OmniRamp(MARGIN * limits.acceleration_mps2, MARGIN * limits.turn_acceleration_rad_s2, robot.cycle)
 
 
-class Body:
-    """A `firmware_bridge.safety.body.Body`."""
+class RomeKinematics:
+    """A `firmware_bridge.safety.kinematic_model.KinematicModel`."""
 
     __slots__ = ("_distance", "_radius", "_ramp", "rolling")
 
-    def __init__(self, robot: Robot[Geometry]) -> None:
+    def __init__(self, robot: Robot[RomeGeometry]) -> None:
         self._radius = robot.geometry.base.wheel_radius_m
         self._distance = robot.geometry.base.wheel_distance_m
         self._ramp = ramp_of(robot)
         self.rolling: tuple[str, ...] = tuple(robot.axis(role).name for role in WHEELS)
         """The axes from whose positions the pose is carried on."""
 
-    def sensed(self, axes: Mapping[str, Feedback], _sensors: Mapping[str, Reading]) -> State:
+    def sensed(self, axes: Mapping[str, Feedback], _sensors: Mapping[str, Reading]) -> RomeState:
         """Return how the base moves."""
-        return State(*self._twist([axes[name].velocity for name in self.rolling]))
+        return RomeState(*self._twist([axes[name].velocity for name in self.rolling]))
 
-    def requested(self, motion: Motion, _state: State) -> frozenset[str]:
+    def requested(self, motion: RomeMotion, _state: RomeState) -> frozenset[str]:
         """Return the base where the motion commands it to move."""
         return NOTHING if motion.twist == (0.0, 0.0, 0.0) else frozenset({BASE})
 
-    def moving(self, state: State) -> frozenset[str]:
+    def moving(self, state: RomeState) -> frozenset[str]:
         """Return the base where it is seen to move."""
         slow = math.hypot(state.ahead_mps, state.left_mps) < MOVES_MPS
         return NOTHING if slow and abs(state.turn_rad_s) < TURNS_RAD_S else frozenset({BASE})
 
-    def rested(self, motion: Motion, groups: frozenset[str]) -> Motion:
+    def rested(self, motion: RomeMotion, groups: frozenset[str]) -> RomeMotion:
         """Return the motion at rest."""
         return replace(motion, ahead_mps=0.0, left_mps=0.0, turn_rad_s=0.0) if BASE in groups else motion
 
-    def ramped(self, demanded: Motion, allowed: Motion, _state: State, elapsed: Nanoseconds) -> Motion:
+    def ramped(
+        self, demanded: RomeMotion, allowed: RomeMotion, _state: RomeState, elapsed: Nanoseconds
+    ) -> RomeMotion:
         """Return the next demand on the way to what is allowed."""
         return replace(allowed, **_as_motion(self._ramp.step(demanded.twist, allowed.twist, elapsed)))
 
-    def demands(self, motion: Motion, _state: State) -> Mapping[str, Demand]:
+    def demands(self, motion: RomeMotion, _state: RomeState) -> Mapping[str, Demand]:
         """Return the wheels' speeds."""
         speeds = rims(motion.twist, self._distance)
         return {name: Speed(rim / self._radius) for name, rim in zip(self.rolling, speeds, strict=True)}
@@ -81,27 +83,27 @@ class Body:
         """Return the pose after the wheels rolled on."""
         return moved(pose, self._twist([after[it].position - before[it].position for it in self.rolling]))
 
-    def _twist(self, turned: list[float]) -> Twist:
+    def _twist(self, turned: list[float]) -> BodyTwist:
         one, two, three = (self._radius * it for it in turned)
         return twist((one, two, three), self._distance)
 
 
-def _as_motion(wanted: Twist) -> dict[str, float]:
+def _as_motion(wanted: BodyTwist) -> dict[str, float]:
     return {"ahead_mps": wanted.ahead, "left_mps": wanted.left, "turn_rad_s": wanted.turn}
 
 
-def with_twist(motion: Motion, wanted: Twist) -> Motion:
+def with_twist(motion: RomeMotion, wanted: BodyTwist) -> RomeMotion:
     """Return the motion with another twist."""
     return replace(motion, **_as_motion(wanted))
 
 
-def reach(robot: Robot[Geometry]) -> Iterator[tuple[Motion, State]]:
+def reach(robot: Robot[RomeGeometry]) -> Iterator[tuple[RomeMotion, RomeState]]:
     """Yield the fastest motions: in all directions, turning to either side and not."""
     limits, base = robot.geometry.limits, robot.geometry.base
     for place in range(DIRECTIONS):
         course = math.tau * place / DIRECTIONS
         for turn in (-limits.turn_rate_rad_s, 0.0, limits.turn_rate_rad_s):
             for speed in (0.0, limits.speed_mps):
-                wanted = Twist(speed * math.cos(course), speed * math.sin(course), turn)
+                wanted = BodyTwist(speed * math.cos(course), speed * math.sin(course), turn)
                 reached = shortened(wanted, base.wheel_distance_m, limits.rim_mps)
-                yield with_twist(Motion(), reached), State(*reached)
+                yield with_twist(RomeMotion(), reached), RomeState(*reached)

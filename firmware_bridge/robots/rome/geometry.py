@@ -8,6 +8,7 @@ from typing import Annotated, Final, Self
 
 from pydantic import Field, model_validator
 
+from firmware_bridge import renamed
 from firmware_bridge.robot.table import Finite, NonNegative, Positive, Table
 
 FASTEST: Final[Mapping[str, float]] = MappingProxyType({"circle": 0.25, "line": 1.0, "ellipse": 0.375})
@@ -24,7 +25,7 @@ class Base(Table):
     """From a wheel to the base's middle."""
 
 
-class Limits(Table):
+class RomeLimits(Table):
     """The limits that the interlocks enforce, whatever the operator commands."""
 
     speed_mps: Positive
@@ -35,7 +36,7 @@ class Limits(Table):
     """Of each wheel; what motor, gear and supply give."""
 
 
-class Control(Table):
+class RomeGains(Table):
     """Gains of the control law (2.15), of all three directions."""
 
     kp_per_s: NonNegative
@@ -69,12 +70,12 @@ class Paths(Table):
         return known
 
 
-class Geometry(Table):
+class RomeGeometry(Table):
     """The base, its limits, its control and its paths."""
 
     base: Base
-    limits: Limits
-    control: Control
+    limits: RomeLimits
+    control: RomeGains
     paths: Paths = Paths()
 
     @model_validator(mode="after")
@@ -91,3 +92,6 @@ class Geometry(Table):
     def scale_of(self, name: str) -> float:
         """Return the largest scale of a path that the speed limit allows."""
         return self.limits.speed_mps / FASTEST[name]
+
+
+__getattr__ = renamed.module(__name__, __name__, Geometry="RomeGeometry")

@@ -12,20 +12,20 @@ import math
 from typing import Final
 
 from firmware_bridge.motion.captured import Source
-from firmware_bridge.motion.omni import Twist, rims
+from firmware_bridge.motion.omni import BodyTwist, rims
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rome.geometry import Geometry
-from firmware_bridge.robots.rome.motion import Motion, State
+from firmware_bridge.robots.rome.geometry import RomeGeometry
+from firmware_bridge.robots.rome.motion import RomeMotion, RomeState
 from firmware_bridge.robots.rome.paths import PATHS, Path
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import Nanoseconds, to_seconds
 
 
-class Follower:
-    """A `firmware_bridge.kind.Guide` along one path."""
+class RomePathFollower:
+    """A `firmware_bridge.robot_type.PathFollower` along one path."""
 
-    def __init__(self, robot: Robot[Geometry], path: Path) -> None:
+    def __init__(self, robot: Robot[RomeGeometry], path: Path) -> None:
         geometry = robot.geometry
         self._path: Final = path
         self._control: Final = geometry.control
@@ -43,11 +43,11 @@ class Follower:
         """Forget the integral, and let the path wait: the base was held back."""
         self._sum, self._waits = (0.0, 0.0, 0.0), True
 
-    def command(self, seen: Snapshot[Motion, State], elapsed: Nanoseconds) -> Motion:
+    def command(self, seen: Snapshot[RomeMotion, RomeState], elapsed: Nanoseconds) -> RomeMotion:
         """Return the motion towards where the path is now."""
         pose = seen.pose
         if seen.located is not None and seen.located.source is Source.UNSEEN:
-            return Motion(path_s=self._seconds)
+            return RomeMotion(path_s=self._seconds)
         if self._start is None:
             self._start = pose
         elif not self._waits:
@@ -65,7 +65,7 @@ class Follower:
         command = self._law((*feed, ahead.turn_rate), error, added, pose.heading_rad)
         if max(map(abs, rims(command, self._distance))) <= self._rim:
             self._sum = (added[0], added[1], added[2])
-        return Motion(command.ahead, command.left, command.turn, path_s=seconds)
+        return RomeMotion(command.ahead, command.left, command.turn, path_s=seconds)
 
     def _error(self, pose: Pose, start: Pose, seconds: float) -> tuple[float, float, float]:
         first, place = self._path(0.0), self._path(seconds)
@@ -83,17 +83,17 @@ class Follower:
         error: tuple[float, ...],
         added: tuple[float, ...],
         heading: float,
-    ) -> Twist:
+    ) -> BodyTwist:
         kp, ki = self._control.kp_per_s, self._control.ki_per_s2
         x, y, turn = (
             rate - kp * one - ki * total for rate, one, total in zip(feed, error, added, strict=True)
         )
-        return Twist(*_turned((x, y), -heading), turn)
+        return BodyTwist(*_turned((x, y), -heading), turn)
 
 
-def named(robot: Robot[Geometry], name: str) -> Follower:
+def named(robot: Robot[RomeGeometry], name: str) -> RomePathFollower:
     """Return the path follower along one of the paths of the robot's file."""
-    return Follower(robot, PATHS[name](robot.geometry.paths))
+    return RomePathFollower(robot, PATHS[name](robot.geometry.paths))
 
 
 def _turned(way: tuple[float, float], angle: float) -> tuple[float, float]:

@@ -1,11 +1,12 @@
 """ROME's motion in its own terms, and the state of its body; ahead, left, counter-clockwise positive."""
 
-from firmware_bridge.motion.omni import Twist
+from firmware_bridge import renamed
+from firmware_bridge.motion.omni import BodyTwist
 from firmware_bridge.value import valueclass
 
 
 @valueclass(frozen=True, slots=True)
-class Motion:
+class RomeMotion:
     """A motion: the operator's command, the permitted one, or the bridge's set-point."""
 
     ahead_mps: float = 0.0
@@ -15,15 +16,18 @@ class Motion:
     """Progress of a path follower on its path, in the path's own seconds; None without one."""
 
     @property
-    def twist(self) -> Twist:
+    def twist(self) -> BodyTwist:
         """The motion in the body's frame."""
-        return Twist(self.ahead_mps, self.left_mps, self.turn_rad_s)
+        return BodyTwist(self.ahead_mps, self.left_mps, self.turn_rad_s)
 
 
 @valueclass(frozen=True, slots=True)
-class State:
+class RomeState:
     """State of the wheels."""
 
     ahead_mps: float
     left_mps: float
     turn_rad_s: float
+
+
+__getattr__ = renamed.module(__name__, __name__, Motion="RomeMotion", State="RomeState")

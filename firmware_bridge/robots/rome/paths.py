@@ -15,7 +15,7 @@ RATE: Final = 0.25
 """rad/s of circle and ellipse."""
 
 
-class Place(NamedTuple):
+class PathPoint(NamedTuple):
     """Position and velocity on a path: m, rad, m/s, rad/s in the path's own frame."""
 
     x: float
@@ -26,37 +26,39 @@ class Place(NamedTuple):
     turn_rate: float
 
 
-Path: TypeAlias = Callable[[float], Place]
+Path: TypeAlias = Callable[[float], PathPoint]
 
 
 def ellipse(along: float, across: float) -> Path:
     """Return the path (a cos 0.25 t, b sin 0.25 t), which begins at (a, 0)."""
 
-    def at(seconds: float) -> Place:
+    def at(seconds: float) -> PathPoint:
         sine, cosine = math.sin(RATE * seconds), math.cos(RATE * seconds)
-        return Place(along * cosine, across * sine, 0.0, -along * RATE * sine, across * RATE * cosine, 0.0)
+        return PathPoint(
+            along * cosine, across * sine, 0.0, -along * RATE * sine, across * RATE * cosine, 0.0
+        )
 
     return at
 
 
 def line(speed: float) -> Path:
     """Return the path (v t, 0)."""
-    return lambda seconds: Place(speed * seconds, 0.0, 0.0, speed, 0.0, 0.0)
+    return lambda seconds: PathPoint(speed * seconds, 0.0, 0.0, speed, 0.0, 0.0)
 
 
 def by_points(points: tuple[tuple[float, float, float, float], ...]) -> Path:
     """Return the path straight from each point to the next, at rest after the last; s, m, m, rad."""
     times = [point[0] for point in points]
 
-    def at(seconds: float) -> Place:
+    def at(seconds: float) -> PathPoint:
         place = bisect_right(times, seconds)
         if place == 0 or place == len(points):
             _, x, y, heading = points[max(place - 1, 0)]
-            return Place(x, y, heading, 0.0, 0.0, 0.0)
+            return PathPoint(x, y, heading, 0.0, 0.0, 0.0)
         (t, *old), (end, *new) = points[place - 1], points[place]
         rates = [(b - a) / (end - t) for a, b in zip(old, new, strict=True)]
         x, y, heading = (a + rate * (seconds - t) for a, rate in zip(old, rates, strict=True))
-        return Place(x, y, heading, *rates)
+        return PathPoint(x, y, heading, *rates)
 
     return at
 

@@ -4,19 +4,19 @@ import math
 from collections.abc import Callable
 from typing import Final, TypeAlias
 
-from firmware_bridge.motion.omni import Twist, rims, shortened
+from firmware_bridge.motion.omni import BodyTwist, rims, shortened
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rome.body import ramp_of, with_twist
-from firmware_bridge.robots.rome.geometry import Geometry
-from firmware_bridge.robots.rome.motion import Motion, State
+from firmware_bridge.robots.rome.geometry import RomeGeometry
+from firmware_bridge.robots.rome.motion import RomeMotion, RomeState
 from firmware_bridge.safety import interlock
+from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.safety.limits import ROUNDING, bounded
-from firmware_bridge.safety.row import Severity
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
-View: TypeAlias = interlock.View[Geometry, Motion, State]
-Interlock: TypeAlias = interlock.Interlock[Geometry, Motion, State]
-Limit: TypeAlias = interlock.Limit[Geometry, Motion, State]
+View: TypeAlias = interlock.View[RomeGeometry, RomeMotion, RomeState]
+Interlock: TypeAlias = interlock.Interlock[RomeGeometry, RomeMotion, RomeState]
+Limit: TypeAlias = interlock.Limit[RomeGeometry, RomeMotion, RomeState]
 
 SPIN: Final = 1.5
 """Factor above its limit at which a base turns without a command."""
@@ -43,7 +43,7 @@ def _pose_lost(view: View) -> str | None:
     return located.reason if view.seen.command.path_s is not None or _uncounted(view.robot) else None
 
 
-def _uncounted(robot: Robot[Geometry]) -> bool:
+def _uncounted(robot: Robot[RomeGeometry]) -> bool:
     return any(axis.shield.port > robot.shield_link(axis.link).counted for axis in robot.axes)
 
 
@@ -84,23 +84,23 @@ INTERLOCKS: Final = (
 )
 
 
-def slowed(view: View, share: float) -> tuple[Motion, str | None]:
+def slowed(view: View, share: float) -> tuple[RomeMotion, str | None]:
     """Clip the speed to a share of its top; to turn takes the base nowhere."""
     motion, high = view.allowed, share * view.geometry.limits.speed_mps
     speed = math.hypot(motion.ahead_mps, motion.left_mps)
     allowed, reason = bounded(speed, high, "m/s")
     share = allowed / speed if speed > high else 1.0
-    wanted = Twist(share * motion.ahead_mps, share * motion.left_mps, motion.turn_rad_s)
+    wanted = BodyTwist(share * motion.ahead_mps, share * motion.left_mps, motion.turn_rad_s)
     return with_twist(motion, wanted), reason
 
 
-def _turn(view: View) -> tuple[Motion, str | None]:
+def _turn(view: View) -> tuple[RomeMotion, str | None]:
     motion = view.allowed
     allowed, reason = bounded(motion.turn_rad_s, view.geometry.limits.turn_rate_rad_s, "rad/s")
     return with_twist(motion, motion.twist._replace(turn=allowed)), reason
 
 
-def _rim(view: View) -> tuple[Motion, str | None]:
+def _rim(view: View) -> tuple[RomeMotion, str | None]:
     motion, high = view.allowed, view.geometry.limits.rim_mps
     distance = view.geometry.base.wheel_distance_m
     fastest = max(map(abs, rims(motion.twist, distance)))
@@ -110,7 +110,7 @@ def _rim(view: View) -> tuple[Motion, str | None]:
     return allowed, f"requested {fastest:.2f} m/s at a wheel, allowed is {high:.2f} m/s"
 
 
-def _acceleration(view: View) -> tuple[Motion, str | None]:
+def _acceleration(view: View) -> tuple[RomeMotion, str | None]:
     """Clip nothing, the ramp does; say where it will take more than one cycle."""
     demanded, requested = view.seen.demanded, view.allowed
     near = ramp_of(view.robot).step(demanded.twist, requested.twist, view.robot.cycle)
@@ -119,13 +119,13 @@ def _acceleration(view: View) -> tuple[Motion, str | None]:
     return requested, f"requested a step from {_text_of(demanded)} to {_text_of(requested)} at once"
 
 
-def _text_of(motion: Motion) -> str:
+def _text_of(motion: RomeMotion) -> str:
     return f"({motion.ahead_mps:.2f}, {motion.left_mps:.2f}) m/s and {motion.turn_rad_s:.2f} rad/s"
 
 
 def _limit(
     name: str,
-    clip: Callable[[View], tuple[Motion, str | None]],
+    clip: Callable[[View], tuple[RomeMotion, str | None]],
     remedy: str,
     severity: Severity = Severity.WARNING,
 ) -> Limit:

@@ -8,14 +8,14 @@ from dataclasses import replace
 from typing import Final
 
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rome.geometry import Geometry
-from firmware_bridge.robots.rome.motion import Motion, State
+from firmware_bridge.robots.rome.geometry import RomeGeometry
+from firmware_bridge.robots.rome.motion import RomeMotion, RomeState
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.station import Fixed, Station, Stick, Twist, Value, Velocity
 from firmware_bridge.units import SECOND
 
 
-def of_stick(stick: Stick, command: Motion, robot: Robot[Geometry]) -> Motion:
+def of_stick(stick: Stick, command: RomeMotion, robot: Robot[RomeGeometry]) -> RomeMotion:
     """Return the command for a stick."""
     limits = robot.geometry.limits
     return replace(
@@ -26,7 +26,7 @@ def of_stick(stick: Stick, command: Motion, robot: Robot[Geometry]) -> Motion:
     )
 
 
-def of_target(velocity: Velocity, command: Motion, _robot: Robot[Geometry]) -> Motion:
+def of_target(velocity: Velocity, command: RomeMotion, _robot: Robot[RomeGeometry]) -> RomeMotion:
     """Return the command for a velocity and a turn rate."""
     return replace(
         command,
@@ -36,16 +36,16 @@ def of_target(velocity: Velocity, command: Motion, _robot: Robot[Geometry]) -> M
     )
 
 
-def _largest(robot: Robot[Geometry]) -> Twist:
+def _largest(robot: Robot[RomeGeometry]) -> Twist:
     limits = robot.geometry.limits
     return Twist(limits.speed_mps, limits.speed_mps, limits.turn_rate_rad_s)
 
 
-def _turn_deg_s(seen: Snapshot[Motion, State]) -> float:
+def _turn_deg_s(seen: Snapshot[RomeMotion, RomeState]) -> float:
     return math.degrees(seen.body.turn_rad_s)
 
 
-STATION: Final[Station[Geometry, Motion, State]] = Station(
+STATION: Final[Station[RomeGeometry, RomeMotion, RomeState]] = Station(
     stick=of_stick,
     target=of_target,
     twist=lambda state: Twist(state.ahead_mps, state.left_mps, state.turn_rad_s),

@@ -3,26 +3,27 @@
 from pathlib import Path
 from typing import Final
 
-from firmware_bridge.kind import Kind
+from firmware_bridge import renamed
+from firmware_bridge.robot_type import RobotType
 from firmware_bridge.robots import ar2, rome
-from firmware_bridge.robots.rome_arm.body import GROUPS, Body, reach
-from firmware_bridge.robots.rome_arm.geometry import Geometry
+from firmware_bridge.robots.rome_arm.body import GROUPS, RomeArmKinematics, reach
+from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
 from firmware_bridge.robots.rome_arm.guide import GUIDES
 from firmware_bridge.robots.rome_arm.halves import ARM, BASE
-from firmware_bridge.robots.rome_arm.motion import Motion, State
+from firmware_bridge.robots.rome_arm.motion import RomeArmMotion, RomeArmState
 from firmware_bridge.robots.rome_arm.rules import INTERLOCKS, LIMITS, slowed
 from firmware_bridge.robots.rome_arm.station import STATION
 
-KIND: Final[Kind[Geometry, Motion, State]] = Kind(
+ROBOT_TYPE: Final[RobotType[RomeArmGeometry, RomeArmMotion, RomeArmState]] = RobotType(
     name="rome_arm",
     file=Path(__file__).with_name("rome_arm.toml"),
-    more=dict(rome.KIND.more),
-    geometry=Geometry,
-    rest=Motion(),
-    numbers=BASE.numbers(rome.KIND) | ARM.numbers(ar2.KIND),
-    body=Body,
+    more=dict(rome.ROBOT_TYPE.more),
+    geometry=RomeArmGeometry,
+    rest=RomeArmMotion(),
+    numbers=BASE.numbers(rome.ROBOT_TYPE) | ARM.numbers(ar2.ROBOT_TYPE),
+    body=RomeArmKinematics,
     groups=GROUPS,
-    travelling=rome.KIND.travelling | ar2.KIND.travelling,
+    travelling=rome.ROBOT_TYPE.travelling | ar2.ROBOT_TYPE.travelling,
     interlocks=INTERLOCKS,
     limits=LIMITS,
     slowed=slowed,
@@ -30,3 +31,6 @@ KIND: Final[Kind[Geometry, Motion, State]] = Kind(
     station=STATION,
     guides=GUIDES,
 )
+
+
+__getattr__ = renamed.module(__name__, __name__, KIND="ROBOT_TYPE")

@@ -11,7 +11,7 @@ import numpy as np
 
 from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.motion.omni import ANGLES
-from firmware_bridge.robots.rome_arm.geometry import Geometry
+from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
 from firmware_bridge.units import STANDARD_GRAVITY
 
 SIDES: Final = tuple((-float(np.cos(angle)), -float(np.sin(angle))) for angle in ANGLES)
@@ -34,7 +34,7 @@ class Balance(NamedTuple):
         return max(0.0, self.room_m - margin_m) * STANDARD_GRAVITY / self.height_m
 
 
-def balance(geometry: Geometry, angles: tuple[float, ...]) -> Balance:
+def balance(geometry: RomeArmGeometry, angles: tuple[float, ...]) -> Balance:
     """Return the centre of gravity for the joints' angles, rad."""
     table = geometry.balance
     places = np.array([frame[:3, 3] for frame in AR2.frames(angles)])

@@ -12,45 +12,47 @@ from firmware_bridge.robots.ar2 import motion as arm
 from firmware_bridge.robots.rome import body as bases
 from firmware_bridge.robots.rome import motion as base
 from firmware_bridge.robots.rome_arm.balance import balance
-from firmware_bridge.robots.rome_arm.geometry import Geometry
+from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
 from firmware_bridge.robots.rome_arm.halves import ARM, BASE
-from firmware_bridge.robots.rome_arm.motion import Motion, State
+from firmware_bridge.robots.rome_arm.motion import RomeArmMotion, RomeArmState
 from firmware_bridge.units import Nanoseconds
 
 GROUPS: Final = {**bases.GROUPS, **arms.GROUPS}
 
 
-class Body:
-    """A `firmware_bridge.safety.body.Body`."""
+class RomeArmKinematics:
+    """A `firmware_bridge.safety.kinematic_model.KinematicModel`."""
 
     __slots__ = ("_arm", "_base", "_geometry", "rolling")
 
-    def __init__(self, robot: Robot[Geometry]) -> None:
-        self._base = bases.Body(BASE.robot(robot))
-        self._arm = arms.Body(ARM.robot(robot))
+    def __init__(self, robot: Robot[RomeArmGeometry]) -> None:
+        self._base = bases.RomeKinematics(BASE.robot(robot))
+        self._arm = arms.Ar2Kinematics(ARM.robot(robot))
         self._geometry = robot.geometry
         self.rolling: tuple[str, ...] = self._base.rolling
         """The wheels: where the joints are does not move the base."""
 
-    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> State:
+    def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> RomeArmState:
         """Return how the base moves, and where the joints are."""
-        return State(self._base.sensed(axes, sensors), self._arm.sensed(axes, sensors))
+        return RomeArmState(self._base.sensed(axes, sensors), self._arm.sensed(axes, sensors))
 
-    def requested(self, motion: Motion, state: State) -> frozenset[str]:
+    def requested(self, motion: RomeArmMotion, state: RomeArmState) -> frozenset[str]:
         """Return the groups that the motion commands to move."""
         return self._base.requested(motion.base, state.base) | self._arm.requested(motion.arm, state.arm)
 
-    def moving(self, state: State) -> frozenset[str]:
+    def moving(self, state: RomeArmState) -> frozenset[str]:
         """Return what is seen to move."""
         return self._base.moving(state.base) | self._arm.moving(state.arm)
 
-    def rested(self, motion: Motion, groups: frozenset[str]) -> Motion:
+    def rested(self, motion: RomeArmMotion, groups: frozenset[str]) -> RomeArmMotion:
         """Return the motion with these at rest."""
         return replace(
             motion, base=self._base.rested(motion.base, groups), arm=self._arm.rested(motion.arm, groups)
         )
 
-    def ramped(self, demanded: Motion, allowed: Motion, state: State, elapsed: Nanoseconds) -> Motion:
+    def ramped(
+        self, demanded: RomeArmMotion, allowed: RomeArmMotion, state: RomeArmState, elapsed: Nanoseconds
+    ) -> RomeArmMotion:
         """Return the next demand; with its arm stretched out the base changes its speed more slowly."""
         share = self.share(state)
         return replace(
@@ -59,7 +61,7 @@ class Body:
             arm=self._arm.ramped(demanded.arm, allowed.arm, state.arm, elapsed),
         )
 
-    def share(self, state: State) -> float:
+    def share(self, state: RomeArmState) -> float:
         """Return the share of the base's acceleration with which the robot keeps its balance.
 
         It goes on to stop, as gently as that may be, also where there is no room left.
@@ -68,7 +70,7 @@ class Body:
         room = balance(self._geometry, state.arm.angles).gentlest(self._geometry.balance.margin_m)
         return max(LEAST, FOLLOWED * min(1.0, max(LEAST, room / limit)))
 
-    def demands(self, motion: Motion, state: State) -> Mapping[str, Demand]:
+    def demands(self, motion: RomeArmMotion, state: RomeArmState) -> Mapping[str, Demand]:
         """Return the wheels' speeds, and where the joints shall be."""
         return {**self._base.demands(motion.base, state.base), **self._arm.demands(motion.arm, state.arm)}
 
@@ -89,11 +91,11 @@ LEAST: Final = 0.2
 """So much of its acceleration the base has at least, or it would not stop."""
 
 
-def reach(robot: Robot[Geometry]) -> Iterator[tuple[Motion, State]]:
+def reach(robot: Robot[RomeArmGeometry]) -> Iterator[tuple[RomeArmMotion, RomeArmState]]:
     """Yield the fastest motions of the base, and both ends of the joints."""
-    still, stands = base.Motion(), base.State(0.0, 0.0, 0.0)
+    still, stands = base.RomeMotion(), base.RomeState(0.0, 0.0, 0.0)
     for motion, state in arms.reach(ARM.robot(robot)):
-        yield Motion(still, motion), State(stands, state)
+        yield RomeArmMotion(still, motion), RomeArmState(stands, state)
         rests = state
     for fast, moves in bases.reach(BASE.robot(robot)):
-        yield Motion(fast, arm.Motion()), State(moves, rests)
+        yield RomeArmMotion(fast, arm.Ar2Motion()), RomeArmState(moves, rests)

@@ -5,7 +5,8 @@ from typing import Annotated, Final, Self
 
 from pydantic import Field, model_validator
 
-from firmware_bridge.motion.orbit import State, state
+from firmware_bridge import renamed
+from firmware_bridge.motion.orbit import OrbitState, state
 from firmware_bridge.motion.orbit_elements import Elements as OrbitElements
 from firmware_bridge.motion.orbit_elements import state_of
 from firmware_bridge.motion.orbit_tle import state_of_tle
@@ -80,7 +81,7 @@ class Orbit(Table):
         return self
 
     @property
-    def begin(self) -> State:
+    def begin(self) -> OrbitState:
         """Start state of the body, position and speed, in DU and DU/TU."""
         if self.tle is not None:
             return state_of_tle(*self.tle, self.tle_s / 60.0)
@@ -100,19 +101,22 @@ class Formation(Table):
     turn_s: Positive
 
 
-class Pose(Table):
+class BasePose(Table):
     """Path follower `pose`: a place beside for the base; the tool has its own (`arm.courses.pose`)."""
 
     by_m: Annotated[tuple[Finite, Finite], Field(strict=False)]
     turn_deg: Finite
 
 
-class Geometry(Table):
+class RomeArmGeometry(Table):
     """The part of a robot file for base and arm together."""
 
-    base: base.Geometry
-    arm: arm.Geometry
+    base: base.RomeGeometry
+    arm: arm.Ar2Geometry
     balance: Balance
     orbit: Orbit
     formation: Formation
-    pose: Pose
+    pose: BasePose
+
+
+__getattr__ = renamed.module(__name__, __name__, Geometry="RomeArmGeometry")

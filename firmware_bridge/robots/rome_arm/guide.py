@@ -10,40 +10,40 @@ from firmware_bridge.robot import Robot
 from firmware_bridge.robots.ar2 import guide as arms
 from firmware_bridge.robots.ar2.geometry import Courses
 from firmware_bridge.robots.rome import guide as bases
-from firmware_bridge.robots.rome_arm.geometry import Geometry
+from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
 from firmware_bridge.robots.rome_arm.halves import ARM, BASE, Seen
-from firmware_bridge.robots.rome_arm.motion import Motion
-from firmware_bridge.robots.rome_arm.orbit import PATHS, Shown
+from firmware_bridge.robots.rome_arm.motion import RomeArmMotion
+from firmware_bridge.robots.rome_arm.orbit import PATHS, TimedPath
 from firmware_bridge.units import Nanoseconds
 
 
 class Flyer:
-    """A `firmware_bridge.kind.Guide` of base and arm along one path."""
+    """A `firmware_bridge.robot_type.PathFollower` of base and arm along one path."""
 
-    def __init__(self, robot: Robot[Geometry], make: Callable[[Geometry], Shown]) -> None:
+    def __init__(self, robot: Robot[RomeArmGeometry], make: Callable[[RomeArmGeometry], TimedPath]) -> None:
         path = make(robot.geometry)
 
-        def course(courses: Courses, seconds: float) -> arms.Place:
+        def course(courses: Courses, seconds: float) -> arms.CoursePoint:
             del courses
             return path.tool(seconds)
 
         self._rate: Final = 1.0 / path.stretch
-        self._base: Final = bases.Follower(BASE.robot(robot), path.base)
-        self._arm: Final = arms.Follower(ARM.robot(robot), course)
+        self._base: Final = bases.RomePathFollower(BASE.robot(robot), path.base)
+        self._arm: Final = arms.Ar2PathFollower(ARM.robot(robot), course)
 
     def reset(self) -> None:
         """Let the path wait: the robot was held back."""
         self._base.reset()
         self._arm.reset()
 
-    def command(self, seen: Seen, elapsed: Nanoseconds) -> Motion:
+    def command(self, seen: Seen, elapsed: Nanoseconds) -> RomeArmMotion:
         """Return the motion towards where the path is now."""
         base = self._base.command(BASE.seen(seen), elapsed)
         if seen.located is not None and seen.located.source is Source.UNSEEN:
-            return Motion(base, path_rate=self._rate)
-        return Motion(base, self._arm.command(ARM.seen(seen), elapsed), self._rate)
+            return RomeArmMotion(base, path_rate=self._rate)
+        return RomeArmMotion(base, self._arm.command(ARM.seen(seen), elapsed), self._rate)
 
 
-GUIDES: Final[Mapping[str, Callable[[Robot[Geometry]], Any]]] = MappingProxyType(
+GUIDES: Final[Mapping[str, Callable[[Robot[RomeArmGeometry]], Any]]] = MappingProxyType(
     {name: partial(Flyer, make=make) for name, make in PATHS.items()}
 )

@@ -8,19 +8,19 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import replace
 from typing import Any, Final, TypeAlias
 
-from firmware_bridge.kind import AnyKind
 from firmware_bridge.robot import Robot
+from firmware_bridge.robot_type import AnyRobotType
 from firmware_bridge.robots.ar2.body import JOINTS
 from firmware_bridge.robots.rome.body import WHEELS
-from firmware_bridge.robots.rome_arm.geometry import Geometry
-from firmware_bridge.robots.rome_arm.motion import Motion, State
+from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
+from firmware_bridge.robots.rome_arm.motion import RomeArmMotion, RomeArmState
 from firmware_bridge.safety import interlock
 from firmware_bridge.safety.snapshot import Snapshot
 
-View: TypeAlias = interlock.View[Geometry, Motion, State]
-Interlock: TypeAlias = interlock.Interlock[Geometry, Motion, State]
-Limit: TypeAlias = interlock.Limit[Geometry, Motion, State]
-Seen: TypeAlias = Snapshot[Motion, State]
+View: TypeAlias = interlock.View[RomeArmGeometry, RomeArmMotion, RomeArmState]
+Interlock: TypeAlias = interlock.Interlock[RomeArmGeometry, RomeArmMotion, RomeArmState]
+Limit: TypeAlias = interlock.Limit[RomeArmGeometry, RomeArmMotion, RomeArmState]
+Seen: TypeAlias = Snapshot[RomeArmMotion, RomeArmState]
 Clip: TypeAlias = Callable[[Any], tuple[Any, str | None]]
 
 
@@ -33,18 +33,18 @@ class Half:
         self._roles: Final = frozenset(roles)
         self._label: Final = label
 
-    def robot(self, whole: Robot[Geometry]) -> Robot[Any]:
+    def robot(self, whole: Robot[RomeArmGeometry]) -> Robot[Any]:
         """Return the robot with this half's geometry and axes alone."""
         axes = tuple(axis for axis in whole.axes if axis.role in self._roles)
         geometry = getattr(whole.geometry, self.name)
         half: Robot[Any] = whole.model_copy(update={"geometry": geometry, "axes": axes})
         return half
 
-    def of(self, both: Motion | State) -> Any:
+    def of(self, both: RomeArmMotion | RomeArmState) -> Any:
         """Return this half's motion or state."""
         return getattr(both, self.name)
 
-    def put(self, whole: Motion, motion: Any) -> Motion:
+    def put(self, whole: RomeArmMotion, motion: Any) -> RomeArmMotion:
         """Return the motion of both with another one of this half."""
         return replace(whole, **{self.name: motion})
 
@@ -70,15 +70,15 @@ class Half:
             holding=view.holding,
         )
 
-    def numbers(self, kind: AnyKind) -> dict[str, Callable[[Motion], float | None]]:
+    def numbers(self, kind: AnyRobotType) -> dict[str, Callable[[RomeArmMotion], float | None]]:
         """Return what must be a finite number in this half's motion."""
 
-        def of(read: Callable[[Any], float | None]) -> Callable[[Motion], float | None]:
+        def of(read: Callable[[Any], float | None]) -> Callable[[RomeArmMotion], float | None]:
             return lambda motion: read(self.of(motion))
 
         return {title: of(read) for title, read in kind.numbers.items()}
 
-    def interlocks(self, kind: AnyKind) -> Iterator[Interlock]:
+    def interlocks(self, kind: AnyRobotType) -> Iterator[Interlock]:
         """Yield its interlocks; they stop both halves, as they stop the whole robot that the half is."""
         for row in kind.interlocks:
             yield interlock.Interlock(
@@ -95,17 +95,17 @@ class Half:
                 after_limits=row.after_limits,
             )
 
-    def limits(self, kind: AnyKind) -> Iterator[Limit]:
+    def limits(self, kind: AnyRobotType) -> Iterator[Limit]:
         """Yield its limits; they clip its own motion."""
         for row in kind.limits:
             name = row.name if row.name.startswith(self._label) else f"{self._label} {row.name}"
             clip = self.clipping(row.clip)
             yield interlock.Limit(name, clip, row.remedy, clear_after=row.clear_after, severity=row.severity)
 
-    def clipping(self, clip: Clip) -> Callable[[View], tuple[Motion, str | None]]:
+    def clipping(self, clip: Clip) -> Callable[[View], tuple[RomeArmMotion, str | None]]:
         """Return what clips this half's motion in that of both."""
 
-        def clipped(view: View) -> tuple[Motion, str | None]:
+        def clipped(view: View) -> tuple[RomeArmMotion, str | None]:
             allowed, reason = clip(self.view(view))
             return self.put(view.allowed, allowed), reason
 

@@ -5,15 +5,15 @@ from typing import Final
 import numpy as np
 
 from firmware_bridge.robots import ar2, rome
-from firmware_bridge.robots.ar2.body import Body as Arm
+from firmware_bridge.robots.ar2.body import Ar2Kinematics as Arm
 from firmware_bridge.robots.ar2.motion import STILL
 from firmware_bridge.robots.ar2.rules import HORIZON, tool
 from firmware_bridge.robots.rome.body import BASE as BASE_GROUP
 from firmware_bridge.robots.rome_arm.balance import balance
 from firmware_bridge.robots.rome_arm.halves import ARM, BASE, Interlock, Limit, View
-from firmware_bridge.robots.rome_arm.motion import Motion
+from firmware_bridge.robots.rome_arm.motion import RomeArmMotion
 from firmware_bridge.safety import interlock
-from firmware_bridge.safety.row import Severity
+from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 CLEARS_AFTER: Final[Nanoseconds] = 300 * MILLISECOND
@@ -23,7 +23,7 @@ IN_TIME: Final = 1.0 - 1e-6
 
 def _unknown(view: View) -> bool:
     """Return whether no one knows where the arm is: the common row of a lost zero holds then."""
-    return any(axis.zero_lost for axis in view.facts.axes.values())
+    return any(axis.reference_lost for axis in view.facts.axes.values())
 
 
 def _arm_out(view: View) -> str | None:
@@ -47,7 +47,7 @@ def _off_balance(view: View) -> str | None:
     return f"the centre of gravity is {inside:.0f} mm inside the wheels, least is {least:.0f} mm"
 
 
-def _tips(view: View) -> tuple[Motion, str | None]:
+def _tips(view: View) -> tuple[RomeArmMotion, str | None]:
     """Take away a motion of the tool that leaves less room than is kept, where it makes it less."""
     motion, geometry = view.allowed, view.geometry
     if motion.arm.twist == STILL or _unknown(view):
@@ -61,11 +61,11 @@ def _tips(view: View) -> tuple[Motion, str | None]:
     then = balance(geometry, tuple(map(float, later))).room_m
     if then >= geometry.balance.margin_m or then >= now:
         return motion, None
-    rests = arm.rested(motion.arm, frozenset(ar2.KIND.groups))
+    rests = arm.rested(motion.arm, frozenset(ar2.ROBOT_TYPE.groups))
     return ARM.put(motion, rests), f"the centre of gravity would be {1000.0 * then:.0f} mm inside the wheels"
 
 
-def _stretched(view: View) -> tuple[Motion, str | None]:
+def _stretched(view: View) -> tuple[RomeArmMotion, str | None]:
     """Clip nothing, the path follower has; report that its path takes longer than intended."""
     rate = view.allowed.path_rate
     if rate >= IN_TIME:
@@ -74,8 +74,8 @@ def _stretched(view: View) -> tuple[Motion, str | None]:
 
 
 INTERLOCKS: Final[tuple[Interlock, ...]] = (
-    *BASE.interlocks(rome.KIND),
-    *ARM.interlocks(ar2.KIND),
+    *BASE.interlocks(rome.ROBOT_TYPE),
+    *ARM.interlocks(ar2.ROBOT_TYPE),
     interlock.Interlock(
         "arm out",
         _arm_out,
@@ -96,8 +96,8 @@ INTERLOCKS: Final[tuple[Interlock, ...]] = (
 )
 
 LIMITS: Final[tuple[Limit, ...]] = (
-    *BASE.limits(rome.KIND),
-    *ARM.limits(ar2.KIND),
+    *BASE.limits(rome.ROBOT_TYPE),
+    *ARM.limits(ar2.ROBOT_TYPE),
     interlock.Limit("tool balance", _tips, "take the tool nearer to the base", clear_after=CLEARS_AFTER),
     interlock.Limit(
         "time stretched",
@@ -109,7 +109,7 @@ LIMITS: Final[tuple[Limit, ...]] = (
 """Applied in this order; a later one sees what an earlier one left."""
 
 
-def slowed(view: View, share: float) -> tuple[Motion, str | None]:
+def slowed(view: View, share: float) -> tuple[RomeArmMotion, str | None]:
     """Clip both halves to a share of their top speeds."""
     base, base_text = rome.rules.slowed(BASE.view(view), share)
     arm, arm_text = ar2.rules.slowed(ARM.view(view), share)

@@ -6,11 +6,11 @@ from typing import Any, Final
 
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.ar2 import station as arms
-from firmware_bridge.robots.ar2.motion import Motion as ArmMotion
+from firmware_bridge.robots.ar2.motion import Ar2Motion as ArmMotion
 from firmware_bridge.robots.rome import station as bases
-from firmware_bridge.robots.rome_arm.geometry import Geometry
+from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
 from firmware_bridge.robots.rome_arm.halves import ARM, BASE, Half, Seen
-from firmware_bridge.robots.rome_arm.motion import Motion, State
+from firmware_bridge.robots.rome_arm.motion import RomeArmMotion, RomeArmState
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.station import (
     USUAL_AXES,
@@ -26,24 +26,24 @@ from firmware_bridge.teleop.station import (
 from firmware_bridge.units import SECOND
 
 
-def of_stick(stick: Stick, command: Motion, robot: Robot[Geometry]) -> Motion:
+def of_stick(stick: Stick, command: RomeArmMotion, robot: Robot[RomeArmGeometry]) -> RomeArmMotion:
     """Return the command for a stick: it drives the base, and the tool up and down."""
     base = bases.of_stick(stick, command.base, BASE.robot(robot))
     upwards = Stick(forward=None, left=None, turn=None, up=stick.up)
     arm = arms.of_stick(upwards, command.arm, ARM.robot(robot))
-    return Motion(base, arm)
+    return RomeArmMotion(base, arm)
 
 
-def of_target(velocity: Velocity, command: Motion, robot: Robot[Geometry]) -> Motion:
+def of_target(velocity: Velocity, command: RomeArmMotion, robot: Robot[RomeArmGeometry]) -> RomeArmMotion:
     """Return the command for a velocity and a turn rate of the base; the tool stays."""
-    return Motion(bases.of_target(velocity, command.base, BASE.robot(robot)), ArmMotion())
+    return RomeArmMotion(bases.of_target(velocity, command.base, BASE.robot(robot)), ArmMotion())
 
 
-def _largest(robot: Robot[Geometry]) -> Twist:
+def _largest(robot: Robot[RomeArmGeometry]) -> Twist:
     return bases.STATION.largest(BASE.robot(robot))
 
 
-def _values(half: Half, rows: Iterable[Value[Any, Any]]) -> Iterator[Value[Motion, State]]:
+def _values(half: Half, rows: Iterable[Value[Any, Any]]) -> Iterator[Value[RomeArmMotion, RomeArmState]]:
     def of(read: Callable[[Snapshot[Any, Any]], float | None]) -> Callable[[Seen], float | None]:
         return lambda seen: read(half.seen(seen))
 
@@ -51,15 +51,15 @@ def _values(half: Half, rows: Iterable[Value[Any, Any]]) -> Iterator[Value[Motio
         yield replace(row, read=of(row.read))
 
 
-def _parameters(half: Half, rows: Iterable[Fixed[Any]], before: str = "") -> Iterator[Fixed[Geometry]]:
-    def of(value: Callable[[Robot[Any]], float]) -> Callable[[Robot[Geometry]], float]:
+def _parameters(half: Half, rows: Iterable[Fixed[Any]], before: str = "") -> Iterator[Fixed[RomeArmGeometry]]:
+    def of(value: Callable[[Robot[Any]], float]) -> Callable[[Robot[RomeArmGeometry]], float]:
         return lambda robot: value(half.robot(robot))
 
     for row in rows:
         yield replace(row, name=before + row.name, value=of(row.value))
 
 
-def _gauge(row: Gauge[Any]) -> Gauge[Geometry]:
+def _gauge(row: Gauge[Any]) -> Gauge[RomeArmGeometry]:
     return replace(
         row,
         reading=lambda position, robot: row.reading(position, ARM.robot(robot)),
@@ -70,7 +70,7 @@ def _gauge(row: Gauge[Any]) -> Gauge[Geometry]:
 _TOOL: Final = tuple(row for row in arms.STATION.values if row.name.startswith("TOOL"))
 """The tool's rows without the arm's clock, which is the base's: it is sent once."""
 
-STATION: Final[Station[Geometry, Motion, State]] = Station(
+STATION: Final[Station[RomeArmGeometry, RomeArmMotion, RomeArmState]] = Station(
     stick=of_stick,
     target=of_target,
     twist=lambda state: bases.STATION.twist(state.base),

@@ -13,7 +13,7 @@ from collections.abc import Collection, Iterable, Mapping
 from typing import Final
 
 from firmware_bridge.robot import AnyRobot, GuardExclusive, GuardSum
-from firmware_bridge.safety.guard.in_force import InForce, Requested
+from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, from_seconds
 
 HALTED_WITHIN: Final[Nanoseconds] = SECOND
@@ -32,7 +32,7 @@ class AxesRule(ABC):
     """Deadline by which all its axes must be stopped; NEVER while the rule is kept."""
 
     @abstractmethod
-    def refuses(self, requested: Mapping[InForce, Requested], now: Nanoseconds) -> str | None:
+    def refuses(self, requested: Mapping[InForce, RequestedMotion], now: Nanoseconds) -> str | None:
         """Return why set-points that come into force together may not, or None."""
 
     @abstractmethod
@@ -70,7 +70,7 @@ class SpeedSum(AxesRule):
         """The integral of what the sum is beyond its bound, to each side; within it falls, down to 0."""
         self._summed_at: Nanoseconds = 0
 
-    def refuses(self, requested: Mapping[InForce, Requested], now: Nanoseconds) -> str | None:
+    def refuses(self, requested: Mapping[InForce, RequestedMotion], now: Nanoseconds) -> str | None:
         """Refuse what passes the bound when no one is left to correct it; rest is never refused."""
         if not any(one.speed for one in requested.values()):
             return None
@@ -135,7 +135,7 @@ class Exclusion(AxesRule):
         self.members = frozenset(self.axes)
         self._against: Final = {**dict.fromkeys(row.one, other), **dict.fromkeys(row.other, one)}
 
-    def refuses(self, requested: Mapping[InForce, Requested], now: Nanoseconds) -> str | None:
+    def refuses(self, requested: Mapping[InForce, RequestedMotion], now: Nanoseconds) -> str | None:
         """Refuse motion while the other side is commanded to move; rest is never refused."""
         del now
         for axis in _movers(requested, self.members):
@@ -167,7 +167,7 @@ class OneHomes(AxesRule):
         self.members = frozenset(self.axes)
         self.due = NEVER
 
-    def refuses(self, requested: Mapping[InForce, Requested], now: Nanoseconds) -> str | None:
+    def refuses(self, requested: Mapping[InForce, RequestedMotion], now: Nanoseconds) -> str | None:
         """Refuse motion while another axis homes."""
         del now
         for axis in _movers(requested, self.members):
@@ -189,7 +189,7 @@ class OneHomes(AxesRule):
             self.due = NEVER
 
 
-def _movers(requested: Mapping[InForce, Requested], axes: Collection[InForce]) -> list[InForce]:
+def _movers(requested: Mapping[InForce, RequestedMotion], axes: Collection[InForce]) -> list[InForce]:
     """Return who of these would move."""
     return [axis for axis, one in requested.items() if one.moves and axis in axes]
 

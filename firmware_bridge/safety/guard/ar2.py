@@ -16,7 +16,7 @@ from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.safety.guard.bounds import ROUNDING
-from firmware_bridge.safety.guard.in_force import InForce, Requested
+from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
@@ -151,10 +151,10 @@ class Ar2Rules(WireRules):
         is_word = packet.address == 0 and (QUESTION.fullmatch(line) or MOVE.fullmatch(line))
         return self.axes if is_word else ()
 
-    def requested_by(self, packet: Packet) -> Mapping[InForce, Requested]:
+    def requested_by(self, packet: Packet) -> Mapping[InForce, RequestedMotion]:
         """Return which joints a line moves."""
         steps = self._steps(packet)
-        return {joint: Requested(moves=bool(steps.get(joint.number)), speed=0.0) for joint in self._all}
+        return {joint: RequestedMotion(moves=bool(steps.get(joint.number)), speed=0.0) for joint in self._all}
 
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Look into the list, and at what is under way."""

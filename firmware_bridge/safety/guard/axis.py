@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Final
 
-from firmware_bridge.robot import AnyRobot, Axis, Command
+from firmware_bridge.robot import AnyRobot, Axis, CommandForm
 from firmware_bridge.safety.guard.bounds import rpm_per_unit, targets
 from firmware_bridge.safety.guard.epos2_words import (
     DISABLE_VOLTAGE,
@@ -16,10 +16,10 @@ from firmware_bridge.safety.guard.epos2_words import (
     START_HOMING,
     SetPoint,
 )
-from firmware_bridge.safety.guard.in_force import InForce, Requested
+from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.zeroing import READ, WRITTEN, Zeroing
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
-from firmware_bridge.wire.cia402 import State, Status, state_of
+from firmware_bridge.wire.cia402 import PowerState, Status, state_of
 from firmware_bridge.wire.epos2.address import CONTROLWORD, Address
 
 _TARGET_REACHED: Final = int(Status.TARGET_REACHED)
@@ -54,7 +54,7 @@ class GuardedAxis:
     def __init__(self, axis: Axis, robot: AnyRobot) -> None:
         self.axis: Final = axis
         self.node: Final = axis.epos2.node
-        self.by_speed: Final = axis.command is Command.SPEED
+        self.by_speed: Final = axis.command is CommandForm.SPEED
         """True where its target is a speed; else it is a position."""
         self.zeroing: Final = Zeroing(axis)
         self.all: tuple[InForce, ...] = ()
@@ -68,7 +68,7 @@ class GuardedAxis:
         """The speed that is in force, in the axis's unit a second; 0 where it is commanded by position."""
         self.commanded_at: Nanoseconds = -NEVER
         """Time of the node's last set-point for it, good or bad."""
-        self.reported: State | None = None
+        self.reported: PowerState | None = None
         """The drive's state by its newest Statusword; None before the first."""
         self._confirmed_off = False
         """True once a Statusword has reported no power since the last Controlword that gives it."""
@@ -146,9 +146,9 @@ class GuardedAxis:
             return 0.0
         return set_point.target / self._rpm_per_unit
 
-    def requested_by(self, set_point: SetPoint) -> Requested:
+    def requested_by(self, set_point: SetPoint) -> RequestedMotion:
         """Return what the axis would do by this set-point."""
-        return Requested(self.moves_with(set_point), self.speed_with(set_point))
+        return RequestedMotion(self.moves_with(set_point), self.speed_with(set_point))
 
     def keeps_from_reset(self, now: Nanoseconds) -> str | None:
         """Return why its drive may not be reset, or None: only one that does not give up its power may.
@@ -245,7 +245,7 @@ class GuardedAxis:
             return
         self.reported = state
         self._confirmed_off = state not in POWERED_STATES and self._word not in POWERED
-        there = state is State.OPERATION_ENABLED and statusword & _TARGET_REACHED
+        there = state is PowerState.OPERATION_ENABLED and statusword & _TARGET_REACHED
         if there and self._word != HALT and self._is_fresh(now):
             self._has_goal = False
 
@@ -263,7 +263,7 @@ class GuardedAxis:
         if self._word in POWERED:
             # In a drive that has stopped by itself, any other of these Controlwords would enable the power
             # again.
-            if self.reported not in {None, State.OPERATION_ENABLED}:
+            if self.reported not in {None, PowerState.OPERATION_ENABLED}:
                 return QUICK_STOP
             return ENABLE if self.by_speed else HALT
         if self._word is None:

@@ -6,7 +6,7 @@ It shares no code with the bridge's conversion: a sign error there must not move
 import math
 from typing import Final
 
-from firmware_bridge.robot import Axis, Command
+from firmware_bridge.robot import Axis, CommandForm
 
 _EDGES_PER_LINE: Final = 4
 """Of an encoder with two channels."""
@@ -42,7 +42,7 @@ def ends_qc(axis: Axis) -> tuple[int, int]:
 
 def targets(axis: Axis) -> range:
     """Return all targets that the axis may be sent: rpm, or quadcounts where it is commanded by position."""
-    if axis.command is Command.POSITION:
+    if axis.command is CommandForm.POSITION:
         low, high = ends_qc(axis)
     else:
         high = highest_rpm(axis)

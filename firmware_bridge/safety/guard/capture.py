@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.safety.guard.in_force import InForce, Requested
+from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.units import Nanoseconds
 
@@ -36,7 +36,7 @@ class CaptureRules(WireRules):
         del packet
         return ()
 
-    def requested_by(self, packet: Packet) -> Mapping[InForce, Requested]:
+    def requested_by(self, packet: Packet) -> Mapping[InForce, RequestedMotion]:
         """Return nothing."""
         del packet
         return {}

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import AnyRobot, Command
+from firmware_bridge.robot import AnyRobot, CommandForm
 from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, TARGET_UNIT, SetPoint
-from firmware_bridge.safety.guard.in_force import InForce, Requested
+from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.safety.guard.writes import SAMPLE_PDO, STATUS_PDO, Writes, writes_on_can
 from firmware_bridge.units import Nanoseconds
@@ -28,7 +28,10 @@ from firmware_bridge.wire.epos2.address import CONSUMER_HEARTBEAT_1, CONTROLWORD
 
 _SET_POINT: Final = struct.Struct("<Hi")
 """Controlword and target, as the bridge maps them."""
-_SET_POINT_ID: Final = {Command.SPEED: canopen.RECEIVE_PDO[3], Command.POSITION: canopen.RECEIVE_PDO[2]}
+_SET_POINT_ID: Final = {
+    CommandForm.SPEED: canopen.RECEIVE_PDO[3],
+    CommandForm.POSITION: canopen.RECEIVE_PDO[2],
+}
 _STATUSWORD: Final = struct.Struct("<H")
 _SAMPLE: Final = struct.Struct("<Hi")
 """Statusword and position, as the bridge maps them first."""
@@ -67,7 +70,7 @@ class Exactly:
 class AxisSetPoint:
     """Controlword and target of one axis."""
 
-    command: Command
+    command: CommandForm
     targets: range
 
     def refuses(self, payload: bytes) -> str | None:
@@ -139,7 +142,7 @@ class Epos2CanRules(WireRules):
         axis = self._by_set_point.get(packet.address)
         return () if axis is None else (axis,)
 
-    def requested_by(self, packet: Packet) -> Mapping[InForce, Requested]:
+    def requested_by(self, packet: Packet) -> Mapping[InForce, RequestedMotion]:
         """Return what the frame has its axis do."""
         axis = self._by_set_point[packet.address]
         return {axis: axis.requested_by(SetPoint(*_SET_POINT.unpack(packet.payload)))}

@@ -16,7 +16,7 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, START_HOMING, TARGET, SetPoint
-from firmware_bridge.safety.guard.in_force import InForce, Requested
+from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.safety.guard.writes import Values, Writes, writes_over_serial
 from firmware_bridge.units import Nanoseconds
@@ -31,7 +31,7 @@ from firmware_bridge.wire.epos2.address import (
     Address,
 )
 from firmware_bridge.wire.epos2.rows import DataType
-from firmware_bridge.wire.maxon.frame import Answered
+from firmware_bridge.wire.maxon.frame import MaxonAnswer
 from firmware_bridge.wire.maxon.messages import (
     ObjectRead,
     ReadObject,
@@ -85,7 +85,7 @@ class Epos2SerialRules(WireRules):
         axis = self._by_node.get(request.node)
         return axis if axis is not None and address_of(request) in (CONTROLWORD, _target(axis)) else None
 
-    def requested_by(self, packet: Packet) -> Mapping[InForce, Requested]:
+    def requested_by(self, packet: Packet) -> Mapping[InForce, RequestedMotion]:
         """Return what its axis does with what the command writes."""
         request = request_of(packet)
         return {
@@ -159,7 +159,7 @@ class Epos2SerialRules(WireRules):
 
     def _reads(self, request: ReadObject, packet: Packet, now: Nanoseconds) -> None:
         _, outcome = outcome_of(packet)
-        answer = decode_answer(request, outcome.body) if isinstance(outcome, Answered) else None
+        answer = decode_answer(request, outcome.body) if isinstance(outcome, MaxonAnswer) else None
         if not isinstance(answer, ObjectRead) or answer.error != 0:
             return
         axis, address = self._by_node[request.node], address_of(request)

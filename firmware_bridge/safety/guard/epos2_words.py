@@ -5,13 +5,13 @@ Sources: EPOS Firmware Specification and maxon's command library for Controlword
 
 from typing import Final, NamedTuple
 
-from firmware_bridge.robot import Command
+from firmware_bridge.robot import CommandForm
 from firmware_bridge.wire.canopen import NmtCommand
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 
-TARGET: Final = {Command.SPEED: at.TARGET_VELOCITY, Command.POSITION: at.TARGET_POSITION}
-TARGET_UNIT: Final = {Command.SPEED: "rpm", Command.POSITION: "qc"}
+TARGET: Final = {CommandForm.SPEED: at.TARGET_VELOCITY, CommandForm.POSITION: at.TARGET_POSITION}
+TARGET_UNIT: Final = {CommandForm.SPEED: "rpm", CommandForm.POSITION: "qc"}
 
 NEW_SET_POINT: Final = 0x003F
 """Go to the target now."""
@@ -29,16 +29,16 @@ POWERED: Final = (ENABLE, HALT, NEW_SET_POINT, START_HOMING)
 """Controlwords after which the drive has power and may have torque."""
 STOP_WORDS: Final = (DISABLE_VOLTAGE, 0x0002, QUICK_STOP)
 CONTROLWORDS: Final = {
-    Command.SPEED: (*UNPOWERED, FAULT_RESET, ENABLE, HALT),
-    Command.POSITION: (*UNPOWERED, FAULT_RESET, ENABLE, HALT, NEW_SET_POINT),
+    CommandForm.SPEED: (*UNPOWERED, FAULT_RESET, ENABLE, HALT),
+    CommandForm.POSITION: (*UNPOWERED, FAULT_RESET, ENABLE, HALT, NEW_SET_POINT),
 }
 
 POWERED_STATES: Final = (
-    State.REFRESH,
-    State.MEASURE_INIT,
-    State.OPERATION_ENABLED,
-    State.QUICK_STOP_ACTIVE,
-    State.FAULT_REACTION_ENABLED,
+    PowerState.REFRESH,
+    PowerState.MEASURE_INIT,
+    PowerState.OPERATION_ENABLED,
+    PowerState.QUICK_STOP_ACTIVE,
+    PowerState.FAULT_REACTION_ENABLED,
 )
 """In which the motor may have torque."""
 

@@ -6,7 +6,7 @@ from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
 
 
-class Requested(NamedTuple):
+class RequestedMotion(NamedTuple):
     """The motion that a set-point requests of an axis."""
 
     moves: bool

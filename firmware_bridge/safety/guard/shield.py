@@ -17,12 +17,12 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot.settings.shield import FULL_PWM, ShieldProtocol
 from firmware_bridge.safety.guard.bounds import ROUNDING
-from firmware_bridge.safety.guard.in_force import InForce, Requested
+from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.shield_words import (
     READERS,
     Board,
     Inputs,
-    Word,
+    ListedCommand,
     libraries_in,
     no_motion,
 )
@@ -94,10 +94,10 @@ class GuardedMotor:
             old.in2 if inputs.in2 is None else inputs.in2,
         )
 
-    def requested_by(self, inputs: Inputs) -> Requested:
+    def requested_by(self, inputs: Inputs) -> RequestedMotion:
         """Return the motor's motion by a command."""
         duty = self.duty(self.with_(inputs))
-        return Requested(duty != 0, duty * self._per_step)
+        return RequestedMotion(duty != 0, duty * self._per_step)
 
     def refuses(self, inputs: Inputs, now: Nanoseconds) -> str | None:
         """Return why a command may not come into force, or None."""
@@ -151,9 +151,9 @@ class ShieldRules(WireRules):
         word = self._word(packet)
         return () if word is None else tuple(self._motors[number] for number in word.drives)
 
-    def requested_by(self, packet: Packet) -> Mapping[InForce, Requested]:
+    def requested_by(self, packet: Packet) -> Mapping[InForce, RequestedMotion]:
         """Return what a command has its motors do."""
-        word = self._word(packet) or Word()
+        word = self._word(packet) or ListedCommand()
         motors = ((self._motors[number], inputs) for number, inputs in word.drives.items())
         return {motor: motor.requested_by(inputs) for motor, inputs in motors}
 
@@ -165,7 +165,7 @@ class ShieldRules(WireRules):
         word = self._word(packet)
         if word is None:
             return f"the command '{packet.payload.hex(' ')}' is not listed"
-        if word.at_rest and moving is not None:
+        if word.at_standstill and moving is not None:
             return f"the command '{packet.payload.hex(' ')}' while {moving} may move"
         reasons = (self._motors[number].refuses(inputs, now) for number, inputs in word.drives.items())
         return next((reason for reason in reasons if reason is not None), None)
@@ -180,7 +180,7 @@ class ShieldRules(WireRules):
     def sends(self, packet: Packet, now: Nanoseconds, *, requested: bool) -> tuple[InForce, ...]:
         """Note what a command does to the motors."""
         del requested
-        word = self._word(packet) or Word()
+        word = self._word(packet) or ListedCommand()
         for number, inputs in word.drives.items():
             self._motors[number].sent(inputs, now)
         return tuple(self._motors[number] for number in word.drives)
@@ -194,5 +194,5 @@ class ShieldRules(WireRules):
                 self._board = self._board._replace(libraries=libraries)
         return True
 
-    def _word(self, packet: Packet) -> Word | None:
+    def _word(self, packet: Packet) -> ListedCommand | None:
         return self._read(packet.payload, self._board) if packet.address == 0 else None

@@ -32,12 +32,12 @@ TURNS: Final[Mapping[int, tuple[bool, bool]]] = MappingProxyType(
 
 
 @dataclass(frozen=True, slots=True)
-class Word:
+class ListedCommand:
     """One command that is listed."""
 
     drives: Mapping[int, Inputs] = field(default_factory=dict)
     """The inputs of the motors that it drives, by their numbers."""
-    at_rest: bool = False
+    at_standstill: bool = False
     """Only while nothing moves: it changes what is counted, or how the motors are reached."""
 
 
@@ -49,16 +49,16 @@ class Board(NamedTuple):
     libraries: tuple[str, ...]
 
 
-Reader: TypeAlias = Callable[[bytes, Board], Word | None]
-NOTHING: Final = Word()
-AT_REST: Final = Word(at_rest=True)
+Reader: TypeAlias = Callable[[bytes, Board], ListedCommand | None]
+NOTHING: Final = ListedCommand()
+AT_REST: Final = ListedCommand(at_standstill=True)
 
 
 def _signed(size: int) -> Inputs:
     return Inputs(abs(size), *TURNS[BACKWARD if size < 0 else FORWARD])
 
 
-def _ros(data: bytes, board: Board) -> Word | None:
+def _ros(data: bytes, board: Board) -> ListedCommand | None:
     text = data.removesuffix(ros.END).decode("ascii", "replace")
     letter, _, rest = text.partition(" ")
     gains = board.link.gains
@@ -73,8 +73,8 @@ def _ros(data: bytes, board: Board) -> Word | None:
     if data != ros.encode("m", speeds, len(speeds)):
         return None
     if not any(speeds):
-        return Word(dict.fromkeys(board.motors, Inputs(0, in1=False, in2=False)))
-    return Word({motor: _signed(speed) for motor, speed in zip(board.motors, speeds, strict=True)})
+        return ListedCommand(dict.fromkeys(board.motors, Inputs(0, in1=False, in2=False)))
+    return ListedCommand({motor: _signed(speed) for motor, speed in zip(board.motors, speeds, strict=True)})
 
 
 def _is_number(word: str) -> bool:
@@ -82,7 +82,7 @@ def _is_number(word: str) -> bool:
     return digits.isdigit() and len(digits) < ros.WORD - 1
 
 
-def _arduinoio(data: bytes, board: Board) -> Word | None:
+def _arduinoio(data: bytes, board: Board) -> ListedCommand | None:
     row = arduinoio.COMMANDS.get(chr(data[0])) if data else None
     if row is None or len(data) != 1 + len(row.follows):
         return None
@@ -94,15 +94,15 @@ def _arduinoio(data: bytes, board: Board) -> Word | None:
     if row.letter in "EH":
         return AT_REST
     if row.letter == "A" and values[0] in board.motors:
-        return Word({values[0]: Inputs(values[1], None, None)})
+        return ListedCommand({values[0]: Inputs(values[1], None, None)})
     turn = _RUNS.get(values[1]) if row.letter == "B" and values[0] in board.motors else None
-    return None if turn is None else Word({values[0]: Inputs(None, *turn)})
+    return None if turn is None else ListedCommand({values[0]: Inputs(None, *turn)})
 
 
 _RUNS: Final = {ord("f"): TURNS[FORWARD], ord("b"): TURNS[BACKWARD], ord("r"): (False, False)}
 
 
-def _mw(data: bytes, board: Board) -> Word | None:
+def _mw(data: bytes, board: Board) -> ListedCommand | None:
     match _request(data, board):
         case messages.GetServerInfo() | messages.ReadCount(reset=0):
             return NOTHING
@@ -114,9 +114,9 @@ def _mw(data: bytes, board: Board) -> Word | None:
         ):
             return AT_REST
         case messages.SetMotorSpeed(0, motor, speed, turn) if motor + 1 in board.motors and turn in TURNS:
-            return Word({motor + 1: Inputs(speed, *TURNS[turn])})
+            return ListedCommand({motor + 1: Inputs(speed, *TURNS[turn])})
         case messages.StopMotor(0, motor) if motor + 1 in board.motors:
-            return Word({motor + 1: Inputs(None, in1=False, in2=False)})
+            return ListedCommand({motor + 1: Inputs(None, in1=False, in2=False)})
         case _:
             return None
 
@@ -135,7 +135,7 @@ def _request(data: bytes, board: Board) -> object:
     return None if row is None or row.request is None else row.request.decode(requested.data)
 
 
-def _firmata(data: bytes, board: Board) -> Word | None:
+def _firmata(data: bytes, board: Board) -> ListedCommand | None:
     found = list(firmata.Parser().receive(data))
     if len(found) != 1 or firmata.encode(found[0]) != data:
         return None
@@ -153,7 +153,7 @@ def _firmata(data: bytes, board: Board) -> Word | None:
 _QUERIES: Final = (firmata.Message(firmata.FIRMWARE, b"", exclusive=True), firmata.Message(firmata.VERSION))
 
 
-def _written(data: bytes, board: Board) -> Word | None:
+def _written(data: bytes, board: Board) -> ListedCommand | None:
     """Return what a write to the shield's chip means."""
     if data in motor_shield.SET_UP:
         return AT_REST
@@ -166,7 +166,7 @@ def _written(data: bytes, board: Board) -> Word | None:
         Pin.IN1: Inputs(None, bool(level), None),
         Pin.IN2: Inputs(None, None, bool(level)),
     }
-    return Word({written.motor: inputs[written.pin]})
+    return ListedCommand({written.motor: inputs[written.pin]})
 
 
 READERS: Final[Mapping[ShieldProtocol, Reader]] = MappingProxyType(
@@ -197,11 +197,11 @@ def no_motion(motor: int, board: Board) -> Iterator[bytes]:
         yield firmata.i2c_write(motor_shield.ADDRESS, motor_shield.encode_channel(motor, Pin.PWM, 0))
 
 
-def libraries_in(answers: Iterator[mw.Answered | mw.Traced]) -> tuple[str, ...] | None:
+def libraries_in(answers: Iterator[mw.MwAnswer | mw.Traced]) -> tuple[str, ...] | None:
     """Return the libraries that MWProtocol's answers name; None where none does."""
     for answer in answers:
         answer_of = (
-            mw.decode_answer(messages.GetServerInfo(), answer) if isinstance(answer, mw.Answered) else None
+            mw.decode_answer(messages.GetServerInfo(), answer) if isinstance(answer, mw.MwAnswer) else None
         )
         if isinstance(answer_of, messages.ServerInfo):
             return tuple(name.decode("ascii", "replace") for name in answer_of.libraries)

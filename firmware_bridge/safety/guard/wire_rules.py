@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from firmware_bridge.packet import Packet
-from firmware_bridge.safety.guard.in_force import InForce, Requested
+from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.units import Nanoseconds
 
 
@@ -25,7 +25,7 @@ class WireRules(ABC):
         """Return the axes whose set-points, or parts of them, this is."""
 
     @abstractmethod
-    def requested_by(self, packet: Packet) -> Mapping[InForce, Requested]:
+    def requested_by(self, packet: Packet) -> Mapping[InForce, RequestedMotion]:
         """Return what such a packet, which is not refused, would have its axes do."""
 
     @abstractmethod

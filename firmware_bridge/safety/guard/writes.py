@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from firmware_bridge.robot import AnyRobot, Axis, Command, Output
+from firmware_bridge.robot import AnyRobot, Axis, CommandForm, Output
 from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.safety.guard.bounds import ends_qc, highest_rpm
 from firmware_bridge.safety.guard.epos2_words import ENABLE, HALT, START_HOMING, STOP_WORDS
@@ -34,9 +34,9 @@ QUICK_STOP_ON_LOST_CONNECTION: Final = 3
 QUICK_STOP_ON_FAULT: Final = 2
 TRANSMISSIONS: Final = (1, 255)
 """At each SYNC, on change: what the EPOS2 supports and the bridge uses."""
-_MAPPED: Final = {Command.SPEED: 0x60FF_0020, Command.POSITION: 0x607A_0020}
+_MAPPED: Final = {CommandForm.SPEED: 0x60FF_0020, CommandForm.POSITION: 0x607A_0020}
 _CONTROLWORD_MAPPED: Final = 0x6040_0010
-_SET_POINT_PDO: Final = {Command.SPEED: 3, Command.POSITION: 2}
+_SET_POINT_PDO: Final = {CommandForm.SPEED: 3, CommandForm.POSITION: 2}
 STATUS_PDO, SAMPLE_PDO = 0, 1
 _READ: Final = {(STATUS_PDO, 1): 0x6041_0010, (SAMPLE_PDO, 1): 0x6041_0010, (SAMPLE_PDO, 2): 0x6064_0020}
 """Entries of transmit PDOs that the guard itself reads: statusword and position."""
@@ -195,7 +195,7 @@ def _motion(axis: Axis) -> Iterator[tuple[Address, Values]]:
     zeroing = () if axis.travel is None else (Mode.HOMING,)
     yield at.MODE, _exactly(I8, OWN_MODE[axis.command], *zeroing)
     yield at.MOTION_PROFILE_TYPE, _exactly(I16, 0)
-    top_rpm = highest_rpm(axis) if axis.command is Command.POSITION else profile.max_velocity_rpm
+    top_rpm = highest_rpm(axis) if axis.command is CommandForm.POSITION else profile.max_velocity_rpm
     yield at.PROFILE_VELOCITY, _within(U32, 1, top_rpm)
     yield at.PROFILE_ACCELERATION, _within(U32, 1, profile.acceleration_rpm_s)
     # Exactly, both: a weaker one would brake too late, a stronger one beyond the limit.

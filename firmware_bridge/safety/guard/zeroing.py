@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
-from firmware_bridge.robot import Axis, Command
+from firmware_bridge.robot import Axis, CommandForm
 from firmware_bridge.safety.guard.bounds import ROUNDING, ends_qc, qc_per_unit, rpm_per_unit
 from firmware_bridge.safety.guard.epos2_words import ENABLE, HALT, NEW_SET_POINT, START_HOMING
 from firmware_bridge.wire.cia402 import Mode
@@ -22,7 +22,7 @@ from firmware_bridge.wire.epos2.rows import DataType
 
 ACTUAL_POSITION: Final = 35
 MILLIAMPERES: Final = 1000.0
-OWN_MODE: Final = {Command.SPEED: Mode.PROFILE_VELOCITY, Command.POSITION: Mode.PROFILE_POSITION}
+OWN_MODE: Final = {CommandForm.SPEED: Mode.PROFILE_VELOCITY, CommandForm.POSITION: Mode.PROFILE_POSITION}
 WRITTEN: Final = {
     at.MODE: DataType.INTEGER8,
     at.HOME_POSITION: DataType.INTEGER32,

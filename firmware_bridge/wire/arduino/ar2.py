@@ -46,7 +46,7 @@ _FIELD: Final = re.compile(rb"([GHIKNPSTVX])(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?)")
 
 
 @dataclass(frozen=True, slots=True)
-class Requested:
+class Ar2Request:
     """A line, read as this module's functions write it; the board looks for letters, and takes anything."""
 
     word: str
@@ -59,14 +59,14 @@ class Requested:
     """Behind the letters, as it is."""
 
 
-def decode(line: bytes) -> Requested | None:
+def decode(line: bytes) -> Ar2Request | None:
     """Return the request of a line without its end; None for one that a board ignores."""
     word, rest = line[:2].decode("ascii", "replace"), bytes(line[2:])
     if word not in COMMANDS:
         return None
     axes, _, fields = rest.partition(b"S") if word in {"MJ", "LL"} else (b"", b"", rest)
     found = _FIELD.findall((b"S" if axes else b"") + fields) if word != "TM" else ()
-    return Requested(
+    return Ar2Request(
         word,
         {letter.decode(): int(count) * (2 * int(digit) - 1) for letter, digit, count in _AXIS.findall(axes)},
         {letter.decode(): number.decode() for letter, number in found},

@@ -18,7 +18,7 @@ MOTOR_V2: Final = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class ArgumentKind:
     """Meaning of a byte behind the letter: its value is the byte less `base`."""
 
     name: str
@@ -37,57 +37,57 @@ class Kind:
         return value + self.base
 
 
-PIN: Final = Kind("pin", 97, 2, 69)
-ANALOG: Final = Kind("analog input", 97, 0, 15)
-BIT: Final = Kind("level", 48, 0, 1)
-RAW: Final = Kind("value", 0, 0, 255)
-MOTOR: Final = Kind("motor", 48, 1, 4)
-STEPPER: Final = Kind("stepper", 48, 1, 2)
-ENCODER: Final = Kind("encoder", 48, 0, 2)
-DEBOUNCE: Final = Kind("debounce", 97, 0, 69)
-REFERENCE: Final = Kind("reference", 48, 0, 2)
-NINE: Final = Kind("second letter", 48, 9, 9)
+PIN: Final = ArgumentKind("pin", 97, 2, 69)
+ANALOG: Final = ArgumentKind("analog input", 97, 0, 15)
+BIT: Final = ArgumentKind("level", 48, 0, 1)
+RAW: Final = ArgumentKind("value", 0, 0, 255)
+MOTOR: Final = ArgumentKind("motor", 48, 1, 4)
+STEPPER: Final = ArgumentKind("stepper", 48, 1, 2)
+ENCODER: Final = ArgumentKind("encoder", 48, 0, 2)
+DEBOUNCE: Final = ArgumentKind("debounce", 97, 0, 69)
+REFERENCE: Final = ArgumentKind("reference", 48, 0, 2)
+NINE: Final = ArgumentKind("second letter", 48, 9, 9)
 ENDS_STEPPER: Final = ord("r")
 """A stepper's direction that takes nothing more."""
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class ArduinoIoCommand:
     """One command: its letter, the bytes behind it, and whether it is answered with a number."""
 
     letter: str
     name: str
-    follows: tuple[Kind, ...]
+    follows: tuple[ArgumentKind, ...]
     answers: bool = False
     assumed: str = ""
 
 
 _NO_STEPPERS: Final = "steppers are not emulated: the bytes are taken, and nothing turns"
 
-ROWS: Final[tuple[Command, ...]] = (
-    Command("0", "pin mode: 0 input, 1 output", (PIN, BIT)),
-    Command("1", "digital read", (PIN,), answers=True),
-    Command("2", "digital write", (PIN, BIT)),
-    Command("3", "analog read", (ANALOG,), answers=True),
-    Command("4", "analog write", (PIN, RAW)),
-    Command("5", "is a servo attached", (PIN,), answers=True),
-    Command("6", "servo: 0 detach, 1 attach", (PIN, BIT)),
-    Command("7", "servo read", (PIN,), answers=True, assumed="90 before the first write"),
-    Command("8", "servo write", (PIN, RAW)),
-    Command("9", "who is it", (NINE,), answers=True),
-    Command("A", "motor's speed", (MOTOR, RAW)),
-    Command("B", "motor: f, b or r", (MOTOR, RAW)),
-    Command("C", "stepper's speed", (STEPPER, RAW), assumed=_NO_STEPPERS),
-    Command("D", "stepper's steps", (STEPPER, RAW, RAW, RAW), assumed=_NO_STEPPERS),
-    Command("E", "attach an encoder", (ENCODER, PIN, PIN)),
-    Command("F", "detach an encoder", (ENCODER,)),
-    Command("G", "read an encoder", (ENCODER,), answers=True),
-    Command("H", "set an encoder to 0", (ENCODER,)),
-    Command("I", "an encoder's debounce", (ENCODER, DEBOUNCE), assumed="it changes nothing"),
-    Command("R", "analog reference", (REFERENCE,), assumed="it changes nothing"),
-    Command("X", "say a byte as a number", (RAW,), answers=True),
+ROWS: Final[tuple[ArduinoIoCommand, ...]] = (
+    ArduinoIoCommand("0", "pin mode: 0 input, 1 output", (PIN, BIT)),
+    ArduinoIoCommand("1", "digital read", (PIN,), answers=True),
+    ArduinoIoCommand("2", "digital write", (PIN, BIT)),
+    ArduinoIoCommand("3", "analog read", (ANALOG,), answers=True),
+    ArduinoIoCommand("4", "analog write", (PIN, RAW)),
+    ArduinoIoCommand("5", "is a servo attached", (PIN,), answers=True),
+    ArduinoIoCommand("6", "servo: 0 detach, 1 attach", (PIN, BIT)),
+    ArduinoIoCommand("7", "servo read", (PIN,), answers=True, assumed="90 before the first write"),
+    ArduinoIoCommand("8", "servo write", (PIN, RAW)),
+    ArduinoIoCommand("9", "who is it", (NINE,), answers=True),
+    ArduinoIoCommand("A", "motor's speed", (MOTOR, RAW)),
+    ArduinoIoCommand("B", "motor: f, b or r", (MOTOR, RAW)),
+    ArduinoIoCommand("C", "stepper's speed", (STEPPER, RAW), assumed=_NO_STEPPERS),
+    ArduinoIoCommand("D", "stepper's steps", (STEPPER, RAW, RAW, RAW), assumed=_NO_STEPPERS),
+    ArduinoIoCommand("E", "attach an encoder", (ENCODER, PIN, PIN)),
+    ArduinoIoCommand("F", "detach an encoder", (ENCODER,)),
+    ArduinoIoCommand("G", "read an encoder", (ENCODER,), answers=True),
+    ArduinoIoCommand("H", "set an encoder to 0", (ENCODER,)),
+    ArduinoIoCommand("I", "an encoder's debounce", (ENCODER, DEBOUNCE), assumed="it changes nothing"),
+    ArduinoIoCommand("R", "analog reference", (REFERENCE,), assumed="it changes nothing"),
+    ArduinoIoCommand("X", "say a byte as a number", (RAW,), answers=True),
 )
-COMMANDS: Final[Mapping[str, Command]] = MappingProxyType({row.letter: row for row in ROWS})
+COMMANDS: Final[Mapping[str, ArduinoIoCommand]] = MappingProxyType({row.letter: row for row in ROWS})
 
 
 def encode(letter: str, *values: int) -> bytes:
@@ -101,10 +101,10 @@ def encode(letter: str, *values: int) -> bytes:
 
 
 @dataclass(frozen=True, slots=True)
-class Requested:
+class ReceivedCommand:
     """A command as it came: its row, and what followed."""
 
-    row: Command
+    row: ArduinoIoCommand
     values: tuple[int, ...]
 
 
@@ -112,10 +112,10 @@ class CommandReader:
     """The board's end: it takes bytes and finds commands. A byte that does not fit ends its command."""
 
     def __init__(self) -> None:
-        self._row: Command | None = None
+        self._row: ArduinoIoCommand | None = None
         self._values: list[int] = []
 
-    def take(self, byte: int) -> Requested | None:
+    def take(self, byte: int) -> ReceivedCommand | None:
         """Take one byte; return the command that it completes."""
         row = self._row
         if row is None:
@@ -131,7 +131,7 @@ class CommandReader:
             return None
         values = tuple(self._values)
         self._forget()
-        return Requested(row, values)
+        return ReceivedCommand(row, values)
 
     def _forget(self) -> None:
         self._row = None

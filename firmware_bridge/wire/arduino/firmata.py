@@ -90,7 +90,7 @@ I2C_RESTART: Final = 0x40
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class FirmataCommand:
     """One message that is not system-exclusive: its first byte, and how many bytes follow it, either way."""
 
     code: int
@@ -101,17 +101,17 @@ class Command:
     """From the board; a board reports some of them only."""
 
 
-ROWS: Final[tuple[Command, ...]] = (
-    Command(ANALOG, "analog I/O", 2, 2),
-    Command(DIGITAL, "digital port", 2, 2),
-    Command(REPORT_ANALOG, "report analog", 1),
-    Command(REPORT_DIGITAL, "report digital port", 1),
-    Command(PIN_MODE, "pin mode", 2),
-    Command(PIN_VALUE, "digital pin", 2),
-    Command(VERSION, "protocol version", 0, 2),
-    Command(RESET, "system reset", 0),
+ROWS: Final[tuple[FirmataCommand, ...]] = (
+    FirmataCommand(ANALOG, "analog I/O", 2, 2),
+    FirmataCommand(DIGITAL, "digital port", 2, 2),
+    FirmataCommand(REPORT_ANALOG, "report analog", 1),
+    FirmataCommand(REPORT_DIGITAL, "report digital port", 1),
+    FirmataCommand(PIN_MODE, "pin mode", 2),
+    FirmataCommand(PIN_VALUE, "digital pin", 2),
+    FirmataCommand(VERSION, "protocol version", 0, 2),
+    FirmataCommand(RESET, "system reset", 0),
 )
-COMMANDS: Final[Mapping[int, Command]] = MappingProxyType({row.code: row for row in ROWS})
+COMMANDS: Final[Mapping[int, FirmataCommand]] = MappingProxyType({row.code: row for row in ROWS})
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,7 +206,7 @@ class Parser:
         self._from_board: Final = from_board
         self._room: Final = LONGEST_FROM_BOARD if from_board else MAX_DATA
         self._exclusive = False
-        self._command: Command | None = None
+        self._command: FirmataCommand | None = None
         self._channel = 0
         self._missing = 0
         self._data = bytearray()

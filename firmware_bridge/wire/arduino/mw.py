@@ -91,7 +91,7 @@ class _InfoShape(Shape):
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class MwCommand:
     """One command: its library, its number there, its request and its answer."""
 
     library: str
@@ -111,38 +111,40 @@ def _shape(message: type[Any], layout: str = "") -> Shape:
 _DONE: Final = _shape(messages.Done)
 _STEPPER: Final = "steppers are not emulated: a board stays silent"
 
-ROWS: Final[tuple[Command, ...]] = (
-    Command(
+ROWS: Final[tuple[MwCommand, ...]] = (
+    MwCommand(
         CORE,
         0x01,
         "getServerInfo",
         _shape(messages.GetServerInfo),
         _InfoShape(messages.ServerInfo, Struct("")),
     ),
-    Command(CORE, 0x02, "resetPins", _shape(messages.ResetPins), _DONE),
-    Command(CORE, 0x03, "getFreeRAM", _shape(messages.GetFreeRam), _shape(messages.FreeRam, ">H")),
-    Command(CORE, 0x10, "writeDigitalPin", _shape(messages.WriteDigital, "<BBB"), _DONE),
-    Command(CORE, 0x11, "readDigitalPin", _shape(messages.ReadDigital, "<BB"), _shape(messages.Level, "<B")),
-    Command(CORE, 0x12, "configureDigitalPin", _shape(messages.ConfigureDigital, "<BBB"), _DONE),
-    Command(CORE, 0x20, "writePWMDutyCycle", _shape(messages.WriteDuty, "<BB"), _DONE),
-    Command(CORE, 0x21, "writePWMVoltage", _shape(messages.WriteVoltage, "<BB"), _DONE),
-    Command(CORE, 0x22, "playTone", _shape(messages.PlayTone, "<BHH"), _DONE),
-    Command(CORE, 0x30, "readVoltage", _shape(messages.ReadVoltage, "<B"), _shape(messages.Voltage, ">H")),
-    Command(SHIELD, 0x00, "createMotorShield", _shape(messages.CreateShield, "<BBH"), _DONE),
-    Command(SHIELD, 0x01, "deleteMotorShield", _shape(messages.DeleteShield, "<B"), _DONE),
-    Command(SHIELD, 0x02, "createDCMotor", _shape(messages.CreateMotor, "<BB"), _DONE),
-    Command(SHIELD, 0x03, "startDCMotor", _shape(messages.StartMotor, "<BBBB"), _DONE),
-    Command(SHIELD, 0x04, "stopDCMotor", _shape(messages.StopMotor, "<BB"), _DONE),
-    Command(SHIELD, 0x05, "setSpeedDCMotor", _shape(messages.SetMotorSpeed, "<BBBB"), _DONE),
-    Command(SHIELD, 0x06, "createStepper", None, _DONE, _STEPPER),
-    Command(SHIELD, 0x07, "releaseStepper", None, _DONE, _STEPPER),
-    Command(SHIELD, 0x08, "moveStepper", None, _DONE, _STEPPER),
-    Command(SHIELD, 0x09, "setSpeedStepper", None, _DONE, _STEPPER),
-    Command(ENCODER, 0x01, "attachEncoder", _shape(messages.AttachEncoder, "<BBB"), _DONE),
-    Command(ENCODER, 0x02, "detachEncoder", _shape(messages.DetachEncoder, "<B"), _DONE),
-    Command(ENCODER, 0x03, "setDelay", _shape(messages.SetDelay, "<BB"), _DONE, "the request's layout"),
-    Command(ENCODER, 0x04, "readCount", _shape(messages.ReadCount, "<BB"), _shape(messages.Count, "<iIb")),
-    Command(
+    MwCommand(CORE, 0x02, "resetPins", _shape(messages.ResetPins), _DONE),
+    MwCommand(CORE, 0x03, "getFreeRAM", _shape(messages.GetFreeRam), _shape(messages.FreeRam, ">H")),
+    MwCommand(CORE, 0x10, "writeDigitalPin", _shape(messages.WriteDigital, "<BBB"), _DONE),
+    MwCommand(
+        CORE, 0x11, "readDigitalPin", _shape(messages.ReadDigital, "<BB"), _shape(messages.Level, "<B")
+    ),
+    MwCommand(CORE, 0x12, "configureDigitalPin", _shape(messages.ConfigureDigital, "<BBB"), _DONE),
+    MwCommand(CORE, 0x20, "writePWMDutyCycle", _shape(messages.WriteDuty, "<BB"), _DONE),
+    MwCommand(CORE, 0x21, "writePWMVoltage", _shape(messages.WriteVoltage, "<BB"), _DONE),
+    MwCommand(CORE, 0x22, "playTone", _shape(messages.PlayTone, "<BHH"), _DONE),
+    MwCommand(CORE, 0x30, "readVoltage", _shape(messages.ReadVoltage, "<B"), _shape(messages.Voltage, ">H")),
+    MwCommand(SHIELD, 0x00, "createMotorShield", _shape(messages.CreateShield, "<BBH"), _DONE),
+    MwCommand(SHIELD, 0x01, "deleteMotorShield", _shape(messages.DeleteShield, "<B"), _DONE),
+    MwCommand(SHIELD, 0x02, "createDCMotor", _shape(messages.CreateMotor, "<BB"), _DONE),
+    MwCommand(SHIELD, 0x03, "startDCMotor", _shape(messages.StartMotor, "<BBBB"), _DONE),
+    MwCommand(SHIELD, 0x04, "stopDCMotor", _shape(messages.StopMotor, "<BB"), _DONE),
+    MwCommand(SHIELD, 0x05, "setSpeedDCMotor", _shape(messages.SetMotorSpeed, "<BBBB"), _DONE),
+    MwCommand(SHIELD, 0x06, "createStepper", None, _DONE, _STEPPER),
+    MwCommand(SHIELD, 0x07, "releaseStepper", None, _DONE, _STEPPER),
+    MwCommand(SHIELD, 0x08, "moveStepper", None, _DONE, _STEPPER),
+    MwCommand(SHIELD, 0x09, "setSpeedStepper", None, _DONE, _STEPPER),
+    MwCommand(ENCODER, 0x01, "attachEncoder", _shape(messages.AttachEncoder, "<BBB"), _DONE),
+    MwCommand(ENCODER, 0x02, "detachEncoder", _shape(messages.DetachEncoder, "<B"), _DONE),
+    MwCommand(ENCODER, 0x03, "setDelay", _shape(messages.SetDelay, "<BB"), _DONE, "the request's layout"),
+    MwCommand(ENCODER, 0x04, "readCount", _shape(messages.ReadCount, "<BB"), _shape(messages.Count, "<iIb")),
+    MwCommand(
         ENCODER,
         0x05,
         "readSpeed",
@@ -150,16 +152,16 @@ ROWS: Final[tuple[Command, ...]] = (
         Shape(messages.Speeds, Struct(""), open_ended=True),
         "the request's layout: a list of encoders, without a count",
     ),
-    Command(ENCODER, 0x06, "writeCount", _shape(messages.WriteCount, "<Bi"), _DONE),
+    MwCommand(ENCODER, 0x06, "writeCount", _shape(messages.WriteCount, "<Bi"), _DONE),
 )
 
-COMMANDS: Final[Mapping[tuple[str, int], Command]] = MappingProxyType(
+COMMANDS: Final[Mapping[tuple[str, int], MwCommand]] = MappingProxyType(
     {(it.library, it.code): it for it in ROWS}
 )
 _BY_REQUEST: Final = {row.request.message: row for row in ROWS if row.request}
 
 
-def row_of(request: Message) -> Command:
+def row_of(request: Message) -> MwCommand:
     """Return the row of a request."""
     return _BY_REQUEST[type(request)]
 
@@ -241,7 +243,7 @@ class RequestReader:
         self._frame.clear()
 
 
-def row_of_frame(request: RequestFrame, libraries: Sequence[str] = LIBRARIES) -> Command | None:
+def row_of_frame(request: RequestFrame, libraries: Sequence[str] = LIBRARIES) -> MwCommand | None:
     """Return the row that a request names, on a board with these libraries; None for one that has none."""
     if request.library is None:
         return COMMANDS.get((CORE, request.code))
@@ -269,7 +271,7 @@ def encode_answer(code: int, data: bytes) -> bytes:
 
 
 @dataclass(frozen=True, slots=True)
-class Answered:
+class MwAnswer:
     """An answer as it was framed: the command's code, and data that its row's shape reads."""
 
     code: int
@@ -291,7 +293,7 @@ class AnswerReader:
         """Frames with a wrong check sum."""
         self._waiting = bytearray()
 
-    def receive(self, chunk: bytes) -> Iterator[Answered | Traced]:
+    def receive(self, chunk: bytes) -> Iterator[MwAnswer | Traced]:
         """Take bytes; yield what they complete."""
         self._waiting += chunk
         while True:
@@ -300,7 +302,7 @@ class AnswerReader:
             if len(self._waiting) < len("SK"):
                 return
             if self._waiting[1] == TRACE:
-                found: tuple[Answered | Traced, ...] | None = self._trace()
+                found: tuple[MwAnswer | Traced, ...] | None = self._trace()
             elif self._waiting[1] == ANSWER:
                 found = self._answer()
             else:
@@ -317,7 +319,7 @@ class AnswerReader:
             return None
         return (Traced(self._cut(len("SKn"), len("SKn") + self._waiting[2])),)
 
-    def _answer(self) -> tuple[Answered, ...] | None:
+    def _answer(self) -> tuple[MwAnswer, ...] | None:
         """Return the answer that is there, in a tuple; an empty one for damage, None for half an answer."""
         if len(self._waiting) < len("SKss"):
             return None
@@ -333,7 +335,7 @@ class AnswerReader:
             del self._waiting[0]
             return ()
         body = self._cut(len("SKss"), end)
-        return (Answered(body[0], body[1:-1]),)
+        return (MwAnswer(body[0], body[1:-1]),)
 
     def _cut(self, begin: int, end: int) -> bytes:
         body = bytes(self._waiting[begin:end])
@@ -341,7 +343,7 @@ class AnswerReader:
         return body
 
 
-def decode_answer(request: Message, answered: Answered) -> Message | None:
+def decode_answer(request: Message, answered: MwAnswer) -> Message | None:
     """Return the answer to a request; None where it answers another one, or is too short."""
     row = row_of(request)
     return row.answer.decode(answered.data) if answered.code == row.code else None

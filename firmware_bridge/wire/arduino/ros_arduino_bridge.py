@@ -23,7 +23,7 @@ LONGEST_LINE: Final = 64
 """Longest line of a board in bytes, for a collector of lines."""
 
 
-class Answer(Enum):
+class RosArduinoAnswer(Enum):
     """Form of a command's answer when it is done."""
 
     OK = "OK"
@@ -32,35 +32,35 @@ class Answer(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class RosArduinoCommand:
     """One command: its letter, its number of arguments, their separator, its answer."""
 
     letter: str
     name: str
     arguments: int | None
     """None: one for each motor."""
-    answer: Answer
+    answer: RosArduinoAnswer
     separator: str = " "
     assumed: str = ""
 
 
-ROWS: Final[tuple[Command, ...]] = (
-    Command("a", "analog read", 1, Answer.NUMBER),
-    Command("b", "baud rate", 0, Answer.NUMBER),
-    Command("c", "pin mode", 2, Answer.OK),
-    Command("d", "digital read", 1, Answer.NUMBER),
-    Command("e", "read encoders", 0, Answer.NUMBERS),
-    Command("m", "motor speeds, in ticks a frame", None, Answer.OK),
-    Command("o", "raw PWM, -255 to 255", None, Answer.OK, assumed="in later forks only"),
-    Command("p", "ping, in cm", 1, Answer.NUMBER),
-    Command("r", "reset encoders", 0, Answer.OK),
-    Command("s", "servo write", 2, Answer.OK),
-    Command("t", "servo read", 1, Answer.NUMBER),
-    Command("u", "gains Kp, Kd, Ki, Ko", 4, Answer.OK, ":"),
-    Command("w", "digital write", 2, Answer.OK),
-    Command("x", "analog write", 2, Answer.OK),
+ROWS: Final[tuple[RosArduinoCommand, ...]] = (
+    RosArduinoCommand("a", "analog read", 1, RosArduinoAnswer.NUMBER),
+    RosArduinoCommand("b", "baud rate", 0, RosArduinoAnswer.NUMBER),
+    RosArduinoCommand("c", "pin mode", 2, RosArduinoAnswer.OK),
+    RosArduinoCommand("d", "digital read", 1, RosArduinoAnswer.NUMBER),
+    RosArduinoCommand("e", "read encoders", 0, RosArduinoAnswer.NUMBERS),
+    RosArduinoCommand("m", "motor speeds, in ticks a frame", None, RosArduinoAnswer.OK),
+    RosArduinoCommand("o", "raw PWM, -255 to 255", None, RosArduinoAnswer.OK, assumed="in later forks only"),
+    RosArduinoCommand("p", "ping, in cm", 1, RosArduinoAnswer.NUMBER),
+    RosArduinoCommand("r", "reset encoders", 0, RosArduinoAnswer.OK),
+    RosArduinoCommand("s", "servo write", 2, RosArduinoAnswer.OK),
+    RosArduinoCommand("t", "servo read", 1, RosArduinoAnswer.NUMBER),
+    RosArduinoCommand("u", "gains Kp, Kd, Ki, Ko", 4, RosArduinoAnswer.OK, ":"),
+    RosArduinoCommand("w", "digital write", 2, RosArduinoAnswer.OK),
+    RosArduinoCommand("x", "analog write", 2, RosArduinoAnswer.OK),
 )
-COMMANDS: Final[Mapping[str, Command]] = MappingProxyType({row.letter: row for row in ROWS})
+COMMANDS: Final[Mapping[str, RosArduinoCommand]] = MappingProxyType({row.letter: row for row in ROWS})
 Numbers: TypeAlias = tuple[int, ...]
 
 
@@ -83,10 +83,10 @@ def decode(letter: str, line: bytes, motors: int = 3) -> Numbers | None:
     """
     row = COMMANDS[letter]
     text = line.decode("ascii", "replace").strip()
-    if row.answer is Answer.OK:
+    if row.answer is RosArduinoAnswer.OK:
         return () if text == OK else None
     words = text.split(" ")
-    wanted = motors if row.answer is Answer.NUMBERS else 1
+    wanted = motors if row.answer is RosArduinoAnswer.NUMBERS else 1
     if len(words) != wanted or not all(_is_number(word) for word in words):
         return None
     return tuple(map(int, words))

@@ -48,13 +48,13 @@ class Frame:
 
 
 @dataclass(frozen=True, slots=True)
-class Answered:
+class MaxonAnswer:
     """The device's answer to a command; empty to one that V1 does not answer."""
 
     body: bytes
 
 
-Outcome: TypeAlias = Answered | Failure
+Outcome: TypeAlias = MaxonAnswer | Failure
 
 
 def checksum(first: int, body: bytes) -> int:

@@ -8,7 +8,7 @@ from typing import Final
 
 from firmware_bridge.node import MAXON
 from firmware_bridge.packet import Packet
-from firmware_bridge.wire.maxon.frame import Answered, Failure, Frame, Outcome
+from firmware_bridge.wire.maxon.frame import Failure, Frame, MaxonAnswer, Outcome
 from firmware_bridge.wire.maxon.messages import Request
 from firmware_bridge.wire.maxon.opcodes import COMMANDS, decode_request, encode_request
 
@@ -35,7 +35,7 @@ def request_of(packet: Packet) -> Request | None:
 
 def outcome_packet(opcode: int, outcome: Outcome, link: str = MAXON) -> Packet:
     """Return how a command ended as a packet on a link."""
-    if isinstance(outcome, Answered):
+    if isinstance(outcome, MaxonAnswer):
         return Packet(link, opcode, outcome.body)
     return Packet(link, opcode | FAILED, outcome.value.encode())
 
@@ -44,4 +44,4 @@ def outcome_of(packet: Packet) -> tuple[int, Outcome]:
     """Return the opcode of the command that has ended, and how."""
     if packet.address & FAILED:
         return packet.address & _OPCODE, _FAILURES.get(packet.payload, Failure.SILENCE)
-    return packet.address & _OPCODE, Answered(packet.payload)
+    return packet.address & _OPCODE, MaxonAnswer(packet.payload)

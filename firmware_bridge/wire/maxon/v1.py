@@ -20,9 +20,9 @@ from firmware_bridge.wire.maxon.end import LineEnd
 from firmware_bridge.wire.maxon.frame import (
     ANSWER,
     CHECKSUM_SIZE,
-    Answered,
     Failure,
     Frame,
+    MaxonAnswer,
     Outcome,
     checksum,
     encode_v1,
@@ -218,7 +218,7 @@ class V1Host(LineEnd):
         if self.due > now:
             return None
         done = self._phase is _HostPhase.COMMAND and not self._acknowledged
-        return self._end(Answered(b"") if done else Failure.SILENCE, now)
+        return self._end(MaxonAnswer(b"") if done else Failure.SILENCE, now)
 
     def _take(self, byte: int, now: Nanoseconds) -> Outcome | None:
         if self._phase in _ACCEPTING:
@@ -233,7 +233,7 @@ class V1Host(LineEnd):
             return None
         frame = self._rest.frame()
         self._sent.append(FAILED if frame is None else OKAY)
-        return Failure.GARBLED if frame is None else Answered(frame.body)
+        return Failure.GARBLED if frame is None else MaxonAnswer(frame.body)
 
     def _accepted(self, byte: int, now: Nanoseconds) -> Outcome | None:
         """Take the device's judgement; other bytes are noise."""
@@ -250,7 +250,7 @@ class V1Host(LineEnd):
         elif self._answered:
             self._enter(_HostPhase.WORK, now)
         else:
-            return Answered(b"")
+            return MaxonAnswer(b"")
         return None
 
     def _enter(self, phase: _HostPhase, now: Nanoseconds) -> None:
@@ -261,6 +261,6 @@ class V1Host(LineEnd):
         self._phase = _HostPhase.IDLE
         self.due = NEVER
         # A refusal leaves the device idle; after anything else it may still be in the middle of a phase.
-        clear = isinstance(outcome, Answered) or outcome in {Failure.REFUSED, Failure.DAMAGED}
+        clear = isinstance(outcome, MaxonAnswer) or outcome in {Failure.REFUSED, Failure.DAMAGED}
         self.ready_at = now if clear else now + self._quiet
         return outcome

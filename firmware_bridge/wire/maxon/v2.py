@@ -22,9 +22,9 @@ from firmware_bridge.wire.maxon.frame import (
     DLE,
     MOST_WORDS,
     STX,
-    Answered,
     Failure,
     Frame,
+    MaxonAnswer,
     Outcome,
     checksum,
     encode_v2,
@@ -200,17 +200,17 @@ class V2Host(LineEnd):
             if isinstance(frame, Damaged):
                 return self._end(Failure.GARBLED, now)
             if frame is not None and frame.opcode == ANSWER:
-                return self._end(Answered(frame.body), now)
+                return self._end(MaxonAnswer(frame.body), now)
         return None
 
     def wake(self, now: Nanoseconds) -> Outcome | None:
         """Give up a command that has had no answer in time; silence is a reset's."""
         if self.due > now:
             return None
-        return self._end(Failure.SILENCE if self._acknowledged else Answered(b""), now)
+        return self._end(Failure.SILENCE if self._acknowledged else MaxonAnswer(b""), now)
 
     def _end(self, outcome: Outcome, now: Nanoseconds) -> Outcome:
         self._busy = False
         self.due = NEVER
-        self.ready_at = now if isinstance(outcome, Answered) else now + self._quiet
+        self.ready_at = now if isinstance(outcome, MaxonAnswer) else now + self._quiet
         return outcome

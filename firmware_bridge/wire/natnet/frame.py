@@ -14,11 +14,11 @@ from firmware_bridge.wire.natnet.layout import (
     V4_0,
     V4_1,
     Columns,
+    FieldRow,
     Items,
     NatNetError,
     Number,
-    Record,
-    Row,
+    RecordLayout,
     Text,
     Version,
     WhereThereIsRoom,
@@ -170,52 +170,58 @@ _FLOAT: Final = Number("f")
 _SHORT: Final = Number("h")
 _TICKS: Final = Number("Q")
 
-_BODY: Final = Record(
+_BODY: Final = RecordLayout(
     RigidBody,
-    Row("id", _INT),
-    Row("position", _POINT),
-    Row("attitude", _QUATERNION),
-    Row(
+    FieldRow("id", _INT),
+    FieldRow("position", _POINT),
+    FieldRow("attitude", _QUATERNION),
+    FieldRow(
         "markers",
-        Columns(BodyMarker, Row("position", _POINT), Row("id", _INT), Row("size_m", _FLOAT)),
+        Columns(BodyMarker, FieldRow("position", _POINT), FieldRow("id", _INT), FieldRow("size_m", _FLOAT)),
         before=V3_0,
     ),
-    Row("mean_error_m", _FLOAT),
-    Row("params", _SHORT),
+    FieldRow("mean_error_m", _FLOAT),
+    FieldRow("params", _SHORT),
 )
 _DEVICES: Final = Items(
-    Record(Device, Row("id", _INT), Row("channels", Items(Items(_FLOAT)))), announced=True
+    RecordLayout(Device, FieldRow("id", _INT), FieldRow("channels", Items(Items(_FLOAT)))), announced=True
 )
 _TAIL: Final = 14
 """Size in bytes of the part behind the time stamps, where the precise one is there: itself, params, end."""
 
-FRAME: Final = Record(
+FRAME: Final = RecordLayout(
     Frame,
-    Row("number", _INT),
-    Row(
+    FieldRow("number", _INT),
+    FieldRow(
         "marker_sets",
-        Items(Record(MarkerSet, Row("name", Text()), Row("markers", Items(_POINT))), announced=True),
+        Items(
+            RecordLayout(MarkerSet, FieldRow("name", Text()), FieldRow("markers", Items(_POINT))),
+            announced=True,
+        ),
     ),
-    Row("other_markers", Items(_POINT, announced=True)),
-    Row("bodies", Items(_BODY, announced=True)),
-    Row("skeletons", Items(Record(Skeleton, Row("id", _INT), Row("bones", Items(_BODY))), announced=True)),
-    Row(
+    FieldRow("other_markers", Items(_POINT, announced=True)),
+    FieldRow("bodies", Items(_BODY, announced=True)),
+    FieldRow(
+        "skeletons",
+        Items(RecordLayout(Skeleton, FieldRow("id", _INT), FieldRow("bones", Items(_BODY))), announced=True),
+    ),
+    FieldRow(
         "assets",
         Items(
-            Record(
+            RecordLayout(
                 Asset,
-                Row("id", _INT),
-                Row("bodies", Items(_BODY)),
-                Row(
+                FieldRow("id", _INT),
+                FieldRow("bodies", Items(_BODY)),
+                FieldRow(
                     "markers",
                     Items(
-                        Record(
+                        RecordLayout(
                             AssetMarker,
-                            Row("id", _INT),
-                            Row("position", _POINT),
-                            Row("size_m", _FLOAT),
-                            Row("params", _SHORT),
-                            Row("residual", _FLOAT),
+                            FieldRow("id", _INT),
+                            FieldRow("position", _POINT),
+                            FieldRow("size_m", _FLOAT),
+                            FieldRow("params", _SHORT),
+                            FieldRow("residual", _FLOAT),
                         )
                     ),
                 ),
@@ -224,33 +230,33 @@ FRAME: Final = Record(
         ),
         since=V4_1,
     ),
-    Row(
+    FieldRow(
         "markers",
         Items(
-            Record(
+            RecordLayout(
                 LabeledMarker,
-                Row("id", _INT),
-                Row("position", _POINT),
-                Row("size_m", _FLOAT),
-                Row("params", _SHORT),
-                Row("residual", _FLOAT, since=V3_0),
+                FieldRow("id", _INT),
+                FieldRow("position", _POINT),
+                FieldRow("size_m", _FLOAT),
+                FieldRow("params", _SHORT),
+                FieldRow("residual", _FLOAT, since=V3_0),
             ),
             announced=True,
         ),
     ),
-    Row("force_plates", _DEVICES),
-    Row("devices", _DEVICES, since=V2_11),
-    Row("latency_s", _FLOAT, before=V3_0),
-    Row("timecode", Number("I")),
-    Row("subframe", Number("I")),
-    Row("timestamp_s", Number("d")),
-    Row("exposed", _TICKS, since=V3_0),
-    Row("received", _TICKS, since=V3_0),
-    Row("sent", _TICKS, since=V3_0),
+    FieldRow("force_plates", _DEVICES),
+    FieldRow("devices", _DEVICES, since=V2_11),
+    FieldRow("latency_s", _FLOAT, before=V3_0),
+    FieldRow("timecode", Number("I")),
+    FieldRow("subframe", Number("I")),
+    FieldRow("timestamp_s", Number("d")),
+    FieldRow("exposed", _TICKS, since=V3_0),
+    FieldRow("received", _TICKS, since=V3_0),
+    FieldRow("sent", _TICKS, since=V3_0),
     # A 4.0 that has it is read, because clients disagree on that; none is written.
-    Row("precise", WhereThereIsRoom(Number("2I"), _TAIL, since=V4_1), since=V4_0),
-    Row("params", _SHORT),
-    Row("end", Number("I")),
+    FieldRow("precise", WhereThereIsRoom(Number("2I"), _TAIL, since=V4_1), since=V4_0),
+    FieldRow("params", _SHORT),
+    FieldRow("end", Number("I")),
 )
 """The payload of a frame of data."""
 

@@ -74,7 +74,7 @@ class Reader:
         return at
 
 
-class Kind(Protocol):
+class ValueCodec(Protocol):
     """Codec of one value in a message."""
 
     def read(self, reader: Reader, name: str) -> Value:
@@ -150,11 +150,11 @@ def _encoded(value: str, name: str) -> bytes:
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class FieldRow:
     """One field of a record: its name there, its kind, and the versions that have it."""
 
     name: str
-    kind: Kind
+    kind: ValueCodec
     since: Version = FIRST
     before: Version = NEVER
 
@@ -163,13 +163,13 @@ class Row:
         return self.since <= version < self.before
 
 
-class Record:
+class RecordLayout:
     """A value class and its rows. What a version does not have is the class's default."""
 
-    def __init__(self, made: type[Any], *rows: Row) -> None:
+    def __init__(self, made: type[Any], *rows: FieldRow) -> None:
         self._made: Final = made
         self._rows: Final = rows
-        self._by_version: Final[dict[Version, tuple[Row, ...]]] = {}
+        self._by_version: Final[dict[Version, tuple[FieldRow, ...]]] = {}
 
     def read(self, reader: Reader, name: str) -> Value:
         """Return the next record."""
@@ -183,7 +183,7 @@ class Record:
         rows = self._in(version)
         return b"".join([row.kind.write(getattr(value, row.name), version, row.name) for row in rows])
 
-    def _in(self, version: Version) -> tuple[Row, ...]:
+    def _in(self, version: Version) -> tuple[FieldRow, ...]:
         rows = self._by_version.get(version)
         if rows is None:
             rows = tuple(row for row in self._rows if row.is_in(version))
@@ -206,7 +206,7 @@ def _count(reader: Reader, name: str) -> int:
 class Items:
     """A count and so many items of a kind; a `announced` list has its size between them, from 4.1."""
 
-    def __init__(self, item: Kind, *, announced: bool = False) -> None:
+    def __init__(self, item: ValueCodec, *, announced: bool = False) -> None:
         self._item: Final = item
         self._announced: Final = announced
 
@@ -236,7 +236,7 @@ class Items:
 class Columns:
     """A count, and then field by field what so many records have: all places, all numbers, all sizes."""
 
-    def __init__(self, made: type[Any], *rows: Row) -> None:
+    def __init__(self, made: type[Any], *rows: FieldRow) -> None:
         self._made: Final = made
         self._rows: Final = rows
 
@@ -262,7 +262,7 @@ class Columns:
 class Tagged:
     """A value of one of several classes, behind its class's number and, from 4.1 on, its size."""
 
-    def __init__(self, kinds: Mapping[int, tuple[type[Any], Kind]]) -> None:
+    def __init__(self, kinds: Mapping[int, tuple[type[Any], ValueCodec]]) -> None:
         self._kinds: Final = dict(kinds)
         self._numbers: Final = {made: number for number, (made, _) in kinds.items()}
 
@@ -294,7 +294,7 @@ class Tagged:
 class WhereThereIsRoom:
     """A value that some builds of one version send and some do not; the number of bytes left decides."""
 
-    def __init__(self, kind: Kind, left: int, *, since: Version) -> None:
+    def __init__(self, kind: ValueCodec, left: int, *, since: Version) -> None:
         self._kind: Final = kind
         self._since: Final = since
         """The versions documented to have it; to others it is not sent."""
@@ -310,7 +310,7 @@ class WhereThereIsRoom:
         return b"" if value is None or version < self._since else self._kind.write(value, version, name)
 
 
-def decode(kind: Kind, payload: bytes, version: Version, name: str) -> Value:
+def decode(kind: ValueCodec, payload: bytes, version: Version, name: str) -> Value:
     """Return the value that a whole payload is; NatNetError where it is short, or longer."""
     reader = Reader(payload, known(version))
     value = kind.read(reader, name)
@@ -319,6 +319,6 @@ def decode(kind: Kind, payload: bytes, version: Version, name: str) -> Value:
     return value
 
 
-def encode(kind: Kind, value: Value, version: Version, name: str) -> bytes:
+def encode(kind: ValueCodec, value: Value, version: Version, name: str) -> bytes:
     """Return the bytes of a value; NatNetError where it does not fit."""
     return kind.write(value, known(version), name)

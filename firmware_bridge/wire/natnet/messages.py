@@ -12,12 +12,12 @@ from typing import Final
 
 from firmware_bridge.wire.natnet.layout import (
     V3_0,
+    FieldRow,
     NatNetError,
     Number,
     Padded,
     Reader,
-    Record,
-    Row,
+    RecordLayout,
     Version,
     known,
 )
@@ -100,14 +100,18 @@ class ServerInfo:
 
 _NAME: Final = 256
 _BYTES4: Final = Number("4B")
-_SENDER: Final = (Row("name", Padded(_NAME)), Row("application", _BYTES4), Row("natnet", _BYTES4))
-SERVER_INFO: Final = Record(
+_SENDER: Final = (
+    FieldRow("name", Padded(_NAME)),
+    FieldRow("application", _BYTES4),
+    FieldRow("natnet", _BYTES4),
+)
+SERVER_INFO: Final = RecordLayout(
     ServerInfo,
     *_SENDER,
-    Row("ticks_per_s", Number("Q"), since=V3_0),
-    Row("data_port", Number("H"), since=V3_0),
-    Row("multicast", Number("B"), since=V3_0),
-    Row("group", _BYTES4, since=V3_0),
+    FieldRow("ticks_per_s", Number("Q"), since=V3_0),
+    FieldRow("data_port", Number("H"), since=V3_0),
+    FieldRow("multicast", Number("B"), since=V3_0),
+    FieldRow("group", _BYTES4, since=V3_0),
 )
 _VERSION_AT: Final = _NAME + 4
 
@@ -136,7 +140,7 @@ class Connect:
     wants: Bytes4 | None = None
 
 
-CONNECT: Final = Record(Connect, *_SENDER)
+CONNECT: Final = RecordLayout(Connect, *_SENDER)
 _OPTIONS: Final = Struct("<B4B")
 
 

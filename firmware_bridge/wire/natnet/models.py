@@ -13,11 +13,11 @@ from firmware_bridge.wire.natnet.layout import (
     V4_0,
     V4_2,
     Columns,
+    FieldRow,
     Items,
     NatNetError,
     Number,
-    Record,
-    Row,
+    RecordLayout,
     Tagged,
     Text,
     Version,
@@ -139,16 +139,21 @@ _POINT: Final = Number("3f")
 _QUATERNION: Final = Number("4f")
 _TEXTS: Final = Items(_TEXT)
 
-_BODY: Final = Record(
+_BODY: Final = RecordLayout(
     RigidBodyModel,
-    Row("name", _TEXT),
-    Row("id", _INT),
-    Row("parent", _INT),
-    Row("offset", _POINT),
-    Row("rotation", _QUATERNION, since=V4_2),
-    Row(
+    FieldRow("name", _TEXT),
+    FieldRow("id", _INT),
+    FieldRow("parent", _INT),
+    FieldRow("offset", _POINT),
+    FieldRow("rotation", _QUATERNION, since=V4_2),
+    FieldRow(
         "markers",
-        Columns(ModelMarker, Row("position", _POINT), Row("label", _INT), Row("name", _TEXT, since=V4_0)),
+        Columns(
+            ModelMarker,
+            FieldRow("position", _POINT),
+            FieldRow("label", _INT),
+            FieldRow("name", _TEXT, since=V4_0),
+        ),
         since=V3_0,
     ),
 )
@@ -158,65 +163,73 @@ MODELS: Final = Items(
         {
             0: (
                 MarkerSetModel,
-                Record(MarkerSetModel, Row("name", _TEXT), Row("markers", _TEXTS)),
+                RecordLayout(MarkerSetModel, FieldRow("name", _TEXT), FieldRow("markers", _TEXTS)),
             ),
             1: (RigidBodyModel, _BODY),
             2: (
                 SkeletonModel,
-                Record(SkeletonModel, Row("name", _TEXT), Row("id", _INT), Row("bones", Items(_BODY))),
+                RecordLayout(
+                    SkeletonModel,
+                    FieldRow("name", _TEXT),
+                    FieldRow("id", _INT),
+                    FieldRow("bones", Items(_BODY)),
+                ),
             ),
             3: (
                 ForcePlateModel,
-                Record(
+                RecordLayout(
                     ForcePlateModel,
-                    Row("id", _INT),
-                    Row("serial", _TEXT),
-                    Row("width", _FLOAT),
-                    Row("length", _FLOAT),
-                    Row("origin", _POINT),
-                    Row("matrix", Number(_MATRIX)),
-                    Row("corners", Number(_CORNERS)),
-                    Row("type", _INT),
-                    Row("data_type", _INT),
-                    Row("channels", _TEXTS),
+                    FieldRow("id", _INT),
+                    FieldRow("serial", _TEXT),
+                    FieldRow("width", _FLOAT),
+                    FieldRow("length", _FLOAT),
+                    FieldRow("origin", _POINT),
+                    FieldRow("matrix", Number(_MATRIX)),
+                    FieldRow("corners", Number(_CORNERS)),
+                    FieldRow("type", _INT),
+                    FieldRow("data_type", _INT),
+                    FieldRow("channels", _TEXTS),
                 ),
             ),
             4: (
                 DeviceModel,
-                Record(
+                RecordLayout(
                     DeviceModel,
-                    Row("id", _INT),
-                    Row("name", _TEXT),
-                    Row("serial", _TEXT),
-                    Row("type", _INT),
-                    Row("data_type", _INT),
-                    Row("channels", _TEXTS),
+                    FieldRow("id", _INT),
+                    FieldRow("name", _TEXT),
+                    FieldRow("serial", _TEXT),
+                    FieldRow("type", _INT),
+                    FieldRow("data_type", _INT),
+                    FieldRow("channels", _TEXTS),
                 ),
             ),
             5: (
                 CameraModel,
-                Record(
-                    CameraModel, Row("name", _TEXT), Row("position", _POINT), Row("attitude", _QUATERNION)
+                RecordLayout(
+                    CameraModel,
+                    FieldRow("name", _TEXT),
+                    FieldRow("position", _POINT),
+                    FieldRow("attitude", _QUATERNION),
                 ),
             ),
             6: (
                 AssetModel,
-                Record(
+                RecordLayout(
                     AssetModel,
-                    Row("name", _TEXT),
-                    Row("type", _INT),
-                    Row("id", _INT),
-                    Row("bodies", Items(_BODY)),
-                    Row(
+                    FieldRow("name", _TEXT),
+                    FieldRow("type", _INT),
+                    FieldRow("id", _INT),
+                    FieldRow("bodies", Items(_BODY)),
+                    FieldRow(
                         "markers",
                         Items(
-                            Record(
+                            RecordLayout(
                                 AssetMarkerModel,
-                                Row("name", _TEXT),
-                                Row("id", _INT),
-                                Row("position", _POINT),
-                                Row("size_m", _FLOAT),
-                                Row("params", Number("h")),
+                                FieldRow("name", _TEXT),
+                                FieldRow("id", _INT),
+                                FieldRow("position", _POINT),
+                                FieldRow("size_m", _FLOAT),
+                                FieldRow("params", Number("h")),
                             )
                         ),
                     ),

@@ -44,7 +44,11 @@ def drive(*speeds: int) -> str:
     writes = []
     for port, speed in zip(PORTS, speeds, strict=False):
         run = (
-            library.Run.RELEASE if speed == 0 else library.Run.BACKWARD if speed < 0 else library.Run.FORWARD
+            library.RunArgument.RELEASE
+            if speed == 0
+            else library.RunArgument.BACKWARD
+            if speed < 0
+            else library.RunArgument.FORWARD
         )
         writes += [library.set_speed(port, abs(speed)), *library.run(port, run)]
     return on_bus(*writes)

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from emulators.arduino_omni.mega.mega import Mega, Sketch
-from emulators.arduino_omni.shield.tb6612 import Output
+from emulators.arduino_omni.shield.tb6612 import BridgeDuty
 from emulators.arduino_omni.usb_board import UsbBoard
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet, Reaction
@@ -92,5 +92,5 @@ class Host:
         self.run(wait)
         return self.taken()
 
-    def motors(self) -> tuple[Output, ...]:
+    def motors(self) -> tuple[BridgeDuty, ...]:
         return self.mega.shield.outputs(self.now)

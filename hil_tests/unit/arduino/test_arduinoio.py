@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emulators.arduino_omni.shield.tb6612 import COAST, Output
+from emulators.arduino_omni.shield.tb6612 import COAST, BridgeDuty
 from emulators.arduino_omni.sketches.arduinoio import ArduinoIoSketch
 from firmware_bridge.node import DTR_UP
 from firmware_bridge.units import MILLISECOND, SECOND
@@ -53,11 +53,11 @@ def test_what_is_written_to_the_shield_and_what_the_motors_get() -> None:
     it.ask(io.encode("A", 1, 200) + io.encode("B", 1, ord("f")))
     assert it.spy.transfers == ["26 00 00 80 0C", "2A 00 00 00 00", "2E 00 10 00 00"]
     it.ask(io.encode("A", 3, 255) + io.encode("B", 3, ord("b")))
-    assert it.motors() == (Output(cw=3200, brake=896), COAST, Output(ccw=4080, brake=16), COAST)
+    assert it.motors() == (BridgeDuty(cw=3200, brake=896), COAST, BridgeDuty(ccw=4080, brake=16), COAST)
     it.ask(io.encode("B", 1, ord("x")))
-    assert it.motors()[0] == Output(cw=3200, brake=896)
+    assert it.motors()[0] == BridgeDuty(cw=3200, brake=896)
     it.run(3600 * SECOND)
-    assert it.motors()[0] == Output(cw=3200, brake=896)  # nothing stops by itself
+    assert it.motors()[0] == BridgeDuty(cw=3200, brake=896)  # nothing stops by itself
     it.ask(io.encode("B", 1, ord("r")))
     assert it.motors()[0] == COAST
 
@@ -67,7 +67,7 @@ def test_a_reset_of_the_board_ends_in_a_stand_when_setup_has_run() -> None:
     it.ask(io.encode("A", 1, 200) + io.encode("B", 1, ord("f")))
     it.send(b"", DTR_UP)
     it.run(1100 * MILLISECOND)
-    assert it.motors()[0] == Output(cw=3200, brake=896)
+    assert it.motors()[0] == BridgeDuty(cw=3200, brake=896)
     it.run(20 * MILLISECOND)
     assert it.motors()[0] == COAST
 
@@ -133,7 +133,7 @@ def test_half_a_command_waits_for_ever() -> None:
         lambda row: st.tuples(st.just(row), *(st.integers(k.first, k.last) for k in row.follows))
     )
 )
-def test_a_board_takes_what_the_hosts_end_makes(case: tuple[io.Command, ...]) -> None:
+def test_a_board_takes_what_the_hosts_end_makes(case: tuple[io.ArduinoIoCommand, ...]) -> None:
     row, *values = case
     made = io.encode(row.letter, *values)  # type: ignore[arg-type]
     assert len(made) == 1 + len(row.follows)

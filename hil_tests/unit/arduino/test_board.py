@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from emulators.arduino_omni.board import FIRMWARES, MOVES_EVERY, Board
 from emulators.arduino_omni.mega import motor_library as library
-from emulators.arduino_omni.motors import COUNTS_PER_TURN, Load, four_motors
+from emulators.arduino_omni.motors import COUNTS_PER_TURN, MotorLoad, four_motors
 from emulators.boards import fmu_load
 from firmware_bridge.cli import program
 from firmware_bridge.node import DTR_UP, SERIAL
@@ -27,7 +27,7 @@ class Host:
         firmware: str,
         encoders: int | None = None,
         auto_stop: int | None = None,
-        load: Load | None = None,
+        load: MotorLoad | None = None,
     ) -> None:
         self.board = Board(FIRMWARES[firmware], load or four_motors(), encoders=encoders, auto_stop=auto_stop)
         self.received = bytearray()

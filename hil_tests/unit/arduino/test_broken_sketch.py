@@ -2,7 +2,7 @@
 
 import pytest
 
-from emulators.arduino_omni.mega.jobs import Call, Pause
+from emulators.arduino_omni.mega.jobs import Call, Delay
 from emulators.arduino_omni.mega.mega import BOOT, Mega, SketchError
 from emulators.arduino_omni.usb_board import UsbBoard
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
@@ -42,7 +42,7 @@ class Busy(Stubborn):
 
     def loop(self, now: Nanoseconds) -> None:
         del now
-        self._mega.do(Pause(MICROSECOND))
+        self._mega.do(Delay(MICROSECOND))
 
 
 @pytest.mark.parametrize("behind", [0, 1, SECOND])

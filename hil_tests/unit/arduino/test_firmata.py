@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from emulators.arduino_omni.mega import motor_library as library
 from emulators.arduino_omni.mega.jobs import OnBus
-from emulators.arduino_omni.shield.tb6612 import Output
+from emulators.arduino_omni.shield.tb6612 import BridgeDuty
 from emulators.arduino_omni.sketches.firmata import FirmataSketch
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.arduino import firmata as words
@@ -79,7 +79,7 @@ def test_the_shield_is_set_up_and_driven_over_raw_i2c(*, slowly: bool) -> None:
         if isinstance(job, OnBus) and not job.transfer.segments[0].to_read:
             ask(words.i2c_write(0x60, job.transfer.segments[0].written), 10 * MILLISECOND)
     assert it.spy.transfers[-3:] == ["26 00 00 00 08", "2A 00 00 00 00", "2E 00 10 00 00"]
-    assert it.motors()[0] == Output(cw=2048, brake=2048)
+    assert it.motors()[0] == BridgeDuty(cw=2048, brake=2048)
 
 
 def test_a_register_is_read_once_or_again_and_again() -> None:

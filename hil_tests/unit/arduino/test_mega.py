@@ -5,13 +5,13 @@ import pytest
 from emulators.arduino_omni.mega import motor_library as library
 from emulators.arduino_omni.mega.arithmetic import atoi, int16, int32, quotient
 from emulators.arduino_omni.mega.clock import Clock
-from emulators.arduino_omni.mega.jobs import OnBus, Pause, Say
+from emulators.arduino_omni.mega.jobs import Delay, OnBus, Say
 from emulators.arduino_omni.mega.mega import Mega, MegaOnPins
 from emulators.arduino_omni.mega.pins import Counter, Pins, Shafts
 from emulators.arduino_omni.mega.uart import Uart, divider
-from emulators.arduino_omni.shield.i2c import Result, write
+from emulators.arduino_omni.shield.i2c import TransferResult, write
 from emulators.arduino_omni.shield.motor_shield import PORTS
-from emulators.arduino_omni.shield.tb6612 import COAST, Output
+from emulators.arduino_omni.shield.tb6612 import COAST, BridgeDuty
 from emulators.arduino_omni.usb_board import UsbBoard
 from emulators.wires import SerialWire
 from emulators.world import World
@@ -155,7 +155,7 @@ class Echo:
     def __init__(self, mega: Mega) -> None:
         self.mega = mega
         self.read_at: list[tuple[int, Nanoseconds]] = []
-        self.results: list[Result] = []
+        self.results: list[TransferResult] = []
 
     def setup(self) -> None:
         self.mega.do(Say(b"hello"))
@@ -164,7 +164,7 @@ class Echo:
         byte = self.mega.serial.read()
         self.read_at.append((byte, now))
         if byte == ord("!"):
-            self.mega.do(Pause(100 * MILLISECOND))
+            self.mega.do(Delay(100 * MILLISECOND))
         elif byte == ord("b"):
             self.mega.do_all(library.begin(ADDRESS))
         elif byte == ord("m"):
@@ -174,7 +174,7 @@ class Echo:
         else:
             self.mega.do(Say(bytes((byte,))))
 
-    def answered(self, result: Result, _now: Nanoseconds) -> None:
+    def answered(self, result: TransferResult, _now: Nanoseconds) -> None:
         self.results.append(result)
         self.mega.do(Say(b"first "))
 
@@ -275,10 +275,10 @@ def test_what_follows_a_transfer_comes_before_what_waits() -> None:
     host.say(b"?")
     host.run(3 * SECOND)
     assert host.text == b"hellofirst after"
-    assert sketch_of(it).results == [Result(acknowledged=True, read=b"")]
+    assert sketch_of(it).results == [TransferResult(acknowledged=True, read=b"")]
 
 
-RUNS = Output(cw=2048, brake=2048)
+RUNS = BridgeDuty(cw=2048, brake=2048)
 
 
 def moving() -> tuple[Host, Mega]:

@@ -3,9 +3,9 @@
 import pytest
 
 from emulators.arduino_omni.mega import motor_library as library
-from emulators.arduino_omni.mega.jobs import OnBus, Pause
+from emulators.arduino_omni.mega.jobs import Delay, OnBus
 from emulators.arduino_omni.shield.motor_shield import PORTS
-from emulators.arduino_omni.shield.tb6612 import COAST, Output
+from emulators.arduino_omni.shield.tb6612 import COAST, BridgeDuty
 from hil_tests.unit.arduino.master import ADDRESS, Master
 
 BEGUN = [
@@ -15,7 +15,7 @@ BEGUN = [
 
 
 def shown(job: object) -> str:
-    if isinstance(job, Pause):
+    if isinstance(job, Delay):
         return f"pause {job.duration}"
     assert isinstance(job, OnBus)
     (segment,) = job.transfer.segments
@@ -42,12 +42,12 @@ def test_begin_on_a_shield_that_runs_lets_it_run_again_before_it_ends() -> None:
     for job in library.begin(ADDRESS):
         if isinstance(job, OnBus):
             it.do(job.transfer)
-        elif isinstance(job, Pause):
+        elif isinstance(job, Delay):
             it.now += job.duration
         seen.append(it.motors()[0])
-    assert seen[:3] == [Output(cw=2048, brake=2048)] * 3
+    assert seen[:3] == [BridgeDuty(cw=2048, brake=2048)] * 3
     assert seen[3:7] == [COAST] * 4
-    assert seen[7] == Output(cw=2048, brake=2048)  # RESTART
+    assert seen[7] == BridgeDuty(cw=2048, brake=2048)  # RESTART
     assert seen[-1] == COAST
 
 
@@ -76,13 +76,13 @@ def test_each_call_writes_what_the_library_writes(made: bytes, expected: str) ->
 @pytest.mark.parametrize(
     ("command", "expected"),
     [
-        (library.Run.FORWARD, Output(cw=4080, brake=16)),
-        (library.Run.BACKWARD, Output(ccw=4080, brake=16)),
-        (library.Run.RELEASE, COAST),
+        (library.RunArgument.FORWARD, BridgeDuty(cw=4080, brake=16)),
+        (library.RunArgument.BACKWARD, BridgeDuty(ccw=4080, brake=16)),
+        (library.RunArgument.RELEASE, COAST),
     ],
 )
 def test_each_motor_gets_what_was_requested_it_and_no_other(
-    number: int, command: library.Run, expected: Output
+    number: int, command: library.RunArgument, expected: BridgeDuty
 ) -> None:
     it = Master().begin()
     port = library.motor(number)

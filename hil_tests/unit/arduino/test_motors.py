@@ -19,7 +19,11 @@ from emulators.servo.motor import DcMotor
 from emulators.servo.seam import ServoError
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 
-FORWARD, BACKWARD, RELEASE = library.Run.FORWARD, library.Run.BACKWARD, library.Run.RELEASE
+FORWARD, BACKWARD, RELEASE = (
+    library.RunArgument.FORWARD,
+    library.RunArgument.BACKWARD,
+    library.RunArgument.RELEASE,
+)
 
 
 class Bench:

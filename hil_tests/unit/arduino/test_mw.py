@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from emulators.arduino_omni.mega.mega import Mega
-from emulators.arduino_omni.shield.tb6612 import COAST, Output
+from emulators.arduino_omni.shield.tb6612 import COAST, BridgeDuty
 from emulators.arduino_omni.sketches.mw import MwSketch
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.arduino import mw
@@ -62,7 +62,7 @@ def test_the_hosts_end_states_and_reads_the_worked_frames(
     noisy = list(mw.AnswerReader().receive(b"MWProtocol\xa5\x07" + frame + b"\xa5"))
     assert whole == slowly == noisy
     (only,) = whole
-    assert isinstance(only, mw.Answered)
+    assert isinstance(only, mw.MwAnswer)
     assert mw.decode_answer(request_, only) == ANSWERS.get(type(request_), messages.Done())
 
 
@@ -104,7 +104,7 @@ def test_what_is_written_to_the_shield_and_what_the_motors_get() -> None:
     it.ask(mw.encode_request(messages.StartMotor(0, 0, 127, 1), 3))
     assert it.spy.transfers == ["26 00 00 F0 07", "2A 00 00 00 00", "2E 00 10 00 00"]
     it.ask(mw.encode_request(messages.SetMotorSpeed(0, 2, 255, 2), 4))
-    assert it.motors() == (Output(cw=2032, brake=2064), COAST, Output(ccw=4080, brake=16), COAST)
+    assert it.motors() == (BridgeDuty(cw=2032, brake=2064), COAST, BridgeDuty(ccw=4080, brake=16), COAST)
     it.ask(mw.encode_request(messages.StopMotor(0, 0), 5))
     assert it.motors()[0] == COAST
 
@@ -131,7 +131,7 @@ def test_a_reset_leaves_the_motors_running_and_forgets_that_they_were_made() -> 
     it.wake_at = it.now
     it.run(2 * SECOND)
     assert it.taken() == b"MWProtocol"
-    runs = Output(cw=4080, brake=16)
+    runs = BridgeDuty(cw=4080, brake=16)
     assert it.motors()[0] == runs
     assert it.ask(mw.encode_request(messages.StopMotor(0, 0), 0)) == bytes.fromhex("A5 00 00 02 04 FA")
     assert it.motors()[0] == runs
@@ -141,7 +141,7 @@ def test_a_reset_leaves_the_motors_running_and_forgets_that_they_were_made() -> 
 
 def answer(it: Host, request: mw.Message) -> mw.Message:
     (only,) = mw.AnswerReader().receive(it.ask(mw.encode_request(request, 0)))
-    assert isinstance(only, mw.Answered)
+    assert isinstance(only, mw.MwAnswer)
     return mw.decode_answer(request, only)
 
 
@@ -233,7 +233,7 @@ def test_each_row_reads_what_it_writes(case: tuple[mw.Shape, mw.Message]) -> Non
 def test_whatever_a_board_states_the_hosts_end_goes_on(noise: bytes) -> None:
     reader = mw.AnswerReader()
     for found in reader.receive(noise):
-        if isinstance(found, mw.Answered):
+        if isinstance(found, mw.MwAnswer):
             mw.decode_answer(messages.GetServerInfo(), found)
     reader.receive(bytes(mw.LARGEST + 4))
     split = mw.AnswerReader()
@@ -258,7 +258,7 @@ def test_whatever_a_foreign_node_sends_silence_or_a_good_answer(chunks: list[byt
     reader = mw.AnswerReader()
     answers = list(reader.receive(stated))
     assert reader.damaged == 0
-    assert b"".join(mw.encode_answer(a.code, a.data) for a in answers if isinstance(a, mw.Answered)) == stated
+    assert b"".join(mw.encode_answer(a.code, a.data) for a in answers if isinstance(a, mw.MwAnswer)) == stated
     it.run(2 * SECOND)
     assert it.ask(GOOD) == STATED
 

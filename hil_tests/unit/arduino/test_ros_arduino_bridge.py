@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from emulators.arduino_omni.shield.tb6612 import COAST, Output
+from emulators.arduino_omni.shield.tb6612 import COAST, BridgeDuty
 from emulators.arduino_omni.sketches.motor_pid import Gains, MotorPid
 from emulators.arduino_omni.sketches.ros_arduino_bridge import RosSketch
 from firmware_bridge.node import DTR_UP
@@ -159,14 +159,14 @@ def test_what_a_frame_writes_to_the_shield() -> None:
         *("3A 00 00 80 00", "32 00 00 00 00", "36 00 10 00 00"),
         *("0E 00 00 00 00", "16 00 00 00 00"),
     ]
-    assert it.motors()[:2] == (Output(cw=64, brake=4032), Output(ccw=128, brake=3968))
+    assert it.motors()[:2] == (BridgeDuty(cw=64, brake=4032), BridgeDuty(ccw=128, brake=3968))
 
 
 def test_raw_pwm_has_no_loop() -> None:
     it = host()
     it.ask(b"o 255 -300 0\r", SECOND)
-    full = Output(cw=4080, brake=16)
-    assert it.motors() == (full, Output(ccw=4080, brake=16), COAST, COAST)
+    full = BridgeDuty(cw=4080, brake=16)
+    assert it.motors() == (full, BridgeDuty(ccw=4080, brake=16), COAST, COAST)
     assert sketch(it).pids[0].output == 0
 
 
@@ -200,7 +200,7 @@ def test_wheels_that_were_pushed_do_not_jump_when_the_loop_begins() -> None:
     it.mega.shafts.edges[0] += 5_000
     it.send(b"m 10 0 0\r")
     it.run(40 * MILLISECOND)
-    assert it.motors()[0] == Output(cw=64, brake=4032)
+    assert it.motors()[0] == BridgeDuty(cw=64, brake=4032)
 
 
 def test_who_speaks_again_in_time_goes_on() -> None:

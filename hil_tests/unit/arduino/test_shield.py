@@ -6,13 +6,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emulators.arduino_omni.shield.i2c import GENERAL_CALL, Result, Segment, Transfer, read, write
+from emulators.arduino_omni.shield.i2c import (
+    GENERAL_CALL,
+    Transfer,
+    TransferResult,
+    TransferSegment,
+    read,
+    write,
+)
 from emulators.arduino_omni.shield.motor_shield import share
 from emulators.arduino_omni.shield.pca9685 import Pca9685, Wave, wave
 from emulators.arduino_omni.shield.tb6612 import (
     COAST,
     Bridge,
-    Output,
+    BridgeDuty,
     Thermal,
     bridge,
     limited,
@@ -41,8 +48,8 @@ def test_no_one_there_is_reported_after_the_address() -> None:
 
 def test_a_repeated_start_is_one_bit_and_no_stop() -> None:
     it = Master()
-    result = it.do(Transfer((Segment(ADDRESS, b"\0"), Segment(ADDRESS, to_read=1))))
-    assert result == Result(acknowledged=True, read=b"\x11")
+    result = it.do(Transfer((TransferSegment(ADDRESS, b"\0"), TransferSegment(ADDRESS, to_read=1))))
+    assert result == TransferResult(acknowledged=True, read=b"\x11")
     assert it.now == (1 + 18 + 1 + 18 + 1) * BIT
 
 
@@ -54,9 +61,9 @@ def test_outputs_change_at_the_stop_and_not_before() -> None:
     it.bus.begin(write(ADDRESS, bytes.fromhex("26 00 00 00 08")), begun)
     assert it.bus.due == begun + 560 * MICROSECOND
     assert it.bus.advance(it.bus.due - 1) is None
-    assert it.shield.outputs(it.bus.due - 1)[0] == Output(brake=4096)
+    assert it.shield.outputs(it.bus.due - 1)[0] == BridgeDuty(brake=4096)
     it.bus.advance(it.bus.due)
-    assert it.shield.outputs(begun + 560 * MICROSECOND)[0] == Output(cw=2048, brake=2048)
+    assert it.shield.outputs(begun + 560 * MICROSECOND)[0] == BridgeDuty(cw=2048, brake=2048)
 
 
 def test_with_och_each_byte_counts_at_its_own_time() -> None:
@@ -67,9 +74,9 @@ def test_with_och_each_byte_counts_at_its_own_time() -> None:
     it.bus.begin(write(ADDRESS, bytes.fromhex("26 00 00 00 08")), begun)
     assert it.bus.due == begun + 10 * BIT  # each byte
     it.bus.advance(begun + (1 + 5 * 9) * BIT)
-    assert it.motors()[0] == Output(brake=4096)
+    assert it.motors()[0] == BridgeDuty(brake=4096)
     it.bus.advance(begun + (1 + 6 * 9) * BIT)
-    assert it.motors()[0] == Output(cw=2048, brake=2048)
+    assert it.motors()[0] == BridgeDuty(cw=2048, brake=2048)
 
 
 def test_a_master_that_is_reset_leaves_what_has_passed_and_it_counts_from_the_next_stop() -> None:
@@ -79,9 +86,9 @@ def test_a_master_that_is_reset_leaves_what_has_passed_and_it_counts_from_the_ne
     it.now += (1 + 6 * 9) * BIT
     it.bus.abandon(it.now)
     assert it.bus.due == NEVER
-    assert it.motors()[0] == Output(brake=4096)
+    assert it.motors()[0] == BridgeDuty(brake=4096)
     it.write("00")
-    assert it.motors()[0] == Output(cw=2048, brake=2048)
+    assert it.motors()[0] == BridgeDuty(cw=2048, brake=2048)
 
 
 # The PWM chip
@@ -139,7 +146,7 @@ def test_sleep_stops_and_restart_goes_on_after_500_us() -> None:
     assert it.chip.register(0) == 0xA1
     it.write("00 A1")
     assert it.chip.register(0) == 0x21
-    assert it.motors()[0] == Output(cw=2048, brake=2048)
+    assert it.motors()[0] == BridgeDuty(cw=2048, brake=2048)
 
 
 def test_a_write_to_a_channel_ends_the_hold_too() -> None:
@@ -151,7 +158,7 @@ def test_a_write_to_a_channel_ends_the_hold_too() -> None:
     assert it.motors()[0] == COAST
     it.write("26 00 00 00 08")
     assert it.chip.register(0) == 0x21
-    assert it.motors()[0] == Output(cw=2048, brake=2048)
+    assert it.motors()[0] == BridgeDuty(cw=2048, brake=2048)
 
 
 def test_outputs_begin_500_us_after_sleep() -> None:
@@ -160,7 +167,7 @@ def test_outputs_begin_500_us_after_sleep() -> None:
     woken = it.now - BIT
     it.write("2E 00 10 00 00")  # over at 580 us
     assert it.shield.outputs(woken + 500 * MICROSECOND - 1)[0] == COAST
-    assert it.shield.outputs(woken + 500 * MICROSECOND)[0] == Output(brake=4096)
+    assert it.shield.outputs(woken + 500 * MICROSECOND)[0] == BridgeDuty(brake=4096)
 
 
 def test_the_pointer_goes_on_with_ai_and_wraps_where_the_registers_end() -> None:
@@ -229,7 +236,7 @@ def test_open_drain_cannot_lift_an_input_and_invert_turns_levels() -> None:
     it.write("01 00")
     assert it.motors()[0] == COAST
     it.write("01 14")
-    assert it.motors()[0] == Output(ccw=4096)  # PWM high, IN1 low, IN2 high
+    assert it.motors()[0] == BridgeDuty(ccw=4096)  # PWM high, IN1 low, IN2 high
 
 
 # The half bridges
@@ -268,20 +275,20 @@ def test_the_shares_are_those_of_counting_one_by_one(pwm: Wave, in1: Wave, in2: 
 
 
 def test_the_mean_voltage_is_the_duty_less_what_the_transistors_take() -> None:
-    half = Output(cw=2048, brake=2048)
+    half = BridgeDuty(cw=2048, brake=2048)
     assert half.volts(12.0, 0.0) == pytest.approx(6.0)
     assert half.volts(12.0, 1.0) == pytest.approx(5.5)
-    assert Output(brake=4096).volts(12.0, 2.0) == pytest.approx(-1.0)
-    assert Output(ccw=4096).volts(12.0, 0.0) == pytest.approx(-12.0)
+    assert BridgeDuty(brake=4096).volts(12.0, 2.0) == pytest.approx(-1.0)
+    assert BridgeDuty(ccw=4096).volts(12.0, 0.0) == pytest.approx(-12.0)
     assert COAST.volts(12.0, 0.0) == 0.0
 
 
 def test_a_current_at_its_limit_is_not_driven_further() -> None:
-    half = Output(cw=2048, brake=2048)
+    half = BridgeDuty(cw=2048, brake=2048)
     assert limited(half, 3.19) == half
-    assert limited(half, 3.2) == Output(brake=4096)
+    assert limited(half, 3.2) == BridgeDuty(brake=4096)
     assert limited(half, -3.2) == half
-    assert limited(Output(ccw=1024, brake=3072), -6.3) == Output(brake=4096)
+    assert limited(BridgeDuty(ccw=1024, brake=3072), -6.3) == BridgeDuty(brake=4096)
 
 
 @every(
@@ -300,7 +307,7 @@ def test_a_supply_that_sags_weakens_the_half_bridges_and_then_locks_them(
 
 def test_a_chip_that_is_too_hot_is_off_until_it_has_cooled() -> None:
     chip = Thermal()
-    drives = Output(cw=4096)
+    drives = BridgeDuty(cw=4096)
     chip.advance((1.2, 0.0), 100 * SECOND)
     assert chip.passes(drives) == drives
     chip.advance((6.3, 0.0), 101 * SECOND)
@@ -325,7 +332,7 @@ def test_whatever_is_on_the_bus_time_passes_and_the_four_shares_add_up(
     it = Master()
     for address, data, to_read in transfers:
         before = it.now
-        it.do(Transfer((Segment(address, data), Segment(address, to_read=to_read))))
+        it.do(Transfer((TransferSegment(address, data), TransferSegment(address, to_read=to_read))))
         assert it.now > before
         for output in it.motors():
             assert output.cw + output.ccw + output.brake + output.open == 4096

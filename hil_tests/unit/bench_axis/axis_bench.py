@@ -6,9 +6,9 @@ from typing import Final
 
 from emulators.epos2.control.motion_control import MotionControl
 from emulators.epos2.objects.device_profile import EPOS2_70_10
-from emulators.single import Order, drives
+from emulators.single import DrivesOrder, drives
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.cia402 import Mode, State
+from firmware_bridge.wire.cia402 import Mode, PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
@@ -41,7 +41,7 @@ class AxisBench:
 
     def __init__(self, angle: float = 0.0, plant: Mapping[str, float] | None = None) -> None:
         values = {**SETS["between_stops"], **(plant or {}), "angle_axis": angle}
-        order = Order(
+        order = DrivesOrder(
             (1,), EPOS2_70_10, 1_000_000, plant=ensure("single_axis"), plant_parameters=values, axes=("axis",)
         )
         made, self.bank = drives(order)
@@ -93,7 +93,7 @@ class AxisBench:
         self.write(at.MODE, mode)
         for word in (0x06, 0x07, ENABLED):
             self.write(at.CONTROLWORD, word)
-        assert self.control.state is State.OPERATION_ENABLED
+        assert self.control.state is PowerState.OPERATION_ENABLED
 
     def starts(self, method: int) -> None:
         self.write(at.HOMING_METHOD, method)

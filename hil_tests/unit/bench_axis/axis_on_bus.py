@@ -6,7 +6,7 @@ import pytest
 
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from emulators.servo import kernel
-from emulators.single import Order, drives
+from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.node import CAN
@@ -27,7 +27,9 @@ class AxisOnBus:
     ) -> None:
         monkeypatch.setenv(kernel.VARIABLE, servo)
         plant, parameters = ensure("single_axis"), SETS["between_stops"]
-        order = Order((1,), EPOS2_70_10, 1_000_000, plant=plant, plant_parameters=parameters, axes=("axis",))
+        order = DrivesOrder(
+            (1,), EPOS2_70_10, 1_000_000, plant=plant, plant_parameters=parameters, axes=("axis",)
+        )
         made, self.bank = drives(order)
         assert self.bank.native == (servo == kernel.NATIVE)
         self.world, wire = World(self.bank), CanWire(1_000_000)

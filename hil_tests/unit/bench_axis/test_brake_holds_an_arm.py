@@ -5,7 +5,7 @@ from typing import Final
 import pytest
 
 from emulators.epos2.io.holding_brake import FALL_TIME, RISE_TIME
-from firmware_bridge.wire.cia402 import Mode, State
+from firmware_bridge.wire.cia402 import Mode, PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import OUTPUT_PINS, OutputFunction
 from hil_tests.unit.bench_axis.axis_bench import GEAR, AxisBench
@@ -55,6 +55,6 @@ def test_a_fault_that_cuts_the_power_leaves_it_to_the_brake() -> None:
     bench = level(braked=1)
     before = bench.axis.encoder
     bench.control.communication_fault(0x2310)
-    assert bench.control.state is State.FAULT
+    assert bench.control.state is PowerState.FAULT
     bench.run(1000)
     assert abs(bench.axis.encoder - before) < 60

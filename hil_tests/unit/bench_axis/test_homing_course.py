@@ -4,7 +4,7 @@ import pytest
 
 from emulators.epos2.modes.homing_methods import METHODS
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.cia402 import Mode, State
+from firmware_bridge.wire.cia402 import Mode, PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION, INPUT_PINS
 from hil_tests.rows import every
@@ -136,7 +136,7 @@ def test_values_that_only_an_edited_memory_can_hold_move_nothing(bench: AxisBenc
     for word in (0x06, 0x07, ENABLED, START):
         bench.write(at.CONTROLWORD, word)
     bench.run(100)
-    assert bench.control.state is State.OPERATION_ENABLED
+    assert bench.control.state is PowerState.OPERATION_ENABLED
     assert abs(bench.read(at.POSITION_ACTUAL)) < 20
 
 
@@ -155,7 +155,7 @@ def test_the_wrong_limit_switch_is_a_fault_and_a_homing_error(bench: AxisBench) 
     bench.write(INPUT_PINS[5], 1)
     bench.write(INPUT_EXECUTION, 0x0003)
     bench.starts(17)
-    bench.runs_until(lambda: bench.control.state is State.FAULT)
+    bench.runs_until(lambda: bench.control.state is PowerState.FAULT)
     assert bench.word & (ATTAINED | FAILED | REFERENCED) == FAILED
     assert bench.read(at.Address(0x1003, 1)) == 0xFF07
 
@@ -163,7 +163,7 @@ def test_the_wrong_limit_switch_is_a_fault_and_a_homing_error(bench: AxisBench) 
 @pytest.mark.emergency(0x8611)
 def test_a_stop_before_the_switch_is_a_following_error_and_a_homing_error(bench: AxisBench) -> None:
     bench.starts(11)
-    bench.runs_until(lambda: bench.control.state is State.FAULT)
+    bench.runs_until(lambda: bench.control.state is PowerState.FAULT)
     assert bench.word & (ATTAINED | FAILED | REFERENCED) == FAILED
     assert bench.read(at.Address(0x1003, 1)) == 0x8611
 
@@ -172,7 +172,7 @@ def test_software_position_limits_rest_in_a_homing(bench: AxisBench) -> None:
     bench.write(at.MIN_POSITION_LIMIT, -10)
     bench.write(at.MAX_POSITION_LIMIT, 10)
     bench.homes(1)
-    assert bench.control.state is State.OPERATION_ENABLED
+    assert bench.control.state is PowerState.OPERATION_ENABLED
 
 
 def test_the_reference_outlives_modes_and_power_and_ends_with_a_reset(bench: AxisBench) -> None:

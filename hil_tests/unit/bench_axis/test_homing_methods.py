@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from emulators.epos2.modes.homing_methods import METHODS
-from firmware_bridge.wire.cia402 import Mode, State
+from firmware_bridge.wire.cia402 import Mode, PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
 from hil_tests.lanes import examples
@@ -184,4 +184,4 @@ def test_the_limit_switch_that_is_looked_for_is_no_fault(method: int) -> None:
     bench.write(at.HOME_OFFSET, 1500 if method in {1, 17} else -1500)
     bench.enable()
     bench.homes(method)
-    assert bench.control.state is State.OPERATION_ENABLED
+    assert bench.control.state is PowerState.OPERATION_ENABLED

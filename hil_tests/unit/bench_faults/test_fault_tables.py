@@ -3,10 +3,10 @@
 import pytest
 from pydantic import ValidationError
 
-from emulators.bench.faults import KINDS, Fault, FaultError, Kind, misfits, read
+from emulators.bench.bench_setup import bench_setup_of
+from emulators.bench.faults import KINDS, Fault, FaultError, FaultKind, misfits, read
 from emulators.bench.mission import Mission, MissionFileError, parse
-from emulators.bench.rehearsal import rehearsal_of
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER, from_seconds
@@ -14,9 +14,9 @@ from hil_tests.rows import every
 from hil_tests.unit.capture_driver.capture_bench import table as cameras
 from validation.pages.faults import parameters, target
 
-RARS = kinds.find("rars")
+RARS = robot_types.find("rars")
 SERIAL = over_serial(RARS)
-ROME = kinds.find("rome")
+ROME = robot_types.find("rome")
 ON_A_BOARD = (
     *("board_silent", "board_reset", "board_hangs", "board_brown_out", "line_garbage"),
     *("shaft_blocked", "motor_cable_off", "encoder_cable_off", "load_lifted", "motor_supply_sag"),
@@ -64,7 +64,7 @@ def table(kind: str, keys: str = "") -> str:
 
 
 def mission(text: str, robot: AnyRobot = RARS) -> Mission:
-    return parse(HEAD + text, "my.toml", robot, rehearsal_of(robot))
+    return parse(HEAD + text, "my.toml", robot, bench_setup_of(robot))
 
 
 def refusal(text: str, robot: AnyRobot = RARS) -> list[str]:
@@ -75,7 +75,7 @@ def refusal(text: str, robot: AnyRobot = RARS) -> list[str]:
 
 SEEN = RARS.with_links({"cameras": cameras()})
 ON = {
-    "grip_lost": kinds.find("climber"),
+    "grip_lost": robot_types.find("climber"),
     "serial_unplugged": SERIAL,
     **dict.fromkeys(("body_hidden", "body_shakes", "markers_swapped", "capture_late", "capture_loss"), SEEN),
 }
@@ -83,7 +83,7 @@ ON = {
 
 
 @every("kind", KINDS.values(), ids=lambda kind: kind.name)
-def test_every_kind_can_be_named_with_the_least_that_it_needs(kind: Kind) -> None:
+def test_every_kind_can_be_named_with_the_least_that_it_needs(kind: FaultKind) -> None:
     robot = ON.get(kind.name, ROME if kind.name in ON_A_BOARD else RARS)
     keys = f"at_s = 2.0\n{LEAST.get(kind.name, '')}"
     (fault,) = mission(table(kind.name, keys), robot).fault
@@ -177,7 +177,7 @@ def test_a_bridge_on_a_serial_line_is_not_on_the_bus() -> None:
 
 
 def test_the_line_of_cameras_is_no_bus() -> None:
-    (line,) = refusal(table("frame_loss", f'{AT}link = "cameras"'), kinds.find("climber+cameras"))
+    (line,) = refusal(table("frame_loss", f'{AT}link = "cameras"'), robot_types.find("climber+cameras"))
     assert line.startswith("my.toml: fault[0].link: climber has no bus 'cameras'; there are: drives")
 
 
@@ -243,7 +243,7 @@ def test_a_fault_from_python_is_checked_alike() -> None:
 
 
 @every("kind", KINDS.values(), ids=lambda kind: kind.name)
-def test_every_key_of_every_kind_is_explained(kind: Kind) -> None:
+def test_every_key_of_every_kind_is_explained(kind: FaultKind) -> None:
     keys = {key: (text, values) for key, text, values, _ in parameters(kind)}
     assert all(text for text, _ in keys.values())
     assert all(

@@ -8,25 +8,33 @@ import numpy as np
 from emulators.bench import mission as missions
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
-from emulators.robots.rars import REHEARSAL
-from firmware_bridge import kinds
-from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, Intent, Request, Verdict
+from emulators.robots.rars import BENCH_SETUP
+from firmware_bridge import robot_types
+from firmware_bridge.intent import (
+    Answer,
+    Arm,
+    ClearEmergencyStop,
+    Disarm,
+    EmergencyStop,
+    Intent,
+    Request,
+)
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robots.rars import KIND
-from firmware_bridge.robots.rars.motion import Motion, State
-from firmware_bridge.safety.snapshot import Hold, Snapshot
+from firmware_bridge.robots.rars import ROBOT_TYPE
+from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
+from firmware_bridge.safety.snapshot import ActiveInterlock, Snapshot
 from firmware_bridge.teleop.mavlink import Codec
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from hil_tests.safety import gate_bench
 
 if TYPE_CHECKING:
-    from firmware_bridge.robots.rars.geometry import Geometry
+    from firmware_bridge.robots.rars.geometry import RarsGeometry
 
-RARS = kinds.find("rars")
+RARS = robot_types.find("rars")
 CYCLE = 50 * MILLISECOND
 
 
@@ -40,11 +48,11 @@ def mission(*steps: str, head: str = "") -> Mission:
 
 
 def parse(text: str, file: str = "test.toml") -> Mission:
-    return missions.parse(text, file, RARS, REHEARSAL)
+    return missions.parse(text, file, RARS, BENCH_SETUP)
 
 
 def find(name: str) -> Mission:
-    return missions.find(name, RARS, REHEARSAL)
+    return missions.find(name, RARS, BENCH_SETUP)
 
 
 @dataclass
@@ -58,28 +66,28 @@ class Robotlike:
     refusals: int = 0
     not_receiving: bool = False
     pose: Pose = field(default_factory=Pose)
-    holds: tuple[Hold, ...] = ()
+    holds: tuple[ActiveInterlock, ...] = ()
 
     def __post_init__(self) -> None:
-        rolling = KIND.rules(self.robot)[""].body.rolling
-        self.operator: Operator[Geometry, Motion, State] = Operator(
-            self.robot, KIND.station, KIND.rest, rolling=rolling
+        rolling = ROBOT_TYPE.rules(self.robot)[""].body.rolling
+        self.operator: Operator[RarsGeometry, RarsMotion, RarsState] = Operator(
+            self.robot, ROBOT_TYPE.station, ROBOT_TYPE.rest, rolling=rolling
         )
 
-    def decide(self, request: Request) -> Verdict:
+    def decide(self, request: Request) -> Answer:
         self.requests.append(request)
         if self.refusals:
             self.refusals -= 1
-            return Verdict(accepted=False, reason="enabling the drives again, arm again", temporary=True)
+            return Answer(accepted=False, reason="enabling the drives again, arm again", temporary=True)
         match request:
             case Arm() if self.stopped:
-                return Verdict(accepted=False, reason="the emergency stop is latched")
+                return Answer(accepted=False, reason="the emergency stop is latched")
             case Arm() | Disarm():
                 self.armed = isinstance(request, Arm)
             case EmergencyStop() | ClearEmergencyStop():
                 self.stopped = isinstance(request, EmergencyStop)
                 self.armed = self.armed and not self.stopped
-        return Verdict(accepted=True, reason="")
+        return Answer(accepted=True, reason="")
 
     def receive(self, payload: bytes, now: Nanoseconds) -> tuple[Packet, ...]:
         return () if self.not_receiving else self.operator.receive(payload, now, self.decide)
@@ -115,7 +123,7 @@ class Joined:
     cycle_at: Nanoseconds = 0
     sent: list[tuple[Nanoseconds, bytes]] = field(default_factory=list)
 
-    def run(self, until_s: float) -> Intent[Motion]:
+    def run(self, until_s: float) -> Intent[RarsMotion]:
         until = from_seconds(until_s)
         while min(self.wake_at, self.cycle_at) <= until:
             if self.wake_at <= self.cycle_at:
@@ -148,4 +156,4 @@ class Joined:
 
 
 def join(script: Mission, seed: int = 1) -> Joined:
-    return Joined(ScriptedOperator(RARS, REHEARSAL, script, np.random.default_rng(seed)))
+    return Joined(ScriptedOperator(RARS, BENCH_SETUP, script, np.random.default_rng(seed)))

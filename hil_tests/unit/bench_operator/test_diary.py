@@ -4,12 +4,12 @@ import math
 
 import pytest
 
-from emulators.bench.log import Kind
+from emulators.bench.log import Subject
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.safety.row import Row
-from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.safety.interlock_base import InterlockBase
+from firmware_bridge.safety.snapshot import ActiveInterlock
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.bench_operator.joined import join, mission
@@ -19,18 +19,18 @@ def test_a_refusal_and_its_reason_are_in_the_diary() -> None:
     joined = join(mission("1.0 emergency_stop = true", "2.0 arm = true"))
     joined.run(3.0)
     diary = joined.driver.diary
-    assert diary.texts(Kind.STEP) == ["emergency_stop = true", "arm = true"]
-    assert diary.texts(Kind.ANSWERED) == ["emergency stop: accepted", "arm: denied"]
-    [reported] = [entry for entry in diary.entries if entry.kind is Kind.REPORTED]
+    assert diary.texts(Subject.STEP) == ["emergency_stop = true", "arm = true"]
+    assert diary.texts(Subject.ANSWERED) == ["emergency stop: accepted", "arm: denied"]
+    [reported] = [entry for entry in diary.entries if entry.kind is Subject.REPORTED]
     assert (reported.at, reported.text, reported.severity) == (2 * SECOND, "the emergency stop is latched", 4)
 
 
 def test_long_texts_are_read_whole() -> None:
     joined = join(mission("1.0 arm = true"))
     reason = "a reason that is much longer than the fifty characters of one STATUSTEXT, to be sure"
-    joined.robotlike.holds = (Hold("long", reason, Row("long", ""), 0),)
+    joined.robotlike.holds = (ActiveInterlock("long", reason, InterlockBase("long", ""), 0),)
     joined.run(0.1)
-    assert joined.driver.diary.texts(Kind.REPORTED) == [reason]
+    assert joined.driver.diary.texts(Subject.REPORTED) == [reason]
 
 
 def test_arming_shows_in_the_heartbeat() -> None:
@@ -40,7 +40,7 @@ def test_arming_shows_in_the_heartbeat() -> None:
         joined.run(until_s)
         seen.append(joined.driver.diary.armed)
     assert seen == [False, True]
-    assert joined.driver.diary.texts(Kind.STATUS) == ["disarmed", "armed"]
+    assert joined.driver.diary.texts(Subject.STATUS) == ["disarmed", "armed"]
 
 
 def test_odometry_arrives_in_the_robots_own_signs() -> None:

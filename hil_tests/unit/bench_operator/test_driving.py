@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from emulators.bench.log import Kind
-from emulators.robots.rars import REHEARSAL
+from emulators.bench.log import Subject
+from emulators.robots.rars import BENCH_SETUP
 from firmware_bridge.intent import Arm, ConfirmZero, Disarm
 from hil_tests.unit.bench_operator.joined import find, join, mission
 
@@ -58,7 +58,7 @@ def test_lift_lamp_and_detector() -> None:
     intent = joined.run(2.1)
     assert intent.command.lift_m == pytest.approx(0.4, abs=1e-6)
     assert (intent.command.headlamp, intent.command.detector) == (True, True)
-    assert joined.driver.diary.texts(Kind.ANSWERED) == [
+    assert joined.driver.diary.texts(Subject.ANSWERED) == [
         "arm: accepted", "headlamp: accepted", "detector: accepted", "lift: accepted",
     ]  # fmt: skip
 
@@ -77,7 +77,7 @@ def test_the_lift_moves_by_stick_until_reported_otherwise() -> None:
 
 @pytest.mark.long(beside="test_its_missions_drive_without_a_refusal_and_it_ends_without_power")
 def test_every_shipped_mission_runs_to_its_end() -> None:
-    for script in filter(lambda one: one.pilot is None, map(find, REHEARSAL.shipped())):
+    for script in filter(lambda one: one.pilot is None, map(find, BENCH_SETUP.shipped())):
         joined = join(script)
         joined.run(script.duration_s)
-        assert len(joined.driver.diary.texts(Kind.STEP)) == len(script.step)
+        assert len(joined.driver.diary.texts(Subject.STEP)) == len(script.step)

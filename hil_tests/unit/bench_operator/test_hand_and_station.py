@@ -7,7 +7,7 @@ import pytest
 
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.stick import Ramp, Tremor
-from emulators.robots.rars import REHEARSAL
+from emulators.robots.rars import BENCH_SETUP
 from firmware_bridge.intent import Arm
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, from_seconds
 from hil_tests.unit.bench_operator.joined import CYCLE, RARS, Joined, find, join, mission
@@ -67,7 +67,7 @@ def test_the_hand_trembles_only_while_it_drives_and_by_the_seed() -> None:
 def test_without_noise_no_random_number_is_drawn() -> None:
     generator = np.random.default_rng(1)
     before = generator.bit_generator.state
-    joined = Joined(ScriptedOperator(RARS, REHEARSAL, find("line"), generator))
+    joined = Joined(ScriptedOperator(RARS, BENCH_SETUP, find("line"), generator))
     joined.run(30.0)
     assert generator.bit_generator.state == before
 

@@ -7,7 +7,7 @@ import pytest
 from emulators.bench import mission as missions
 from emulators.bench.mission import Mission, MissionFileError
 from emulators.bench.step import Input
-from emulators.robots.rars import REHEARSAL, RarsStep
+from emulators.robots.rars import BENCH_SETUP, RarsStep
 from hil_tests.unit.bench_operator.joined import RARS, find, parse
 
 HEAD = 'title = "t"\nduration_s = 10.0\n'
@@ -26,7 +26,7 @@ def steps(mission: Mission) -> list[RarsStep]:
 
 
 def test_seven_missions_are_shipped() -> None:
-    assert list(REHEARSAL.shipped()) == [
+    assert list(BENCH_SETUP.shipped()) == [
         "circles", "faults", "interlocks", "left_failed", "line", "pursuit", "steering_failed"
     ]  # fmt: skip
 
@@ -149,7 +149,7 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
         find(str(missing))
     missing.write_bytes(b"\xff\xfe")
     with pytest.raises(MissionFileError, match=r"none\.toml: cannot be read"):
-        missions.load(missing, RARS, REHEARSAL)
+        missions.load(missing, RARS, BENCH_SETUP)
 
 
 def test_a_mission_of_ones_own_is_found_by_its_path(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import pytest
 from emulators.bench import mission as missions
 from emulators.bench.mission import Mission, MissionFileError
 from emulators.bench.orders import CONFIRM, of_step
-from emulators.robots.rars import REHEARSAL
+from emulators.robots.rars import BENCH_SETUP
 from firmware_bridge.robot import AnyRobot
 from hil_tests.scenarios.homed import LIFT, STEER, homed
 
@@ -16,7 +16,7 @@ TEXT = 'title = "t"\nduration_s = 10.0\n[[step]]\nat_s = 1.0\ntitle = "s"\nhome 
 
 
 def parse(roles: str, robot: AnyRobot = ROBOT) -> Mission:
-    return missions.parse(TEXT.format(roles=roles), "my.toml", robot, REHEARSAL)
+    return missions.parse(TEXT.format(roles=roles), "my.toml", robot, BENCH_SETUP)
 
 
 def test_each_is_requested_by_its_place_and_no_number() -> None:

@@ -3,11 +3,11 @@
 import pytest
 
 from emulators.bench.foreign_datagrams import Stray
-from emulators.bench.log import Kind
+from emulators.bench.log import Subject
 from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, Request
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.robots.rars.motion import Motion
+from firmware_bridge.robots.rars.motion import RarsMotion
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import SECOND, from_seconds
 from hil_tests.unit.bench_operator.joined import join, mission
@@ -40,7 +40,7 @@ def test_a_command_without_an_answer_is_repeated_and_given_up() -> None:
     assert [(at, one.confirmation) for at, one in orders] == [
         (from_seconds(1.0), 0), (from_seconds(1.5), 1), (from_seconds(2.0), 2), (from_seconds(2.5), 3),
     ]  # fmt: skip
-    assert joined.driver.diary.texts(Kind.UNANSWERED) == ["arm"]
+    assert joined.driver.diary.texts(Subject.UNANSWERED) == ["arm"]
 
 
 def test_what_is_rejected_for_the_moment_is_requested_again_as_new() -> None:
@@ -49,7 +49,7 @@ def test_what_is_rejected_for_the_moment_is_requested_again_as_new() -> None:
     joined.run(4.0)
     assert joined.robotlike.armed
     assert [one.confirmation for _, one in joined.messages("COMMAND_LONG")] == [0, 0, 0, 0]
-    assert joined.driver.diary.texts(Kind.ANSWERED) == ["arm: temporarily rejected", "arm: accepted"]
+    assert joined.driver.diary.texts(Subject.ANSWERED) == ["arm: temporarily rejected", "arm: accepted"]
 
 
 def test_an_operator_gives_up_what_is_rejected_for_ever() -> None:
@@ -75,8 +75,8 @@ def test_a_stray_moves_nothing(stray: Stray) -> None:
     joined = join(mission(f'1.02 stray = "{stray}"'))
     intent = joined.run(1.04)
     # Since the hand's stick, which has come before it and holds the steering straight on.
-    assert (intent.command, intent.received_at) == (Motion(steer_rad=0.0), SECOND)
+    assert (intent.command, intent.received_at) == (RarsMotion(steer_rad=0.0), SECOND)
     assert joined.robotlike.requests == []
     operator = joined.robotlike.operator
-    reported = joined.driver.diary.texts(Kind.REPORTED) + joined.driver.diary.texts(Kind.ANSWERED)
+    reported = joined.driver.diary.texts(Subject.REPORTED) + joined.driver.diary.texts(Subject.ANSWERED)
     assert reported or operator.counters.corrupt or operator.dropped.foreign

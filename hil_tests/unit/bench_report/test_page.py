@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from emulators.bench.page import page
-from emulators.bench.records import FaultRecord, HoldRecord
+from emulators.bench.records import FaultRecord, InterlockEvent
 from emulators.bench.summary import Summary, summarise
 from emulators.bench.web import document, picture, table
 from firmware_bridge.cli.program import main
@@ -18,7 +18,7 @@ AGAIN = "firmware-bridge bench rars --mission line --seed 7"
 
 
 def summary() -> Summary:
-    holds = [HoldRecord("lift extended", "50 mm & more", SECOND, 2 * SECOND, remedy="lower it first")]
+    holds = [InterlockEvent("lift extended", "50 mm & more", SECOND, 2 * SECOND, remedy="lower it first")]
     faults = [FaultRecord("frame_loss", "a <loose> contact", ("steer",), SECOND)]
     return summarise(RUN, AXES, rows(11, lambda _: 0.1), holds, faults)
 

@@ -7,19 +7,19 @@ import pytest
 
 from emulators.bench.columns import SAMPLE_EVERY, Samples, columns_of
 from emulators.bench.plots import draw
-from emulators.bench.records import FaultRecord, HoldRecord
-from emulators.robots.rars import REHEARSAL
-from firmware_bridge.kinds import find
+from emulators.bench.records import FaultRecord, InterlockEvent
+from emulators.robots.rars import BENCH_SETUP
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import SECOND, to_seconds
 
 RARS = find("rars")
-PANELS = REHEARSAL.panels
+PANELS = BENCH_SETUP.panels
 PICTURES = 4
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def rows(count: int, speed: float) -> Samples:
-    samples = Samples(columns_of([axis.name for axis in RARS.axes], REHEARSAL.columns))
+    samples = Samples(columns_of([axis.name for axis in RARS.axes], BENCH_SETUP.columns))
     for index in range(count):
         angle = speed * to_seconds(index * SAMPLE_EVERY)
         row = {
@@ -42,8 +42,8 @@ def rows(count: int, speed: float) -> Samples:
 
 
 HOLDS = [
-    HoldRecord("not armed", "the robot is not armed", 0, SECOND // 10),
-    HoldRecord("operator link timeout", "a very long reason " * 20, SECOND),
+    InterlockEvent("not armed", "the robot is not armed", 0, SECOND // 10),
+    InterlockEvent("operator link timeout", "a very long reason " * 20, SECOND),
 ]
 
 
@@ -67,7 +67,7 @@ def test_the_same_rows_give_the_same_bytes(tmp_path: Path) -> None:
     ids=["one row", "two rows", "backwards", "at rest"],
 )
 def test_short_and_dull_runs_are_drawn_without_complaint(
-    tmp_path: Path, count: int, speed: float, holds: list[HoldRecord]
+    tmp_path: Path, count: int, speed: float, holds: list[InterlockEvent]
 ) -> None:
     table = rows(count, speed)
     assert len(draw(tmp_path, "rars", RARS, PANELS, table, holds=holds)) == PICTURES

@@ -9,15 +9,15 @@ import pytest
 from rich.console import Console
 
 from emulators.bench.columns import PLANAR, SAMPLE_EVERY, Column, Samples, columns_of
-from emulators.bench.records import FaultRecord, HoldRecord
+from emulators.bench.records import FaultRecord, InterlockEvent
 from emulators.bench.report import show
-from emulators.bench.summary import Run, Summary, as_json
+from emulators.bench.summary import RunFigures, Summary, as_json
 from emulators.bench.summary import summarise as summarised
-from emulators.robots.rars import REHEARSAL
-from firmware_bridge.kinds import find
+from emulators.robots.rars import BENCH_SETUP
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, SECOND, to_seconds
 
-RUN = Run("rars", "line", 7, 4 * SECOND, 2.0, 1000, 3.21, "ab" * 32, {"can": "cd" * 32}, 5)
+RUN = RunFigures("rars", "line", 7, 4 * SECOND, 2.0, 1000, 3.21, "ab" * 32, {"can": "cd" * 32}, 5)
 
 
 AXES = ("left", "right")
@@ -59,7 +59,7 @@ def driven(count: int, speed: Callable[[float], float], **fixed: float) -> list[
 
 
 def summarise(
-    run: Run, samples: Samples, holds: Sequence[HoldRecord], faults: Sequence[FaultRecord] = ()
+    run: RunFigures, samples: Samples, holds: Sequence[InterlockEvent], faults: Sequence[FaultRecord] = ()
 ) -> Summary:
     return summarised(run, AXES, samples, holds, faults)
 
@@ -120,8 +120,8 @@ def test_a_run_without_rows_has_not_moved() -> None:
 
 def test_the_file_has_the_keys_that_its_readers_rely_on() -> None:
     holds = [
-        HoldRecord("lift extended", "lift is 50 mm up", 100 * MILLISECOND, 2 * SECOND, remedy="lower it"),
-        HoldRecord("operator link timeout", "nothing received for 500 ms", 3 * SECOND),
+        InterlockEvent("lift extended", "lift is 50 mm up", 100 * MILLISECOND, 2 * SECOND, remedy="lower it"),
+        InterlockEvent("operator link timeout", "nothing received for 500 ms", 3 * SECOND),
     ]
     read = json.loads(as_json(summarise(RUN, rows(11, lambda _: 0.1), holds)))
     assert {
@@ -172,7 +172,7 @@ def test_the_faults_that_were_put_on_are_reported_with_their_beginning_and_end()
         {"kind": "can_cut", "title": "", "nodes": ["bridge", "left"], "began_s": 2.0, "ended_s": None},
     ]
     console = Console(width=120, record=True, file=StringIO())
-    show(console, summary, REHEARSAL.remarks(find("rars")))
+    show(console, summary, BENCH_SETUP.remarks(find("rars")))
     text = console.export_text()
     assert "faults that were put on" in text
     assert all(word in text for word in ("1.50 s", "end", "frame_loss", "a loose contact", "bridge, left"))

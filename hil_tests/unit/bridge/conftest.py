@@ -6,27 +6,27 @@ import pytest
 
 from emulators.devices import Devices, devices
 from emulators.world import World
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robots.rars import ROBOT_TYPE
 from hil_tests.unit.bridge.bench import Bench, Moments, sound
 from hil_tests.unit.bridge.paper_drive import PaperDrive
 
 
 def joined() -> Bench:
-    return joined_with(Bridge(kinds.find("rars"), KIND))
+    return joined_with(Bridge(robot_types.find("rars"), ROBOT_TYPE))
 
 
 def joined_with(bridge: Bridge) -> Bench:
     """Join a bridge of the test's own to four drives and a station."""
-    robot = kinds.find("rars")
+    robot = robot_types.find("rars")
     return Bench(robot, bridge, {axis.name: PaperDrive(axis) for axis in robot.axes})
 
 
 @pytest.fixture
 def robot() -> AnyRobot:
-    return kinds.find("rars")
+    return robot_types.find("rars")
 
 
 @pytest.fixture
@@ -55,9 +55,9 @@ def armed(moments: Moments) -> Iterator[Bench]:
 @pytest.fixture
 def emulated() -> Iterator[tuple[Bench, Devices]]:
     """The same with four emulated drives above the plant."""
-    robot = kinds.find("rars")
+    robot = robot_types.find("rars")
     below = devices(robot)
-    bench = Bench(robot, Bridge(robot, KIND), below.drives, world=World(below.bank))
+    bench = Bench(robot, Bridge(robot, ROBOT_TYPE), below.drives, world=World(below.bank))
     yield bench, below
     assert [refusal.reason for refusal in bench.guard.refusals] == []
     below.plant.close()

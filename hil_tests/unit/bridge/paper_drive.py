@@ -3,12 +3,12 @@
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import Axis
-from firmware_bridge.robot import Command as Commanded
+from firmware_bridge.robot import CommandForm as Commanded
 from firmware_bridge.units import SECOND, Nanoseconds
 from firmware_bridge.wire import sdo
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.canopen import NmtCommand, NmtState
-from firmware_bridge.wire.cia402 import Command, Control, State, command_of
+from firmware_bridge.wire.cia402 import ControlwordBit, ControlwordCommand, PowerState, command_of
 from firmware_bridge.wire.epos2 import address as at
 
 REMOTE = 1 << 9
@@ -17,17 +17,17 @@ REFERENCED = 1 << 15
 HOMING = b"\x06"
 ACTUAL_POSITION = b"\x23"
 STEPS = {
-    (State.SWITCH_ON_DISABLED, Command.SHUTDOWN): State.READY_TO_SWITCH_ON,
-    (State.READY_TO_SWITCH_ON, Command.DISABLE_OPERATION): State.SWITCHED_ON,
-    (State.READY_TO_SWITCH_ON, Command.ENABLE_OPERATION): State.OPERATION_ENABLED,
-    (State.SWITCHED_ON, Command.ENABLE_OPERATION): State.OPERATION_ENABLED,
-    (State.OPERATION_ENABLED, Command.SHUTDOWN): State.READY_TO_SWITCH_ON,
-    (State.OPERATION_ENABLED, Command.DISABLE_VOLTAGE): State.SWITCH_ON_DISABLED,
-    (State.OPERATION_ENABLED, Command.QUICK_STOP): State.QUICK_STOP_ACTIVE,
-    (State.QUICK_STOP_ACTIVE, Command.ENABLE_OPERATION): State.OPERATION_ENABLED,
-    (State.QUICK_STOP_ACTIVE, Command.DISABLE_VOLTAGE): State.SWITCH_ON_DISABLED,
-    (State.READY_TO_SWITCH_ON, Command.DISABLE_VOLTAGE): State.SWITCH_ON_DISABLED,
-    (State.READY_TO_SWITCH_ON, Command.QUICK_STOP): State.SWITCH_ON_DISABLED,
+    (PowerState.SWITCH_ON_DISABLED, ControlwordCommand.SHUTDOWN): PowerState.READY_TO_SWITCH_ON,
+    (PowerState.READY_TO_SWITCH_ON, ControlwordCommand.DISABLE_OPERATION): PowerState.SWITCHED_ON,
+    (PowerState.READY_TO_SWITCH_ON, ControlwordCommand.ENABLE_OPERATION): PowerState.OPERATION_ENABLED,
+    (PowerState.SWITCHED_ON, ControlwordCommand.ENABLE_OPERATION): PowerState.OPERATION_ENABLED,
+    (PowerState.OPERATION_ENABLED, ControlwordCommand.SHUTDOWN): PowerState.READY_TO_SWITCH_ON,
+    (PowerState.OPERATION_ENABLED, ControlwordCommand.DISABLE_VOLTAGE): PowerState.SWITCH_ON_DISABLED,
+    (PowerState.OPERATION_ENABLED, ControlwordCommand.QUICK_STOP): PowerState.QUICK_STOP_ACTIVE,
+    (PowerState.QUICK_STOP_ACTIVE, ControlwordCommand.ENABLE_OPERATION): PowerState.OPERATION_ENABLED,
+    (PowerState.QUICK_STOP_ACTIVE, ControlwordCommand.DISABLE_VOLTAGE): PowerState.SWITCH_ON_DISABLED,
+    (PowerState.READY_TO_SWITCH_ON, ControlwordCommand.DISABLE_VOLTAGE): PowerState.SWITCH_ON_DISABLED,
+    (PowerState.READY_TO_SWITCH_ON, ControlwordCommand.QUICK_STOP): PowerState.SWITCH_ON_DISABLED,
 }
 
 
@@ -49,10 +49,10 @@ class PaperDrive:
         self.written: list[tuple[at.Address, bytes]] = []
         self.refuses: dict[at.Address, AbortCode] = {}
         self.forgets: set[at.Address] = set()
-        self.state = State.SWITCH_ON_DISABLED
+        self.state = PowerState.SWITCH_ON_DISABLED
         self.nmt = NmtState.PRE_OPERATIONAL
         self.silent = False
-        self.stuck_in: set[State] = set()
+        self.stuck_in: set[PowerState] = set()
         self.jammed = False
         self.words: list[tuple[Nanoseconds, int, int]] = []
         """Each set-point: when, controlword, target."""
@@ -73,7 +73,7 @@ class PaperDrive:
 
     def fails(self, code: int) -> list[Packet]:
         """Go to fault; return what the drive then sends."""
-        self.state = State.FAULT
+        self.state = PowerState.FAULT
         self.rpm = 0
         node = self.axis.epos2.node
         emergency = code.to_bytes(2, "little") + bytes(6)
@@ -135,10 +135,10 @@ class PaperDrive:
         word = int.from_bytes(payload[:2], "little")
         target = int.from_bytes(payload[2:6], "little", signed=True)
         self.words.append((now, word, target))
-        before, edge = self.state, word & ~self._word & Control.NEW_SETPOINT and not self._homes
+        before, edge = self.state, word & ~self._word & ControlwordBit.NEW_SETPOINT and not self._homes
         self._move(now)
         self._obey(word)
-        moves = self.state is State.OPERATION_ENABLED
+        moves = self.state is PowerState.OPERATION_ENABLED
         if self.axis.command is Commanded.SPEED:
             self.rpm = target if moves else 0
         elif moves and edge and not self.jammed:
@@ -146,17 +146,17 @@ class PaperDrive:
         return [(0x180 + self.axis.epos2.node, self._status())] if self.state is not before else []
 
     def _obey(self, word: int) -> None:
-        reset = word & ~self._word & Control.FAULT_RESET
-        edge = word & ~self._word & Control.NEW_SETPOINT
+        reset = word & ~self._word & ControlwordBit.FAULT_RESET
+        edge = word & ~self._word & ControlwordBit.NEW_SETPOINT
         self._word = word
-        if edge and self._homes and self.state is State.OPERATION_ENABLED:
+        if edge and self._homes and self.state is PowerState.OPERATION_ENABLED:
             assert self.memory[at.HOMING_METHOD] == ACTUAL_POSITION, "by another method it would move"
             self.position = float(int.from_bytes(self.memory[at.HOME_POSITION], "little", signed=True))
             self.referenced = self.attained = True
         if self.state in self.stuck_in:
             return
-        if self.state is State.FAULT and reset:
-            self.state = State.SWITCH_ON_DISABLED
+        if self.state is PowerState.FAULT and reset:
+            self.state = PowerState.SWITCH_ON_DISABLED
         self.state = STEPS.get((self.state, command_of(word)), self.state)
 
     def _move(self, now: Nanoseconds) -> None:

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.internet import number_of
@@ -68,9 +68,9 @@ def test_control_that_passes_on_parts_the_operator_even_between_two_cycles(armed
 
 def test_a_driver_who_is_lost_leaves_a_robot_that_is_not_armed(bench_with: Callable[[Bridge], Any]) -> None:
     """Check it for any timeout of the operator in the robot file."""
-    rars = kinds.find("rars")
+    rars = robot_types.find("rars")
     patient = rars.operator.model_copy(update={"gone_ms": 60_000})
-    bench = bench_with(Bridge(rars.model_copy(update={"operator": patient}), KIND))
+    bench = bench_with(Bridge(rars.model_copy(update={"operator": patient}), ROBOT_TYPE))
     bench.starts()
     assert bench.arms() == ACCEPTED
     bench.talks = False
@@ -85,7 +85,7 @@ def test_control_is_lost_at_rest_only(armed: "Bench", monkeypatch: pytest.Monkey
     driving(armed)
     armed.talks = False
     rules = armed.bridge._permission.rules  # noqa: SLF001 - a robot that is held to move is hard to come by
-    monkeypatch.setattr(type(rules), "at_rest", lambda *_: False)
+    monkeypatch.setattr(type(rules), "at_standstill", lambda *_: False)
     armed.runs(12)
     assert "is gone" not in armed.reported()
     monkeypatch.undo()

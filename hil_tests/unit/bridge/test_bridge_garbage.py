@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
-from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from hil_tests.lanes import examples
 
@@ -52,7 +52,7 @@ datagrams = st.builds(lambda p: Packet(OPERATOR, 0, p), st.binary(max_size=40))
     )
 )
 def test_no_packets_make_the_bridge_raise_or_move(script: list[tuple[Packet, int]]) -> None:
-    bridge = Bridge(kinds.find("rars"), KIND)
+    bridge = Bridge(robot_types.find("rars"), ROBOT_TYPE)
     now: Nanoseconds = 0
     sent = list(bridge.wake(now).sent)
     for packet, gap in script:

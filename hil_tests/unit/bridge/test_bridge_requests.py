@@ -7,7 +7,7 @@ import pytest
 
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.bridge.bench import ACCEPTED, ARM, DENIED, RPM_AT_03, TEMPORARILY_REJECTED, driving
 
@@ -181,7 +181,7 @@ def test_a_forced_disarm_at_rest_takes_the_power_off_at_once(armed: "Bench") -> 
     begin = armed.now
     assert armed.commands(ARM, 0.0, FORCE) == ACCEPTED
     assert armed.now - begin <= MILLISECOND
-    assert {drive.state for drive in armed.drives.values()} == {State.SWITCH_ON_DISABLED}
+    assert {drive.state for drive in armed.drives.values()} == {PowerState.SWITCH_ON_DISABLED}
     after = armed.now
     armed.runs(0.5)
     assert {word for name in armed.drives for word, _ in armed.words(name, after)} == {0x0000}
@@ -192,10 +192,10 @@ def test_a_forced_disarm_under_way_brakes_at_once_and_takes_the_power_off_at_res
     begin = armed.now
     assert armed.commands(ARM, 0.0, FORCE) == ACCEPTED
     assert armed.now - begin <= MILLISECOND
-    assert {drive.state for drive in armed.drives.values()} == {State.QUICK_STOP_ACTIVE}
+    assert {drive.state for drive in armed.drives.values()} == {PowerState.QUICK_STOP_ACTIVE}
     assert armed.commands(ARM, 0.0, FORCE) == ACCEPTED, "a station repeats it"
     armed.runs(0.5)
-    assert {drive.state for drive in armed.drives.values()} == {State.SWITCH_ON_DISABLED}
+    assert {drive.state for drive in armed.drives.values()} == {PowerState.SWITCH_ON_DISABLED}
     words = [word for word, _ in armed.words("left", begin)]
     assert words == sorted(words, reverse=True)
     assert set(words) == {0x000B, 0x0000}
@@ -210,7 +210,7 @@ def test_a_forced_disarm_takes_the_power_of_what_does_not_come_to_rest(armed: "B
     while armed.now < begin + 3.1 * SECOND:
         left.position += 2_000.0
         armed.runs(0.05)
-    assert {drive.state for drive in armed.drives.values()} == {State.SWITCH_ON_DISABLED}
+    assert {drive.state for drive in armed.drives.values()} == {PowerState.SWITCH_ON_DISABLED}
 
 
 def test_after_a_forced_disarm_arming_enables_again_and_is_requested_twice(armed: "Bench") -> None:
@@ -219,7 +219,7 @@ def test_after_a_forced_disarm_arming_enables_again_and_is_requested_twice(armed
     assert armed.arms() == TEMPORARILY_REJECTED
     assert "enabling node 1 (left rear wheel)" in armed.reported()
     armed.runs(0.5)
-    assert {drive.state for drive in armed.drives.values()} == {State.OPERATION_ENABLED}
+    assert {drive.state for drive in armed.drives.values()} == {PowerState.OPERATION_ENABLED}
     assert armed.arms() == ACCEPTED
 
 
@@ -233,10 +233,10 @@ def test_an_emergency_stop_ramps_down_stands_and_then_lets_go(armed: "Bench") ->
     assert ramp == sorted(ramp, reverse=True)
     assert max(earlier - later for earlier, later in pairwise([RPM_AT_03, *ramp])) <= 351
     assert words[-1] == (0x000B, 0)
-    assert {drive.state for drive in armed.drives.values()} == {State.QUICK_STOP_ACTIVE}
+    assert {drive.state for drive in armed.drives.values()} == {PowerState.QUICK_STOP_ACTIVE}
     armed.runs(0.4)
     assert armed.words("left", begin)[-1] == (0x0000, 0)
-    assert {drive.state for drive in armed.drives.values()} == {State.SWITCH_ON_DISABLED}
+    assert {drive.state for drive in armed.drives.values()} == {PowerState.SWITCH_ON_DISABLED}
 
 
 def test_cleared_after_it_was_let_go_it_is_armed_as_after_a_quick_stop(armed: "Bench") -> None:
@@ -244,7 +244,7 @@ def test_cleared_after_it_was_let_go_it_is_armed_as_after_a_quick_stop(armed: "B
     armed.runs(1)
     assert armed.commands(SAFETY_SWITCH, CLEAR) == ACCEPTED
     armed.runs(0.2)
-    assert armed.drives["left"].state is State.SWITCH_ON_DISABLED
+    assert armed.drives["left"].state is PowerState.SWITCH_ON_DISABLED
     assert armed.arms() == TEMPORARILY_REJECTED
     armed.runs(0.2)
     assert armed.arms() == ACCEPTED
@@ -260,7 +260,7 @@ def test_an_emergency_stop_is_left_by_clearing_and_arming(armed: "Bench") -> Non
     assert "the emergency stop is latched" in armed.reported()
     assert armed.commands(SAFETY_SWITCH, CLEAR) == ACCEPTED
     armed.runs(0.2)
-    assert armed.drives["left"].state is State.QUICK_STOP_ACTIVE
+    assert armed.drives["left"].state is PowerState.QUICK_STOP_ACTIVE
     assert armed.arms() == TEMPORARILY_REJECTED
     armed.runs(0.2)
     assert armed.arms() == ACCEPTED
@@ -285,7 +285,7 @@ def test_a_fault_stops_the_others_and_takes_the_leave_away(armed: "Bench") -> No
     armed.runs(0.1)
     assert armed.arms() == TEMPORARILY_REJECTED
     armed.runs(0.5)
-    assert armed.drives["steer"].state is State.OPERATION_ENABLED
+    assert armed.drives["steer"].state is PowerState.OPERATION_ENABLED
     begin = armed.now
     armed.speed = 0.3
     armed.runs(0.3)
@@ -317,5 +317,5 @@ def test_a_drive_that_restarted_is_set_up_again_when_armed(armed: "Bench") -> No
     assert armed.arms() == TEMPORARILY_REJECTED
     armed.runs(1)
     assert armed.drives["right"].memory[at.CONSUMER_HEARTBEAT_1] == bytes.fromhex("c8006400")
-    assert armed.drives["right"].state is State.OPERATION_ENABLED
+    assert armed.drives["right"].state is PowerState.OPERATION_ENABLED
     assert armed.arms() == ACCEPTED

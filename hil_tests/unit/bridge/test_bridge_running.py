@@ -7,14 +7,14 @@ import pytest
 
 from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.drivers.epos2.scale import Scale
-from firmware_bridge.kinds import find
 from firmware_bridge.motion.scissor import screw_from_height
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.belief import Belief
-from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robot_types import find
+from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.bridge.bench import ACCEPTED, ARM, RPM_AT_03, driving
 
@@ -117,7 +117,7 @@ def test_a_silent_operator_brings_the_wheels_to_rest_and_they_stay_enabled(armed
     armed.talks = False
     armed.runs(1.0)
     assert armed.drives["left"].rpm == 0
-    assert armed.drives["left"].state is State.OPERATION_ENABLED
+    assert armed.drives["left"].state is PowerState.OPERATION_ENABLED
 
 
 def test_odometry_counts_what_the_wheels_rolled(armed: "Bench") -> None:
@@ -159,7 +159,7 @@ def test_the_orderly_end_stops_disables_and_leaves(armed: "Bench") -> None:
     assert ramp[-1] == 0
     assert words[-2:] == [0x0006, 0x0000]
     for drive in armed.drives.values():
-        assert drive.state is State.SWITCH_ON_DISABLED
+        assert drive.state is PowerState.SWITCH_ON_DISABLED
         assert drive.memory[at.CONSUMER_HEARTBEAT_1] == bytes(4)
     assert [payload for _, payload in armed.sent(0x000, begin)] == [f"80 0{node}" for node in (1, 2, 3, 4)]
 
@@ -222,7 +222,7 @@ class FailsWhenReported(Bridge):
 def test_an_exception_in_the_pipeline_ends_in_the_same_orderly_stop(
     bench_with: "Callable[[Bridge], Bench]", robot: AnyRobot
 ) -> None:
-    bridge = FailsWhenReported(robot, KIND)
+    bridge = FailsWhenReported(robot, ROBOT_TYPE)
     bench = bench_with(bridge)
     bench.starts()
     bench.arms()
@@ -234,7 +234,7 @@ def test_an_exception_in_the_pipeline_ends_in_the_same_orderly_stop(
     assert bridge.finished
     ramp = [rpm for word, rpm in bench.words("left", begin) if word == 0x000F]
     assert max(earlier - later for earlier, later in pairwise([RPM_AT_03, *ramp])) <= 351
-    assert {drive.state for drive in bench.drives.values()} == {State.SWITCH_ON_DISABLED}
+    assert {drive.state for drive in bench.drives.values()} == {PowerState.SWITCH_ON_DISABLED}
 
 
 def lift_height(bench: "Bench") -> float:
@@ -270,7 +270,7 @@ def test_a_lift_that_cannot_follow_is_not_left_behind(bench_with: "Callable[[Bri
     # Of a robot that is patient with it.
     rars = find("rars")
     patient = [axis.model_copy(update={"belief": Belief(within_ms=10_000)}) for axis in rars.axes]
-    armed = bench_with(Bridge(rars.model_copy(update={"axes": tuple(patient)}), KIND))
+    armed = bench_with(Bridge(rars.model_copy(update={"axes": tuple(patient)}), ROBOT_TYPE))
     armed.starts()
     assert armed.arms() == ACCEPTED
     armed.drives["lift"].jammed = True

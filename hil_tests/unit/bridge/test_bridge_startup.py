@@ -8,10 +8,10 @@ import pytest
 
 from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.abort import AbortCode
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 
@@ -63,7 +63,7 @@ def downloads(bench: "Bench", node: int) -> list[str]:
 
 
 def test_four_drives_are_found_set_up_and_enabled(started: "Bench") -> None:
-    assert {drive.state for drive in started.drives.values()} == {State.OPERATION_ENABLED}
+    assert {drive.state for drive in started.drives.values()} == {PowerState.OPERATION_ENABLED}
     assert started.bridge.failure is None
 
 
@@ -146,7 +146,7 @@ def test_limits_and_modes_reach_the_drive(started: "Bench") -> None:
             "SDO upload 0x6084 gave 0x00000000 (expected profile deceleration 0x0000C350)",
         ),
         (
-            lambda drive: drive.stuck_in.add(State.READY_TO_SWITCH_ON),
+            lambda drive: drive.stuck_in.add(PowerState.READY_TO_SWITCH_ON),
             (
                 "it stayed in 'ready to switch on' for 1000 ms after controlword 0x0007 "
                 "(expected 'operation enabled', statusword 0x8321)"
@@ -164,7 +164,7 @@ def test_a_drive_that_is_missing_or_refuses_is_named(
     failure = f"node 3 (steering): {failure}"
     assert bench.bridge.failure == failure
     assert failure[:60] in bench.reported()
-    assert all(drive.state is not State.OPERATION_ENABLED for drive in bench.drives.values())
+    assert all(drive.state is not PowerState.OPERATION_ENABLED for drive in bench.drives.values())
 
 
 def test_all_missing_drives_are_named_at_once(bench: "Bench") -> None:
@@ -196,7 +196,7 @@ def test_a_drive_that_restarts_while_it_is_set_up_is_named(bench: "Bench") -> No
 
 def test_a_drive_that_still_has_power_is_stopped_first(bench: "Bench") -> None:
     drive = bench.drives["left"]
-    drive.state = State.OPERATION_ENABLED
+    drive.state = PowerState.OPERATION_ENABLED
     bench.starts()
     words = [raw.hex(" ") for address, raw in drive.written if address == at.CONTROLWORD]
     assert words == ["0b 00", "00 00"]
@@ -204,19 +204,19 @@ def test_a_drive_that_still_has_power_is_stopped_first(bench: "Bench") -> None:
 
 def test_a_drive_that_does_not_stop_turning_is_named(bench: "Bench") -> None:
     drive = bench.drives["left"]
-    drive.state = State.OPERATION_ENABLED
+    drive.state = PowerState.OPERATION_ENABLED
     drive.memory[at.VELOCITY_AVERAGED] = (-321).to_bytes(4, "little", signed=True)
     bench.runs(4)
     assert bench.bridge.failure == (
         "node 1 (left rear wheel): the motor still turns with -321 rpm 3 s after a quick stop"
     )
     bench.runs(2)
-    assert drive.state is State.SWITCH_ON_DISABLED, "it was found with power, and is not left with it"
+    assert drive.state is PowerState.SWITCH_ON_DISABLED, "it was found with power, and is not left with it"
     assert drive.memory[at.CONSUMER_HEARTBEAT_1] == bytes(4), "so its watch may end"
 
 
 def test_a_fault_from_before_is_reset(bench: "Bench") -> None:
-    bench.drives["steer"].state = State.FAULT
+    bench.drives["steer"].state = PowerState.FAULT
     bench.starts()
     assert "80 00" in [payload[:5] for _, payload in bench.sent(0x403)]
 
@@ -235,15 +235,15 @@ def test_after_a_failure_arming_is_denied_with_the_failure(bench: "Bench") -> No
 
 
 def test_a_bridge_that_never_woke_ends_at_once(robot: AnyRobot) -> None:
-    bridge = Bridge(robot, KIND)
+    bridge = Bridge(robot, ROBOT_TYPE)
     assert bridge.stop(0).sent == ()
     assert bridge.finished
 
 
 def test_a_fault_that_cannot_be_reset_is_named_with_its_cause(bench: "Bench") -> None:
     drive = bench.drives["steer"]
-    drive.state = State.FAULT
-    drive.stuck_in.add(State.FAULT)
+    drive.state = PowerState.FAULT
+    drive.stuck_in.add(PowerState.FAULT)
     drive.memory[Address(0x1003, 1)] = bytes.fromhex("20810000")
     bench.runs(3)
     assert bench.bridge.failure == (
@@ -255,7 +255,7 @@ def test_a_fault_that_cannot_be_reset_is_named_with_its_cause(bench: "Bench") ->
 def test_a_bridge_that_begins_in_a_mode_leaves_its_dead_drive_alone_and_arms(
     bench_with: "Callable[[Bridge], Bench]", robot: AnyRobot
 ) -> None:
-    bench = bench_with(Bridge(robot, KIND, mode="left_failed"))
+    bench = bench_with(Bridge(robot, ROBOT_TYPE, mode="left_failed"))
     bench.drives["left"].silent = True
     bench.runs(3)
     assert bench.bridge.failure is None

@@ -8,7 +8,7 @@ from firmware_bridge.bridge import Phase
 from firmware_bridge.drivers.driver import Task
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.bridge.bench import ACCEPTED, ARM, DENIED, RPM_AT_03, TEMPORARILY_REJECTED, driving
 
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 SAFETY_SWITCH = dialect.MAV_CMD_DO_SET_SAFETY_SWITCH_STATE
 EMERGENCY_STOP: tuple[Any, ...] = (SAFETY_SWITCH, 0.0)
 FORCED_DISARM: tuple[Any, ...] = (ARM, 0.0, 21196.0)
-WITHOUT_POWER = {State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON}
+WITHOUT_POWER = {PowerState.SWITCH_ON_DISABLED, PowerState.READY_TO_SWITCH_ON}
 both = pytest.mark.parametrize("order", [EMERGENCY_STOP, FORCED_DISARM], ids=["stop", "disarm"])
 
 
-def states(bench: "Bench") -> set[State]:
+def states(bench: "Bench") -> set[PowerState]:
     return {drive.state for drive in bench.drives.values()}
 
 
@@ -51,7 +51,7 @@ def test_what_stops_while_starting_keeps_the_power_from_coming_on(
     assert bench.arms() == TEMPORARILY_REJECTED
     bench.runs(0.5)
     assert bench.arms() == ACCEPTED
-    assert states(bench) == {State.OPERATION_ENABLED}
+    assert states(bench) == {PowerState.OPERATION_ENABLED}
 
 
 @both
@@ -61,7 +61,7 @@ def test_at_no_instant_after_it_a_drive_has_power(bench: "Bench", order: tuple[A
     assert bench.commands(*order) == ACCEPTED
     for _ in range(2000):
         bench.runs(0.001)
-        assert State.OPERATION_ENABLED not in states(bench)
+        assert PowerState.OPERATION_ENABLED not in states(bench)
 
 
 @both
@@ -119,7 +119,7 @@ def test_while_it_comes_to_rest_a_forced_disarm_brakes_and_takes_the_power_at_re
     assert armed.bridge.phase is Phase.STOPPING
     assert armed.drives["left"].rpm > RPM_AT_03 // 2
     assert armed.commands(*FORCED_DISARM) == ACCEPTED
-    assert states(armed) == {State.QUICK_STOP_ACTIVE}
+    assert states(armed) == {PowerState.QUICK_STOP_ACTIVE}
     armed.runs(0.2)
     assert states(armed) <= WITHOUT_POWER
     armed.runs(0.3)

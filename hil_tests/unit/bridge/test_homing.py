@@ -8,10 +8,10 @@ import pytest
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.intent import ConfirmZero
 from firmware_bridge.robot import Axis
-from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import SECOND, Nanoseconds
-from firmware_bridge.wire.cia402 import Control, State
+from firmware_bridge.wire.cia402 import ControlwordBit, PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.scenarios.homed import LIFT as FILE
 from hil_tests.scenarios.homed import STEER as STEERS
@@ -79,12 +79,12 @@ class Seeking(PaperDrive):
         self._began_at: Nanoseconds | None = None
 
     def _obey(self, word: int) -> None:
-        edge = word & ~self._word & Control.NEW_SETPOINT
-        starts = edge and self._homes and self.state is State.OPERATION_ENABLED
+        edge = word & ~self._word & ControlwordBit.NEW_SETPOINT
+        starts = edge and self._homes and self.state is PowerState.OPERATION_ENABLED
         if starts and self.memory[at.HOMING_METHOD] != ACTUAL_POSITION:
             self.seeking, self.referenced, self.attained, self.error = True, False, False, False
             self._began_at, self._word = None, word
-        elif not word & Control.NEW_SETPOINT or word & Control.HALT:
+        elif not word & ControlwordBit.NEW_SETPOINT or word & ControlwordBit.HALT:
             self.seeking = False
         super()._obey(word)
 
@@ -114,12 +114,12 @@ class Seeking(PaperDrive):
 @pytest.fixture
 def bench() -> Iterator[Bench]:
     """Four drives that know their zero; a bridge that homes lift and steering; the guard refuses nothing."""
-    yield from sound(begun(Bridge(ROBOT, KIND)))
+    yield from sound(begun(Bridge(ROBOT, ROBOT_TYPE)))
 
 
 @pytest.fixture(scope="module")
 def moments() -> Moments:
-    return Moments(lambda: begun(Bridge(ROBOT, KIND)))
+    return Moments(lambda: begun(Bridge(ROBOT, ROBOT_TYPE)))
 
 
 def begun(bridge: Bridge) -> Bench:
@@ -299,7 +299,7 @@ def test_one_that_runs_faster_loses_its_power(started: Bench) -> None:
     drive.rushes, drive.seeks_for = 1.5, 100 * SECOND
     started.runs(0.8)
     assert not drive.seeking
-    assert drive.state is not State.OPERATION_ENABLED
+    assert drive.state is not PowerState.OPERATION_ENABLED
     assert "homing, moves with -5.99 rad/s" in started.reported()
     assert holds(started, "not homed: lift")
 
@@ -334,7 +334,7 @@ def test_a_drive_that_reads_back_something_else_is_never_started(
 
 
 def test_at_the_start_one_is_homed_after_the_other() -> None:
-    bench = begun(Bridge(ROBOT, KIND, stands=(ConfirmZero("lift"), ConfirmZero("steer"))))
+    bench = begun(Bridge(ROBOT, ROBOT_TYPE, stands=(ConfirmZero("lift"), ConfirmZero("steer"))))
     for name in ("lift", "steer"):
         bench.drives[name].referenced = False
         bench.drives[name].seeks_for = 2 * SECOND
@@ -349,7 +349,7 @@ def test_at_the_start_one_is_homed_after_the_other() -> None:
 
 
 def test_at_the_start_no_one_homes_without_an_operator() -> None:
-    bench = begun(Bridge(ROBOT, KIND, stands=(ConfirmZero("lift"),)))
+    bench = begun(Bridge(ROBOT, ROBOT_TYPE, stands=(ConfirmZero("lift"),)))
     bench.drives["lift"].referenced = False
     bench.talks = False
     bench.runs(8.0)

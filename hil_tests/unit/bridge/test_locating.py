@@ -2,9 +2,9 @@
 
 from firmware_bridge.bridge.locating import Locating
 from firmware_bridge.drivers.driver import Reading, SeenPose
-from firmware_bridge.kinds import find
 from firmware_bridge.motion.captured import AGREE, Source
 from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 CYCLE = 50 * MILLISECOND

@@ -2,8 +2,8 @@
 
 import pytest
 
-from firmware_bridge.bridge.letting_go import RESTS_WITHIN
-from hil_tests.unit.bridge.test_letting_go import CYCLE, RESTS, Standing
+from firmware_bridge.bridge.power_down import RESTS_WITHIN
+from hil_tests.unit.bridge.test_power_down import CYCLE, RESTS, Standing
 
 
 def turning() -> Standing:
@@ -28,9 +28,9 @@ def test_it_is_reported_no_longer_than_it_is_so(what: str) -> None:
     if what == "it rests":
         standing.requests()
     elif what == "no request":
-        standing.letting_go.not_requested(standing.now)
+        standing.power_down.not_requested(standing.now)
     elif what == "the power is ordered off":
-        standing.letting_go.ordered(standing.now)
+        standing.power_down.ordered(standing.now)
     else:
         standing.reports("left", velocity=0.0)
         standing.requests(rests=False)

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING, Final
 
 import pytest
 
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.bridge import Bridge
 from firmware_bridge.intent import ConfirmZero
-from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.wire.abort import AbortCode
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.bridge.bench import ACCEPTED, DENIED, LIFT, STANDS, STEER, TEMPORARILY_REJECTED, driving
 
@@ -60,7 +60,7 @@ def restarted(bench: "Bench", name: str = "lift") -> None:
     bench.runs(3)
     assert bench.arms() == TEMPORARILY_REJECTED
     bench.runs(1)
-    assert bench.drives[name].state is State.OPERATION_ENABLED
+    assert bench.drives[name].state is PowerState.OPERATION_ENABLED
 
 
 def test_what_goes_to_the_drive_is_homing_by_method_35(started: "Bench") -> None:
@@ -264,8 +264,8 @@ def test_after_a_restart_it_is_reported_where_the_axis_was_last(started: "Bench"
 
 def started_with(bench_with: "Callable[[Bridge], Bench]", **stands: float) -> "Bench":
     """Return a bench whose bridge receives axis positions at its start; its drives have no reference."""
-    robot = kinds.find("rars")
-    bench = bench_with(Bridge(robot, KIND, stands=tuple(ConfirmZero(*one) for one in stands.items())))
+    robot = robot_types.find("rars")
+    bench = bench_with(Bridge(robot, ROBOT_TYPE, stands=tuple(ConfirmZero(*one) for one in stands.items())))
     for drive in bench.drives.values():
         drive.referenced = False
     return bench
@@ -296,9 +296,9 @@ def test_what_was_stated_at_the_start_is_not_taken_later(bench_with: "Callable[[
 
 @pytest.mark.parametrize("stands", [{"lift": 2.0}, {"left": 0.0}, {"no one": 0.0}, {"steer": NAN}])
 def test_no_one_starts_a_bridge_with_a_place_that_there_is_not(stands: dict[str, float]) -> None:
-    robot = kinds.find("rars")
+    robot = robot_types.find("rars")
     with pytest.raises(ValueError, match="zero: "):
-        Bridge(robot, KIND, stands=tuple(ConfirmZero(*one) for one in stands.items()))
+        Bridge(robot, ROBOT_TYPE, stands=tuple(ConfirmZero(*one) for one in stands.items()))
 
 
 def test_a_zero_that_was_known_is_lost_where_a_new_one_did_not_come_to_its_end(started: "Bench") -> None:

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from emulators.motion_capture.bodies import Body, Circling, Standing
+from emulators.motion_capture.bodies import Circling, Standing, TrackedBody
 from emulators.motion_capture.exposure import Cameras
 from emulators.motion_capture.system import COMMAND, MotionCapture
 from emulators.wires import DatagramWire
@@ -85,7 +85,7 @@ def joined(
     wire = DatagramWire(
         MILLISECOND // 5, MILLISECOND * 3 // 10, generator=np.random.default_rng([seed, 1]), name=LINK
     )
-    bodies = [Body(4, "box", Standing()), Body(7, "robot", ROUND)]
+    bodies = [TrackedBody(4, "box", Standing()), TrackedBody(7, "robot", ROUND)]
     system = MotionCapture(
         bodies, np.random.default_rng([seed, 2]), version=version, cameras=cameras, data_link=COMMAND
     )

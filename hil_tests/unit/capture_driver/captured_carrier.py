@@ -4,9 +4,9 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-from firmware_bridge.kinds import find, kind_named
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.file import robot_of, table_of
+from firmware_bridge.robot_types import find, robot_type_named
 
 CAMERAS: Final = "cameras"
 CAPTURE: Final = """
@@ -27,7 +27,7 @@ settings = { body = "carrier", fastest_mps = 1.0, fastest_rad_s = 2.0 }
 
 def written(change: tuple[str, str] = ("", ""), server: str = "192.168.1.10:1510") -> str:
     """Return the file's text with one change in what is more in it."""
-    own = kind_named("carrier").file.read_text(encoding="utf-8")
+    own = robot_type_named("carrier").file.read_text(encoding="utf-8")
     old, new = change
     assert old in CAPTURE
     return own + CAPTURE.replace(old, new, 1).replace("192.168.1.10:1510", server)
@@ -35,7 +35,7 @@ def written(change: tuple[str, str] = ("", ""), server: str = "192.168.1.10:1510
 
 @cache
 def captured_carrier() -> AnyRobot:
-    kind = kind_named("carrier")
+    kind = robot_type_named("carrier")
     return robot_of(table_of(written(), "carrier"), "carrier", kind.geometry, kind.groups)
 
 

@@ -8,12 +8,12 @@ from typing import Any
 import pytest
 
 from emulators.cli.emulate_robot import RobotOptions, run
-from firmware_bridge.cli.places import Place, places_of
-from firmware_bridge.kinds import kind_named
+from firmware_bridge.cli.places import BusAddress, places_of
 from firmware_bridge.node import Node
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver
+from firmware_bridge.robot_types import robot_type_named
 from firmware_bridge.shell.clock import Clock, LivedClock
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.internet import number_of
@@ -35,7 +35,7 @@ def test_a_link_to_cameras_and_a_body_are_read() -> None:
 
 
 def test_cameras_are_where_the_file_states_and_need_no_place() -> None:
-    assert list(places_of(captured_carrier(), None, Place())) == ["drives"]
+    assert list(places_of(captured_carrier(), None, BusAddress())) == ["drives"]
 
 
 @pytest.mark.parametrize(
@@ -98,7 +98,9 @@ def test_emulate_serves_the_cameras_beside_the_drives(
 
 
 def test_emulate_serves_the_cameras_beside_a_board(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    text = kind_named("rome").file.read_text(encoding="utf-8") + CAPTURE.replace("192.168.1.10", "127.0.0.1")
+    text = robot_type_named("rome").file.read_text(encoding="utf-8") + CAPTURE.replace(
+        "192.168.1.10", "127.0.0.1"
+    )
     path = tmp_path / "rome.toml"
     path.write_text(text, encoding="utf-8")
     sent: list[Packet] = []

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.gateway import Cluster
-from emulators.single import Order, drives
+from emulators.single import DrivesOrder, drives
 from firmware_bridge.cli import program
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.packet import Packet, Reaction
@@ -89,7 +89,7 @@ class Bench:
 @contextmanager
 def bench(generation: Generation = Generation.V1) -> Iterator[Bench]:
     """Run two drives, the first one on the line, until the end of the block."""
-    made, bank = drives(Order((NEAR, FAR), PROFILES["70/10"], 1_000_000, serial={NEAR: generation}))
+    made, bank = drives(DrivesOrder((NEAR, FAR), PROFILES["70/10"], 1_000_000, serial={NEAR: generation}))
     node = UntilReported(Cluster(made, bank, links={"motor1": {CAN: CAN, SERIAL: SERIAL}}))
     terminal, channel = PseudoTerminal(), f"bench-drives-{next(NUMBERS)}"
     ports = {SERIAL: terminal, CAN: open_can("virtual", channel)}

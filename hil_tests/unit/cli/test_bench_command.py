@@ -8,8 +8,8 @@ import pytest
 from typer.testing import CliRunner
 
 from firmware_bridge.cli import program
-from firmware_bridge.kinds import robots
 from firmware_bridge.recording import parse_candump, parse_tlog
+from firmware_bridge.robot_types import robots
 
 MISSION = """
 title = "start, arm, and ask for a crawl"

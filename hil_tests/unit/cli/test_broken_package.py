@@ -10,9 +10,9 @@ import pytest
 
 PROGRAM: Final = Path(sys.executable).with_name("firmware-bridge")
 ENTRIES: Final = """[firmware_bridge.robots]
-scout = scout_that_is_not_there:KIND
-[firmware_bridge.rehearsals]
-scout = scout_that_is_not_there.bench:REHEARSAL
+scout = scout_that_is_not_there:ROBOT_TYPE
+[firmware_bridge.bench_setups]
+scout = scout_that_is_not_there.bench:BENCH_SETUP
 """
 WHY: Final = "scout: cannot be loaded: ModuleNotFoundError: No module named 'scout_that_is_not_there'"
 

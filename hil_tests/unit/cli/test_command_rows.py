@@ -11,10 +11,10 @@ from typer.testing import CliRunner
 
 from emulators.cli.commands import COMMANDS as OF_THE_SIMULATION
 from firmware_bridge.cli import commands, program
-from firmware_bridge.cli.commands import Command, Group, Row
+from firmware_bridge.cli.commands import CliCommand, Group, Row
 from firmware_bridge.cli.program import COMMANDS as OWN
 
-EVERY: Final = {row.words: row for row in (*OWN, *OF_THE_SIMULATION) if isinstance(row, Command)}
+EVERY: Final = {row.words: row for row in (*OWN, *OF_THE_SIMULATION) if isinstance(row, CliCommand)}
 PLAIN: Final = {"COLUMNS": "200", "TERM": "dumb", "NO_COLOR": "1"}
 
 
@@ -66,7 +66,7 @@ def test_a_package_that_cannot_be_imported_is_named_and_left_out(monkeypatch: py
 
 
 def test_no_one_takes_the_place_of_a_command_that_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    row = Command("epos2 state", "somewhere:state", "Something else.")
+    row = CliCommand("epos2 state", "somewhere:state", "Something else.")
     with_foreign(monkeypatch, ForeignNode("greedy", [row]))
     result = run("epos2", "--help")
     assert "'epos2 state' is left out: there is one of this name" in result.stderr
@@ -74,18 +74,21 @@ def test_no_one_takes_the_place_of_a_command_that_is_there(monkeypatch: pytest.M
 
 
 def test_a_command_of_a_group_that_is_not_there_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    with_foreign(monkeypatch, ForeignNode("lost", [Command("nowhere at-all", "somewhere:it", "It.")]))
+    with_foreign(monkeypatch, ForeignNode("lost", [CliCommand("nowhere at-all", "somewhere:it", "It.")]))
     assert "there is no group 'nowhere'" in run("--help").stderr
 
 
 def test_a_package_adds_a_group_with_commands(monkeypatch: pytest.MonkeyPatch) -> None:
-    group, thing = Group("own", "A group.", "No example"), Command("own thing", "somewhere:it", "It does it.")
+    group, thing = (
+        Group("own", "A group.", "No example"),
+        CliCommand("own thing", "somewhere:it", "It does it."),
+    )
     with_foreign(monkeypatch, ForeignNode("own", (group, thing)))
     assert "It does it." in run("own", "--help").stdout
 
 
 def test_a_command_that_cannot_be_imported_states_so_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    with_foreign(monkeypatch, ForeignNode("half", [Command("half", "no_such_package.half:it", "It.")]))
+    with_foreign(monkeypatch, ForeignNode("half", [CliCommand("half", "no_such_package.half:it", "It.")]))
     result = run("half")
     assert result.exit_code == 2
     (line,) = result.stderr.splitlines()
@@ -102,7 +105,7 @@ def test_a_wrong_word_is_answered_with_one_like_it() -> None:
 
 def test_what_a_row_names_must_be_a_command() -> None:
     with pytest.raises(TypeError, match="no command"):
-        Command("run", "firmware_bridge.cli.console:refusal", "It.").load()
+        CliCommand("run", "firmware_bridge.cli.console:refusal", "It.").load()
 
 
 def test_typer_is_requested_a_group() -> None:

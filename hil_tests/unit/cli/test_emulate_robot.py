@@ -11,9 +11,9 @@ from emulators.cli.emulate_robot import RobotOptions, run
 from emulators.devices import Devices, devices
 from emulators.epos2.drive import Epos2
 from emulators.storage import ParameterFile
-from firmware_bridge.drivers.epos2.setup import Row, commissioned
-from firmware_bridge.kinds import find
+from firmware_bridge.drivers.epos2.setup import SetupObject, commissioned
 from firmware_bridge.node import Node
+from firmware_bridge.robot_types import find
 from firmware_bridge.shell.clock import Clock, LivedClock
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.epos2 import address as at
@@ -49,9 +49,9 @@ def emulated(monkeypatch: pytest.MonkeyPatch) -> Drives:
     return emulate
 
 
-def differing(drives: Mapping[str, Epos2]) -> set[Row]:
+def differing(drives: Mapping[str, Epos2]) -> set[SetupObject]:
     """Return what is not as in the robot file."""
-    found = set[Row]()
+    found = set[SetupObject]()
     for axis in RARS.axes:
         store = drives[axis.name].store
         found |= {row for row in commissioned(axis) if store.get(row.address) != row.value}

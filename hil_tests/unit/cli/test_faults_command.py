@@ -7,7 +7,7 @@ from emulators.arduino_omni.faults import FAULTS, planned
 from emulators.bench.faults import KINDS
 from emulators.bench.faults.failures import failures_of
 from firmware_bridge.cli import program
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 
 
 def listed(*words: str) -> tuple[int, list[list[str]], str]:

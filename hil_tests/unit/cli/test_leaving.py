@@ -8,8 +8,8 @@ from firmware_bridge.bridge import Bridge
 from firmware_bridge.cli.leaving import AGAIN_WITHIN, Leaving
 from firmware_bridge.cli.narrated import Narrated
 from firmware_bridge.cli.remembered import Remembered
-from firmware_bridge.kinds import kind_of
 from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.robot_types import robot_type_of
 from firmware_bridge.shell.last_places import LastPlaces
 from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import SECOND, Nanoseconds
@@ -60,7 +60,7 @@ def test_a_failure_to_report_takes_nothing_from_the_devices_and_is_raised_next(t
 
     robot = robot_of("rome:mw:3")
     path = tmp_path / "state.json"
-    bridge = Bridge(robot, kind_of(robot))
+    bridge = Bridge(robot, robot_type_of(robot))
     node = Narrated(bridge, Beside(), robot, broken, kept=LastPlaces(path), stamps=Remembered(Trust(), path))
     assert node.wake(5) == Reaction((Packet("board", 0, b"stop"),), 5)
     with pytest.raises(ZeroDivisionError):

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from firmware_bridge.cli import program
-from firmware_bridge.kinds import kind_named
+from firmware_bridge.robot_types import robot_type_named
 from fmu.build import ensure
 
 
@@ -203,7 +203,7 @@ def test_a_board_without_a_watchdog_is_not_driven_unless_that_is_accepted(protoc
 
 
 def test_a_robot_file_may_accept_a_board_without_a_watchdog(tmp_path: Path) -> None:
-    text = Path(kind_named("rome").file).read_text(encoding="utf-8")
+    text = Path(robot_type_named("rome").file).read_text(encoding="utf-8")
     text = text.replace('protocol = "ros-arduino-bridge"', 'protocol = "arduinoio"\nencoders = 3')
     file = tmp_path / "mine.toml"
     file.write_text(text, encoding="utf-8")

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.cli import program
-from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robots.rars import ROBOT_TYPE
 
 
 def run(*words: str) -> tuple[int, str, str]:
@@ -19,7 +19,7 @@ def run(*words: str) -> tuple[int, str, str]:
 
 def rars_with(folder: Path, old: str, new: str) -> str:
     """Write the robot file of RARS with one change, and return its path."""
-    text = KIND.file.read_text(encoding="utf-8")
+    text = ROBOT_TYPE.file.read_text(encoding="utf-8")
     assert old in text
     changed = folder / "changed.toml"
     changed.write_text(text.replace(old, new, 1), encoding="utf-8")
@@ -122,7 +122,7 @@ def test_an_unknown_robot_is_answered_with_those_that_there_are(command: str) ->
         2,
         "",
         (
-            f"firmware-bridge: r2d2: no such robot; there are: {', '.join(kinds.names())}"
+            f"firmware-bridge: r2d2: no such robot; there are: {', '.join(robot_types.names())}"
             " (a path to a .toml file works, too)\n"
         ),
     )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.servo.motor import SUPPLY_MV
-from emulators.single import Order, drives
+from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire, SerialWire, usb_line
 from emulators.world import World
 from firmware_bridge.drivers.commissioning.can_access import CanAccess
@@ -53,7 +53,7 @@ class Rig:
     """The drives are on from the start; a client comes, does its work, and goes."""
 
     def __init__(self, generation: Generation | None = None, supply_mv: int = SUPPLY_MV) -> None:
-        order = Order(
+        order = DrivesOrder(
             (NEAR, FAR),
             PROFILES["70/10"],
             1_000_000,

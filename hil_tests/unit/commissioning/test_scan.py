@@ -9,14 +9,14 @@ from firmware_bridge.drivers.commissioning.can_access import CanAccess
 from firmware_bridge.drivers.commissioning.client import Ask, JobClient, Script, need
 from firmware_bridge.drivers.commissioning.job import SilentError, WriteJob
 from firmware_bridge.drivers.commissioning.network_command import NetworkCommand
-from firmware_bridge.drivers.commissioning.scan import SERIAL_NUMBER, SOFTWARE, TIMEOUT, Found, Scan
+from firmware_bridge.drivers.commissioning.scan import SERIAL_NUMBER, SOFTWARE, TIMEOUT, Scan, ScannedNode
 from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire import canopen, sdo
 from firmware_bridge.wire.canopen import NmtCommand, NmtState
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.hardware import type_of
@@ -59,7 +59,7 @@ class ForeignNode:
         return Reaction()
 
 
-def scanned(rig: Rig, scan: Scan, link: CanAccess | SerialAccess) -> dict[int, Found]:
+def scanned(rig: Rig, scan: Scan, link: CanAccess | SerialAccess) -> dict[int, ScannedNode]:
     """Carry a scan out on whatever the link is on, in virtual time."""
     script: Script = scan.script()
     client = JobClient(link, script, scan.overhear)
@@ -75,7 +75,7 @@ def scanned(rig: Rig, scan: Scan, link: CanAccess | SerialAccess) -> dict[int, F
     return {found.node: found for found in scan.found}
 
 
-def on_the_bus(rig: Rig, nodes: range, listen: Nanoseconds = 0) -> tuple[Scan, dict[int, Found]]:
+def on_the_bus(rig: Rig, nodes: range, listen: Nanoseconds = 0) -> tuple[Scan, dict[int, ScannedNode]]:
     link = CanAccess(NEAR)
     link.requests_once(TIMEOUT)
     scan = Scan(link, nodes, listen)
@@ -100,7 +100,7 @@ def test_a_bus_is_requested_from_1_to_127_and_only_read() -> None:
         drive = found[node]
         assert (drive.maxon, drive.profile, drive.value(SOFTWARE)) == (True, 402, 0x2126)
         assert drive.value(SERIAL_NUMBER) == rig.value(node, SERIAL_NUMBER)
-        assert (drive.state, drive.network) == (State.SWITCH_ON_DISABLED, (NmtState.PRE_OPERATIONAL,))
+        assert (drive.state, drive.network) == (PowerState.SWITCH_ON_DISABLED, (NmtState.PRE_OPERATIONAL,))
 
 
 def test_a_foreign_node_is_distinguished_from_a_drive_and_not_requested_what_only_a_drive_knows() -> None:

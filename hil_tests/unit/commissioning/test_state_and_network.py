@@ -13,16 +13,16 @@ from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.canopen import NmtCommand, NmtState
-from firmware_bridge.wire.cia402 import Mode, State, state_of
+from firmware_bridge.wire.cia402 import Mode, PowerState, state_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon.frame import Generation
 from hil_tests.unit.commissioning.rig import FAR, NEAR, OWN_LINE, WAYS, Rig, Way, rig_for
 
 every_way = pytest.mark.parametrize("way", WAYS, ids=str)
-S = State
+S = PowerState
 W = Wanted
-TO: dict[State, tuple[int, ...]] = {
+TO: dict[PowerState, tuple[int, ...]] = {
     S.SWITCH_ON_DISABLED: (),
     S.READY_TO_SWITCH_ON: (0x0006,),
     S.SWITCHED_ON: (0x0006, 0x0007),
@@ -32,7 +32,7 @@ TO: dict[State, tuple[int, ...]] = {
 """Controlwords that bring a drive into a state."""
 
 
-def power(rig: Rig, node: int = NEAR) -> State | None:
+def power(rig: Rig, node: int = NEAR) -> PowerState | None:
     word = rig.value(node, at.STATUSWORD)
     assert isinstance(word, int)
     return state_of(word)
@@ -42,7 +42,7 @@ def written(address: Address, value: int, size: int) -> Script:
     return (Ask(WriteJob(address, value.to_bytes(size, "little", signed=value < 0)), need(lambda _raw: ())),)
 
 
-def brought(rig: Rig, state: State) -> Rig:
+def brought(rig: Rig, state: PowerState) -> Rig:
     for word in TO[state]:
         rig.does(CanAccess(NEAR), written(at.CONTROLWORD, word, 2))
         rig.waits(50 * MILLISECOND)
@@ -64,7 +64,7 @@ def brought(rig: Rig, state: State) -> Rig:
         *((begin, W.RESET_FAULT, begin) for begin in TO),
     ],
 )
-def test_every_command_from_every_state(begin: State, wanted: Wanted, end: State) -> None:
+def test_every_command_from_every_state(begin: PowerState, wanted: Wanted, end: PowerState) -> None:
     rig = brought(Rig(), begin)
     rig.does(CanAccess(NEAR), PowerCommand(wanted).script())
     assert power(rig) is end

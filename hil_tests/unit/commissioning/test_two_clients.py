@@ -10,7 +10,7 @@ from firmware_bridge.drivers.commissioning.reading import Reading
 from firmware_bridge.drivers.commissioning.serial_access import SerialAccess
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.cia402 import PowerState, state_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.maxon.frame import Generation
@@ -94,11 +94,11 @@ def test_both_may_read_by_segments_at_once(generation: Generation) -> None:
 def test_what_one_enables_the_other_stops(generation: Generation) -> None:
     rig = Rig(generation)
     for link, wanted, state in (
-        (CanAccess(NEAR), Wanted.ENABLE, State.OPERATION_ENABLED),
-        (SerialAccess(generation), Wanted.QUICK_STOP, State.QUICK_STOP_ACTIVE),
-        (CanAccess(NEAR), Wanted.DISABLE, State.SWITCH_ON_DISABLED),
-        (SerialAccess(generation), Wanted.ENABLE, State.OPERATION_ENABLED),
-        (CanAccess(NEAR), Wanted.QUICK_STOP, State.QUICK_STOP_ACTIVE),
+        (CanAccess(NEAR), Wanted.ENABLE, PowerState.OPERATION_ENABLED),
+        (SerialAccess(generation), Wanted.QUICK_STOP, PowerState.QUICK_STOP_ACTIVE),
+        (CanAccess(NEAR), Wanted.DISABLE, PowerState.SWITCH_ON_DISABLED),
+        (SerialAccess(generation), Wanted.ENABLE, PowerState.OPERATION_ENABLED),
+        (CanAccess(NEAR), Wanted.QUICK_STOP, PowerState.QUICK_STOP_ACTIVE),
     ):
         rig.does(link, PowerCommand(wanted).script())
         word = rig.value(NEAR, at.STATUSWORD)

@@ -10,11 +10,11 @@ from firmware_bridge.dissector import Carried, Dissector, kinds_of
 from firmware_bridge.dissector.boards import RosLine
 from firmware_bridge.dissector.dissector import KINDS
 from firmware_bridge.drivers.shield.fleet import over_protocol
-from firmware_bridge.kinds import find
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.settings.ar2 import Ar2Firmware
 from firmware_bridge.robot.settings.capture import CaptureDriver
 from firmware_bridge.robot.settings.shield import ShieldProtocol
+from firmware_bridge.robot_types import find
 from firmware_bridge.wire.arduino import ar2, arduinoio, firmata, motor_shield, mw
 from firmware_bridge.wire.arduino import mw_messages as messages
 from hil_tests.rows import every

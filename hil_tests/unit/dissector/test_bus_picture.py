@@ -8,7 +8,7 @@ import hypothesis.strategies as st
 import pytest
 from hypothesis import given
 
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.dissector.bus_picture import BusPicture
 from firmware_bridge.dissector.lately import Lately
 from firmware_bridge.dissector.robot_mapping import can_links, expected_on
@@ -109,7 +109,7 @@ def test_a_pdo_is_read_by_a_mapping_that_was_seen_and_else_shown_as_it_is() -> N
 
 
 def test_a_robot_file_names_the_drives_and_their_pdos_even_after_a_restart() -> None:
-    robot = kinds.find("rars")
+    robot = robot_types.find("rars")
     (link,) = can_links(robot)
     axis = robot.axes_on(link)[0]
     node = axis.epos2.node

@@ -8,7 +8,7 @@ from firmware_bridge.node import CAN, MAXON, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND, SECOND
-from firmware_bridge.wire.maxon.frame import Answered, Failure, Generation
+from firmware_bridge.wire.maxon.frame import Failure, Generation, MaxonAnswer
 from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject
 from firmware_bridge.wire.maxon.opcodes import encode_answer, row_of
 from firmware_bridge.wire.maxon.packets import command, outcome_packet
@@ -42,7 +42,7 @@ def test_a_serial_line_is_read_as_commands(exchange: Exchange, generation: Gener
 
 def test_an_objects_name_and_the_answer_to_it() -> None:
     dissector = Dissector()
-    answer = outcome_packet(0x10, Answered(encode_answer(READ, ObjectRead(0, b"\x37\x07\0\0"))))
+    answer = outcome_packet(0x10, MaxonAnswer(encode_answer(READ, ObjectRead(0, b"\x37\x07\0\0"))))
     texts = [
         dissector.read(carried(MAXON, "bridge", command(READ))),
         dissector.read(carried(MAXON, "drive", answer)),

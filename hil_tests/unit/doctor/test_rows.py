@@ -9,7 +9,7 @@ import serial
 
 from emulators.doctor.facts import CanInterface, Facts, Library, SerialPort, interfaces_of, version_of
 from emulators.doctor.gather import gather
-from emulators.doctor.rows import ROWS, Row, Verdict, lacks
+from emulators.doctor.rows import ROWS, Check, CheckResult, lacks
 from firmware_bridge.units import MICROSECOND, MILLISECOND
 from hil_tests.rows import every
 
@@ -40,9 +40,9 @@ WELL: Final = Facts(
     unwatched={},
 )
 """A machine that has everything."""
-OK, CAREFUL, MISSING = Verdict
+OK, CAREFUL, MISSING = CheckResult
 
-OUTCOMES: Final[list[tuple[str, dict[str, Any], Verdict, str, str]]] = [
+OUTCOMES: Final[list[tuple[str, dict[str, Any], CheckResult, str, str]]] = [
     ("Python", {}, OK, "3.12.1", ""),
     ("Python", {"python": (3, 11, 0)}, OK, "3.11.0", ""),
     ("Python", {"python": (3, 15, 0)}, CAREFUL, "3.15.0", "3.11 to 3.14"),
@@ -155,14 +155,14 @@ LISTING: Final = """[
 """As iproute2 prints it."""
 
 
-def row(title: str) -> Row:
+def row(title: str) -> Check:
     (found,) = [one for one in ROWS if one.title == title]
     return found
 
 
 @every(("title", "changes", "verdict", "found", "remedy"), OUTCOMES, ids=str)
 def test_a_row_states_what_was_found_and_how_to_repair_it(
-    title: str, changes: dict[str, Any], verdict: Verdict, found: str, remedy: str
+    title: str, changes: dict[str, Any], verdict: CheckResult, found: str, remedy: str
 ) -> None:
     stated = row(title).judge(replace(WELL, **changes))
     assert stated.verdict is verdict
@@ -174,7 +174,7 @@ def test_a_row_states_what_was_found_and_how_to_repair_it(
 
 def test_every_row_has_its_three_outcomes_in_the_table() -> None:
     shown = {(title, verdict) for title, _, verdict, _, _ in OUTCOMES}
-    assert shown == {(one.title, verdict) for one in ROWS for verdict in Verdict}
+    assert shown == {(one.title, verdict) for one in ROWS for verdict in CheckResult}
 
 
 @every(
@@ -226,4 +226,4 @@ def test_this_machine_is_looked_at_and_no_bus_or_port_is_touched(monkeypatch: py
         assert one.installed is not None
         assert one.installed >= one.least > ()
     assert {"rars", "single_axis"} <= set(facts.plants)
-    assert {one.judge(facts).verdict for one in ROWS} <= set(Verdict)
+    assert {one.judge(facts).verdict for one in ROWS} <= set(CheckResult)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.single import Order, drives
+from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire, SerialWire
 from emulators.world import Wire, World
 from firmware_bridge.drivers.driver import BRING_UP, Demand, Feedback, Level, Reading, Task
@@ -95,7 +95,7 @@ class Bench:
             and robot.epos2_link(axis.link).gateway == axis.epos2.node
         }
         nodes = [axis.epos2.node for axis in robot.axes]
-        order = Order(nodes, PROFILES["70/10"], 1_000_000, axes=names, serial=gateways)
+        order = DrivesOrder(nodes, PROFILES["70/10"], 1_000_000, axes=names, serial=gateways)
         made, bank = drives(order)
         self.drives: Final = made
         self.axes: Final = {axis.name: axis for axis in bank.axes}

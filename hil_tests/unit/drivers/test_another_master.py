@@ -8,8 +8,8 @@ from firmware_bridge.drivers.epos2.can.fleet import REMEMBERED, can_fleet
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.fleet import Fleet
 from firmware_bridge.drivers.fleets import fleets_of
-from firmware_bridge.kinds import find
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 LINK: Final = "drives"

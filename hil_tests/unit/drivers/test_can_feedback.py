@@ -10,7 +10,7 @@ from firmware_bridge.drivers.driver import Power
 from firmware_bridge.drivers.epos2.can.feedback import CanFeedback
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from hil_tests.unit.drivers.robots import RARS, with_axis
 
 AXIS = RARS.axis("right_wheel")
@@ -33,14 +33,14 @@ def sample(position: int, statusword: int = 0x0737, current: int = 0) -> bytes:
     ("payload", "state"),
     [
         # Recorded enable sequence of a maxon drive, node 2 (github.com/machinekit/machinekit, issue 589).
-        ("40 07", State.SWITCH_ON_DISABLED),
-        ("21 07", State.READY_TO_SWITCH_ON),
-        ("23 07", State.SWITCHED_ON),
-        ("37 07", State.OPERATION_ENABLED),
+        ("40 07", PowerState.SWITCH_ON_DISABLED),
+        ("21 07", PowerState.READY_TO_SWITCH_ON),
+        ("23 07", PowerState.SWITCHED_ON),
+        ("37 07", PowerState.OPERATION_ENABLED),
         ("08 02", None),
     ],
 )
-def test_recorded_statuswords(feedback: CanFeedback, payload: str, state: State | None) -> None:
+def test_recorded_statuswords(feedback: CanFeedback, payload: str, state: PowerState | None) -> None:
     feedback.receive(0x182, bytes.fromhex(payload), 5)
     assert feedback.state is state
     assert feedback.operational
@@ -178,16 +178,16 @@ def test_no_way_is_lost_while_a_step_is_below_half_the_counter(steps: list[int],
     assert feedback.position_qc == start + sum(steps)
 
 
-@pytest.mark.parametrize("state", [None, *State], ids=str)
-def test_every_state_is_one_of_five_powers(feedback: CanFeedback, state: State | None) -> None:
+@pytest.mark.parametrize("state", [None, *PowerState], ids=str)
+def test_every_state_is_one_of_five_powers(feedback: CanFeedback, state: PowerState | None) -> None:
     feedback.state = state
     powers = {
         None: Power.UNKNOWN,
-        State.OPERATION_ENABLED: Power.ON,
-        State.QUICK_STOP_ACTIVE: Power.STOPPED,
-        State.FAULT: Power.FAULT,
-        State.FAULT_REACTION_ENABLED: Power.FAULT,
-        State.FAULT_REACTION_DISABLED: Power.FAULT,
+        PowerState.OPERATION_ENABLED: Power.ON,
+        PowerState.QUICK_STOP_ACTIVE: Power.STOPPED,
+        PowerState.FAULT: Power.FAULT,
+        PowerState.FAULT_REACTION_ENABLED: Power.FAULT,
+        PowerState.FAULT_REACTION_DISABLED: Power.FAULT,
     }
     public = feedback.published()
     assert public.power is powers.get(state, Power.OFF)
@@ -217,9 +217,9 @@ def test_before_a_drive_has_sent_anything_nothing_is_known() -> None:
 def test_bit_15_reports_that_the_zero_holds_until_it_was_gone_once(feedback: CanFeedback) -> None:
     for word, lost in (("37 87", False), ("37 07", True), ("37 87", True)):
         feedback.receive(0x182, bytes.fromhex(word), 5)
-        assert feedback.published().zero_lost is lost
+        assert feedback.published().reference_lost is lost
     feedback.zero_set(0)
-    assert not feedback.published().zero_lost
+    assert not feedback.published().reference_lost
 
 
 def test_a_boot_up_loses_the_zero_whatever_bit_15_states_then(feedback: CanFeedback) -> None:
@@ -227,7 +227,7 @@ def test_a_boot_up_loses_the_zero_whatever_bit_15_states_then(feedback: CanFeedb
     feedback.receive(0x702, b"\0", 6)
     feedback.expected = True
     feedback.receive(0x182, bytes.fromhex("37 87"), 7)
-    assert feedback.published().zero_lost
+    assert feedback.published().reference_lost
 
 
 def test_while_the_counter_is_set_no_way_is_a_motion(feedback: CanFeedback) -> None:

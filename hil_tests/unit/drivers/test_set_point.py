@@ -11,14 +11,14 @@ from firmware_bridge.drivers.epos2.feedback import DriveFeedback
 from firmware_bridge.drivers.epos2.scale import Scale, highest_rpm
 from firmware_bridge.drivers.epos2.set_point import PositionSetPoint, VelocitySetPoint
 from firmware_bridge.robot import Axis
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from hil_tests.rows import every
 from hil_tests.unit.drivers.robots import LINK, RARS, with_axis
 
 LEFT = RARS.axis("left_wheel")
 SCALE = Scale.of(RARS.axis("steering"))
 STEER = with_axis(RARS.axis("steering"), travel=(SCALE.position(-1000), SCALE.position(1000)))
-NOT_ENABLED = [None, *(state for state in State if state is not State.OPERATION_ENABLED)]
+NOT_ENABLED = [None, *(state for state in PowerState if state is not PowerState.OPERATION_ENABLED)]
 
 
 def to(quadcounts: float) -> Position:
@@ -29,17 +29,19 @@ def to(quadcounts: float) -> Position:
 DEMANDS: list[Demand] = [Speed(1.0), to(500), *Stop]
 
 
-def feedback(axis: Axis, state: State | None = State.OPERATION_ENABLED, position: int = 0) -> DriveFeedback:
+def feedback(
+    axis: Axis, state: PowerState | None = PowerState.OPERATION_ENABLED, position: int = 0
+) -> DriveFeedback:
     made = DriveFeedback(axis)
     made.state, made.position_qc = state, position
     return made
 
 
-def wheel(state: State | None = State.OPERATION_ENABLED) -> VelocitySetPoint:
+def wheel(state: PowerState | None = PowerState.OPERATION_ENABLED) -> VelocitySetPoint:
     return VelocitySetPoint(LEFT, feedback(LEFT, state))
 
 
-def steering(state: State | None = State.OPERATION_ENABLED, position: int = 0) -> PositionSetPoint:
+def steering(state: PowerState | None = PowerState.OPERATION_ENABLED, position: int = 0) -> PositionSetPoint:
     return PositionSetPoint(STEER, feedback(STEER, state, position))
 
 
@@ -72,7 +74,9 @@ def test_a_reversed_axis_turns_the_other_way() -> None:
 
 @every("state", NOT_ENABLED, ids=str)
 @every("demand", [Speed(3.0), to(500), Stop.REST, Stop.QUICK_STOP], ids=str)
-def test_a_drive_that_is_not_enabled_receives_quick_stop_only(state: State | None, demand: Demand) -> None:
+def test_a_drive_that_is_not_enabled_receives_quick_stop_only(
+    state: PowerState | None, demand: Demand
+) -> None:
     assert wheel(state).demand(demand).payload.hex(" ") == "0b 00 00 00 00 00"
     assert steering(state).demand(demand).payload.hex(" ") == "0b 00 00 00 00 00"
 
@@ -119,12 +123,12 @@ def test_after_a_rest_the_same_position_is_new() -> None:
 
 
 def test_words_on_the_way_to_power_carry_the_actual_position() -> None:
-    axis = steering(State.SWITCHED_ON, position=-321)
+    axis = steering(PowerState.SWITCHED_ON, position=-321)
     assert axis.word(0x000F).payload.hex(" ") == "0f 00 bf fe ff ff"
 
 
 @pytest.mark.parametrize("state", NOT_ENABLED, ids=str)
-def test_the_release_never_puts_power_on_again(state: State | None) -> None:
+def test_the_release_never_puts_power_on_again(state: PowerState | None) -> None:
     known = feedback(STEER)
     axis = PositionSetPoint(STEER, known)
     axis.demand(to(500))
@@ -137,9 +141,9 @@ def test_the_release_never_puts_power_on_again(state: State | None) -> None:
 
 @given(
     st.lists(st.one_of(st.sampled_from(DEMANDS), st.builds(Position, st.floats()), st.none())),
-    st.sampled_from([None, *State]),
+    st.sampled_from([None, *PowerState]),
 )
-def test_a_target_never_leaves_the_travel(script: list[Demand | None], state: State | None) -> None:
+def test_a_target_never_leaves_the_travel(script: list[Demand | None], state: PowerState | None) -> None:
     axis = steering(state, position=2**31 - 1)
     for demand in script:
         packet = axis.release() if demand is None else axis.demand(demand)

@@ -4,7 +4,7 @@ import pytest
 
 from firmware_bridge.drivers.epos2 import setup
 from firmware_bridge.drivers.epos2.process_data import pdos
-from firmware_bridge.robot import Axis, Command, Output
+from firmware_bridge.robot import Axis, CommandForm, Output
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.functions import OUTPUT_MASK, OUTPUT_PINS, OUTPUT_POLARITY, OUTPUT_STATE
@@ -19,7 +19,7 @@ SAFETY = (
 )  # fmt: skip
 
 
-def rows(axis: Axis) -> tuple[setup.Row, ...]:
+def rows(axis: Axis) -> tuple[setup.SetupObject, ...]:
     return setup.configuration(axis if axis.travel else with_axis(axis, travel=(-9.0, 9.0)), TABLE)
 
 
@@ -59,7 +59,7 @@ def test_a_mapping_is_written_while_its_pdo_is_off_and_empty(axis: Axis) -> None
 @AXES
 def test_one_set_point_one_status_and_one_sample_are_on(axis: Axis) -> None:
     on = {pdo.cob_id: (pdo.layout.size, pdo.transmission) for pdo in pdos(axis.command) if pdo.layout}
-    set_point = 0x500 if axis.command is Command.SPEED else 0x400
+    set_point = 0x500 if axis.command is CommandForm.SPEED else 0x400
     assert on == {set_point: (6, 255), 0x180: (2, 255), 0x280: (8, 1)}
 
 

@@ -23,14 +23,19 @@ from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.can import ERROR, EXTENDED, REMOTE
 from firmware_bridge.wire.can_error import BUS_OFF, CONTROLLER
 from firmware_bridge.wire.canopen import NmtState
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2.objects import OBJECTS
 from hil_tests.unit.epos2.watched_winding import WatchedWinding
 
 NODE: Final = 5
 SPEAKING: Final = frozenset({NmtState.PRE_OPERATIONAL, NmtState.OPERATIONAL})
 DRIVEN: Final = frozenset(
-    {State.MEASURE_INIT, State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ENABLED}
+    {
+        PowerState.MEASURE_INIT,
+        PowerState.OPERATION_ENABLED,
+        PowerState.QUICK_STOP_ACTIVE,
+        PowerState.FAULT_REACTION_ENABLED,
+    }
 )
 KNOWN_ABORTS: Final = frozenset(map(int, AbortCode))
 ROWS: Final = tuple(OBJECTS.values())
@@ -111,7 +116,7 @@ class ForeignNode:
             self.aborts.add(response.code)
         if isinstance(request, sdo.UploadRequest | sdo.DownloadRequest):
             row = OBJECTS.get(request.address)
-            assert not isinstance(response, sdo.Unknown | sdo.Segment | sdo.SegmentAccepted)
+            assert not isinstance(response, sdo.Unknown | sdo.SdoSegment | sdo.SegmentAccepted)
             assert response.address == request.address
             reading = isinstance(request, sdo.UploadRequest)
             if row is None or not (row.access.readable if reading else row.access.writable):
@@ -130,10 +135,10 @@ class ForeignNode:
         if axis.powered:
             self.powered_frames += 1
             assert motion.state in DRIVEN, f"the winding is driven in {motion.state.name}"
-            assert motion.state is not State.MEASURE_INIT or axis.current_demand_ma == 0
+            assert motion.state is not PowerState.MEASURE_INIT or axis.current_demand_ma == 0
         else:
             assert axis.current_demand_ma == 0
-            assert motion.state not in (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE)
+            assert motion.state not in (PowerState.OPERATION_ENABLED, PowerState.QUICK_STOP_ACTIVE)
         return reaction
 
 

@@ -17,7 +17,7 @@ from emulators.world import World
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
-from firmware_bridge.wire.maxon.frame import Answered, Failure, Generation, Outcome
+from firmware_bridge.wire.maxon.frame import Failure, Generation, MaxonAnswer, Outcome
 from firmware_bridge.wire.maxon.lines import host_end
 from firmware_bridge.wire.maxon.messages import Answer, Request
 from firmware_bridge.wire.maxon.opcodes import decode_answer, encode_request, row_of
@@ -145,7 +145,7 @@ class SerialDesk:
     def requests(self, request: Request) -> Answer | None:
         """Ask, and return the answer; None where the protocol has none."""
         outcome = self.tries(request)
-        assert isinstance(outcome, Answered), outcome
+        assert isinstance(outcome, MaxonAnswer), outcome
         return decode_answer(request, outcome.body) if outcome.body else None
 
 

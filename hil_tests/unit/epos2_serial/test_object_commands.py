@@ -7,7 +7,7 @@ from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.canopen import NmtState
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.maxon.frame import Answered, Generation
+from firmware_bridge.wire.maxon.frame import Generation, MaxonAnswer
 from firmware_bridge.wire.maxon.messages import (
     Done,
     InitiateSegmentedRead,
@@ -77,7 +77,7 @@ def test_a_refusal_is_the_same_on_the_line_and_through_the_gateway(
     else:
         assert reported == code
     wanted = 8 if isinstance(request_, ReadObject) else 4
-    assert isinstance(desk.host.outcome, Answered)
+    assert isinstance(desk.host.outcome, MaxonAnswer)
     assert len(desk.host.outcome.body) == wanted
     assert not any(desk.host.outcome.body[4:])
 

@@ -14,10 +14,10 @@ from emulators.bench.columns import Floats
 from emulators.bench.faults import KINDS
 from emulators.bench.faults.failures import failures_of
 from emulators.bench.faults.severe import SEVERE
-from emulators.bench.log import Entry, Kind
-from emulators.bench.records import HoldRecord
+from emulators.bench.log import LogEntry, Subject
+from emulators.bench.records import InterlockEvent
 from emulators.fmea import matrix as matrices
-from emulators.fmea.effect import ASIDE, LATE_MS, WATCHED_S, Course, Verdict, effect
+from emulators.fmea.effect import ASIDE, LATE_MS, WATCHED_S, Assessment, Course, effect
 from emulators.fmea.matrix import all_failures, matrix, of_state, state_names
 from emulators.fmea.reasons import REASONS
 from emulators.fmea.report import COLUMNS, as_csv, as_page, wrongs
@@ -25,7 +25,7 @@ from emulators.fmea.states import states_of
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.cli import main
 from firmware_bridge.drivers.shield.fleet import over_protocol
-from firmware_bridge.kinds import find, names
+from firmware_bridge.robot_types import find, names
 from firmware_bridge.units import MILLISECOND
 
 ROWS = int(WATCHED_S * 100)
@@ -58,7 +58,7 @@ def test_a_robot_is_tried_in_each_thing_that_it_can_do(name: str) -> None:
     reported = state_names(find(name))
     assert reported[:2] == ("disarmed", "at rest")
     assert reported[-2:] == ("stopping", "emergency stop")
-    for channel in rig.rehearsal.channels:
+    for channel in rig.bench_setup.channels:
         assert f"{channel.name} 50%" in reported
     rig.finish()
 
@@ -86,8 +86,10 @@ def test_in_a_state_the_robot_does_what_it_states() -> None:
 
 def course(x: Floats, held_ms: float | None = None, reported_ms: float | None = None) -> Course:
     """Return a course along one place, and what was noticed."""
-    holds = () if held_ms is None else (HoldRecord("a row", "", int(held_ms * MILLISECOND)),)
-    texts = () if reported_ms is None else (Entry(int(reported_ms * MILLISECOND), Kind.REPORTED, "words"),)
+    holds = () if held_ms is None else (InterlockEvent("a row", "", int(held_ms * MILLISECOND)),)
+    texts = (
+        () if reported_ms is None else (LogEntry(int(reported_ms * MILLISECOND), Subject.REPORTED, "words"),)
+    )
     return Course({"x_m": x}, {"x_m": "m"}, holds, texts, 0)
 
 
@@ -102,20 +104,20 @@ ASIDE_AT_MS = 1e3 * ASIDE["m"] / (0.3 - 0.05 * 0.3)
 @pytest.mark.parametrize(
     ("ill", "verdict"),
     [
-        (course(GOES), Verdict.TOLERATED),
-        (course(GOES, held_ms=100.0), Verdict.NOTICED),
-        (course(GOES, held_ms=200.0, reported_ms=100.0), Verdict.NOTICED),
-        (course(GOES, reported_ms=100.0), Verdict.REPORTED),
-        (course(RUNS_ON), Verdict.MISSED),
-        (course(RUNS_ON, held_ms=ASIDE_AT_MS + LATE_MS - 20.0), Verdict.NOTICED),
-        (course(RUNS_ON, held_ms=ASIDE_AT_MS + LATE_MS + 20.0), Verdict.LATE),
-        (course(RUNS_ON, reported_ms=ASIDE_AT_MS + LATE_MS + 20.0), Verdict.LATE),
-        (course(STANDS), Verdict.STANDS),
-        (course(STANDS, held_ms=2000.0), Verdict.NOTICED),
-        (course(GOES + 0.5 * ASIDE["m"]), Verdict.TOLERATED),
+        (course(GOES), Assessment.TOLERATED),
+        (course(GOES, held_ms=100.0), Assessment.NOTICED),
+        (course(GOES, held_ms=200.0, reported_ms=100.0), Assessment.NOTICED),
+        (course(GOES, reported_ms=100.0), Assessment.REPORTED),
+        (course(RUNS_ON), Assessment.MISSED),
+        (course(RUNS_ON, held_ms=ASIDE_AT_MS + LATE_MS - 20.0), Assessment.NOTICED),
+        (course(RUNS_ON, held_ms=ASIDE_AT_MS + LATE_MS + 20.0), Assessment.LATE),
+        (course(RUNS_ON, reported_ms=ASIDE_AT_MS + LATE_MS + 20.0), Assessment.LATE),
+        (course(STANDS), Assessment.STANDS),
+        (course(STANDS, held_ms=2000.0), Assessment.NOTICED),
+        (course(GOES + 0.5 * ASIDE["m"]), Assessment.TOLERATED),
     ],
 )
-def test_what_is_stated_of_a_cell(ill: Course, verdict: Verdict) -> None:
+def test_what_is_stated_of_a_cell(ill: Course, verdict: Assessment) -> None:
     found = effect(course(GOES), ill)
     assert found.verdict is verdict
     assert (found.stands_after_ms is not None) == (ill.places["x_m"] is STANDS)
@@ -125,13 +127,15 @@ def test_what_is_stated_of_a_cell(ill: Course, verdict: Verdict) -> None:
 def test_who_never_stands_is_not_noticed_whatever_was_reported() -> None:
     """The same robot stands without the failure: the operator lets go."""
     stands = course(STANDS)
-    assert effect(stands, course(RUNS_ON, held_ms=100.0, reported_ms=50.0)).verdict is Verdict.MISSED
+    assert effect(stands, course(RUNS_ON, held_ms=100.0, reported_ms=50.0)).verdict is Assessment.MISSED
     assert effect(stands, course(RUNS_ON, held_ms=100.0)).stands_after_ms is None
-    assert effect(course(GOES), course(GOES, held_ms=100.0)).verdict is Verdict.NOTICED
+    assert effect(course(GOES), course(GOES, held_ms=100.0)).verdict is Assessment.NOTICED
 
 
-@pytest.mark.parametrize(("ends_ms", "verdict"), [(2_000.0, Verdict.NOTICED), (1_900.0, Verdict.TOLERATED)])
-def test_a_notice_that_comes_of_the_failures_own_end_is_none(ends_ms: float, verdict: Verdict) -> None:
+@pytest.mark.parametrize(
+    ("ends_ms", "verdict"), [(2_000.0, Assessment.NOTICED), (1_900.0, Assessment.TOLERATED)]
+)
+def test_a_notice_that_comes_of_the_failures_own_end_is_none(ends_ms: float, verdict: Assessment) -> None:
     ill = replace(course(GOES, held_ms=1_950.0, reported_ms=1_960.0), ends=int(ends_ms * MILLISECOND))
     assert effect(course(GOES), ill).verdict is verdict
 
@@ -139,7 +143,7 @@ def test_a_notice_that_comes_of_the_failures_own_end_is_none(ends_ms: float, ver
 def test_the_first_of_words_and_holds_states_whether_it_was_late() -> None:
     reported = course(RUNS_ON, held_ms=ASIDE_AT_MS + LATE_MS + 500.0, reported_ms=100.0)
     found = effect(course(GOES), reported)
-    assert (found.verdict, found.noticed_by) == (Verdict.NOTICED, "a row")
+    assert (found.verdict, found.noticed_by) == (Assessment.NOTICED, "a row")
 
 
 @pytest.mark.parametrize(
@@ -151,7 +155,7 @@ def test_a_bridge_that_is_killed_is_excused_only_where_the_devices_stop_by_thems
     made = partial(over_protocol, find("rome"), protocol, 3)
     cells = of_state(made, all_failures(made(), ["bridge_ends"]), "speed 50%")
     killed = next(cell for cell in cells if "killed" in cell.failure.title)
-    assert killed.effect.verdict is Verdict.MISSED
+    assert killed.effect.verdict is Assessment.MISSED
     assert killed.wrong is runs_on
     assert (killed.effect.stands_after_ms is None) is runs_on
     assert bool(killed.why) is not runs_on
@@ -161,14 +165,14 @@ def test_a_bridge_that_is_killed_is_excused_only_where_the_devices_stop_by_thems
 
 def test_what_holds_without_the_failure_has_not_noticed_it() -> None:
     held = course(GOES, held_ms=100.0, reported_ms=50.0)
-    assert effect(held, held).verdict is Verdict.TOLERATED
+    assert effect(held, held).verdict is Assessment.TOLERATED
 
 
 def test_an_encoder_that_freezes_while_the_robot_is_stopped_does_not_run_away_unseen() -> None:
     made = partial(find, "rars")
     cells = of_state(made, all_failures(made(), ["encoder_frozen"]), "stopping")
     left = next(cell for cell in cells if cell.failure.place == "left")
-    assert left.effect.verdict is Verdict.NOTICED
+    assert left.effect.verdict is Assessment.NOTICED
     assert left.effect.noticed_by == "position not changing: left"
     assert left.effect.after_ms is not None
     assert left.effect.after_ms < LATE_MS

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis
+from firmware_bridge.robot_types import find
 
 ROBOT = find("rars")
 BASE = ROBOT.geometry.base

@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_bridge.drivers.driver import Feedback
-from firmware_bridge.kinds import find
 from firmware_bridge.motion import davis
 from firmware_bridge.motion.odometry import moved
 from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars.body import Rars
 
 ROBOT = find("rars")

@@ -8,7 +8,7 @@ import pytest
 from firmware_bridge.motion.chain import Matrix
 from firmware_bridge.motion.orbit import (
     THESIS,
-    State,
+    OrbitState,
     between,
     functions,
     period,
@@ -32,7 +32,7 @@ ORBITS = {
 }
 
 
-def integrated(begin: State, time: float, steps: int) -> Matrix:
+def integrated(begin: OrbitState, time: float, steps: int) -> Matrix:
     """Return the state after a time by Runge and Kutta's steps, in plain numbers."""
 
     def slope(y: tuple[float, ...]) -> tuple[float, ...]:
@@ -196,7 +196,7 @@ def test_small_distances_move_as_the_linear_law_states_and_the_error_is_of_secon
     n = math.tau / period(chief)
     errors = []
     for size in (1e-3, 5e-4):
-        seen = State(size * np.array((1.0, -0.5, 0.8)), size * n * np.array((0.3, -0.4, 0.5)))
+        seen = OrbitState(size * np.array((1.0, -0.5, 0.8)), size * n * np.array((0.3, -0.4, 0.5)))
         deputy = absolute(chief, seen)
         assert relative(chief, deputy).place == pytest.approx(seen.place, abs=1e-15)
         assert relative(chief, deputy).speed == pytest.approx(seen.speed, abs=1e-15)

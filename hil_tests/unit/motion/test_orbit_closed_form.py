@@ -13,7 +13,7 @@ import pytest
 
 from firmware_bridge.motion import orbit
 from firmware_bridge.motion.chain import Matrix
-from firmware_bridge.motion.orbit import THESIS, State, period, propagated, state
+from firmware_bridge.motion.orbit import THESIS, OrbitState, period, propagated, state
 from firmware_bridge.motion.orbit_elements import Elements, elements, state_of
 from hil_tests.rows import every
 
@@ -22,7 +22,7 @@ UNITS = ((1.0, 2.0), (1.0, 0.005), (MU_EARTH, 7000.0))
 """The centre's mu, and a size of orbits in the same units."""
 
 
-def on_ellipse(mu: float, axis: float, e: float, anomaly: float) -> tuple[State, float]:
+def on_ellipse(mu: float, axis: float, e: float, anomaly: float) -> tuple[OrbitState, float]:
     """Return the state at an eccentric anomaly, and the time since the periapsis."""
     sine, cosine = math.sin(anomaly), math.cos(anomaly)
     rate = math.sqrt(mu / axis**3) / (1.0 - e * cosine)
@@ -31,7 +31,7 @@ def on_ellipse(mu: float, axis: float, e: float, anomaly: float) -> tuple[State,
     return found, math.sqrt(axis**3 / mu) * (anomaly - e * sine)
 
 
-def on_hyperbola(mu: float, axis: float, e: float, anomaly: float) -> tuple[State, float]:
+def on_hyperbola(mu: float, axis: float, e: float, anomaly: float) -> tuple[OrbitState, float]:
     """Return the same at a hyperbolic anomaly; `axis` is positive."""
     sine, cosine = math.sinh(anomaly), math.cosh(anomaly)
     rate = math.sqrt(mu / axis**3) / (e * cosine - 1.0)
@@ -40,7 +40,7 @@ def on_hyperbola(mu: float, axis: float, e: float, anomaly: float) -> tuple[Stat
     return found, math.sqrt(axis**3 / mu) * (e * sine - anomaly)
 
 
-def on_parabola(mu: float, periapsis: float, half: float) -> tuple[State, float]:
+def on_parabola(mu: float, periapsis: float, half: float) -> tuple[OrbitState, float]:
     """Return the same at the tangent of half the true anomaly."""
     rate = math.sqrt(mu / (2.0 * periapsis**3)) / (1.0 + half**2)
     found = state(
@@ -55,7 +55,7 @@ def assert_near(found: Matrix, expected: Matrix, size: float) -> None:
     assert error < 1e-8 * max(size, float(np.linalg.norm(expected)))
 
 
-def assert_leads(ends: Iterable[tuple[State, float]], mu: float, size: float) -> None:
+def assert_leads(ends: Iterable[tuple[OrbitState, float]], mu: float, size: float) -> None:
     """Check propagation from one state and its time to another."""
     begin, end = ends
     found = propagated(begin[0], end[1] - begin[1], mu)

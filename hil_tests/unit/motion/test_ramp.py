@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from firmware_bridge.kinds import find
 from firmware_bridge.motion.ramp import BRAKING_SHARE, MARGIN, Ramp
+from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars.body import ramp_of
 from firmware_bridge.units import MILLISECOND
 

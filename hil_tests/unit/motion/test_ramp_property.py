@@ -5,7 +5,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.kinds import find
+from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars.body import ramp_of
 from firmware_bridge.units import MILLISECOND, to_seconds
 

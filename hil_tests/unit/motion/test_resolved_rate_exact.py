@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from firmware_bridge.motion.chain import Chain, Link, Matrix
+from firmware_bridge.motion.chain import Chain, ChainLink, Matrix
 from firmware_bridge.motion.resolved_rate import Damping, pose_law, resolved, slowed
 from hil_tests.rows import every
 
@@ -21,7 +21,7 @@ BEND = 0.5
 
 def planar(below: float = 2.0, above: float = 2.0, at: float = 0.0) -> Chain:
     """Return the arm; the second joint has this much room about an angle, the first 2 rad about 0."""
-    link = Link(0.0, 1.0, 0.0)
+    link = ChainLink(0.0, 1.0, 0.0)
     return Chain((link, link), (-2.0, at - below), (2.0, at + above))
 
 

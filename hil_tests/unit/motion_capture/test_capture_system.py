@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from emulators.motion_capture.bodies import Body, Circling, Standing
+from emulators.motion_capture.bodies import Circling, Standing, TrackedBody
 from emulators.motion_capture.exposure import Cameras, Hidden, Lost, Swapped, Up
 from emulators.motion_capture.server import PATIENCE
 from emulators.motion_capture.system import COMMAND, DATA, MotionCapture, Timing
@@ -49,7 +49,7 @@ def watched(
     cameras: Cameras = EXACT, seed: int = 1, timing: Timing | None = None, version: Version = V3_1
 ) -> tuple[World, MotionCapture, Listener]:
     world, wire = World(), DatagramWire(name="capture")
-    bodies = [Body(7, "robot", ROUND), Body(8, "box", Standing())]
+    bodies = [TrackedBody(7, "robot", ROUND), TrackedBody(8, "box", Standing())]
     system = MotionCapture(
         bodies,
         np.random.default_rng(seed),
@@ -189,7 +189,7 @@ def test_it_serves_in_its_version(version: Version) -> None:
     ],
 )
 def test_a_client_may_choose_from_4_0_on(server: Version, wants: messages.Bytes4, spoken: Version) -> None:
-    system = MotionCapture([Body(1, "a", Standing())], np.random.default_rng(0), version=server)
+    system = MotionCapture([TrackedBody(1, "a", Standing())], np.random.default_rng(0), version=server)
     connect = messages.connect_payload(Connect("c", (1, 0, 0, 0), (4, 4, 0, 0), wants))
     answer = requested(system, MessageId.CONNECT, connect)
     assert answer is not None
@@ -210,13 +210,13 @@ def test_a_client_may_choose_from_4_0_on(server: Version, wants: messages.Bytes4
     ],
 )
 def test_commands_are_answered_by_rows(command: str, answer: tuple[MessageId, bytes]) -> None:
-    system = MotionCapture([Body(1, "a", Standing())], np.random.default_rng(0), version=Version(4, 1))
+    system = MotionCapture([TrackedBody(1, "a", Standing())], np.random.default_rng(0), version=Version(4, 1))
     requested(system, MessageId.CONNECT)
     assert requested(system, MessageId.REQUEST, messages.text_payload(command)) == answer
 
 
 def test_the_clock_is_reported_and_a_client_that_falls_silent_is_dropped() -> None:
-    system = MotionCapture([Body(1, "a", Standing())], np.random.default_rng(0))
+    system = MotionCapture([TrackedBody(1, "a", Standing())], np.random.default_rng(0))
     requested(system, MessageId.CONNECT)
     echo = requested(system, MessageId.ECHOREQUEST, messages.echo_request(99), 2 * SECOND)
     assert echo is not None
@@ -232,7 +232,7 @@ def test_the_clock_is_reported_and_a_client_that_falls_silent_is_dropped() -> No
 
 
 def test_garbage_is_answered_and_no_one_is_served_for_it() -> None:
-    system = MotionCapture([Body(1, "a", Standing())], np.random.default_rng(0))
+    system = MotionCapture([TrackedBody(1, "a", Standing())], np.random.default_rng(0))
     for noise in (b"", b"\0", b"\xff\xff\0\0", b"\0\0\xff\xff", packet(MessageId.ECHOREQUEST)):
         sent = system.receive(Packet(COMMAND, CLIENT, noise), 0).sent
         assert [split(it.payload)[0] for it in sent] == [MessageId.UNRECOGNIZED_REQUEST]

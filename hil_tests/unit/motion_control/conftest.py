@@ -13,7 +13,7 @@ from emulators.servo.bank import ServoBank
 from emulators.servo.motor import DcMotor, DcMotors
 from emulators.servo.winding import DIODES_MV
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
@@ -103,10 +103,10 @@ class Drive:
         return self.read(at.STATUSWORD)
 
     @property
-    def state(self) -> State:
+    def state(self) -> PowerState:
         return self.control.state
 
-    def stands_in(self, state: State) -> bool:
+    def stands_in(self, state: PowerState) -> bool:
         return self.control.state is state
 
     @property

@@ -8,7 +8,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, ru
 
 from emulators.epos2.modes.homing_methods import METHODS
 from firmware_bridge.wire.abort import SdoAbort
-from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.cia402 import PowerState, state_of
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import (
     INPUT_EXECUTION,
@@ -22,10 +22,10 @@ from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import Drive, make_drive
 
 POWERED = {
-    State.MEASURE_INIT,
-    State.OPERATION_ENABLED,
-    State.QUICK_STOP_ACTIVE,
-    State.FAULT_REACTION_ENABLED,
+    PowerState.MEASURE_INIT,
+    PowerState.OPERATION_ENABLED,
+    PowerState.QUICK_STOP_ACTIVE,
+    PowerState.FAULT_REACTION_ENABLED,
 }
 WRITABLE = sorted(
     (

@@ -8,7 +8,7 @@ import pytest
 from emulators.epos2.control.power_states import BRUSHED_DC
 from emulators.epos2.modes.interpolation_buffer import BUFFER_CLEAR
 from emulators.epos2.objects.device_profile import BUFFER_SIZE
-from firmware_bridge.wire.cia402 import Mode, State
+from firmware_bridge.wire.cia402 import Mode, PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.rows import every
 from hil_tests.unit.motion_control.conftest import ENABLE, SHUTDOWN, SWITCH_ON, Drive, make_drive
@@ -31,7 +31,7 @@ def enabling(motor: int, mode: int, wait_ms: float) -> Drive:
         drive.write(BUFFER_CLEAR, 1)
         feed(drive, (0, 0, 50), (400, 0, 0))
     drive.command(ENABLE)
-    assert drive.stands_in(State.OPERATION_ENABLED) == (motor == BRUSHED_DC)
+    assert drive.stands_in(PowerState.OPERATION_ENABLED) == (motor == BRUSHED_DC)
     drive.run(wait_ms)
     return drive
 
@@ -85,7 +85,7 @@ def test_the_bit_in_the_word_that_enables_starts_nothing() -> None:
     for word in (SHUTDOWN, SWITCH_ON, START):
         drive.carries((at.CONTROLWORD, word))
     drive.run(300)
-    assert drive.stands_in(State.OPERATION_ENABLED)
+    assert drive.stands_in(PowerState.OPERATION_ENABLED)
     assert drive.read(at.POSITION_DEMAND) == 0
 
 
@@ -94,5 +94,5 @@ def test_a_stop_while_it_enables_wins_over_the_set_point_before_it() -> None:
     drive.write(at.TARGET_POSITION, 3000)
     drive.command(START, 0x0002)
     drive.run(300)
-    assert not drive.stands_in(State.OPERATION_ENABLED)
+    assert not drive.stands_in(PowerState.OPERATION_ENABLED)
     assert drive.read(at.POSITION_ACTUAL) == pytest.approx(0, abs=2)

@@ -7,9 +7,9 @@ import pytest
 from emulators.epos2.io.data_recorder import RECORDABLE
 from emulators.epos2.objects.axis_parameters import ACTUAL_VALUES
 from emulators.rewind import Rewind
-from emulators.servo.record import Record
+from emulators.servo.record import ServoRecord
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 
@@ -134,7 +134,7 @@ def test_what_led_to_an_error_is_there_to_be_read(drive: "Drive") -> None:
     drive.run(400)
     drive.axis.supply_mv = 5_000
     drive.run(5)
-    assert drive.stands_in(State.FAULT)
+    assert drive.stands_in(PowerState.FAULT)
     assert drive.read(STATUS) == TRIGGERED
     speed, _ = vectors(drive, (4, 2))
     assert len(speed) == 170
@@ -159,7 +159,7 @@ def test_every_value_is_made_from_the_fields_that_the_table_names(drive: "Drive"
     drive.command(0x1F)
     drive.run(50)
     for address, fields in RECORDABLE.items():
-        shadow = Record()
+        shadow = ServoRecord()
         for field in (*fields, "resolution", "fraction"):
             setattr(shadow, field, getattr(drive.axis, field))
         assert values[address](shadow) == drive.read(address), address

@@ -6,7 +6,7 @@ import pytest
 
 from emulators.epos2.control import value_ranges
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import (
     INPUT_EXECUTION,
@@ -85,9 +85,9 @@ def test_a_limit_switch_stops_by_the_quick_stop_ramp(drive: "Drive", pin: int, r
     drive.axis.pins = pin
     drive.run(1)
     assert drive.reported == [code]
-    assert drive.stands_in(State.FAULT_REACTION_ENABLED)
+    assert drive.stands_in(PowerState.FAULT_REACTION_ENABLED)
     # 3000 rpm at 60 000 rpm/s.
-    assert drive.runs_until(lambda: drive.stands_in(State.FAULT)) in range(48, 53)
+    assert drive.runs_until(lambda: drive.stands_in(PowerState.FAULT)) in range(48, 53)
 
 
 @pytest.mark.parametrize("pin", [NEGATIVE_PIN, POSITIVE_PIN])
@@ -96,7 +96,7 @@ def test_a_limit_switch_that_may_not_act_does_not(drive: "Drive", pin: int) -> N
     drive.axis.pins = pin
     drive.run(100)
     assert drive.reported == []
-    assert drive.stands_in(State.OPERATION_ENABLED)
+    assert drive.stands_in(PowerState.OPERATION_ENABLED)
 
 
 def test_a_limit_switch_on_the_way_out_of_the_other_end_stops_too(drive: "Drive") -> None:
@@ -114,7 +114,7 @@ def test_without_power_a_limit_switch_is_no_fault(drive: "Drive") -> None:
     drive.enable(mode=1)
     drive.run(100)
     assert drive.reported == []
-    assert drive.stands_in(State.OPERATION_ENABLED)
+    assert drive.stands_in(PowerState.OPERATION_ENABLED)
 
 
 MOVES = {
@@ -151,7 +151,7 @@ def test_a_closed_limit_switch_lets_the_shaft_out(drive: "Drive", move: str, pin
 def test_a_closed_limit_switch_lets_the_shaft_no_further_in(drive: "Drive", move: str, pin: int) -> None:
     sets_out(drive, pin, move, 1 if pin == POSITIVE_PIN else -1)
     assert drive.reported == [0xFF07 if pin == POSITIVE_PIN else 0xFF06]
-    assert drive.stands_in(State.FAULT)
+    assert drive.stands_in(PowerState.FAULT)
     assert abs(drive.axis.position) <= 2
 
 
@@ -163,15 +163,15 @@ def with_pin(drive: "Drive", function: int, execution: int) -> None:
 def test_the_device_enable_input_lets_the_drive_be_enabled_and_takes_it_away(drive: "Drive") -> None:
     with_pin(drive, 4, ENABLE_BIT)
     drive.enable(mode=3)
-    assert drive.stands_in(State.SWITCH_ON_DISABLED)
+    assert drive.stands_in(PowerState.SWITCH_ON_DISABLED)
     drive.axis.pins = 1
     drive.run(1)
-    assert drive.stands_in(State.SWITCH_ON_DISABLED), "closing it is no command"
+    assert drive.stands_in(PowerState.SWITCH_ON_DISABLED), "closing it is no command"
     runs_at(drive, 3000)
-    assert drive.stands_in(State.OPERATION_ENABLED)
+    assert drive.stands_in(PowerState.OPERATION_ENABLED)
     drive.axis.pins = 0
     drive.run(1)
-    assert drive.stands_in(State.SWITCH_ON_DISABLED)
+    assert drive.stands_in(PowerState.SWITCH_ON_DISABLED)
     assert not drive.axis.powered
 
 
@@ -183,7 +183,7 @@ def test_a_device_enable_that_does_not_act_is_not_needed(
 ) -> None:
     with_pin(drive, function, execution)
     drive.enable(mode=3)
-    assert drive.stands_in(State.OPERATION_ENABLED)
+    assert drive.stands_in(PowerState.OPERATION_ENABLED)
 
 
 def test_the_quick_stop_input_stops_and_holds_until_it_is_open(drive: "Drive") -> None:
@@ -191,26 +191,26 @@ def test_the_quick_stop_input_stops_and_holds_until_it_is_open(drive: "Drive") -
     runs_at(drive, 3000)
     drive.axis.pins = 1
     drive.run(1)
-    assert drive.stands_in(State.QUICK_STOP_ACTIVE)
+    assert drive.stands_in(PowerState.QUICK_STOP_ACTIVE)
     assert drive.runs_until(lambda: abs(drive.rpm) < 30) in range(45, 60)
     drive.command(0x0F)
-    assert drive.stands_in(State.QUICK_STOP_ACTIVE)
+    assert drive.stands_in(PowerState.QUICK_STOP_ACTIVE)
     drive.axis.pins = 0
     drive.run(10)
-    assert drive.stands_in(State.QUICK_STOP_ACTIVE), "opening it is no command"
+    assert drive.stands_in(PowerState.QUICK_STOP_ACTIVE), "opening it is no command"
     drive.command(0x0F)
-    assert drive.stands_in(State.OPERATION_ENABLED)
+    assert drive.stands_in(PowerState.OPERATION_ENABLED)
     drive.axis.pins = 1
     drive.run(1)
     drive.command(0x00)
-    assert drive.stands_in(State.SWITCH_ON_DISABLED), "a master may always take the power away"
+    assert drive.stands_in(PowerState.SWITCH_ON_DISABLED), "a master may always take the power away"
     drive.command(0x06, 0x07, 0x0F)
-    assert drive.stands_in(State.SWITCH_ON_DISABLED)
+    assert drive.stands_in(PowerState.SWITCH_ON_DISABLED)
 
 
 def test_a_change_of_the_configuration_acts_as_a_change_of_the_pin(drive: "Drive") -> None:
     runs_at(drive, 3000)
     with_pin(drive, 5, QUICK_STOP_BIT)
-    assert drive.stands_in(State.OPERATION_ENABLED)
+    assert drive.stands_in(PowerState.OPERATION_ENABLED)
     drive.write(INPUT_POLARITY, QUICK_STOP_BIT)
-    assert drive.stands_in(State.QUICK_STOP_ACTIVE)
+    assert drive.stands_in(PowerState.QUICK_STOP_ACTIVE)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from emulators.epos2.modes.digital_position import DENOMINATOR, NUMERATOR, OFFSET, POLARITY
 from emulators.epos2.objects.axis_parameters import DIGITAL_POSITION
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.functions import INPUT_EXECUTION
@@ -150,7 +150,7 @@ def test_quick_stop_lets_go_of_the_master(drive: "Drive") -> None:
     turn(drive, 10, 50)
     drive.command(0x02)
     turn(drive, 10, 50)
-    assert drive.stands_in(State.QUICK_STOP_ACTIVE)
+    assert drive.stands_in(PowerState.QUICK_STOP_ACTIVE)
     assert drive.axis.velocity_demand == 0
     here = drive.read(at.POSITION_DEMAND)
     turn(drive, 10, 50)

@@ -6,7 +6,7 @@ import pytest
 
 from emulators.epos2.io.holding_brake import FALL_TIME, RISE_TIME, STANDSTILL_TIMEOUT, TIMEOUT
 from emulators.servo.pins import BRAKE_CLOSED
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import (
     INPUT_EXECUTION,
@@ -74,7 +74,7 @@ def test_setpoints_wait_until_the_brake_is_open(drive: "Drive") -> None:
     with_brake(drive)
     drive.write(at.TARGET_VELOCITY, 3000)
     drive.enable(mode=3)
-    assert drive.stands_in(State.OPERATION_ENABLED)
+    assert drive.stands_in(PowerState.OPERATION_ENABLED)
     assert not closed(drive)
     drive.run(29)
     assert drive.axis.velocity_demand == 0
@@ -96,12 +96,14 @@ def test_a_command_on_the_way_waits_for_the_brake(drive: "Drive") -> None:
 @pytest.mark.parametrize(
     ("word", "state"),
     [
-        (0x00, State.SWITCH_ON_DISABLED),
-        (0x06, State.READY_TO_SWITCH_ON),
-        (0x07, State.SWITCHED_ON),
+        (0x00, PowerState.SWITCH_ON_DISABLED),
+        (0x06, PowerState.READY_TO_SWITCH_ON),
+        (0x07, PowerState.SWITCHED_ON),
     ],
 )
-def test_power_goes_when_the_shaft_rests_and_the_brake_holds(drive: "Drive", word: int, state: State) -> None:
+def test_power_goes_when_the_shaft_rests_and_the_brake_holds(
+    drive: "Drive", word: int, state: PowerState
+) -> None:
     with_brake(drive)
     drive.write(at.TARGET_VELOCITY, 3000)
     drive.enable(mode=3)
@@ -111,7 +113,7 @@ def test_power_goes_when_the_shaft_rests_and_the_brake_holds(drive: "Drive", wor
     stopped = drive.runs_until(lambda: closed(drive))
     assert stopped in range(250, 350)
     assert abs(drive.rpm) < 30
-    assert drive.stands_in(State.OPERATION_ENABLED)
+    assert drive.stands_in(PowerState.OPERATION_ENABLED)
     assert drive.axis.powered
     assert drive.runs_until(lambda: drive.stands_in(state)) in range(39, 42)
     assert not drive.axis.powered
@@ -126,7 +128,7 @@ def test_a_quick_stop_keeps_its_ramp_and_the_brake_open(drive: "Drive") -> None:
     drive.run(5)
     drive.command(0x00)
     assert drive.runs_until(lambda: closed(drive)) < 200, "with 0x6085, not 0x6084"
-    drive.runs_until(lambda: drive.stands_in(State.SWITCH_ON_DISABLED))
+    drive.runs_until(lambda: drive.stands_in(PowerState.SWITCH_ON_DISABLED))
 
 
 def test_a_fault_with_a_ramp_closes_the_brake_after_it(drive: "Drive") -> None:
@@ -137,8 +139,8 @@ def test_a_fault_with_a_ramp_closes_the_brake_after_it(drive: "Drive") -> None:
     drive.control.communication_fault(0x8210)
     assert not closed(drive)
     drive.runs_until(lambda: closed(drive))
-    assert drive.stands_in(State.FAULT_REACTION_ENABLED)
-    drive.runs_until(lambda: drive.stands_in(State.FAULT))
+    assert drive.stands_in(PowerState.FAULT_REACTION_ENABLED)
+    drive.runs_until(lambda: drive.stands_in(PowerState.FAULT))
     assert closed(drive)
 
 
@@ -148,7 +150,7 @@ def test_a_fault_without_a_ramp_closes_it_at_once(drive: "Drive") -> None:
     drive.run(100)
     drive.axis.supply_mv = 5_000
     drive.run(1)
-    assert drive.stands_in(State.FAULT)
+    assert drive.stands_in(PowerState.FAULT)
     assert closed(drive)
 
 
@@ -157,20 +159,22 @@ def test_a_fault_while_the_brake_opens_ends_in_fault(drive: "Drive") -> None:
     drive.enable(mode=3)
     drive.run(10)
     drive.control.communication_fault(0x8210)
-    drive.runs_until(lambda: drive.stands_in(State.FAULT), 300)
+    drive.runs_until(lambda: drive.stands_in(PowerState.FAULT), 300)
     assert closed(drive)
 
 
 @pytest.mark.parametrize(
     ("word", "state"),
     [
-        (0x00, State.SWITCH_ON_DISABLED),
-        (0x06, State.READY_TO_SWITCH_ON),
-        (0x07, State.SWITCHED_ON),
-        (0x02, State.QUICK_STOP_ACTIVE),
+        (0x00, PowerState.SWITCH_ON_DISABLED),
+        (0x06, PowerState.READY_TO_SWITCH_ON),
+        (0x07, PowerState.SWITCHED_ON),
+        (0x02, PowerState.QUICK_STOP_ACTIVE),
     ],
 )
-def test_the_way_out_does_not_wait_for_the_brake_to_open(drive: "Drive", word: int, state: State) -> None:
+def test_the_way_out_does_not_wait_for_the_brake_to_open(
+    drive: "Drive", word: int, state: PowerState
+) -> None:
     with_brake(drive)
     drive.write(RISE_TIME, 65_535)
     drive.enable(mode=3)
@@ -188,7 +192,7 @@ def test_a_quick_stop_while_the_brake_opens_waits_for_it_no_longer(drive: "Drive
     drive.run(10)
     drive.axis.pins = 1
     drive.run(100)
-    assert drive.stands_in(State.QUICK_STOP_ACTIVE)
+    assert drive.stands_in(PowerState.QUICK_STOP_ACTIVE)
     assert not closed(drive)
     assert drive.control.wake_at() > drive.now, "nothing is overdue"
 
@@ -208,7 +212,7 @@ def test_a_shaft_that_does_not_rest_is_waited_for_only_so_long(
     drive.run(50)
     drive.command(0x00)
     begun = drive.now
-    drive.runs_until(lambda: drive.stands_in(State.SWITCH_ON_DISABLED), 1500)
+    drive.runs_until(lambda: drive.stands_in(PowerState.SWITCH_ON_DISABLED), 1500)
     fall = 40 if object_ == STANDSTILL_TIMEOUT else 0
     assert (drive.now - begun) / 1e6 == pytest.approx(milliseconds + fall, abs=12)
 
@@ -230,5 +234,5 @@ def test_without_a_brake_nothing_waits(drive: "Drive") -> None:
     drive.run(2)
     assert drive.axis.velocity_demand > 0
     drive.command(0x00)
-    assert drive.stands_in(State.SWITCH_ON_DISABLED)
+    assert drive.stands_in(PowerState.SWITCH_ON_DISABLED)
     assert drive.axis.outputs == 0

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from emulators.epos2.modes.mode_selector import MODES
-from firmware_bridge.wire.cia402 import Mode, State
+from firmware_bridge.wire.cia402 import Mode, PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.motion_control.conftest import make_drive
 
@@ -230,7 +230,7 @@ def test_targets_stay_within_the_software_limits(
     else:
         assert drive.read(at.POSITION_DEMAND) == 0
         assert drive.reported == [0xFF09]
-        assert drive.stands_in(State.FAULT)
+        assert drive.stands_in(PowerState.FAULT)
 
 
 def test_a_position_window_waits_for_the_shaft(drive: "Drive") -> None:
@@ -264,7 +264,7 @@ def test_quick_stop_under_way_ends_the_move_for_good(drive: "Drive") -> None:
     assert here < 50_000
     drive.command(LOW)
     drive.run(300)
-    assert drive.stands_in(State.OPERATION_ENABLED)
+    assert drive.stands_in(PowerState.OPERATION_ENABLED)
     assert drive.read(at.POSITION_DEMAND) == pytest.approx(here, abs=5)
 
 

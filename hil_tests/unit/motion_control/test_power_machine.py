@@ -6,7 +6,7 @@ import pytest
 
 from emulators.epos2.control.power_states import TRANSITIONS, Delays
 from firmware_bridge.units import MILLISECOND
-from firmware_bridge.wire.cia402 import State, state_of
+from firmware_bridge.wire.cia402 import PowerState, state_of
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.rows import every
 
@@ -145,11 +145,11 @@ def test_quick_stop_active_stays_until_a_command(drive: "Drive") -> None:
     drive.write(at.TARGET_VELOCITY, 3000)
     drive.run(300)
     drive.command(0x02)
-    assert drive.stands_in(State.QUICK_STOP_ACTIVE)
+    assert drive.stands_in(PowerState.QUICK_STOP_ACTIVE)
     ms = drive.runs_until(lambda: drive.statusword & REACHED == REACHED)
     assert ms == pytest.approx(50, abs=3)  # 3000 rpm at 60 000 rpm/s, 0x6085
     drive.run(2000)
-    assert drive.stands_in(State.QUICK_STOP_ACTIVE)
+    assert drive.stands_in(PowerState.QUICK_STOP_ACTIVE)
     assert drive.axis.powered
     assert abs(drive.rpm) < 30
     drive.command(0x0F)
@@ -183,9 +183,9 @@ def test_option_codes_slow_down_before_power_goes(
     assert (
         state_of(drive.statusword)
         is {
-            0x06: State.READY_TO_SWITCH_ON,
-            0x07: State.SWITCHED_ON,
-            0x00: State.SWITCH_ON_DISABLED,
+            0x06: PowerState.READY_TO_SWITCH_ON,
+            0x07: PowerState.SWITCHED_ON,
+            0x00: PowerState.SWITCH_ON_DISABLED,
         }[word]
     )
 
@@ -196,9 +196,9 @@ def test_a_command_during_a_slow_down_waits_for_its_end(drive: "Drive") -> None:
     drive.run(300)
     drive.command(0x07, 0x00)
     drive.run(100)
-    assert drive.stands_in(State.OPERATION_ENABLED)
+    assert drive.stands_in(PowerState.OPERATION_ENABLED)
     drive.run(150)
-    assert drive.stands_in(State.SWITCH_ON_DISABLED)
+    assert drive.stands_in(PowerState.SWITCH_ON_DISABLED)
 
 
 def test_a_node_reset_leads_back_to_the_start(drive: "Drive") -> None:
@@ -209,4 +209,4 @@ def test_a_node_reset_leads_back_to_the_start(drive: "Drive") -> None:
     assert not drive.axis.powered
     assert drive.read(at.POSITION_ACTUAL) == 0
     drive.run(10)
-    assert drive.stands_in(State.SWITCH_ON_DISABLED)
+    assert drive.stands_in(PowerState.SWITCH_ON_DISABLED)

@@ -8,8 +8,8 @@ from emulators.epos2.control.motion_control import MotionControl
 from emulators.epos2.objects.store import ObjectStore
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, plant_inputs, plant_outputs
-from firmware_bridge.kinds import find
-from firmware_bridge.robot import Axis, Command
+from firmware_bridge.robot import Axis, CommandForm
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
 from fmu.build import ensure
@@ -24,7 +24,7 @@ def objects_of(axis: Axis) -> dict[at.Address, int | bytes]:
     settings = axis.epos2
     gains, profile = settings.gains, settings.profile
     return {
-        at.MODE: 3 if axis.command is Command.SPEED else 1,
+        at.MODE: 3 if axis.command is CommandForm.SPEED else 1,
         at.MOTOR_TYPE: settings.motor_type,
         at.ENCODER_PULSES: settings.encoder_lines,
         at.CURRENT_P: gains.current_p,

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import make_drive
@@ -97,7 +97,7 @@ def test_a_quick_stop_keeps_its_own_peak_whatever_the_largest_acceleration(drive
     drive.command(0x02)
     # 60 000 rpm/s: 50 ms, times pi/2.
     assert drive.runs_until(lambda: drive.axis.velocity_demand == 0) == pytest.approx(79, abs=3)
-    assert drive.stands_in(State.QUICK_STOP_ACTIVE)
+    assert drive.stands_in(PowerState.QUICK_STOP_ACTIVE)
 
 
 @pytest.mark.parametrize("shape", [0, 1])
@@ -107,7 +107,7 @@ def test_faults_that_follow_each_other_do_not_keep_the_shaft_turning(drive: "Dri
     drive.write(at.TARGET_VELOCITY, 3000)
     drive.runs_until(lambda: bool(drive.statusword & REACHED))
     lasted = 0
-    while not drive.stands_in(State.FAULT):
+    while not drive.stands_in(PowerState.FAULT):
         drive.control.communication_fault(0x8210)
         drive.run(1)
         lasted += 1

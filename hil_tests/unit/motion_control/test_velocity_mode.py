@@ -6,7 +6,7 @@ import pytest
 
 from emulators.epos2.control import value_ranges
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def test_the_mode_changes_under_way_and_comes_to_rest(drive: "Drive") -> None:
     drive.write(at.MODE, 1)
     assert drive.read(at.MODE_DISPLAY) == 1
     drive.run(400)
-    assert drive.stands_in(State.OPERATION_ENABLED)
+    assert drive.stands_in(PowerState.OPERATION_ENABLED)
     assert drive.reported == []
     assert abs(drive.read(at.FOLLOWING_ERROR)) <= 10
     assert drive.rpm == pytest.approx(0, abs=5)
@@ -135,7 +135,7 @@ def test_current_mode_drives_its_current(drive: "Drive") -> None:
     assert drive.read(at.CURRENT_AVERAGED) == pytest.approx(300, abs=15)  # the speed's rise takes a little
     drive.command(0x02)
     drive.run(500)
-    assert drive.stands_in(State.QUICK_STOP_ACTIVE)
+    assert drive.stands_in(PowerState.QUICK_STOP_ACTIVE)
     assert abs(drive.rpm) < 60
 
 

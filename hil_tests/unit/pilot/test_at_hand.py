@@ -8,10 +8,10 @@ from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.pilot.cockpit import HAND, Cockpit
 from firmware_bridge.pilot.driver import Extras, Stick
-from firmware_bridge.pilot.hand import Hand
+from firmware_bridge.pilot.hand import StickInput
 from firmware_bridge.pilot.joystick import DEVICES, FULL, At, Controls, Device, is_gamepad
-from firmware_bridge.pilot.link import Link
-from firmware_bridge.pilot.station import Station
+from firmware_bridge.pilot.link import PilotLink
+from firmware_bridge.pilot.station import PilotStation
 from firmware_bridge.teleop.mavlink import Codec, Message, dialect
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND
 
@@ -31,9 +31,9 @@ class Desk:
     """A cockpit with a fake device, and the robot's end of its link."""
 
     def __init__(self, device: Device = ROW) -> None:
-        self.hand = Hand(Controls(device))
+        self.hand = StickInput(Controls(device))
         self.lines: list[str] = []
-        self.station = Station(self.hand, (1, 1))
+        self.station = PilotStation(self.hand, (1, 1))
         self.cockpit = Cockpit(self.station, self.lines.append)
         self._robot = Codec(1, 1)
         self.now = 0
@@ -239,8 +239,8 @@ def test_every_device_has_its_own_number_for_each_thing() -> None:
 
 
 def test_switches_and_the_lift_are_buttons_of_the_stick() -> None:
-    hand = Hand(Controls(ROW), Extras(switches=(4, 1), up_button=3))
-    link = Link()
+    hand = StickInput(Controls(ROW), Extras(switches=(4, 1), up_button=3))
+    link = PilotLink()
     assert list(hand.handle(AT_REST + event(1, 10, 1), 0)) == []
     hand.command(link, 0, armed=True)
     list(hand.handle(event(2, 6, -FULL), 0))
@@ -250,9 +250,9 @@ def test_switches_and_the_lift_are_buttons_of_the_stick() -> None:
 
 
 def test_a_switch_that_was_down_when_the_device_was_opened_is_not_pressed() -> None:
-    hand = Hand(Controls(ROW), Extras(switches=(4,)))
+    hand = StickInput(Controls(ROW), Extras(switches=(4,)))
     list(hand.handle(event(0x81, 10, 1), 0))
-    assert hand.command(Link(), 0, armed=True).buttons == 0
+    assert hand.command(PilotLink(), 0, armed=True).buttons == 0
 
 
 def test_the_button_that_arms_takes_nothing_from_who_drives() -> None:

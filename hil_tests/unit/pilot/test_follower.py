@@ -6,8 +6,8 @@ from typing import Final
 from firmware_bridge.motion.model import Moving
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.pilot.driver import REST, Sight
-from firmware_bridge.pilot.follower import LETS_GO_FOR, Follower
-from firmware_bridge.pilot.link import Link
+from firmware_bridge.pilot.follower import LETS_GO_FOR, PathDriver
+from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.pilot.paths import PATHS, placed
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
@@ -15,8 +15,10 @@ PERIOD: Final = 50 * MILLISECOND
 
 
 def test_armed_and_armed_again_it_lets_go_for_a_while() -> None:
-    path, link = PATHS["line"](5.0), Link()
-    follower = Follower(lambda pose: placed(path, pose), speed_mps=0.3, look_ahead_m=0.5, tightest_per_m=2.0)
+    path, link = PATHS["line"](5.0), PilotLink()
+    follower = PathDriver(
+        lambda pose: placed(path, pose), speed_mps=0.3, look_ahead_m=0.5, tightest_per_m=2.0
+    )
 
     def rests(begin: Nanoseconds, span: Nanoseconds, *, armed: bool) -> set[bool]:
         stated = set()
@@ -34,8 +36,10 @@ def test_armed_and_armed_again_it_lets_go_for_a_while() -> None:
 
 
 def test_a_robot_that_is_held_back_is_let_go_and_driven_again_and_again() -> None:
-    path, link = PATHS["line"](5.0), Link()
-    follower = Follower(lambda pose: placed(path, pose), speed_mps=0.3, look_ahead_m=0.5, tightest_per_m=2.0)
+    path, link = PATHS["line"](5.0), PilotLink()
+    follower = PathDriver(
+        lambda pose: placed(path, pose), speed_mps=0.3, look_ahead_m=0.5, tightest_per_m=2.0
+    )
     reported, held = [], []
     for now in range(0, 20 * SECOND, PERIOD):
         follower.sees(Sight(Moving(Pose(), 0.0, 0.0), None, now))

@@ -6,10 +6,10 @@ import pytest
 
 from firmware_bridge.pilot.driver import NO_EXTRAS, ButtonRequest, Extras, Stick
 from firmware_bridge.pilot.keyboard import BEGINS, REPEATS, Keyboard
-from firmware_bridge.pilot.link import Link
+from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
-LINK = Link()
+LINK = PilotLink()
 
 
 def reported(hand: Keyboard, chunk: bytes, at: Nanoseconds = 0) -> list[ButtonRequest]:

@@ -1,6 +1,6 @@
 import pytest
 
-from firmware_bridge.pilot.link import Link
+from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
@@ -8,9 +8,9 @@ AHEAD: Nanoseconds = 77 * SECOND
 """The robot's clock."""
 
 
-def joined(up: Nanoseconds, down: Nanoseconds, seconds: int = 3) -> Link:
+def joined(up: Nanoseconds, down: Nanoseconds, seconds: int = 3) -> PilotLink:
     """Exchange requests and answers for some seconds."""
-    link = Link()
+    link = PilotLink()
     for turn in range(2 * seconds):
         requested = link.question(turn * SECOND // 2 + 1)
         at = turn * SECOND // 2 + 1 + up
@@ -19,7 +19,7 @@ def joined(up: Nanoseconds, down: Nanoseconds, seconds: int = 3) -> Link:
 
 
 def test_before_any_answer_nothing_is_known() -> None:
-    link = Link()
+    link = PilotLink()
     assert (link.round_trip(0), link.lost, link.measured_at(5, 0)) == (None, None, None)
 
 
@@ -34,7 +34,7 @@ def test_the_round_trip_is_both_ways_and_a_pose_is_dated_within_half_of_it(up_ms
 
 
 def test_an_answer_to_no_question_sends_nothing() -> None:
-    link = Link()
+    link = PilotLink()
     link.answered(dialect.MAVLink_timesync_message(5, 6), 7)
     assert link.round_trip(7) is None
 
@@ -46,7 +46,7 @@ def test_after_a_silence_the_round_trip_is_what_it_was() -> None:
 
 
 def test_lost_frames_are_counted_by_their_gaps() -> None:
-    link = Link()
+    link = PilotLink()
     for number in range(0, 300, 2):
         link.received(number % 256, number * 50 * MILLISECOND)
     assert link.lost == pytest.approx(0.5, abs=0.02)

@@ -2,11 +2,11 @@ import math
 
 import pytest
 
-from firmware_bridge.kinds import find
-from firmware_bridge.motion.model import Model, Moving, Unicycle
+from firmware_bridge.motion.model import MotionModel, Moving, Unicycle
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.pilot.predictor import Predictor
-from firmware_bridge.robots.rars import KIND
+from firmware_bridge.robot_types import find
+from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.robots.rars.model import RarsModel
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 
@@ -18,7 +18,7 @@ def command(count: int) -> tuple[float, float]:
     return 0.4, 0.3 * math.sin(count / 10.0)
 
 
-def drive(model: Model, up: Nanoseconds, count: int) -> list[tuple[Nanoseconds, Moving]]:
+def drive(model: MotionModel, up: Nanoseconds, count: int) -> list[tuple[Nanoseconds, Moving]]:
     """Return what a robot that obeys each word after `up` shows, each with when it was so."""
     moving, shown = Moving(Pose()), []
     for place in range(count):
@@ -33,7 +33,7 @@ def drive(model: Model, up: Nanoseconds, count: int) -> list[tuple[Nanoseconds, 
 @pytest.mark.parametrize("model", [Unicycle(), RarsModel(find("rars"))], ids=["ideal", "rars"])
 @pytest.mark.parametrize(("up_s", "down_s"), [(0.0, 0.0), (0.4, 0.4), (0.2, 0.6), (0.8, 0.05)])
 def test_with_the_right_model_it_states_where_the_robot_will_be(
-    model: Model, up_s: float, down_s: float
+    model: MotionModel, up_s: float, down_s: float
 ) -> None:
     up, down = from_seconds(up_s), from_seconds(down_s)
     trip = up + down
@@ -88,4 +88,4 @@ def test_rars_steers_no_faster_than_its_rack_and_speeds_up_at_its_ramp() -> None
     begins = model.step(Moving(Pose()), 0.5, 0.0, 0.05)
     assert begins.speed_mps == pytest.approx(0.80 * 0.144 * 9.81 * 0.05)
     assert model.tightest_per_m == pytest.approx(1.0 / 0.415)
-    assert KIND.model is RarsModel
+    assert ROBOT_TYPE.model is RarsModel

@@ -24,14 +24,14 @@ from firmware_bridge.drivers.driver import (
     Task,
 )
 from firmware_bridge.drivers.fleet import Fleet
-from firmware_bridge.intent import Arm, Request, Verdict
-from firmware_bridge.kind import Kind, Mode
-from firmware_bridge.kinds import kind_named
+from firmware_bridge.intent import Answer, Arm, Request
 from firmware_bridge.motion.odometry import moved
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, Robot, Table
 from firmware_bridge.robot.file import robot_of, table_of
+from firmware_bridge.robot_type import RobotMode, RobotType
+from firmware_bridge.robot_types import robot_type_named
 from firmware_bridge.safety.interlock import Interlock, View
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.mavlink import Codec, dialect
@@ -78,7 +78,7 @@ class Sensed:
 
 
 class Cart:
-    """A `firmware_bridge.safety.body.Body`."""
+    """A `firmware_bridge.safety.kinematic_model.KinematicModel`."""
 
     rolling: tuple[str, ...] = ("left", "right")
 
@@ -127,7 +127,7 @@ class Unbrushed(Cart):
 
 
 class Ahead:
-    """A `firmware_bridge.kind.Guide`: half a second of rest, then straight on."""
+    """A `firmware_bridge.robot_type.PathFollower`: half a second of rest, then straight on."""
 
     def __init__(self, _robot: Robot[Sizes]) -> None:
         self._elapsed: Nanoseconds = 0
@@ -158,7 +158,7 @@ def _target(velocity: Velocity, command: Sweep, _robot: Robot[Sizes]) -> Sweep |
     return replace(command, ahead=velocity.forward_mps)
 
 
-KIND: Final[Kind[Sizes, Sweep, Sensed]] = Kind(
+ROBOT_TYPE: Final[RobotType[Sizes, Sweep, Sensed]] = RobotType(
     name="cart",
     file=Path("cart.toml"),
     geometry=Sizes,
@@ -179,7 +179,7 @@ KIND: Final[Kind[Sizes, Sweep, Sensed]] = Kind(
     ),
     guides={"ahead": Ahead},
     modes={
-        "brushless": Mode(
+        "brushless": RobotMode(
             without=frozenset({"brush"}), body=lambda _robot: Unbrushed(), interlocks=(), limits=()
         )
     },
@@ -188,7 +188,7 @@ KIND: Final[Kind[Sizes, Sweep, Sensed]] = Kind(
 
 def cart(change: Callable[[dict[str, Any]], None] = lambda _table: None) -> Robot[Sizes]:
     """Return the cart's robot file, made from RARS's, with its table changed, checked."""
-    file = kind_named("rars").file
+    file = robot_type_named("rars").file
     table: dict[str, Any] = table_of(file.read_text(encoding="utf-8"), file.name)
     motor = table["axes"][0]
     axes = [
@@ -208,7 +208,7 @@ def cart(change: Callable[[dict[str, Any]], None] = lambda _table: None) -> Robo
     table = deepcopy({**table, **own, "guard": {}})
     del table["battery"], table["sensors"]
     change(table)
-    return robot_of(table, "cart.toml", Sizes, KIND.groups)
+    return robot_of(table, "cart.toml", Sizes, ROBOT_TYPE.groups)
 
 
 class PaperDriver:
@@ -265,7 +265,7 @@ class PaperDriver:
 
 
 class PaperLink:
-    """A `firmware_bridge.drivers.fleet.Link` that carries nothing, and may be lost."""
+    """A `firmware_bridge.drivers.fleet.DeviceLink` that carries nothing, and may be lost."""
 
     answers_within: Nanoseconds = 10 * MILLISECOND
     beat_every: Nanoseconds = 50 * MILLISECOND
@@ -313,17 +313,21 @@ class PaperCart:
                 for name, table in self.robot.links.items()
             )
         )
-        rules = KIND.rules(self.robot)
+        rules = ROBOT_TYPE.rules(self.robot)
         self._codec = Codec(255, 190)
         self._operator: Operator[Sizes, Sweep, Sensed] = Operator(
-            self.robot, KIND.station, KIND.rest, rolling=rules[""].body.rolling, modes=tuple(KIND.modes)
+            self.robot,
+            ROBOT_TYPE.station,
+            ROBOT_TYPE.rest,
+            rolling=rules[""].body.rolling,
+            modes=tuple(ROBOT_TYPE.modes),
         )
         self.permission: Final[Permission[Sizes, Sweep, Sensed]] = Permission(
             self.robot, rules, self.fleets, []
         )
         self.pipeline: Final[Pipeline[Sizes, Sweep, Sensed]] = Pipeline(
             self.robot,
-            KIND,
+            ROBOT_TYPE,
             rules=rules,
             fleets=self.fleets,
             operator=self._operator,
@@ -357,7 +361,7 @@ class PaperCart:
         verdict = self.requests(ARM)
         assert verdict.accepted, verdict.reason
 
-    def requests(self, request: Request) -> Verdict:
+    def requests(self, request: Request) -> Answer:
         return self.pipeline.decide(request, self.now)
 
     def held(self) -> set[str]:

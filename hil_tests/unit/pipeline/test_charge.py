@@ -2,7 +2,7 @@
 
 import pytest
 
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.drivers.driver import Reading
 from firmware_bridge.safety.charge import Charge
 from firmware_bridge.units import SECOND
@@ -10,7 +10,7 @@ from firmware_bridge.units import SECOND
 
 def low_since(*volts: float) -> int | None:
     """Return its result after one sample a second, the first at second 1."""
-    robot = kinds.find("rars")
+    robot = robot_types.find("rars")
     assert robot.battery is not None
     charge, since = Charge(robot), None
     assert charge.low_since({}) is None
@@ -37,5 +37,5 @@ def test_it_is_low_since_the_first_of_the_newest_low_samples(
 
 
 def test_a_robot_without_a_battery_is_never_low() -> None:
-    robot = kinds.find("rars").model_copy(update={"battery": None})
+    robot = robot_types.find("rars").model_copy(update={"battery": None})
     assert Charge(robot).low_since({"battery": Reading(1.0, SECOND, SECOND)}) is None

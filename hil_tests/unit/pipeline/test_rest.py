@@ -8,8 +8,8 @@ import pytest
 
 from firmware_bridge.drivers.driver import Feedback
 from firmware_bridge.intent import NEVER_RECEIVED, Arm, ClearEmergencyStop, Disarm, EmergencyStop, EnterMode
-from firmware_bridge.kinds import find, kind_of
 from firmware_bridge.motion.pose import Pose
+from firmware_bridge.robot_types import find, robot_type_of
 from firmware_bridge.safety.snapshot import Facts, Snapshot
 from firmware_bridge.units import SECOND
 from hil_tests.unit.pipeline.cart import PaperCart
@@ -69,7 +69,7 @@ def test_an_axis_that_moves_by_itself_is_not_given_its_position(sign: float) -> 
     cart = PaperCart()
     cart.runs(10)
     driver = cart.drivers["brush"]
-    bound = driver.axis.rests_below
+    bound = driver.axis.standstill_below
     for speed, refused in ((math.nextafter(bound, math.inf), True), (bound, False)):
         driver.feedback = replace(driver.feedback, velocity=sign * speed)
         verdict = cart.permission.set_zero(driver, 0.5, cart.pipeline.known(cart.now), ())
@@ -78,7 +78,7 @@ def test_an_axis_that_moves_by_itself_is_not_given_its_position(sign: float) -> 
 
 
 RARS: Final[Any] = find("rars")
-RULES: Final = kind_of(RARS).rules(RARS)
+RULES: Final = robot_type_of(RARS).rules(RARS)
 SILENT: Final = RARS.silent_after["left"]
 
 
@@ -97,7 +97,7 @@ def seen(left_rad_s: float, age: int) -> Snapshot[Any, Any]:
         sensors={},
         links_lost={},
     )
-    rest = kind_of(RARS).rest
+    rest = robot_type_of(RARS).rest
     body = RULES[""].body.sensed(axes, {})
     return Snapshot(facts=facts, command=rest, demanded=rest, body=body, pose=Pose(1.0, 2.0, 3.0))
 
@@ -118,7 +118,7 @@ def test_an_axis_that_a_mode_does_without_counts_as_long_as_it_is_received(
     rules = RULES[mode]
     known = rules.sensed(seen(left_rad_s, age))
     assert rules.stands(known) is rests
-    assert rules.at_rest(known) is rests
+    assert rules.at_standstill(known) is rests
 
 
 def test_what_a_mode_senses_is_the_same_snapshot_with_its_own_body() -> None:

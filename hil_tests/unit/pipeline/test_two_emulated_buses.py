@@ -5,7 +5,7 @@ from typing import Any, Final
 import pytest
 
 from emulators.epos2.objects.catalogue import PROFILES
-from emulators.single import Order, drives
+from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire, DatagramWire
 from emulators.wires.ends import Observer
 from emulators.world import World
@@ -17,7 +17,7 @@ from firmware_bridge.safety.guard import guarded
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.modes import number_of_own
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
-from hil_tests.unit.pipeline.cart import KIND, TOOL, WHEELS, Sizes, cart
+from hil_tests.unit.pipeline.cart import ROBOT_TYPE, TOOL, WHEELS, Sizes, cart
 
 SYNC: Final = 0x080
 ARM: Final = dialect.MAV_CMD_COMPONENT_ARM_DISARM
@@ -49,9 +49,9 @@ class TwoBuses:
     def __init__(self, robot: Robot[Sizes]) -> None:
         names = [axis.name for axis in robot.axes]
         nodes = [axis.epos2.node for axis in robot.axes]
-        self.drives, bank = drives(Order(nodes, PROFILES["70/10"], 1_000_000, axes=names))
+        self.drives, bank = drives(DrivesOrder(nodes, PROFILES["70/10"], 1_000_000, axes=names))
         self.world: Final = World(bank)
-        self.bridge: Final = Bridge(robot, KIND)
+        self.bridge: Final = Bridge(robot, ROBOT_TYPE)
         self.guard: Final = guarded(self.bridge, robot)
         self.buses: Final = {name: CanWire(link.bit_rate, name) for name, link in robot.epos2_links.items()}
         self.sent: Final[dict[str, list[Packet]]] = {name: [] for name in robot.links}

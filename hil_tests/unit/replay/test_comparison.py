@@ -6,11 +6,11 @@ from hypothesis import given
 
 from emulators.replay.comparison import Frames, Messages, first
 from emulators.replay.player import Player
-from emulators.replay.recordings import Entry, Recording
+from emulators.replay.recordings import RecordedPacket, Recording
 from emulators.replay.senders import BRIDGE, OPERATOR_STATION, UNKNOWN, Sent, frames_of, messages_of
-from firmware_bridge.kinds import find
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot_types import find
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.can import EXTENDED, REMOTE
@@ -21,7 +21,7 @@ US = MICROSECOND
 
 
 def sent(at: Nanoseconds, packet: Packet = A, sender: str = "left") -> Sent:
-    return Sent(Entry(at, packet, f"line {at}"), sender)
+    return Sent(RecordedPacket(at, packet, f"line {at}"), sender)
 
 
 # Instants in a file are cut to microseconds: so far either way is the same.
@@ -126,20 +126,24 @@ ROWS = [
 
 @pytest.mark.parametrize(("address", "sender"), ROWS)
 def test_the_identifier_reports_the_sender(address: int, sender: str) -> None:
-    recording = Recording("a", (Entry(0, Packet(CAN, address, b"\0"), ""),))
+    recording = Recording("a", (RecordedPacket(0, Packet(CAN, address, b"\0"), ""),))
     assert [one.sender for one in frames_of(recording, RARS, "drives")] == [sender]
 
 
 def test_a_pdo_with_another_identifier_is_still_that_nodes() -> None:
     moved = Packet(CAN, 0x603, bytes.fromhex("2300180185010040"))  # transmit PDO 1 of node 3 gets 0x185
-    recording = Recording("a", (Entry(0, moved, ""), Entry(1, Packet(CAN, 0x185, b"\0\0"), "")))
+    recording = Recording(
+        "a", (RecordedPacket(0, moved, ""), RecordedPacket(1, Packet(CAN, 0x185, b"\0\0"), ""))
+    )
     assert [one.sender for one in frames_of(recording, RARS, "drives")] == [BRIDGE, "steer"]
 
 
 def test_a_messages_header_reports_the_sender() -> None:
     theirs = Packet(OPERATOR, 0, Codec(255, 190).encode(dialect.MAVLink_statustext_message(6, b"")))
     first_version = Packet(OPERATOR, 0, bytes((0xFE, 0, 0, 1, 1, 0, 0, 0)))
-    recording = Recording("a", tuple(Entry(0, one, "") for one in (message(0), theirs, first_version)))
+    recording = Recording(
+        "a", tuple(RecordedPacket(0, one, "") for one in (message(0), theirs, first_version))
+    )
     assert [one.sender for one in messages_of(recording, RARS)] == [BRIDGE, OPERATOR_STATION, BRIDGE]
 
 

@@ -6,19 +6,19 @@ from pathlib import Path
 
 import pytest
 
-from emulators.replay import Into, Order
+from emulators.replay import Into, ReplayOrder
 from emulators.replay import replay as play
 from emulators.replay.ending import end_requested_at
 from firmware_bridge.intent import ConfirmZero
-from firmware_bridge.kinds import find
 from firmware_bridge.recording import EPOCH
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND
 
 RUN = Path(__file__).with_name("end_requested_at")
 """3 s of `drive rars` at emulated drives in real time, no one driving, and its end by `--duration`."""
 KNOWN = Path(__file__).with_name("places_known")
 """3 s of `drive rars` after a run that had kept where lift and steering stood."""
-ORDER = Order(
+ORDER = ReplayOrder(
     find("rars"), RUN, into=Into.BRIDGE, stands=(ConfirmZero("lift", 0.0), ConfirmZero("steer", 0.0))
 )
 
@@ -62,7 +62,7 @@ def test_it_is_just_before_the_bridge_s_own_time_of_it(
 
 
 def test_what_was_known_of_the_run_before_is_known_to_the_replay(tmp_path: Path) -> None:
-    order = Order(find("rars"), KNOWN, into=Into.BRIDGE)
+    order = ReplayOrder(find("rars"), KNOWN, into=Into.BRIDGE)
     assert play(order).difference is None
     shutil.copytree(KNOWN, tmp_path / "run")
     (tmp_path / "run" / "places.json").unlink()

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from typer.testing import CliRunner
 
-from emulators.replay import Into, Order, RecordingFileError, replay
+from emulators.replay import Into, RecordingFileError, ReplayOrder, replay
 from emulators.replay.recordings import Recording, cut_off, read_can, read_lines, read_telemetry
 from firmware_bridge.cli import program
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.kinds import find
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import candump_line, tlog_records
+from firmware_bridge.robot_types import find
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.maxon.frame import Generation
@@ -147,7 +147,7 @@ def test_what_does_not_go_together_is_refused(case: str, tmp_path: Path) -> None
     (tmp_path / "silent.log").write_text(f"{BOOT}\n", encoding="ascii")
     (tmp_path / "a.tlog").write_bytes(TLOG)
     (tmp_path / "b.tlog").write_bytes(tlog_records(0, HEARTBEAT, 2 * REAL))
-    order = Order(RARS, tmp_path / name, None if operator is None else tmp_path / operator, into)
+    order = ReplayOrder(RARS, tmp_path / name, None if operator is None else tmp_path / operator, into)
     with pytest.raises(RecordingFileError, match=message):
         replay(order)
 
@@ -155,7 +155,7 @@ def test_what_does_not_go_together_is_refused(case: str, tmp_path: Path) -> None
 def test_a_bridge_on_a_serial_line_sends_no_frames(tmp_path: Path) -> None:
     (tmp_path / "a.log").write_text(f"{BOOT}\n{BEAT}\n", encoding="ascii")
     with pytest.raises(RecordingFileError, match="is on a serial line"):
-        replay(Order(over_serial(RARS, Generation.V2), tmp_path / "a.log", into=Into.BRIDGE))
+        replay(ReplayOrder(over_serial(RARS, Generation.V2), tmp_path / "a.log", into=Into.BRIDGE))
 
 
 def test_one_of_two_buses_is_chosen(tmp_path: Path) -> None:

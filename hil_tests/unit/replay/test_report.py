@@ -12,11 +12,11 @@ from typer.testing import CliRunner, Result
 
 from emulators.bench.animated import animated
 from emulators.bench.columns import ARMED, PLANAR, Samples
-from emulators.bench.summary import Held
+from emulators.bench.summary import InterlockEntry
 from firmware_bridge.cli import program
 from firmware_bridge.intent import ConfirmZero
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import RobotFileError
+from firmware_bridge.robot_types import find
 from firmware_bridge.shell.run_file import RUN_FILE, AsRun, read_run, run_file
 
 REAL: Final = Path(__file__).with_name("places_known")
@@ -147,7 +147,7 @@ def test_a_path_is_played_from_where_the_robot_knew_its_place() -> None:
         place = float("nan") if row < 10 else row / 100.0
         values = {"odometry_x_m": place, "odometry_y_m": 0.0, "odometry_heading_rad": 0.0}
         samples.add(row * 10_000_000, tuple(values.get(it.name, 0.0) for it in samples.columns))
-    page = animated("a <run>", samples, [Held("lift extended", "50 mm </script>", 0.2, None)])
+    page = animated("a <run>", samples, [InterlockEntry("lift extended", "50 mm </script>", 0.2, None)])
     data = json.loads(re.search(r"const run = (\{.*?\});\n", page, re.DOTALL)[1].replace("<\\/", "</"))  # type: ignore[index]
     assert data["at"][0] == 0.1
     assert data["x"][-1] == 1.0

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from firmware_bridge.kinds import kind_named
+from firmware_bridge.robot_types import robot_type_named
 
-RARS = kind_named("rars").file.read_text(encoding="utf-8")
+RARS = robot_type_named("rars").file.read_text(encoding="utf-8")
 LINK = RARS[RARS.index("[links.drives]") : RARS.index("[geometry.base]")]
 OPERATOR = RARS[RARS.index("[operator]") : RARS.index("[battery]")]
 OUTPUT = """

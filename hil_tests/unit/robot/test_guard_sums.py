@@ -5,11 +5,11 @@ from typing import Final
 import pytest
 
 from emulators.epos2.objects.catalogue import PROFILES
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robot.settings.epos2 import Epos2Device
 
-CARRIER: Final = kinds.robots()["carrier"].read_text(encoding="utf-8")
+CARRIER: Final = robot_types.robots()["carrier"].read_text(encoding="utf-8")
 
 
 def problems(text: str, *changes: tuple[str, str]) -> str:
@@ -17,7 +17,7 @@ def problems(text: str, *changes: tuple[str, str]) -> str:
         assert before in text
         text = text.replace(before, after)
     try:
-        kinds.parse(text, "carrier.toml")
+        robot_types.parse(text, "carrier.toml")
     except RobotFileError as error:
         return str(error)
     return ""
@@ -72,9 +72,9 @@ def test_the_offered_lines_make_the_file_good() -> None:
     )
 
 
-@pytest.mark.parametrize("name", kinds.robots())
+@pytest.mark.parametrize("name", robot_types.robots())
 def test_every_robot_s_sums_fit_its_geometry(name: str) -> None:
-    kinds.find(name)
+    robot_types.find(name)
 
 
 @pytest.mark.parametrize("device", Epos2Device)

@@ -9,8 +9,8 @@ import pytest
 
 from emulators.arduino_omni.board import Board
 from emulators.devices import devices
-from firmware_bridge.kinds import find, names
 from firmware_bridge.robot import AnyRobot, RobotFileError
+from firmware_bridge.robot_types import find, names
 from firmware_bridge.units import MILLISECOND
 
 MACHINE: Final = {

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from emulators.bench.along import along_mission
+from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.mission import parse
-from emulators.bench.rehearsal import rehearsal_of
-from firmware_bridge.kinds import find
 from firmware_bridge.robot.path_file import PathFileError, path_of, points_of, sampled, with_path
+from firmware_bridge.robot_types import find
 
 
 @pytest.mark.parametrize(
@@ -74,10 +74,10 @@ def test_a_path_that_the_robot_cannot_take_is_refused(
 def test_the_bench_drives_along_a_path_of_its_own_to_its_end() -> None:
     points = ((0.0, 0.0, 0.0, 0.0), (8.0, 1.0, 0.0, 0.0))
     robot = with_path(find("rome"), points, "p.csv")
-    mission = parse(along_mission(points), "--path", robot, rehearsal_of(robot))
+    mission = parse(along_mission(points), "--path", robot, bench_setup_of(robot))
     assert [(step.at_s, step.guide) for step in mission.step] == [(4.0, None), (5.0, "points"), (15.0, "")]
     assert mission.duration_s == 17.0
-    x, y = rehearsal_of(robot).paths["points"](robot)(np.array([4.0]))
+    x, y = bench_setup_of(robot).paths["points"](robot)(np.array([4.0]))
     assert (float(x[0]), float(y[0])) == (0.5, 0.0)
 
 

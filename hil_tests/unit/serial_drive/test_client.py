@@ -5,7 +5,7 @@ from typing import Final
 import pytest
 
 from firmware_bridge.drivers.epos2.serial.client import TRY_WITHIN, SerialClient, reading, writing
-from firmware_bridge.drivers.epos2.serial.exchange import Exchange, Result
+from firmware_bridge.drivers.epos2.serial.exchange import LineExchange, Result
 from firmware_bridge.drivers.sdo_client import (
     SdoError,
     SdoRefusedError,
@@ -17,7 +17,7 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.epos2 import address as at
-from firmware_bridge.wire.maxon.frame import Answered, Failure, Outcome
+from firmware_bridge.wire.maxon.frame import Failure, MaxonAnswer, Outcome
 from firmware_bridge.wire.maxon.messages import Done, ObjectRead, Request
 from firmware_bridge.wire.maxon.opcodes import encode_answer
 from firmware_bridge.wire.maxon.packets import command, outcome_packet
@@ -29,7 +29,7 @@ WRITE: Final = Transfer(at.CONTROLWORD, b"\x06\x00")
 class Desk:
     def __init__(self) -> None:
         self.noted: list[Result] = []
-        self.exchange = Exchange("line")
+        self.exchange = LineExchange("line")
         self.client = SerialClient(3, self.exchange, self.noted.append)
 
     def starts(self, transfer: Transfer) -> tuple[Packet, ...]:
@@ -48,7 +48,7 @@ def test_a_value_is_as_long_as_its_object(desk: Desk) -> None:
     """The two bytes behind a statusword mean nothing (EPOS Communication Guide, October 2006)."""
     request = reading(3, at.STATUSWORD)
     assert desk.starts(READ) == (command(request, "line"),)
-    desk.ends(request, Answered(encode_answer(request, ObjectRead(0, b"\x37\x03\x10\x62"))))
+    desk.ends(request, MaxonAnswer(encode_answer(request, ObjectRead(0, b"\x37\x03\x10\x62"))))
     assert desk.client.take() == b"\x37\x03"
     assert desk.client.take() is None
     assert not desk.client.busy
@@ -57,7 +57,7 @@ def test_a_value_is_as_long_as_its_object(desk: Desk) -> None:
 def test_a_write_carries_four_bytes(desk: Desk) -> None:
     request = writing(3, at.CONTROLWORD, b"\x06\x00\x00\x00")
     assert desk.starts(WRITE) == (command(request, "line"),)
-    desk.ends(request, Answered(encode_answer(request, Done(0))))
+    desk.ends(request, MaxonAnswer(encode_answer(request, Done(0))))
     assert desk.client.take() == b""
 
 
@@ -67,7 +67,7 @@ def test_a_write_carries_four_bytes(desk: Desk) -> None:
         Failure.SILENCE,
         Failure.DAMAGED,
         Failure.GARBLED,
-        Answered(encode_answer(reading(3, at.STATUSWORD), ObjectRead(AbortCode.TIMEOUT, bytes(4)))),
+        MaxonAnswer(encode_answer(reading(3, at.STATUSWORD), ObjectRead(AbortCode.TIMEOUT, bytes(4)))),
     ],
 )
 def test_where_no_one_answered_it_is_tried_once_more(desk: Desk, outcome: Outcome) -> None:
@@ -84,7 +84,7 @@ def test_where_no_one_answered_it_is_tried_once_more(desk: Desk, outcome: Outcom
 def test_a_refusal_is_not_tried_again(desk: Desk) -> None:
     request = reading(3, at.STATUSWORD)
     desk.starts(READ)
-    refusal = Answered(encode_answer(request, ObjectRead(AbortCode.NO_OBJECT, bytes(4))))
+    refusal = MaxonAnswer(encode_answer(request, ObjectRead(AbortCode.NO_OBJECT, bytes(4))))
     assert desk.ends(request, refusal) == ()
     error = desk.client.take()
     assert isinstance(error, SdoRefusedError)
@@ -94,7 +94,7 @@ def test_a_refusal_is_not_tried_again(desk: Desk) -> None:
 def test_an_answer_too_short_to_be_one_is_no_answer(desk: Desk) -> None:
     request = reading(3, at.STATUSWORD)
     desk.starts(Transfer(at.STATUSWORD, attempts=1))
-    desk.ends(request, Answered(b"\0\0"))
+    desk.ends(request, MaxonAnswer(b"\0\0"))
     assert isinstance(desk.client.take(), SdoTimeoutError)
 
 
@@ -121,7 +121,7 @@ def test_a_canceled_transfer_has_no_outcome_and_the_next_may_begin(desk: Desk) -
     desk.client.cancel()
     assert desk.starts(READ) == ()
     request = writing(3, at.CONTROLWORD, b"\x06\x00\x00\x00")
-    assert desk.ends(request, Answered(encode_answer(request, Done(0)))) == (
+    assert desk.ends(request, MaxonAnswer(encode_answer(request, Done(0)))) == (
         command(reading(3, at.STATUSWORD), "line"),
     )
     assert desk.client.take() is None

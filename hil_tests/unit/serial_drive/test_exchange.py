@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.drivers.epos2.serial.exchange import PATIENCE, Exchange, Job, Rank, Result
+from firmware_bridge.drivers.epos2.serial.exchange import PATIENCE, Job, LineExchange, Rank, Result
 from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import Nanoseconds
-from firmware_bridge.wire.maxon.frame import Answered, Failure
+from firmware_bridge.wire.maxon.frame import Failure, MaxonAnswer
 from firmware_bridge.wire.maxon.messages import Done, ReadObject, Request, WriteObject
 from firmware_bridge.wire.maxon.opcodes import encode_answer
 from firmware_bridge.wire.maxon.packets import command, outcome_packet
@@ -30,7 +30,7 @@ def write(number: int) -> WriteObject:
 
 
 def done(request: Request, error: int = 0) -> Packet:
-    return outcome_packet(command(request).address, Answered(encode_answer(request, Done(error))))
+    return outcome_packet(command(request).address, MaxonAnswer(encode_answer(request, Done(error))))
 
 
 def failed(request: Request) -> Packet:
@@ -38,7 +38,7 @@ def failed(request: Request) -> Packet:
 
 
 def test_the_most_urgent_goes_first_and_equals_in_their_order() -> None:
-    notes, exchange = Notes(), Exchange("line")
+    notes, exchange = Notes(), LineExchange("line")
     ranks = [Rank.ROTATING, Rank.TASK, Rank.SAMPLE, Rank.SAMPLE, Rank.BEAT, Rank.SET_POINT]
     for number, rank in enumerate(ranks, 1):
         exchange.put(Job(rank, notes, (write(number),)))
@@ -52,7 +52,7 @@ def test_the_most_urgent_goes_first_and_equals_in_their_order() -> None:
 
 
 def test_one_command_is_under_way_at_a_time() -> None:
-    notes, exchange = Notes(), Exchange("line")
+    notes, exchange = Notes(), LineExchange("line")
     exchange.put(Job(Rank.TASK, notes, (write(1), write(2))))
     assert exchange.go_on() == (command(write(1), "line"),)
     assert exchange.go_on() == ()
@@ -62,7 +62,7 @@ def test_one_command_is_under_way_at_a_time() -> None:
 def test_the_rest_of_an_job_follows_only_a_success() -> None:
     """A controlword must not make a target count that the drive did not take."""
     for answer in (done(write(1), 0x0609_0030), failed(write(1))):
-        notes, exchange = Notes(), Exchange("line")
+        notes, exchange = Notes(), LineExchange("line")
         job = Job(Rank.SET_POINT, notes, (write(1), write(2)))
         exchange.put(job)
         exchange.go_on()
@@ -72,7 +72,7 @@ def test_the_rest_of_an_job_follows_only_a_success() -> None:
 
 
 def test_a_dropped_job_ends_with_the_command_that_is_under_way() -> None:
-    notes, exchange = Notes(), Exchange("line")
+    notes, exchange = Notes(), LineExchange("line")
     job = Job(Rank.SET_POINT, notes, (write(1), write(2)))
     exchange.put(job)
     exchange.go_on()
@@ -81,7 +81,7 @@ def test_a_dropped_job_ends_with_the_command_that_is_under_way() -> None:
 
 
 def test_what_answers_nothing_is_ignored() -> None:
-    notes, exchange = Notes(), Exchange("line")
+    notes, exchange = Notes(), LineExchange("line")
     assert exchange.receive(done(write(1)), 0) == ()
     exchange.put(Job(Rank.TASK, notes, (ReadObject(0x6041, 0, 1),)))
     exchange.go_on()
@@ -90,7 +90,7 @@ def test_what_answers_nothing_is_ignored() -> None:
 
 
 def test_a_command_that_no_one_answers_for_ends_at_last() -> None:
-    notes, exchange = Notes(), Exchange("line")
+    notes, exchange = Notes(), LineExchange("line")
     exchange.put(Job(Rank.TASK, notes, (write(1),)))
     exchange.go_on()
     assert exchange.wake_at == PATIENCE
@@ -101,7 +101,7 @@ def test_a_command_that_no_one_answers_for_ends_at_last() -> None:
 
 
 def test_on_a_lost_line_everything_fails_and_nothing_leaves_until_it_is_back() -> None:
-    notes, exchange = Notes(), Exchange("line")
+    notes, exchange = Notes(), LineExchange("line")
     for number in (1, 2):
         exchange.put(Job(Rank.TASK, notes, (write(number),)))
     exchange.go_on()
@@ -131,7 +131,7 @@ EVENTS = st.lists(st.one_of(PUTS, st.sampled_from([*ANSWERS, *LINE])), max_size=
 def test_whatever_happens_every_job_ends_once_and_one_command_is_on_the_line(
     events: list[tuple[Rank, int] | str],
 ) -> None:
-    notes, exchange = Notes(), Exchange("line")
+    notes, exchange = Notes(), LineExchange("line")
     jobs: list[Job] = []
     on_line: list[Packet] = []
     for now, event in enumerate(events):

@@ -11,8 +11,8 @@ import pytest
 from firmware_bridge.drivers.epos2.serial.client import reading, writing
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.epos2.serial.line import MaxonLine
-from firmware_bridge.kinds import find
 from firmware_bridge.packet import Packet, Reaction
+from firmware_bridge.robot_types import find
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.maxon.frame import Generation
 from firmware_bridge.wire.maxon.messages import Request, SendNmtService

@@ -6,7 +6,7 @@ from firmware_bridge.drivers.epos2.scale import Scale
 from firmware_bridge.drivers.epos2.serial.feedback import SerialFeedback
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.units import MILLISECOND, Nanoseconds
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from hil_tests.unit.drivers.robots import RARS
 
 AXIS = RARS.axes[0]
@@ -43,7 +43,7 @@ def test_a_sample_is_whole_when_position_and_statusword_have_come(feedback: Seri
         CYCLE + 9 * MILLISECOND,
     )
     assert (feedback.state, feedback.statusword, feedback.operational) == (
-        State.OPERATION_ENABLED,
+        PowerState.OPERATION_ENABLED,
         ENABLED,
         True,
     )
@@ -90,7 +90,7 @@ def test_one_that_has_not_been_started_yet_has_not(feedback: SerialFeedback) -> 
     cycle(feedback, 1, 0, 0, NOT_REMOTE)
     assert not feedback.restarted
     cycle(feedback, 2, 0, 0, DISABLED)
-    assert (feedback.restarted, feedback.state) == (False, State.SWITCH_ON_DISABLED)
+    assert (feedback.restarted, feedback.state) == (False, PowerState.SWITCH_ON_DISABLED)
 
 
 def test_of_a_lost_line_nothing_is_known_any_more(feedback: SerialFeedback) -> None:
@@ -124,9 +124,9 @@ def test_after_a_lost_line_the_position_begins_again(feedback: SerialFeedback) -
 
 def test_a_drive_that_is_not_remote_any_more_has_lost_its_zero(feedback: SerialFeedback) -> None:
     cycle(feedback, 1, 100, MILLISECOND, word=ENABLED | REFERENCED)
-    assert not feedback.published().zero_lost
+    assert not feedback.published().reference_lost
     cycle(feedback, 2, 100, MILLISECOND, word=NOT_REMOTE | REFERENCED)
-    assert feedback.published().zero_lost
+    assert feedback.published().reference_lost
 
 
 def test_while_the_counter_is_set_no_way_is_a_motion(feedback: SerialFeedback) -> None:

@@ -6,13 +6,13 @@ import pytest
 
 from firmware_bridge.drivers.driver import Stop
 from firmware_bridge.drivers.epos2.serial.drive import Epos2OnSerial
-from firmware_bridge.drivers.epos2.serial.exchange import Exchange, Rank
+from firmware_bridge.drivers.epos2.serial.exchange import LineExchange, Rank
 from firmware_bridge.drivers.epos2.serial.feedback import ERROR_REGISTER, POSITION, STATUSWORD, ReadRow
 from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.kinds import find
 from firmware_bridge.packet import Packet
+from firmware_bridge.robot_types import find
 from firmware_bridge.wire.abort import AbortCode
-from firmware_bridge.wire.maxon.frame import Answered
+from firmware_bridge.wire.maxon.frame import MaxonAnswer
 from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, WriteObject
 from firmware_bridge.wire.maxon.opcodes import encode_answer
 from firmware_bridge.wire.maxon.packets import command, outcome_packet
@@ -25,7 +25,7 @@ class Line:
     """Steering and lift behind the gateway, and a cycle's reads of both."""
 
     def __init__(self) -> None:
-        self.exchange = Exchange("drives")
+        self.exchange = LineExchange("drives")
         self.steer, self.lift = (self.drive(node) for node in (STEER, LIFT))
         for row in (POSITION, STATUSWORD):
             for drive in (self.steer, self.lift):
@@ -40,7 +40,7 @@ class Line:
         """Answer a read; return what is sent then."""
         request = reads(node, row)
         answer = encode_answer(request, ObjectRead(error, bytes(4)))
-        return self.exchange.receive(outcome_packet(command(request).address, Answered(answer)), 0)
+        return self.exchange.receive(outcome_packet(command(request).address, MaxonAnswer(answer)), 0)
 
 
 def reads(node: int, row: ReadRow) -> ReadObject:

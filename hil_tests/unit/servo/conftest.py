@@ -14,6 +14,6 @@ def plant_library(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
 
 
 @pytest.fixture(scope="session")
-def native(tmp_path_factory: pytest.TempPathFactory) -> kernel.Found:
+def native(tmp_path_factory: pytest.TempPathFactory) -> kernel.KernelLibrary:
     """The kernel as its sources are now, whatever the package's build has left."""
     return kernel.load(compiled(tmp_path_factory.mktemp("kernel"), KERNEL, "-O2"))

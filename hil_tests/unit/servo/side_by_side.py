@@ -12,7 +12,7 @@ from emulators.servo import kernel
 from emulators.servo.axis import CURRENT, DIRECT, MOVE, POSITION, RAMP, TICK, TRAPEZOID, VELOCITY, ServoAxis
 from emulators.servo.bank import ServoBank, ServoError
 from emulators.servo.commands import brake, judge_again, regulate_position, regulate_velocity
-from emulators.servo.pins import Line
+from emulators.servo.pins import PinWire
 from emulators.servo.profile import stopping_distance
 from emulators.servo.record import FIELDS
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
@@ -37,7 +37,7 @@ SANE: Final = Settings(
     position_d=300,
 )
 MADE: Final = "a motor of the test"
-TWIN: Final = kernel.Found(None, "the other side")
+TWIN: Final = kernel.KernelLibrary(None, "the other side")
 
 
 def compiled(folder: Path, sources: Sequence[Path], *flags: str, compiler: str = COMPILERS[0]) -> Path:
@@ -171,7 +171,7 @@ def _move(axis: ServoAxis, order: Order) -> None:
 class Side:
     """One of the two: its plant, its axes, its bank."""
 
-    def __init__(self, plant: Motors, settings: tuple[Settings, ...], servo: kernel.Found) -> None:
+    def __init__(self, plant: Motors, settings: tuple[Settings, ...], servo: kernel.KernelLibrary) -> None:
         self.plant = plant
         self.axes = [ServoAxis(f"axis{k}", 4 * raw.encoder_pulses) for k, raw in enumerate(settings)]
         for axis, raw in zip(self.axes, settings, strict=True):
@@ -183,14 +183,14 @@ class Side:
         count = len(self.axes)
         supply = 3 * count
         # Whatever rises above 0.5 closes a switch: the currents in A, the speeds in rad/s.
-        switches = [Line(k, 1 << row, row * count + k) for k in range(count) for row in (0, 2)]
+        switches = [PinWire(k, 1 << row, row * count + k) for k in range(count) for row in (0, 2)]
         self.bank = ServoBank(
             plant,
             self.axes,
             supply=supply,
             analogue=("axis0", 6.0),
             input_lines=switches,
-            output_lines=[Line(k, 1 << k, count + k) for k in range(count)],
+            output_lines=[PinWire(k, 1 << k, count + k) for k in range(count)],
             servo=servo,
         )
 

@@ -48,7 +48,7 @@ Pair = Callable[..., tuple[Side, Side]]
 
 
 @pytest.fixture(scope="session")
-def pair(plant_library: ctypes.CDLL, native: kernel.Found) -> Pair:
+def pair(plant_library: ctypes.CDLL, native: kernel.KernelLibrary) -> Pair:
     def make(draw: Draw = tame, seed: int = 0, fmi: int = 3, noise: float = 0.02) -> tuple[Side, Side]:
         raw = [draw(np.random.default_rng([seed, axis])) for axis in range(COUNT)]
         twin, one = (
@@ -134,7 +134,9 @@ GAINS = ("current_p", "current_i", "position_p", "position_i", "position_d")
 
 
 @pytest.mark.parametrize("gain", GAINS)
-def test_one_bit_in_a_gain_is_caught(plant_library: ctypes.CDLL, native: kernel.Found, gain: str) -> None:
+def test_one_bit_in_a_gain_is_caught(
+    plant_library: ctypes.CDLL, native: kernel.KernelLibrary, gain: str
+) -> None:
     planted = replace(SANE, **{gain: getattr(SANE, gain) ^ 1})
     twin = Side(Motors(plant_library), (SANE,) * COUNT, TWIN)
     one = Side(Motors(plant_library), (SANE, planted, SANE, SANE), native)
@@ -184,11 +186,11 @@ BUILDS = [(compiler, level) for compiler in COMPILERS for level in ("-O0", "-O1"
 
 
 @pytest.fixture(scope="session")
-def reference(plant_library: ctypes.CDLL, native: kernel.Found) -> dict[Draw, str]:
+def reference(plant_library: ctypes.CDLL, native: kernel.KernelLibrary) -> dict[Draw, str]:
     return {draw: _digest(plant_library, native, draw) for draw in (tame, wild)}
 
 
-def _digest(plant: ctypes.CDLL, found: kernel.Found, draw: Draw) -> str:
+def _digest(plant: ctypes.CDLL, found: kernel.KernelLibrary, draw: Draw) -> str:
     raw = tuple(draw(np.random.default_rng([3, axis])) for axis in range(COUNT))
     return digest(Side(Motors(plant, seed=3), raw, found), 3, 150)
 

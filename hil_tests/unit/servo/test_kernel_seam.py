@@ -34,7 +34,7 @@ AXES = ("left", "right", "steer", "lift")
 
 
 @pytest.fixture(scope="module")
-def built(native: kernel.Found) -> dict[str, kernel.Found]:
+def built(native: kernel.KernelLibrary) -> dict[str, kernel.KernelLibrary]:
     return {"twin": TWIN, "native": native}
 
 
@@ -83,7 +83,7 @@ def test_an_axis_takes_64_bits_and_no_fractions() -> None:
 
 def test_a_library_from_other_sources_is_not_used(tmp_path: Path) -> None:
     other = compiled(tmp_path, KERNEL, "-O0", "-DSERVO_SOURCE=1")
-    assert kernel.load(other) == kernel.Found(
+    assert kernel.load(other) == kernel.KernelLibrary(
         None, "its kernel was built from other sources (install this package again)"
     )
     assert "cannot be loaded" in kernel.load(PLANT[0]).reason
@@ -91,7 +91,7 @@ def test_a_library_from_other_sources_is_not_used(tmp_path: Path) -> None:
 
 def test_the_environment_chooses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(kernel.VARIABLE, "twin")
-    assert kernel.choose() == kernel.Found(None, "the reference was requested")
+    assert kernel.choose() == kernel.KernelLibrary(None, "the reference was requested")
     monkeypatch.setenv(kernel.VARIABLE, "fast")
     with pytest.raises(ServoError, match="FIRMWARE_BRIDGE_SERVO=fast: say 'native', 'twin'"):
         kernel.choose()
@@ -100,13 +100,13 @@ def test_the_environment_chooses(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_kernel_that_is_requested_must_be_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(kernel, "find", lambda: kernel.Found(None, "its kernel was not built"))
+    monkeypatch.setattr(kernel, "find", lambda: kernel.KernelLibrary(None, "its kernel was not built"))
     assert kernel.choose("").reason == "its kernel was not built"
     with pytest.raises(ServoError, match="cannot serve: its kernel was not built"):
         kernel.choose("native")
 
 
-def test_a_plant_without_fmi_functions_is_stepped_by_the_twin(built: dict[str, kernel.Found]) -> None:
+def test_a_plant_without_fmi_functions_is_stepped_by_the_twin(built: dict[str, kernel.KernelLibrary]) -> None:
     bank = ServoBank(
         DcMotors((DcMotor(0.1, 1e-4, 0.04, 1e-4),)), [ServoAxis("one", 2000)], servo=built["native"]
     )
@@ -126,7 +126,7 @@ def test_a_plant_without_fmi_functions_is_stepped_by_the_twin(built: dict[str, k
 )
 def test_a_plant_that_fails_states_where_and_when(
     *,
-    built: dict[str, kernel.Found],
+    built: dict[str, kernel.KernelLibrary],
     plant_library: ctypes.CDLL,
     side: str,
     fmi: int,
@@ -144,7 +144,7 @@ def test_a_plant_that_fails_states_where_and_when(
 @pytest.mark.parametrize("side", ["twin", "native"])
 @pytest.mark.parametrize("failing", [WANTS_TO_END, STOPPED_SHORT])
 def test_a_plant_that_ends_its_simulation_is_not_stepped_on(
-    built: dict[str, kernel.Found], plant_library: ctypes.CDLL, side: str, failing: int
+    built: dict[str, kernel.KernelLibrary], plant_library: ctypes.CDLL, side: str, failing: int
 ) -> None:
     # FMI 3.0.1, 4.2.1: terminateSimulation, and earlyReturn, which no one has allowed.
     one = Side(Motors(plant_library, 3), (SANE,) * 4, built[side])
@@ -159,7 +159,11 @@ def test_a_plant_that_ends_its_simulation_is_not_stepped_on(
     ("replaced", "quantity"), [(0, "current"), (1, "angle"), (2, "speed"), (3, "supply")]
 )
 def test_what_is_no_measurement_is_refused_by_both_at_the_same_tick(
-    built: dict[str, kernel.Found], plant_library: ctypes.CDLL, replaced: int, quantity: str, value: float
+    built: dict[str, kernel.KernelLibrary],
+    plant_library: ctypes.CDLL,
+    replaced: int,
+    quantity: str,
+    value: float,
 ) -> None:
     stated, bits = [], []
     for found in built.values():
@@ -174,7 +178,7 @@ def test_what_is_no_measurement_is_refused_by_both_at_the_same_tick(
     assert bits[0] == bits[1] or value != value  # noqa: PLR0124 - not a number is not equal to itself
 
 
-def test_a_closed_plant_is_refused(built: dict[str, kernel.Found]) -> None:
+def test_a_closed_plant_is_refused(built: dict[str, kernel.KernelLibrary]) -> None:
     plant = FmuPlant(ensure("rars"), plant_inputs(AXES), plant_outputs(AXES))
     bank = ServoBank(plant, [ServoAxis(name, 2000) for name in AXES], servo=built["native"])
     bank.advance(MILLISECOND)
@@ -186,7 +190,7 @@ def test_a_closed_plant_is_refused(built: dict[str, kernel.Found]) -> None:
 
 @pytest.mark.long(keeps=["3"])
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_the_robots_plant_turns_alike_under_both(built: dict[str, kernel.Found], fmi: int) -> None:
+def test_the_robots_plant_turns_alike_under_both(built: dict[str, kernel.KernelLibrary], fmi: int) -> None:
     seen = []
     for found in built.values():
         with FmuPlant(

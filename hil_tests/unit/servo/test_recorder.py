@@ -35,7 +35,7 @@ def recorded(side: Side) -> list[tuple[object, ...]]:
 def test_both_record_the_same(
     *,
     plant_library: ctypes.CDLL,
-    native: kernel.Found,
+    native: kernel.KernelLibrary,
     seed: int,
     sources: tuple[str, ...],
     capacity: int,
@@ -62,7 +62,9 @@ def test_both_record_the_same(
             return
 
 
-def test_a_recorder_that_is_off_changes_nothing(plant_library: ctypes.CDLL, native: kernel.Found) -> None:
+def test_a_recorder_that_is_off_changes_nothing(
+    plant_library: ctypes.CDLL, native: kernel.KernelLibrary
+) -> None:
     on, off = (Side(Motors(plant_library), (SANE,) * COUNT, native) for _ in range(2))
     on.axes[0].recorder.start(on.axes[0], ("position",), capacity=8, period=3, preceding=0)
     power = Leg(tuple(Order(axis, kind, 0, 900, 900, 900) for axis in range(COUNT) for kind in (0, 1)), 500)

@@ -44,7 +44,7 @@ WIRES = st.builds(
 def test_whatever_is_wrong_both_notice_alike(
     *,
     plant_library: ctypes.CDLL,
-    native: kernel.Found,
+    native: kernel.KernelLibrary,
     seed: int,
     wires: list[SensorWires],
     pairs: tuple[int, int],
@@ -75,7 +75,9 @@ def test_whatever_is_wrong_both_notice_alike(
             return
 
 
-def test_every_finding_is_met_by_some_campaign(plant_library: ctypes.CDLL, native: kernel.Found) -> None:
+def test_every_finding_is_met_by_some_campaign(
+    plant_library: ctypes.CDLL, native: kernel.KernelLibrary
+) -> None:
     seen, draw = 0, np.random.default_rng(7)
     findings = (
         servo.ENCODER_BROKEN | servo.INDEX_LOST | servo.INDEX_DISTANCE_WRONG | servo.HALL_IMPOSSIBLE
@@ -122,7 +124,7 @@ def test_faults_are_rewound_with_everything_else() -> None:
 
 
 def test_a_forced_supply_is_what_its_axis_sees_and_no_other(
-    plant_library: ctypes.CDLL, native: kernel.Found
+    plant_library: ctypes.CDLL, native: kernel.KernelLibrary
 ) -> None:
     sides = [Side(Motors(plant_library, seed=3), (SANE,) * COUNT, each) for each in (TWIN, native)]
     for side in sides:

@@ -8,7 +8,7 @@ from emulators.servo import kernel
 from emulators.servo.axis import ServoAxis
 from emulators.servo.bank import ServoBank, ServoError
 from emulators.servo.motor import DcMotor, DcMotors
-from emulators.servo.pins import Line
+from emulators.servo.pins import PinWire
 from emulators.servo.sensor_lines import ANALOGUE_1, ANALOGUE_2, MASTER, sensor_lines, sensor_outputs
 from firmware_bridge.units import MILLISECOND
 from hil_tests.unit.servo.planned_orders import obey_planned
@@ -42,7 +42,7 @@ def test_the_names_and_what_they_are_wired_to() -> None:
         *("master_lift", "analogue_1_lift", "analogue_2_lift"),
     )
     found = sensor_lines(("current_lift", "analogue_2_left", "master_lift"), ("left", "lift"))
-    assert found == (Line(0, ANALOGUE_2, 1), Line(1, MASTER, 2))
+    assert found == (PinWire(0, ANALOGUE_2, 1), PinWire(1, MASTER, 2))
 
 
 def test_counts_are_whole_and_volts_are_millivolts() -> None:
@@ -68,7 +68,11 @@ def test_what_is_no_measurement_is_refused(place: int, value: float) -> None:
 
 def sides(library: ctypes.CDLL) -> tuple[Side, Side]:
     """Axis 0 is geared to the angle of axis 1, and axis 2 driven by volts that are the speed of axis 1."""
-    lines = (Line(0, MASTER, COUNT + 1), Line(2, ANALOGUE_2, 2 * COUNT + 1), Line(3, ANALOGUE_1, COUNT + 1))
+    lines = (
+        PinWire(0, MASTER, COUNT + 1),
+        PinWire(2, ANALOGUE_2, 2 * COUNT + 1),
+        PinWire(3, ANALOGUE_1, COUNT + 1),
+    )
     made = []
     for found in (TWIN, kernel.find()):
         side = Side(Motors(library), (SANE,) * COUNT, found)
@@ -100,7 +104,7 @@ def test_the_kernel_refuses_what_the_twin_refuses(plant_library: ctypes.CDLL) ->
     for side in sides(plant_library):
         side.plant.breaks(at=20, failing=4, replaced=1, replacement=1e30)
         side.bank = ServoBank(
-            side.plant, side.axes, input_lines=(Line(2, MASTER, COUNT),), servo=one_of(side.bank.native)
+            side.plant, side.axes, input_lines=(PinWire(2, MASTER, COUNT),), servo=one_of(side.bank.native)
         )
         stated.append(side.lives(Leg((), 100)))
     assert stated[0] == stated[1]
@@ -108,5 +112,5 @@ def test_the_kernel_refuses_what_the_twin_refuses(plant_library: ctypes.CDLL) ->
     assert "sensor of 'axis2'" in stated[0]
 
 
-def one_of(native: bool) -> kernel.Found:  # noqa: FBT001 - which of the two
+def one_of(native: bool) -> kernel.KernelLibrary:  # noqa: FBT001 - which of the two
     return kernel.find() if native else TWIN

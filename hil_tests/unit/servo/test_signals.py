@@ -11,7 +11,7 @@ from emulators.servo.axis import CURRENT_REACHED, RAMP, TICK, VELOCITY, ServoAxi
 from emulators.servo.bank import ServoBank, ServoError
 from emulators.servo.loops import millisecond
 from emulators.servo.motor import DcMotor, DcMotors
-from emulators.servo.pins import BRAKE_CLOSED, Line, input_lines, output_lines, pin_inputs, pin_outputs
+from emulators.servo.pins import BRAKE_CLOSED, PinWire, input_lines, output_lines, pin_inputs, pin_outputs
 from emulators.servo.scaling import acceleration_units, configure, speed_units
 from firmware_bridge.units import MILLISECOND, SECOND
 from fmu.build import ensure
@@ -95,11 +95,11 @@ def test_names_of_the_plants_switches() -> None:
     assert len(set(names)) == len(names) == 24
     assert names[:2] == ("pin_1_left", "pin_2_left")
     found = input_lines(("current_lift", "home_lift", "negative_limit_left", "pin_9_lift"), ("left", "lift"))
-    assert found == (Line(0, 1 << 5, 2), Line(1, 1 << 8, 3), Line(1, HOME, 1))
+    assert found == (PinWire(0, 1 << 5, 2), PinWire(1, 1 << 8, 3), PinWire(1, HOME, 1))
     assert "brake_lift" in pin_inputs(("lift",))
     assert output_lines(("voltage_lift", "output_2_lift", "brake_lift"), ("lift",)) == (
-        Line(0, 1 << 1, 1),
-        Line(0, BRAKE_CLOSED, 2),
+        PinWire(0, 1 << 1, 1),
+        PinWire(0, BRAKE_CLOSED, 2),
     )
 
 
@@ -112,7 +112,7 @@ class Bench(DcMotors):
         self.outputs.append(0.0)
 
     def bank(self, axis: ServoAxis) -> ServoBank:
-        return ServoBank(self, [axis], input_lines=(Line(0, HOME, 3),), output_lines=(Line(0, 2, 1),))
+        return ServoBank(self, [axis], input_lines=(PinWire(0, HOME, 3),), output_lines=(PinWire(0, 2, 1),))
 
 
 def test_a_watched_edge_ends_the_advance_in_the_millisecond_that_samples_it() -> None:
@@ -150,7 +150,7 @@ def test_a_switch_that_gives_no_number_is_refused(value: float) -> None:
         bank.advance(MILLISECOND)
 
 
-def single_axis(found: kernel.Found) -> tuple[FmuPlant, ServoAxis, ServoBank]:
+def single_axis(found: kernel.KernelLibrary) -> tuple[FmuPlant, ServoAxis, ServoBank]:
     plant = FmuPlant(
         ensure("single_axis"),
         ("voltage_axis",),
@@ -166,7 +166,7 @@ def single_axis(found: kernel.Found) -> tuple[FmuPlant, ServoAxis, ServoBank]:
 
 @pytest.mark.parametrize("native", [False, True])
 def test_the_fmus_switches_reach_the_pins_where_its_load_stands(*, native: bool) -> None:
-    found = kernel.find() if native else kernel.Found(None, "the twin")
+    found = kernel.find() if native else kernel.KernelLibrary(None, "the twin")
     plant, axis, bank = single_axis(found)
     with plant:
         assert bank.native == native

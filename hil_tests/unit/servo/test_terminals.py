@@ -8,7 +8,7 @@ import pytest
 
 from emulators.arduino_omni.mega import motor_library as library
 from emulators.arduino_omni.mega.pins import ENCODER_PINS
-from emulators.arduino_omni.motors import Load, Motors
+from emulators.arduino_omni.motors import MotorLoad, Motors
 from emulators.arduino_omni.shield.motor_shield import PORTS, MotorShield
 from emulators.arduino_omni.shield.pca9685 import AI, ALLCALL, MODE1, SLEEP
 from emulators.servo import kernel, terminals
@@ -18,7 +18,7 @@ from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 from fmu.errors import PlantError
 from hil_tests.unit.servo import side_by_side
 
-COMMANDS = tuple(library.Run)
+COMMANDS = tuple(library.RunArgument)
 NAMES = ("M1", "M2", "M3", "M4")
 ANGLE = 1
 SUPPLY = 12
@@ -31,7 +31,7 @@ class Bench:
     def __init__(self, plant: side_by_side.Motors, counts_per_turn: int, supply: int | None) -> None:
         self.plant = plant
         self.shield = MotorShield()
-        load = Load(plant, NAMES, (0.04, 0.03, 0.05, 0.04), supply, counts_per_turn=counts_per_turn)
+        load = MotorLoad(plant, NAMES, (0.04, 0.03, 0.05, 0.04), supply, counts_per_turn=counts_per_turn)
         self.motors = Motors(self.shield, load)
         self.now: Nanoseconds = 0
         self.write(bytes((MODE1, AI | ALLCALL)))
@@ -59,7 +59,7 @@ class Bench:
 
 
 @pytest.fixture
-def both(plant_library: ctypes.CDLL, native: kernel.Found, monkeypatch: pytest.MonkeyPatch) -> Any:
+def both(plant_library: ctypes.CDLL, native: kernel.KernelLibrary, monkeypatch: pytest.MonkeyPatch) -> Any:
     def make(counts_per_turn: int = 48, supply: int | None = SUPPLY, fmi: int = 3) -> tuple[Bench, Bench]:
         made = []
         for found in (native, side_by_side.TWIN):
@@ -116,7 +116,7 @@ def test_a_plant_that_fails_is_named_alike_at_the_same_tick(
 ) -> None:
     stated = []
     for it in both(fmi=fmi):
-        it.drive(0, 200, library.Run.FORWARD)
+        it.drive(0, 200, library.RunArgument.FORWARD)
         it.run(5 * TICK + 30 * MICROSECOND)
         it.plant.breaks(33, failing, ANGLE, value)
         with pytest.raises(error) as refusal:

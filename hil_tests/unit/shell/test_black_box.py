@@ -11,7 +11,7 @@ from firmware_bridge.cli.drive import texts_of
 from firmware_bridge.node import CAN, OPERATOR, SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import Direction, device_side, parse_candump, parse_chunk, parse_tlog
-from firmware_bridge.safety.row import Severity
+from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.shell.black_box import (
     CAN_LOG,
     CAPTURE_LOG,

@@ -16,7 +16,7 @@ from firmware_bridge.shell.ports import PortError, open_can
 from firmware_bridge.units import SECOND
 
 pytestmark = pytest.mark.alone
-KIND = "loopback_multicast"
+ROBOT_TYPE = "loopback_multicast"
 ONE, OTHER = "239.74.163.40", "239.74.163.41"
 SAME_PORT = "239.74.164.40"
 RECEIVED_S = 2.0
@@ -26,7 +26,7 @@ QUIET_S = 0.05
 @pytest.fixture
 def joined() -> Iterator[Callable[[str], can.BusABC]]:
     with ExitStack() as stack:
-        yield lambda group: stack.enter_context(can.Bus(interface=KIND, channel=group))
+        yield lambda group: stack.enter_context(can.Bus(interface=ROBOT_TYPE, channel=group))
 
 
 def frame(number: int, data: bytes = b"\x0f\0") -> can.Message:
@@ -85,7 +85,7 @@ def test_a_frame_from_another_address_is_not_taken(joined: Callable[[str], can.B
 def test_the_bridge_opens_it_by_its_name_and_a_foreign_node_talks_to_it(
     joined: Callable[[str], can.BusABC],
 ) -> None:
-    foreign_node, port, clock = joined(ONE), open_can(KIND, ONE), Clock()
+    foreign_node, port, clock = joined(ONE), open_can(ROBOT_TYPE, ONE), Clock()
     foreign_node.send(frame(0x601, b"\x40\0\x10\0\0\0\0\0"))
     assert clock.wait([port.fileno()], SECOND)
     assert port.read(0) == [(0x601, b"\x40\0\x10\0\0\0\0\0")]
@@ -108,4 +108,4 @@ def test_plain_datagrams_that_cannot_be_opened_are_reported_with_the_systems_rea
 @pytest.mark.parametrize("channel", ["127.0.0.1", "vcan0", "ff15::1"])
 def test_what_is_no_group_is_refused_with_one_that_is(channel: str) -> None:
     with pytest.raises(PortError, match=f"channel {channel} is no multicast group of IPv4; one is 239"):
-        open_can(KIND, channel)
+        open_can(ROBOT_TYPE, channel)

@@ -16,11 +16,11 @@ from firmware_bridge.drivers.shield.motor import ShieldMotor
 from firmware_bridge.drivers.shield.plan import MOST, ShieldPlanError, fitting_plan, shield_plan
 from firmware_bridge.drivers.shield.regulator import Pwm, Ticks
 from firmware_bridge.drivers.shield.stops import stop_steps
-from firmware_bridge.kinds import find
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.robot.settings.shield import ShieldProtocol
+from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 ROME: Final = find("rome")

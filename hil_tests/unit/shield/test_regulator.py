@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from firmware_bridge.drivers.shield.fleet import over_protocol
 from firmware_bridge.drivers.shield.regulator import Pwm, Ticks
-from firmware_bridge.kinds import find
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard.shield import GuardedMotor
 from firmware_bridge.safety.guard.shield_words import Inputs
 from firmware_bridge.units import MILLISECOND, Nanoseconds

@@ -11,8 +11,8 @@ from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.saved_parameters import is_parameter
 from emulators.fittings import Encoder, FittingError, encoder, gear
 from emulators.motors import MotorError, catalogue, motor
-from emulators.mounted import Load, Mounted
-from emulators.single import Order, drives
+from emulators.mounted import Mounted, ShaftLoad
+from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.cli import program
@@ -44,7 +44,7 @@ class Came(NamedTuple):
 def turned(mounted: Mounted, settings: dict[Address, int]) -> Came:
     """Set a drive up, and have it turn in profile velocity mode with its default gains."""
     warnings: list[str] = []
-    made, bank = drives(Order((1,), PROFILES["70/10"], 1_000_000, mounted=mounted), warnings.append)
+    made, bank = drives(DrivesOrder((1,), PROFILES["70/10"], 1_000_000, mounted=mounted), warnings.append)
     world, wire = World(bank), CanWire(1_000_000)
     writes = [(0x000, "0100"), *(_write(*each) for each in (settings | {at.MODE: 3}).items())]
     writes += [(0x201, "0600"), (0x201, "0F00"), (0x501, "0F00" + RPM.to_bytes(4, "little").hex())]
@@ -172,18 +172,18 @@ def test_a_part_of_a_gears_name_that_several_have_lists_them() -> None:
 
 
 def test_the_gears_own_inertia_is_at_the_motors_shaft() -> None:
-    assert Mounted(gear=26.0, gear_inertia=8e-8, load=Load(0.1, 0.0)).shaft.inertia == pytest.approx(
+    assert Mounted(gear=26.0, gear_inertia=8e-8, load=ShaftLoad(0.1, 0.0)).shaft.inertia == pytest.approx(
         8e-8 + 0.1 / 26.0**2
     )
 
 
 def test_the_load_is_seen_through_the_gear() -> None:
-    shaft = Mounted(motor=RE_40, gear=26.0, load=Load(0.1, 2.6)).shaft
+    shaft = Mounted(motor=RE_40, gear=26.0, load=ShaftLoad(0.1, 2.6)).shaft
     assert shaft.inertia == pytest.approx(142e-7 + 0.1 / 676)
     # The no-load current's torque, 0.137 A x 30.2 mN m/A, and a 26th of the load's.
     assert shaft.friction == pytest.approx(0.137 * 0.0302 + 0.1)
     assert Mounted(motor=RE_40).shaft.inertia == pytest.approx(142e-7)
-    assert Mounted(load=Load(5e-5, 0.002)).shaft.inertia == 5e-5
+    assert Mounted(load=ShaftLoad(5e-5, 0.002)).shaft.inertia == 5e-5
 
 
 def test_every_motor_of_the_catalogue_fits_its_published_figures() -> None:
@@ -227,7 +227,7 @@ def test_a_configuration_file_is_what_the_drive_begins_with(tmp_path: Path) -> N
         key: value for key, value in values.items() if key != at.STATUSWORD
     }
     made, _ = drives(
-        Order(
+        DrivesOrder(
             (5,),
             PROFILES["70/10"],
             1_000_000,

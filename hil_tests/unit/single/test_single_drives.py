@@ -11,7 +11,7 @@ from emulators.servo.axis import RAMP, TICK, ServoAxis
 from emulators.servo.commands import regulate_velocity
 from emulators.servo.fmu_axes import set_motor
 from emulators.servo.scaling import Settings, acceleration_units, configure, speed_units
-from emulators.single import Order, drives
+from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire
 from emulators.world import World
 from firmware_bridge.cli import program
@@ -44,7 +44,7 @@ def refused(*words: str) -> str:
 
 @pytest.mark.parametrize("name", PROFILES)
 def test_a_drive_of_any_type_turns_its_motor_with_its_default_gains(name: str) -> None:
-    made, bank = drives(Order((1,), PROFILES[name], 1_000_000))
+    made, bank = drives(DrivesOrder((1,), PROFILES[name], 1_000_000))
     world, wire = World(bank), CanWire(1_000_000)
     drive = made["motor1"]
     master = Player(*((SECOND // 10 * k, Packet(CAN, a, bytes.fromhex(b))) for k, (a, b) in enumerate(MOVE)))
@@ -56,20 +56,20 @@ def test_a_drive_of_any_type_turns_its_motor_with_its_default_gains(name: str) -
 
 
 def test_eight_drives_have_serial_numbers_of_their_own() -> None:
-    made, _ = drives(Order(range(1, 9), PROFILES["70/10"], 1_000_000))
+    made, _ = drives(DrivesOrder(range(1, 9), PROFILES["70/10"], 1_000_000))
     assert [drive.node_id for drive in made.values()] == list(range(1, 9))
     assert len({drive.profile.serial_number for drive in made.values()}) == 8
 
 
 def test_the_axes_of_an_fmu_are_taken_by_their_names() -> None:
-    order = Order((3, 4), PROFILES["70/10"], 1_000_000, plant=ensure("rars"), axes=("left", "right"))
+    order = DrivesOrder((3, 4), PROFILES["70/10"], 1_000_000, plant=ensure("rars"), axes=("left", "right"))
     made, bank = drives(order)
     assert list(made) == ["left", "right"]
     assert bank.advance(SECOND // 100) == (SECOND // 100, ())
 
 
 def test_parameters_are_kept_in_a_file_for_each_node(tmp_path: Path) -> None:
-    order = Order((2,), PROFILES["70/10"], 1_000_000, parameters=tmp_path)
+    order = DrivesOrder((2,), PROFILES["70/10"], 1_000_000, parameters=tmp_path)
     (drive,) = drives(order)[0].values()
     drive.wake(0)
     drive.receive(Packet(CAN, 0x602, bytes.fromhex("2310100173617665")), 0)
@@ -123,7 +123,7 @@ def test_a_robot_is_still_emulated_by_its_name_alone_options_in_front_or_behind(
 
 
 def test_parameters_of_the_plant_are_set_by_name() -> None:
-    order = Order(
+    order = DrivesOrder(
         (1,),
         PROFILES["70/10"],
         1_000_000,
@@ -143,7 +143,7 @@ def test_a_parameter_needs_a_plant_and_a_value(tmp_path: Path) -> None:
 
 
 def test_an_axis_is_reported_its_motor_by_the_plant_and_learns_only_what_the_plant_does_not_report() -> None:
-    order = Order((1,), PROFILES["70/10"], 1_000_000, plant=ensure("single_axis"), axes=("axis",))
+    order = DrivesOrder((1,), PROFILES["70/10"], 1_000_000, plant=ensure("single_axis"), axes=("axis",))
     made, bank = drives(order)
     assert made
     (axis,) = bank.axes
@@ -167,7 +167,7 @@ def test_an_axis_is_reported_its_motor_by_the_plant_and_learns_only_what_the_pla
 @pytest.mark.parametrize("rpm", [1500, -1500])
 def test_the_kernel_s_open_winding_carries_no_current_above_a_plant_in_c(rpm: int) -> None:
     """Same as in the reference implementation above motors in Python: here above an FMU's own equations."""
-    order = Order((1,), PROFILES["70/10"], 1_000_000, plant=ensure("single_axis"), axes=("axis",))
+    order = DrivesOrder((1,), PROFILES["70/10"], 1_000_000, plant=ensure("single_axis"), axes=("axis",))
     _, bank = drives(order)
     (axis,) = bank.axes
     assert bank.native

@@ -3,7 +3,8 @@ import pytest
 
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.slow_link.conditions import Conditions, ConditionsError, Way, conditions
+from firmware_bridge.slow_link.conditions import Conditions, ConditionsError, conditions
+from firmware_bridge.slow_link.conditions import LinkDirection as Direction
 from firmware_bridge.slow_link.node import Pipe, SlowLink, before_operator, before_robot
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, to_seconds
 
@@ -34,7 +35,7 @@ def chance(stream: int = 0) -> np.random.Generator:
     return np.random.default_rng([7, stream])
 
 
-def carried(way: Way, count: int, every: Nanoseconds, size: int = 10) -> list[tuple[Nanoseconds, int]]:
+def carried(way: Direction, count: int, every: Nanoseconds, size: int = 10) -> list[tuple[Nanoseconds, int]]:
     """Send numbered packets; return when which of them arrive."""
     pipe, came = Pipe(way, chance()), []
     for number in range(count):
@@ -47,13 +48,13 @@ def carried(way: Way, count: int, every: Nanoseconds, size: int = 10) -> list[tu
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("delay=0.5", Conditions(Way(delay=250 * MILLISECOND), Way(delay=250 * MILLISECOND))),
-        ("up.delay=0.5", Conditions(Way(delay=500 * MILLISECOND))),
-        ("down.delay=0.1, delay=1", Conditions(Way(delay=SECOND // 2), Way(delay=SECOND // 10))),
-        ("jitter=0.1", Conditions(Way(jitter=SECOND // 10), Way(jitter=SECOND // 10))),
-        ("up.loss=0.2,up.burst=3", Conditions(Way(loss=0.2, burst=3.0))),
+        ("delay=0.5", Conditions(Direction(delay=250 * MILLISECOND), Direction(delay=250 * MILLISECOND))),
+        ("up.delay=0.5", Conditions(Direction(delay=500 * MILLISECOND))),
+        ("down.delay=0.1, delay=1", Conditions(Direction(delay=SECOND // 2), Direction(delay=SECOND // 10))),
+        ("jitter=0.1", Conditions(Direction(jitter=SECOND // 10), Direction(jitter=SECOND // 10))),
+        ("up.loss=0.2,up.burst=3", Conditions(Direction(loss=0.2, burst=3.0))),
         ("down.duplicate=1,down.bandwidth=9600,down.queue=2",
-         Conditions(down=Way(duplicate=1.0, bandwidth=9600.0, queue=2 * SECOND))),
+         Conditions(down=Direction(duplicate=1.0, bandwidth=9600.0, queue=2 * SECOND))),
     ],
 )  # fmt: skip
 def test_a_links_words_are_read(text: str, expected: Conditions) -> None:
@@ -99,7 +100,7 @@ def test_before_an_operator_up_is_what_he_states() -> None:
 
 
 def test_without_conditions_nothing_is_changed() -> None:
-    link = SlowLink(Echo(), OPERATOR, into=Pipe(Way(), chance()), out=Pipe(Way(), chance()))
+    link = SlowLink(Echo(), OPERATOR, into=Pipe(Direction(), chance()), out=Pipe(Direction(), chance()))
     bare, word = Echo(), Packet(OPERATOR, 0, b"go")
     assert link.receive(word, 5) == bare.receive(word, 5)
     assert link.wake(SECOND) == bare.wake(SECOND)
@@ -115,7 +116,7 @@ def test_the_last_word_goes_the_slow_way_and_what_comes_then_is_received_by_no_o
 
 
 def test_a_jitter_stays_within_its_bound_and_lets_packets_overtake() -> None:
-    came = carried(Way(delay=100 * MILLISECOND, jitter=50 * MILLISECOND), 400, 10 * MILLISECOND)
+    came = carried(Direction(delay=100 * MILLISECOND, jitter=50 * MILLISECOND), 400, 10 * MILLISECOND)
     late = [at - number * 10 * MILLISECOND for at, number in came]
     assert 100 * MILLISECOND <= min(late) < 103 * MILLISECOND
     assert 147 * MILLISECOND < max(late) <= 150 * MILLISECOND
@@ -124,7 +125,7 @@ def test_a_jitter_stays_within_its_bound_and_lets_packets_overtake() -> None:
 
 @pytest.mark.parametrize(("burst", "in_a_row"), [(0.0, 1.25), (1.0, 1.0), (5.0, 5.0)])
 def test_losses_have_their_share_and_their_length(burst: float, in_a_row: float) -> None:
-    came = {number for _, number in carried(Way(loss=0.2, burst=burst), 20_000, 1)}
+    came = {number for _, number in carried(Direction(loss=0.2, burst=burst), 20_000, 1)}
     lost = [number not in came for number in range(20_000)]
     begins = sum(now and not before for before, now in zip([False, *lost], lost, strict=False))
     assert sum(lost) / 20_000 == pytest.approx(0.2, rel=0.1)
@@ -132,20 +133,20 @@ def test_losses_have_their_share_and_their_length(burst: float, in_a_row: float)
 
 
 def test_a_duplicate_comes_twice_and_each_has_its_own_jitter() -> None:
-    came = carried(Way(jitter=SECOND, duplicate=1.0), 20, SECOND)
+    came = carried(Direction(jitter=SECOND, duplicate=1.0), 20, SECOND)
     assert sorted(number for _, number in came) == sorted([*range(20), *range(20)])
     assert len({at for at, _ in came}) == 40
 
 
 def test_a_narrow_link_sends_one_after_the_other_and_loses_what_would_wait_too_long() -> None:
     # 96 bytes at 9,600 bit/s with start and stop bits take 100 ms; one comes each 50 ms.
-    came = carried(Way(bandwidth=9_600.0, queue=200 * MILLISECOND), 10, 50 * MILLISECOND, size=96)
+    came = carried(Direction(bandwidth=9_600.0, queue=200 * MILLISECOND), 10, 50 * MILLISECOND, size=96)
     assert [at // MILLISECOND for at, _ in came] == [100, 200, 300, 400, 500, 600, 700]
     assert [number for _, number in came] == [0, 1, 2, 3, 4, 6, 8]
 
 
 def test_one_seed_is_one_run_and_one_key_more_leaves_the_others_chance() -> None:
-    lossy = Way(loss=0.3)
+    lossy = Direction(loss=0.3)
     assert carried(lossy, 100, 1) == carried(lossy, 100, 1)
-    slow = carried(Way(loss=0.3, jitter=5, duplicate=0.5), 100, 1)
+    slow = carried(Direction(loss=0.3, jitter=5, duplicate=0.5), 100, 1)
     assert {number for _, number in slow} == {number for _, number in carried(lossy, 100, 1)}

@@ -5,16 +5,24 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, Generic, TypeVar
 
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.drivers.driver import Feedback, Power, Reading
-from firmware_bridge.intent import NEVER_RECEIVED, Arm, Disarm, EmergencyStop, EnterMode, Request, Verdict
+from firmware_bridge.intent import (
+    NEVER_RECEIVED,
+    Answer,
+    Arm,
+    Disarm,
+    EmergencyStop,
+    EnterMode,
+    Request,
+)
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot, Table
-from firmware_bridge.robots.rars.geometry import Geometry
-from firmware_bridge.robots.rars.motion import Motion, State
+from firmware_bridge.robots.rars.geometry import RarsGeometry
+from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.robots.rars.station import STATION
-from firmware_bridge.safety.row import Row, Severity
-from firmware_bridge.safety.snapshot import Facts, Hold, Snapshot
+from firmware_bridge.safety.interlock_base import InterlockBase, Severity
+from firmware_bridge.safety.snapshot import ActiveInterlock, Facts, Snapshot
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.teleop.session import EVERYBODY
@@ -29,9 +37,9 @@ S = TypeVar("S")
 CYCLE = 50 * MILLISECOND
 
 
-def hold(name: str, reason: str, remedy: str = "", severity: Severity = Severity.WARNING) -> Hold:
+def hold(name: str, reason: str, remedy: str = "", severity: Severity = Severity.WARNING) -> ActiveInterlock:
     """Return a hold that began at once."""
-    return Hold(name, reason, Row(name, remedy, severity=severity), 0)
+    return ActiveInterlock(name, reason, InterlockBase(name, remedy, severity=severity), 0)
 
 
 @dataclass
@@ -50,7 +58,7 @@ class Bench(Generic[G, M, S]):
     station: Codec = field(default_factory=lambda: Codec(255, 190))
     now: Nanoseconds = 0
     requested: list[Request] = field(default_factory=list)
-    verdict: Verdict | None = None
+    verdict: Answer | None = None
     trust: Trust = EVERYBODY
     received: list[Any] = field(default_factory=list)
     """All reported messages."""
@@ -80,9 +88,9 @@ class Bench(Generic[G, M, S]):
         """The operator's present command."""
         return self.operator.intent.command
 
-    def decide(self, request: Request) -> Verdict:
+    def decide(self, request: Request) -> Answer:
         self.requested.append(request)
-        verdict = self.verdict or Verdict(accepted=True, reason="")
+        verdict = self.verdict or Answer(accepted=True, reason="")
         if verdict.accepted:
             match request:
                 case Arm():
@@ -109,7 +117,7 @@ class Bench(Generic[G, M, S]):
             facts=self.facts, command=self.command, demanded=self.rest, body=self.body, pose=self.pose
         )
 
-    def report(self, *holds: Hold) -> list[Any]:
+    def report(self, *holds: ActiveInterlock) -> list[Any]:
         """Let a cycle pass; return the messages that the station receives of it."""
         self.now += CYCLE
         self.facts = replace(self.facts, now=self.now, received_at=self.operator.intent.received_at)
@@ -185,20 +193,20 @@ def standing(axis: str) -> Feedback:
     return Feedback(axis, Power.ON, received_at=0, sampled_at=0, current_a=0.0)
 
 
-class RarsBench(Bench[Geometry, Motion, State]):
+class RarsBench(Bench[RarsGeometry, RarsMotion, RarsState]):
     """RARS and its operator."""
 
 
 @cache
-def rars_file() -> Robot[Geometry]:
+def rars_file() -> Robot[RarsGeometry]:
     """Return RARS's robot file, read once."""
-    return kinds.find("rars")
+    return robot_types.find("rars")
 
 
 def rars() -> RarsBench:
     """Return RARS, standing, lift collapsed."""
-    body = State(steer_rad=0.0, lift_m=0.0, screw_rad_s=0.0, speed_mps=0.0, yaw_rate_rad_s=0.0)
-    return RarsBench(rars_file(), STATION, Motion(), body, ("left", "right"))
+    body = RarsState(steer_rad=0.0, lift_m=0.0, screw_rad_s=0.0, speed_mps=0.0, yaw_rate_rad_s=0.0)
+    return RarsBench(rars_file(), STATION, RarsMotion(), body, ("left", "right"))
 
 
 def acks(messages: list[Any]) -> list[tuple[int, int]]:
@@ -208,6 +216,6 @@ def acks(messages: list[Any]) -> list[tuple[int, int]]:
 
 def bench_of(name: str) -> Bench[Any, Any, Any]:
     """Return a bench of an installed robot, whose kinematic model reports nothing."""
-    robot = kinds.find(name)
-    kind = kinds.kind_of(robot)
+    robot = robot_types.find(name)
+    kind = robot_types.robot_type_of(robot)
     return Bench(robot, kind.station, kind.rest, None, ())

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import pytest
+from hil_tests.unit.teleop.timestamped import BEAT, HERE, NOW, QUESTIONS, THERE, Station, age_of, driving
 
 from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, Pause, Resume
 from firmware_bridge.robot import UnknownAge
@@ -14,7 +15,6 @@ from firmware_bridge.teleop.round_trips import EVERY, LOSS_OVER, MOST_OPEN, Loss
 from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.bench import CYCLE, rars, target_message
-from hil_tests.unit.teleop.dated import BEAT, HERE, NOW, QUESTIONS, THERE, Station, age_of, driving
 from hil_tests.unit.teleop.received import texts
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ KEY = bytes(range(32))
 
 
 def test_there_is_a_row_for_each_way_to_report_the_best_first() -> None:
-    assert [row.dated for row in ROWS] == [True, True, False, False, False]
+    assert [row.timestamped for row in ROWS] == [True, True, False, False, False]
 
 
 def test_only_who_drives_is_requested_and_twice_a_second() -> None:
@@ -57,8 +57,8 @@ def test_a_set_points_time_reports_its_age_by_timesync(ahead: int, late_ms: int)
     station = driving(ahead=ahead + 100 * SECOND)
     station.late = late_ms * MILLISECOND
     station.goes()
-    age, dated = age_of(station)
-    assert dated
+    age, timestamped = age_of(station)
+    assert timestamped
     assert age == pytest.approx(late_ms / 1000, abs=0.003)
 
 
@@ -100,9 +100,9 @@ def test_a_timesync_that_runs_behind_the_set_points_makes_no_word_younger(
     assert age_of(station) == (pytest.approx(0.0, abs=0.003), False)
     station.late = (behind_ms + less_ms) * MILLISECOND
     station.goes()
-    age, dated = age_of(station)
+    age, timestamped = age_of(station)
     assert age == pytest.approx((behind_ms + less_ms) / 1000, abs=0.003)
-    assert dated is (behind_ms < 500), "what differs by more than a word may be old dates nothing"
+    assert timestamped is (behind_ms < 500), "what differs by more than a word may be old dates nothing"
 
 
 def test_clocks_that_disagree_are_reported_once() -> None:

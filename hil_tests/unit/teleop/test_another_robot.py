@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_bridge.intent import EmergencyStop, EnterMode, Pause, Verdict
+from firmware_bridge.intent import Answer, EmergencyStop, EnterMode, Pause
 from firmware_bridge.motion.pose import Pose
-from firmware_bridge.safety.row import Severity
+from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.teleop.manual_control import UNUSED
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.station import Actuator, Fixed, Station, Switch, Value
@@ -201,7 +201,7 @@ def test_modes_that_it_lacks_are_denied(bench: ToyBench, number: float) -> None:
 
 
 def test_a_refused_mode_keeps_its_reason(bench: ToyBench) -> None:
-    bench.verdict = Verdict(accepted=False, reason="disarm first", temporary=True)
+    bench.verdict = Answer(accepted=False, reason="disarm first", temporary=True)
     replies = bench.order(176, 1, 1)
     assert (acks(replies), texts(replies)) == ([(176, 1)], ["disarm first"])
 

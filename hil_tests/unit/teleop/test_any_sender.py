@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from firmware_bridge.intent import NEVER_RECEIVED, Verdict
-from firmware_bridge.robots.rars.motion import Motion
+from firmware_bridge.intent import NEVER_RECEIVED, Answer
+from firmware_bridge.robots.rars.motion import RarsMotion
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from hil_tests.lanes import examples
 from hil_tests.unit.teleop.bench import rars
@@ -36,7 +36,7 @@ def test_sticks_for_us(bench: RarsBench, target: int) -> None:
 
 def test_sticks_for_others(bench: RarsBench) -> None:
     bench.stick(x=100, target=2)
-    assert (bench.command, bench.operator.intent.received_at) == (Motion(), NEVER_RECEIVED)
+    assert (bench.command, bench.operator.intent.received_at) == (RarsMotion(), NEVER_RECEIVED)
     assert bench.operator.dropped.foreign == 1
 
 
@@ -80,7 +80,7 @@ def test_whatever_foreign_nodes_send_is_answered_without_an_exception(
         crc.accumulate(bytes([dialect.mavlink_map[number].crc_extra]))
         datagram += b"\xfd" + body + crc.crc.to_bytes(2, "little") + junk
     station = Codec(255, 190)
-    for reply in operator.receive(datagram, 5, lambda _: Verdict(accepted=False, reason="no")):
+    for reply in operator.receive(datagram, 5, lambda _: Answer(accepted=False, reason="no")):
         [_] = station.decode(reply.payload)
 
 
@@ -95,6 +95,6 @@ floats = st.floats(width=32)
 def test_every_command_has_exactly_one_answer(command: int, params: tuple[float, ...]) -> None:
     operator, station = rars().operator, Codec(255, 190)
     order = station.encode(dialect.MAVLink_command_long_message(1, 1, command, 0, *params))
-    replies = operator.receive(order, 5, lambda _: Verdict(accepted=True, reason=""))
+    replies = operator.receive(order, 5, lambda _: Answer(accepted=True, reason=""))
     answers = [message for reply in replies for message in station.decode(reply.payload)]
     assert [one.command for one in answers if one.get_type() == "COMMAND_ACK"] == [command]

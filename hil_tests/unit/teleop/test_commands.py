@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from firmware_bridge.intent import (
+    Answer,
     Arm,
     ChangeDriver,
     ClearEmergencyStop,
@@ -19,7 +20,6 @@ from firmware_bridge.intent import (
     Request,
     ResetOdometry,
     Resume,
-    Verdict,
 )
 from firmware_bridge.teleop.commands import ROWS
 from firmware_bridge.teleop.mavlink import dialect
@@ -117,13 +117,16 @@ def test_every_row_is_tested_here() -> None:
 @pytest.mark.parametrize(
     ("verdict", "result"),
     [
-        (Verdict(accepted=True, reason="armed"), ACCEPTED),
-        (Verdict(accepted=False, reason="the emergency stop is latched"), DENIED),
-        (Verdict(accepted=False, reason="enabling the drives again", temporary=True), TEMPORARILY_REJECTED),
+        (Answer(accepted=True, reason="armed"), ACCEPTED),
+        (Answer(accepted=False, reason="the emergency stop is latched"), DENIED),
+        (
+            Answer(accepted=False, reason="enabling the drives again", temporary=True),
+            TEMPORARILY_REJECTED,
+        ),
     ],
 )
 def test_the_bridges_verdict_and_its_reason_reach_the_operator(
-    bench: RarsBench, verdict: Verdict, result: int
+    bench: RarsBench, verdict: Answer, result: int
 ) -> None:
     bench.verdict = verdict
     replies = bench.order(400, 1)
@@ -335,7 +338,7 @@ def test_old_mode_messages_are_answered_under_their_own_number(bench: RarsBench)
 
 
 def test_a_mode_that_cannot_be_entered_now_stops_the_robot_nevertheless(bench: RarsBench) -> None:
-    bench.verdict = Verdict(accepted=False, reason="mode: stop and disarm first", temporary=True)
+    bench.verdict = Answer(accepted=False, reason="mode: stop and disarm first", temporary=True)
     assert acks(bench.order(176, 1, 0)) == [(176, TEMPORARILY_REJECTED)]
     assert bench.requested == [EnterMode(""), Pause()]
 

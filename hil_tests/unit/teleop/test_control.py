@@ -9,12 +9,12 @@ import pytest
 
 from firmware_bridge.intent import (
     NEVER_RECEIVED,
+    Answer,
     Arm,
     ChangeDriver,
     ClearEmergencyStop,
     Disarm,
     EmergencyStop,
-    Verdict,
 )
 from firmware_bridge.teleop.commands import ROWS
 from firmware_bridge.teleop.control import LAPSES_AFTER, Sender
@@ -77,7 +77,7 @@ def reported(bench: RarsBench) -> str:
 
 
 def test_who_is_denied_to_arm_does_not_drive(bench: RarsBench) -> None:
-    bench.verdict = Verdict(accepted=False, reason="no")
+    bench.verdict = Answer(accepted=False, reason="no")
     assert Hand(bench, HERE).result(ARM, 1) == DENIED
     assert drives(bench) is None
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from firmware_bridge.intent import AgeLimit
-from firmware_bridge.safety.row import Severity
+from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.teleop.age import Ages
-from firmware_bridge.teleop.link_quality import Link, Quality
+from firmware_bridge.teleop.link_quality import LinkState, Quality
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.rows import every
 
@@ -21,9 +21,9 @@ def link(
     *,
     lost: float | None = None,
     differs: Nanoseconds = 0,
-    dated: bool = True,
+    timestamped: bool = True,
     requested_for: Nanoseconds | None = None,
-) -> Link:
+) -> LinkState:
     """Return a link on which one request was answered after `trip`, or one was sent so long ago."""
     ages = Ages(signed=False)
     now = REQUESTED_AT + (trip or requested_for or 0)
@@ -33,10 +33,10 @@ def link(
         ages.trips.answered(QUESTION, now)
     ages.losses.share = lost
     ages.differs = differs
-    return Link(ages, AgeLimit(most=WHOLE), dated, now)
+    return LinkState(ages, AgeLimit(most=WHOLE), timestamped, now)
 
 
-def reported(*links: Link) -> list[list[tuple[Severity, str]]]:
+def reported(*links: LinkState) -> list[list[tuple[Severity, str]]]:
     """Return what the station in control is informed of on a link that changes so."""
     quality = Quality()
     return [quality.changes(one) for one in links]
@@ -88,19 +88,25 @@ EDGES = {
     ),
     "a share between the bounds, from the good side": ([link(lost=0.07)], [[]]),
     "messages without a time, requested for 3 s": (
-        [link(dated=False, requested_for=3 * SECOND - 1), link(dated=False, requested_for=3 * SECOND)],
+        [
+            link(timestamped=False, requested_for=3 * SECOND - 1),
+            link(timestamped=False, requested_for=3 * SECOND),
+        ],
         [[], warned(UNDATED)],
     ),
     "... and still without": (
-        [link(dated=False, requested_for=3 * SECOND), link(dated=False, requested_for=4 * SECOND)],
+        [
+            link(timestamped=False, requested_for=3 * SECOND),
+            link(timestamped=False, requested_for=4 * SECOND),
+        ],
         [warned(UNDATED), []],
     ),
     "... and then with one": (
-        [link(dated=False, requested_for=3 * SECOND), link(dated=True, requested_for=3 * SECOND)],
+        [link(timestamped=False, requested_for=3 * SECOND), link(timestamped=True, requested_for=3 * SECOND)],
         [warned(UNDATED), eased("link: the age of this station's commands is known")],
     ),
-    "words with a time": ([link(dated=True, requested_for=3 * SECOND)], [[]]),
-    "a station that was never queried": ([link(dated=False)], [[]]),
+    "words with a time": ([link(timestamped=True, requested_for=3 * SECOND)], [[]]),
+    "a station that was never queried": ([link(timestamped=False)], [[]]),
 }
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.teleop.manual_control import UNUSED
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.station import USUAL_AXES, Station, Stick, StickAxis
@@ -16,7 +16,7 @@ from hil_tests.unit.teleop.received import texts
 from hil_tests.unit.teleop.toy import toy
 
 LIFTS = 1 << 3
-ROBOTS = kinds.names()
+ROBOTS = robot_types.names()
 
 
 def manual(x: int = 0, y: int = 0, z: int = 0, r: int = 0, buttons: int = 0) -> Any:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from firmware_bridge.intent import EnterMode, Pause
 from firmware_bridge.teleop.mavlink import dialect
-from firmware_bridge.teleop.modes import ROWS, Way, in_px4, number_of, px4, requested
+from firmware_bridge.teleop.modes import ROWS, DrivingMode, in_px4, number_of, px4, requested
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.internet import number_of as place_at
 from hil_tests.unit.teleop.bench import CYCLE, acks, target_message
@@ -28,16 +28,16 @@ MANUAL, GUIDED, HOLD = 0, 15, 4
 HERE, THERE = place_at("10.0.0.1", 14550), place_at("10.0.0.2", 14550)
 # As MAVSDK 4.1 and pymavlink 2.4.50 ask: main mode and submode; DO_SET_MODE's parameters 2 and 3.
 OF_PX4 = {
-    (1, 0): Way.MANUAL,
-    (2, 0): Way.MANUAL,
-    (3, 0): Way.MANUAL,
-    (6, 0): Way.GUIDED,
-    (4, 3): Way.HOLD,
-    (px4(1), 0): Way.MANUAL,
-    (px4(6), 0): Way.GUIDED,
-    (px4(4, 3), 0): Way.HOLD,
+    (1, 0): DrivingMode.MANUAL,
+    (2, 0): DrivingMode.MANUAL,
+    (3, 0): DrivingMode.MANUAL,
+    (6, 0): DrivingMode.GUIDED,
+    (4, 3): DrivingMode.HOLD,
+    (px4(1), 0): DrivingMode.MANUAL,
+    (px4(6), 0): DrivingMode.GUIDED,
+    (px4(4, 3), 0): DrivingMode.HOLD,
 }
-OF_ROVER = {(0, 0): Way.MANUAL, (15, 0): Way.GUIDED, (4, 0): Way.HOLD}
+OF_ROVER = {(0, 0): DrivingMode.MANUAL, (15, 0): DrivingMode.GUIDED, (4, 0): DrivingMode.HOLD}
 OF_NO_ONE = [
     (4, 2),
     (4, 4),
@@ -54,11 +54,13 @@ OF_NO_ONE = [
 
 
 @pytest.mark.parametrize(("numbers", "way"), [*OF_PX4.items(), *OF_ROVER.items()])
-def test_a_way_is_requested_in_both_numberings(bench: RarsBench, numbers: tuple[int, int], way: Way) -> None:
+def test_a_way_is_requested_in_both_numberings(
+    bench: RarsBench, numbers: tuple[int, int], way: DrivingMode
+) -> None:
     assert acks(bench.order(MODE, 1, *numbers)) == [(MODE, ACCEPTED)]
-    assert bench.requested == [Pause() if way is Way.HOLD else EnterMode("")]
-    if way is not Way.HOLD:  # the bench's bridge pauses nothing
-        rover, px4s = (MANUAL, px4(1)) if way is Way.MANUAL else (GUIDED, px4(6))
+    assert bench.requested == [Pause() if way is DrivingMode.HOLD else EnterMode("")]
+    if way is not DrivingMode.HOLD:  # the bench's bridge pauses nothing
+        rover, px4s = (MANUAL, px4(1)) if way is DrivingMode.MANUAL else (GUIDED, px4(6))
         assert reported_mode(bench) == (px4s if numbers in OF_PX4 else rover)
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.robots.rars.motion import Motion
+from firmware_bridge.robots.rars.motion import RarsMotion
 from firmware_bridge.robots.rars.station import steer_for
 from hil_tests.unit.teleop.bench import rars
 from hil_tests.unit.teleop.received import texts
@@ -18,7 +18,7 @@ HELD = 30 * DEG
 """Earlier angle of the steering."""
 
 
-def stick(x: int = 0, y: int = 0x7FFF, z: int = 0, r: int = 0, buttons: int = 0) -> Motion:
+def stick(x: int = 0, y: int = 0x7FFF, z: int = 0, r: int = 0, buttons: int = 0) -> RarsMotion:
     bench = rars()
     bench.stick(r=-500)
     assert bench.command.steer_rad == pytest.approx(HELD)
@@ -26,7 +26,7 @@ def stick(x: int = 0, y: int = 0x7FFF, z: int = 0, r: int = 0, buttons: int = 0)
     return bench.command
 
 
-def target(vx: float = 0.0, yaw_rate: float = 0.0, **other: Any) -> Motion | str:
+def target(vx: float = 0.0, yaw_rate: float = 0.0, **other: Any) -> RarsMotion | str:
     """Return the command, or the reason for which there is none."""
     bench = rars()
     bench.stick(r=-500)
@@ -80,14 +80,14 @@ def test_a_stick(given_axes: dict[str, int], speed: float, steer: float, lift_ra
 )
 def test_a_yaw_rate_becomes_the_inner_wheels_angle(vx: float, yaw_rate: float, steer_deg: float) -> None:
     wanted = target(vx, yaw_rate)
-    assert isinstance(wanted, Motion)
+    assert isinstance(wanted, RarsMotion)
     assert wanted.steer_rad == pytest.approx(steer_deg * DEG)
     assert wanted.speed_mps == pytest.approx(vx)
 
 
 def test_without_a_yaw_rate_it_goes_straight_on() -> None:
     wanted = target(0.3, 0.5, mask=0x0DE7)
-    assert isinstance(wanted, Motion)
+    assert isinstance(wanted, RarsMotion)
     assert wanted.steer_rad == 0.0
 
 
@@ -95,7 +95,7 @@ def test_without_a_yaw_rate_it_goes_straight_on() -> None:
 @pytest.mark.parametrize("vx", [0.0, 0.0009, -0.0009])
 def test_a_robot_that_stands_keeps_its_steering(vx: float, yaw_rate: float) -> None:
     wanted = target(vx, yaw_rate)
-    assert isinstance(wanted, Motion)
+    assert isinstance(wanted, RarsMotion)
     assert wanted.steer_rad == pytest.approx(HELD)
 
 
@@ -129,7 +129,7 @@ def test_the_absurd_is_refused(vx: float, yaw_rate: float) -> None:
 
 @pytest.mark.parametrize(("vx", "yaw_rate"), [(5.0, 0.0), (-0.8, 0.0), (0.1, 2.0)])
 def test_what_is_merely_too_much_is_left_to_the_interlocks(vx: float, yaw_rate: float) -> None:
-    assert isinstance(target(vx, yaw_rate), Motion)
+    assert isinstance(target(vx, yaw_rate), RarsMotion)
 
 
 def test_a_velocity_ends_the_lifts_rate_and_keeps_its_target() -> None:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge import kinds
+from firmware_bridge import robot_types
 from firmware_bridge.teleop.manual_control import UNUSED, Lever, stick_of
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.setpoints import pressed, velocity_of
@@ -15,7 +15,7 @@ from firmware_bridge.teleop.station import Stick, Twist, Unusable, Velocity
 from hil_tests.unit.teleop.bench import bench_of, target_message
 from hil_tests.unit.teleop.received import texts
 
-STATION = kinds.kind_of(kinds.find("rars")).station
+STATION = robot_types.robot_type_of(robot_types.find("rars")).station
 LARGEST = Twist(0.5, 0.0, 1.25)
 
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from firmware_bridge.drivers.driver import Power
-from firmware_bridge.robots.rars import KIND
-from firmware_bridge.safety.common import AXIS_ROWS, whole_robot_rows
-from firmware_bridge.safety.row import Severity
+from firmware_bridge.robots.rars import ROBOT_TYPE
+from firmware_bridge.safety.common import AXIS_INTERLOCKS, whole_robot_interlocks
+from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.bench import RarsBench, hold
 
@@ -106,8 +106,8 @@ LOUD = {
 
 
 def test_how_loud_each_row_of_rars_is(bench: RarsBench) -> None:
-    rules = KIND.rules(bench.robot)[""]
-    common = (*whole_robot_rows(rules.numbers, bench.robot.links), *AXIS_ROWS)
+    rules = ROBOT_TYPE.rules(bench.robot)[""]
+    common = (*whole_robot_interlocks(rules.numbers, bench.robot.links), *AXIS_INTERLOCKS)
     rows = (*common, *rules.interlocks, *rules.limits, *rules.after_limits)
     assert {row.name: row.severity for row in rows} == {
         row.name: LOUD.get(row.name, Severity.WARNING) for row in rows

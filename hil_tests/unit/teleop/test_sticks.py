@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from firmware_bridge.intent import NEVER_RECEIVED, Arm, ClearEmergencyStop, EmergencyStop
-from firmware_bridge.robots.rars.motion import Motion
+from firmware_bridge.robots.rars.motion import RarsMotion
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.received import texts
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def test_before_anybody_speaks_nothing_is_wanted(bench: RarsBench) -> None:
-    assert bench.command == Motion()
+    assert bench.command == RarsMotion()
     assert bench.operator.intent.received_at == NEVER_RECEIVED
 
 

@@ -3,10 +3,10 @@
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from firmware_bridge.safety.row import Row, Severity
-from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.safety.interlock_base import InterlockBase, Severity
+from firmware_bridge.safety.snapshot import ActiveInterlock
 from firmware_bridge.teleop.mavlink import Codec
-from firmware_bridge.teleop.texts import HoldTexts, Listener, Received, Speaker, chunks
+from firmware_bridge.teleop.texts import InterlockTexts, Received, Speaker, TextCollector, chunks
 from firmware_bridge.units import SECOND
 
 PLAIN = st.text(st.characters(min_codepoint=32, max_codepoint=126), min_size=1, max_size=400)
@@ -50,7 +50,7 @@ def test_degrees_and_minus_signs_are_written_in_ascii() -> None:
 
 @given(st.lists(PLAIN, min_size=1, max_size=4))
 def test_what_is_stated_is_received(texts: list[str]) -> None:
-    speaker, listener = Speaker(), Listener()
+    speaker, listener = Speaker(), TextCollector()
     robot, station = Codec(1, 1), Codec(255, 190)
     received: list[Received] = []
     for text in texts:
@@ -61,7 +61,7 @@ def test_what_is_stated_is_received(texts: list[str]) -> None:
 
 
 def test_a_lost_chunk_shows() -> None:
-    speaker, listener = Speaker(), Listener()
+    speaker, listener = Speaker(), TextCollector()
     first, _, third = speaker.say(Severity.NOTICE, "a" * 50 + "b" * 50 + "c")
     assert listener.receive(first) == []
     assert listener.receive(third) == [Received(5, "a" * 50 + "..."), Received(5, "c")]
@@ -98,11 +98,11 @@ def test_kinds_of_texts_are_not_remembered_without_end() -> None:
     assert len(speaker._repeats) <= Speaker.MOST  # noqa: SLF001 - what it keeps is what is tested
 
 
-HOLD = Hold("lift extended", "it is out", Row("lift extended", "lower it"), 0)
+HOLD = ActiveInterlock("lift extended", "it is out", InterlockBase("lift extended", "lower it"), 0)
 
 
 def test_a_hold_that_comes_and_goes_is_reported_three_times_in_two_seconds_and_as_it_is_at_the_end() -> None:
-    reported = HoldTexts(Speaker())
+    reported = InterlockTexts(Speaker())
     texts: list[tuple[float, str]] = []
     for cycle in range(200):
         holds = (HOLD,) if cycle % 2 == 0 or cycle >= 100 else ()
@@ -116,17 +116,17 @@ def test_a_hold_that_comes_and_goes_is_reported_three_times_in_two_seconds_and_a
 
 
 def test_a_hold_that_lets_go_while_it_is_kept_back_is_not_reported_at_all() -> None:
-    reported = HoldTexts(Speaker())
+    reported = InterlockTexts(Speaker())
     for cycle in range(8):
         reported.due((HOLD,) if cycle % 2 == 0 else (), cycle)
     assert reported.due((), 10 * SECOND) == []
 
 
 def test_each_stop_stage_has_a_text_and_the_last_one_clears_the_event() -> None:
-    reported, row = HoldTexts(Speaker()), Row("stop not acknowledged", "keep clear")
+    reported, row = InterlockTexts(Speaker()), InterlockBase("stop not acknowledged", "keep clear")
     texts = []
     for now, stage in enumerate(["ramp", "quick stop", "quick stop", "power off", "silence", "reset"]):
-        failed = Hold(f"{row.name}: left", f"{stage} not acknowledged", row, now, stage=stage)
+        failed = ActiveInterlock(f"{row.name}: left", f"{stage} not acknowledged", row, now, stage=stage)
         texts += [one.text for one in reported.due((failed,), now)]
     texts += [one.text for one in reported.due((), 9)]
     stages = ("ramp", "quick stop", "power off", "silence", "reset")
@@ -136,9 +136,12 @@ def test_each_stop_stage_has_a_text_and_the_last_one_clears_the_event() -> None:
 
 def test_information_is_reported_once_and_what_lets_go_of_it_not_at_all() -> None:
     """Every ordinary move of a stick passes the acceleration limit."""
-    reported = HoldTexts(Speaker())
-    ramps = Hold(
-        "acceleration limit", "too fast", Row("acceleration limit", "slowly", severity=Severity.INFO), 0
+    reported = InterlockTexts(Speaker())
+    ramps = ActiveInterlock(
+        "acceleration limit",
+        "too fast",
+        InterlockBase("acceleration limit", "slowly", severity=Severity.INFO),
+        0,
     )
     texts = []
     for cycle in range(200):

@@ -5,7 +5,7 @@ from typing import Final
 
 from firmware_bridge.differential.geometry import Geometry
 from firmware_bridge.drivers.driver import Level
-from firmware_bridge.kind import Kind
+from firmware_bridge.robot_type import RobotType
 
 from carrier.guide import FIGURE_EIGHT, FigureEight
 from carrier.motion import Motion, State
@@ -14,7 +14,7 @@ from carrier.robot import ROBOT, STATION
 LAMP: Final = "lamp"
 """The warning lamp; a robot file without this output has none."""
 
-KIND: Final[Kind[Geometry, Motion, State]] = Kind(
+ROBOT_TYPE: Final[RobotType[Geometry, Motion, State]] = RobotType(
     name="carrier",
     file=Path(__file__).with_name("carrier.toml"),
     geometry=Geometry,

@@ -23,7 +23,7 @@ CORRECTION_PER_M: Final = 2.0
 
 
 class FigureEight:
-    """A `firmware_bridge.kind.Guide`: a circle to the left, then one to the right, again and again."""
+    """A `firmware_bridge.robot_type.PathFollower`: a circle to the left, one to the right, repeated."""
 
     __slots__ = ("_angle", "_side", "_speed", "_start", "_swept")
 

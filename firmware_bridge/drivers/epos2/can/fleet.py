@@ -16,7 +16,7 @@ from firmware_bridge.wire.canopen import NODE_MASK, NmtState
 
 ANSWERS_WITHIN: Final[Nanoseconds] = 10 * MILLISECOND
 """The drives answer a SYNC within a millisecond; later ones are not waited for."""
-_WRITES: Final = (sdo.DownloadRequest, sdo.Segment)
+_WRITES: Final = (sdo.DownloadRequest, sdo.SdoSegment)
 REMEMBERED: Final[Nanoseconds] = SECOND
 """Time for which a second controller's frame counts: it may be back any moment."""
 
@@ -30,7 +30,7 @@ def can_fleet(robot: AnyRobot, name: str) -> Fleet:
 
 
 class CanLink:
-    """A `firmware_bridge.drivers.fleet.Link`."""
+    """A `firmware_bridge.drivers.fleet.DeviceLink`."""
 
     def __init__(self, name: str, drives: Iterable[Epos2OnCan], table: Epos2Link) -> None:
         self.name = name

@@ -1,4 +1,4 @@
-"""Objects of one node read and written over a serial line; a `firmware_bridge.drivers.script_runner.Client`.
+"""Objects of one node read and written over a serial line; a `drivers.script_runner.ObjectClient`.
 
 Both commands may be repeated: reading changes nothing, and writing the same value twice is writing it once.
 """
@@ -6,7 +6,7 @@ Both commands may be repeated: reading changes nothing, and writing the same val
 from collections.abc import Callable
 from typing import Final
 
-from firmware_bridge.drivers.epos2.serial.exchange import Exchange, Job, Rank, Result, succeeded
+from firmware_bridge.drivers.epos2.serial.exchange import Job, LineExchange, Rank, Result, succeeded
 from firmware_bridge.drivers.sdo_client import Outcome, SdoRefusedError, SdoTimeoutError, Transfer
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
@@ -64,7 +64,7 @@ def outcome_of(transfer: Transfer, result: Result, waited: Nanoseconds) -> Outco
 class SerialClient:
     """The transfers of one node, one after the other."""
 
-    def __init__(self, node: int, exchange: Exchange, note: Callable[[Result], None]) -> None:
+    def __init__(self, node: int, exchange: LineExchange, note: Callable[[Result], None]) -> None:
         """Take the node, the line, and who notes how every single command ended."""
         self._node = node
         self._note = note

@@ -21,7 +21,7 @@ from firmware_bridge.drivers.epos2.serial.client import (
     value_in,
     writing,
 )
-from firmware_bridge.drivers.epos2.serial.exchange import Exchange, Job, Rank, Result, succeeded
+from firmware_bridge.drivers.epos2.serial.exchange import Job, LineExchange, Rank, Result, succeeded
 from firmware_bridge.drivers.epos2.serial.feedback import (
     CURRENT,
     ERROR_REGISTER,
@@ -35,7 +35,7 @@ from firmware_bridge.drivers.epos2.set_point import DISABLE_VOLTAGE, ENABLE, NEW
 from firmware_bridge.drivers.epos2.setup import configuration, through_gateway
 from firmware_bridge.drivers.epos2.tasks import NEWEST_ERROR
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import AnyRobot, Axis, Command
+from firmware_bridge.robot import AnyRobot, Axis, CommandForm
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.epos2 import address as at
@@ -43,7 +43,7 @@ from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.rows import DataType
 from firmware_bridge.wire.maxon.messages import ObjectRead, ReadObject, Request, SendNmtService, WriteObject
 
-TARGET: Final = {Command.SPEED: at.TARGET_VELOCITY, Command.POSITION: at.TARGET_POSITION}
+TARGET: Final = {CommandForm.SPEED: at.TARGET_VELOCITY, CommandForm.POSITION: at.TARGET_POSITION}
 _NEWEST_ERROR: Final = ReadRow(NEWEST_ERROR, DataType.UNSIGNED32, "newest error")
 RECEIVED_BEATS: Final = 3
 """Heartbeats after which a drive has begun to watch; it does so at the first that it receives (CiA 301)."""
@@ -56,7 +56,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
 
     __slots__ = ("_exchange", "_proof", "_taken", "_watch", "_writes", "present")
 
-    def __init__(self, axis: Axis, robot: AnyRobot, exchange: Exchange) -> None:
+    def __init__(self, axis: Axis, robot: AnyRobot, exchange: LineExchange) -> None:
         """Take the axis, its robot, and the line."""
         self.present = False
         """True where its last answer came; a drive without one is not queried in every cycle."""
@@ -226,7 +226,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         address = TARGET[axis.command]
         raw = target.to_bytes(4, "little", signed=True)
         writes: list[Request] = []
-        if axis.command is Command.SPEED or taken.get(address) != int.from_bytes(raw, "little"):
+        if axis.command is CommandForm.SPEED or taken.get(address) != int.from_bytes(raw, "little"):
             writes.append(writing(axis.epos2.node, address, raw))
         if word == NEW_POSITION and taken.get(at.CONTROLWORD, NEW_POSITION) == NEW_POSITION:
             # The drive takes a position at the bit's rising edge, and the bit may be set.

@@ -11,7 +11,7 @@ from typing import Final, Protocol, TypeAlias
 from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
-from firmware_bridge.wire.maxon.frame import Answered, Failure
+from firmware_bridge.wire.maxon.frame import Failure, MaxonAnswer
 from firmware_bridge.wire.maxon.messages import Answer, Done, Request
 from firmware_bridge.wire.maxon.opcodes import decode_answer
 from firmware_bridge.wire.maxon.packets import command, outcome_of
@@ -55,7 +55,7 @@ class Job:
     over: bool = False
 
 
-class Exchange:
+class LineExchange:
     """The jobs of one line. Each method returns the command that is to be sent, if any."""
 
     def __init__(self, link: str) -> None:
@@ -162,7 +162,7 @@ def _rank(job: Job) -> Rank:
     return job.rank
 
 
-def _result(request: Request, outcome: Answered | Failure) -> Result:
+def _result(request: Request, outcome: MaxonAnswer | Failure) -> Result:
     if isinstance(outcome, Failure):
         return outcome
     if not outcome.body:

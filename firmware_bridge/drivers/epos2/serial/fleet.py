@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from firmware_bridge.drivers.epos2.inputs_outputs import inputs_of, outputs_of
 from firmware_bridge.drivers.epos2.serial.drive import Epos2OnSerial
-from firmware_bridge.drivers.epos2.serial.exchange import Exchange
+from firmware_bridge.drivers.epos2.serial.exchange import LineExchange
 from firmware_bridge.drivers.epos2.serial.link import SerialLink
 from firmware_bridge.drivers.epos2.serial.plan import fitting_plan
 from firmware_bridge.drivers.fleet import Fleet
@@ -14,7 +14,7 @@ from firmware_bridge.wire.maxon.frame import Generation
 
 def serial_fleet(robot: AnyRobot, name: str) -> Fleet:
     """Return the devices on the robot's serial link of this name; PlanError where its cycle is too short."""
-    plan, table, exchange = fitting_plan(robot, name), robot.epos2_link(name), Exchange(name)
+    plan, table, exchange = fitting_plan(robot, name), robot.epos2_link(name), LineExchange(name)
     drives = tuple(Epos2OnSerial(axis, robot, exchange) for axis in robot.axes_on(name))
     link = SerialLink(name, drives, exchange, table, plan.answers_within)
     return Fleet(link, table, drives, inputs_of(robot, name, drives), outputs_of(robot, drives))

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from typing import Final
 
 from firmware_bridge.drivers.epos2.serial.drive import Epos2OnSerial
-from firmware_bridge.drivers.epos2.serial.exchange import Exchange, Job, Rank, Result
+from firmware_bridge.drivers.epos2.serial.exchange import Job, LineExchange, Rank, Result
 from firmware_bridge.drivers.epos2.serial.feedback import IN_EVERY_CYCLE, IN_TURN
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.settings.epos2 import Epos2Link
@@ -35,13 +35,13 @@ def guarding(link: Epos2Link, nodes: Sequence[int]) -> RequestCanFrame:
 
 
 class SerialLink:
-    """A `firmware_bridge.drivers.fleet.Link`."""
+    """A `firmware_bridge.drivers.fleet.DeviceLink`."""
 
     def __init__(
         self,
         name: str,
         drives: Iterable[Epos2OnSerial],
-        exchange: Exchange,
+        exchange: LineExchange,
         table: Epos2Link,
         answers_within: Nanoseconds,
     ) -> None:

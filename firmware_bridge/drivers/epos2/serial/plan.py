@@ -14,7 +14,7 @@ from firmware_bridge.drivers.epos2.serial.client import reading, writing
 from firmware_bridge.drivers.epos2.serial.drive import TARGET
 from firmware_bridge.drivers.epos2.serial.feedback import IN_EVERY_CYCLE, IN_TURN, ReadRow
 from firmware_bridge.drivers.epos2.serial.link import guarding, heartbeat
-from firmware_bridge.robot import AnyRobot, Axis, Command
+from firmware_bridge.robot import AnyRobot, Axis, CommandForm
 from firmware_bridge.robot.settings.epos2 import Epos2Link
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.epos2 import address as at
@@ -35,7 +35,10 @@ HANDSHAKES: Final = {True: 4, False: 2}
 """V1's single bytes beside the frames, where a command is answered and where it is not."""
 TURNS: Final = {True: 3, False: 2}
 """The host's waits for the device in V1's dialog, with and without an answer; in V2's it waits once."""
-WORDS: Final = {Command.SPEED: ("controlword",), Command.POSITION: ("controlword", "released controlword")}
+WORDS: Final = {
+    CommandForm.SPEED: ("controlword",),
+    CommandForm.POSITION: ("controlword", "released controlword"),
+}
 """Of one set-point: a position's bit is released in the middle of the cycle, too."""
 LONGEST_CYCLE_MS: Final = 1_000
 """Longest cycle that a robot file may set."""
@@ -46,7 +49,7 @@ class PlanError(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class LineCommand:
     """One command of a cycle."""
 
     what: str
@@ -58,21 +61,21 @@ class Plan:
     """The fullest cycle, in the order in which its commands leave."""
 
     cycle: Nanoseconds
-    beat: tuple[Entry, ...]
+    beat: tuple[LineCommand, ...]
     """The commands that satisfy the drives' heartbeat consumers, once."""
     beat_every: Nanoseconds
-    reads: tuple[Entry, ...]
+    reads: tuple[LineCommand, ...]
     """The reads of every cycle."""
-    set_points: tuple[Entry, ...]
-    in_turn: tuple[Entry, ...]
+    set_points: tuple[LineCommand, ...]
+    in_turn: tuple[LineCommand, ...]
 
     @property
-    def samples(self) -> tuple[Entry, ...]:
+    def samples(self) -> tuple[LineCommand, ...]:
         """The commands before the set-points; a longer cycle has to hold more heartbeats."""
         return (*self.beat * -(-self.cycle // self.beat_every), *self.reads)
 
     @property
-    def entries(self) -> tuple[Entry, ...]:
+    def entries(self) -> tuple[LineCommand, ...]:
         """Everything."""
         return (*self.samples, *self.set_points, *self.in_turn)
 
@@ -86,7 +89,7 @@ class Plan:
         """Longest time of all samples; one command more may have begun before them."""
         return sum(entry.time for entry in self.samples) + max(entry.time for entry in self.entries)
 
-    def excess(self) -> tuple[Entry, Nanoseconds] | None:
+    def excess(self) -> tuple[LineCommand, Nanoseconds] | None:
         """Return the first command that the cycle does not hold, and by how much; None where it holds all."""
         spent: Nanoseconds = 0
         for entry in self.entries:
@@ -123,8 +126,10 @@ def plan_for(robot: AnyRobot, name: str) -> Plan:
     """Lay out the fullest cycle of the serial link of this name."""
     link, axes, nodes = robot.epos2_link(name), robot.axes_on(name), robot.nodes_on(name)
     beat = (
-        Entry("the bridge's heartbeat", _cost(link, heartbeat(link), through=False)),
-        Entry(f"guarding of node {link.guardian(nodes)}", _cost(link, guarding(link, nodes), through=True)),
+        LineCommand("the bridge's heartbeat", _cost(link, heartbeat(link), through=False)),
+        LineCommand(
+            f"guarding of node {link.guardian(nodes)}", _cost(link, guarding(link, nodes), through=True)
+        ),
     )
     turn = max(
         (tuple(_in_turn(link, axes, cycle)) for cycle in range(_period())),
@@ -147,20 +152,20 @@ def _period() -> int:
     return period
 
 
-def _in_turn(link: Epos2Link, axes: Sequence[Axis], cycle: int) -> Iterator[Entry]:
+def _in_turn(link: Epos2Link, axes: Sequence[Axis], cycle: int) -> Iterator[LineCommand]:
     for row in IN_TURN:
         for place, axis in enumerate(axes):
             if row.due(cycle, place):
                 yield _read(link, row, axis)
 
 
-def _at_pins(robot: AnyRobot, name: str, axes: Sequence[Axis]) -> Iterator[Entry]:
+def _at_pins(robot: AnyRobot, name: str, axes: Sequence[Axis]) -> Iterator[LineCommand]:
     """Give the reads of the sensors on a link, and one write for each drive with outputs."""
     link, by_name = robot.epos2_link(name), {axis.name: axis for axis in axes}
     for axis in axes:
         if any(output.settings.axis == axis.name for output in robot.outputs):
             write = writing(axis.epos2.node, OUTPUT_STATE, b"")
-            yield Entry(f"outputs of {axis.called}", _through(link, axis, write))
+            yield LineCommand(f"outputs of {axis.called}", _through(link, axis, write))
     for sensor in robot.sensors:
         if sensor.link == name:
             address = Address(at.ANALOGUE_INPUT_1.index, sensor.analogue.input)
@@ -168,17 +173,21 @@ def _at_pins(robot: AnyRobot, name: str, axes: Sequence[Axis]) -> Iterator[Entry
             yield _read(link, row, by_name[sensor.analogue.axis])
 
 
-def _read(link: Epos2Link, row: ReadRow, axis: Axis) -> Entry:
+def _read(link: Epos2Link, row: ReadRow, axis: Axis) -> LineCommand:
     request = reading(axis.epos2.node, row.address)
-    return Entry(f"{row.name} of {axis.called}", _through(link, axis, request))
+    return LineCommand(f"{row.name} of {axis.called}", _through(link, axis, request))
 
 
-def _written(link: Epos2Link, axis: Axis) -> Iterator[Entry]:
+def _written(link: Epos2Link, axis: Axis) -> Iterator[LineCommand]:
     """Give the writes of one set-point."""
     node = axis.epos2.node
-    yield Entry(f"target of {axis.called}", _through(link, axis, writing(node, TARGET[axis.command], b"")))
+    yield LineCommand(
+        f"target of {axis.called}", _through(link, axis, writing(node, TARGET[axis.command], b""))
+    )
     for word in WORDS[axis.command]:
-        yield Entry(f"{word} of {axis.called}", _through(link, axis, writing(node, at.CONTROLWORD, b"")))
+        yield LineCommand(
+            f"{word} of {axis.called}", _through(link, axis, writing(node, at.CONTROLWORD, b""))
+        )
 
 
 def _through(link: Epos2Link, axis: Axis, request: Request) -> Nanoseconds:

@@ -7,7 +7,7 @@ import pytest
 
 from emulators.servo.axis_faults import SensorWires
 from emulators.servo.winding import set_winding
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES, FaultReaction
@@ -50,8 +50,8 @@ def fell(drive: "Drive", *codes: int) -> None:
     """Expect it to have reported these, and to react to the last one by its row, without current."""
     assert drive.reported == list(codes)
     if EMERGENCIES[codes[-1]].reaction is FaultReaction.DISABLE:
-        assert drive.stands_in(State.FAULT)
-    drive.runs_until(lambda: drive.stands_in(State.FAULT), 500)
+        assert drive.stands_in(PowerState.FAULT)
+    drive.runs_until(lambda: drive.stands_in(PowerState.FAULT), 500)
     stays_without_current(drive)
 
 
@@ -67,7 +67,7 @@ def stays_without_current(drive: "Drive") -> None:
 
 def resets(drive: "Drive") -> bool:
     drive.command(0, RESET)
-    return drive.state is State.SWITCH_ON_DISABLED
+    return drive.state is PowerState.SWITCH_ON_DISABLED
 
 
 def resets_after(drive: "Drive", remedy_of: Callable[[], None]) -> None:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from hil_tests.unit.motion_control.faults.conftest import (
@@ -89,7 +89,7 @@ def test_a_master_that_floods_the_drive_with_targets_overloads_it(drive: "Drive"
         drive.write(at.TARGET_VELOCITY, 3000 + rpm)
     assert drive.reported == []
     drive.write(at.TARGET_VELOCITY, 3000)
-    assert drive.stands_in(State.FAULT)
+    assert drive.stands_in(PowerState.FAULT)
     fell(drive, 0xFF0B)
     assert resets(drive)
 
@@ -99,10 +99,10 @@ def test_a_master_that_floods_the_drive_with_targets_overloads_it(drive: "Drive"
 def test_an_identification_of_the_motor_fails_and_moves_nothing(drive: "Drive", start: Address) -> None:
     drive.enable(mode=3)
     drive.run(100)
-    at_rest = drive.plant.outputs[1]
+    at_standstill = drive.plant.outputs[1]
     drive.write(start, 1)
     fell(drive, 0xFF0D)
-    assert drive.plant.outputs[1] == pytest.approx(at_rest, abs=0.01)
+    assert drive.plant.outputs[1] == pytest.approx(at_standstill, abs=0.01)
     assert resets(drive)
 
 
@@ -110,7 +110,7 @@ def test_an_identification_of_the_motor_fails_and_moves_nothing(drive: "Drive", 
 def test_a_download_of_firmware_cannot_be_begun(drive: "Drive") -> None:
     moving(drive)
     drive.write(Address(0x2FFF, 1), 1)
-    assert drive.stands_in(State.FAULT)
+    assert drive.stands_in(PowerState.FAULT)
     fell(drive, 0x1000)
 
 
@@ -119,7 +119,7 @@ def test_a_dual_loop_without_a_gear_ratio_is_not_enabled(drive: "Drive") -> None
     drive.write(STRUCTURE, 1)
     assert drive.read(NUMERATOR) == 0  # as read from a real 70/10
     drive.enable(mode=3)
-    assert drive.stands_in(State.FAULT)
+    assert drive.stands_in(PowerState.FAULT)
     fell(drive, 0xFF0F)
     assert not resets(drive)
     drive.write(NUMERATOR, 26)
@@ -133,7 +133,7 @@ def test_gains_that_the_gear_makes_too_large_are_not_enabled(drive: "Drive") -> 
     for address, value in ((STRUCTURE, 1), (NUMERATOR, 200), (DENOMINATOR, 1)):
         drive.write(address, value)
     drive.enable(mode=3)
-    assert drive.stands_in(State.FAULT)
+    assert drive.stands_in(PowerState.FAULT)
     fell(drive, 0xFF10)
     assert not resets(drive)
     drive.write(NUMERATOR, 26)

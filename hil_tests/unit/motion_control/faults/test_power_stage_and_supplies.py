@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from emulators.servo.axis_faults import AxisFaults
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.motion_control.conftest import STEERING
 from hil_tests.unit.motion_control.faults.conftest import (
@@ -27,7 +27,7 @@ def test_a_short_in_the_winding_is_an_over_current(drive: "Drive") -> None:
     drive.plant.becomes(0, replace(STEERING, resistance=0.02, inductance=5e-6))
     drive.runs_until(lambda: bool(drive.reported), 50)
     assert drive.reported == [0x2310]
-    assert drive.stands_in(State.FAULT)
+    assert drive.stands_in(PowerState.FAULT)
     drive.plant.becomes(0, STEERING)
     stays_without_current(drive)
     assert resets(drive)
@@ -50,7 +50,7 @@ def test_hot_surroundings_are_enough(drive: "Drive") -> None:
     AxisFaults(drive.axis).air(101.0)
     drive.run(2)
     assert drive.reported == [0x4210]
-    assert drive.stands_in(State.FAULT)
+    assert drive.stands_in(PowerState.FAULT)
 
 
 @pytest.mark.emergency(0x5113)

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.motion_control.faults.conftest import RESET, moving
 
@@ -19,7 +19,7 @@ def test_loss_of_power_is_reported_at_once_and_switches_off(drive: "Drive") -> N
     drive.axis.supply_mv = 5_000
     drive.run(1)
     assert drive.reported == [0x3220]
-    assert drive.stands_in(State.FAULT)
+    assert drive.stands_in(PowerState.FAULT)
     assert drive.statusword & 0x417F == 0x0108
     assert not drive.axis.powered
 
@@ -29,20 +29,20 @@ def test_a_fault_without_power_passes_through_the_disabled_reaction(drive: "Driv
     drive.axis.supply_mv = 80_000
     drive.run(2)
     assert drive.reported == [0x3210]
-    assert drive.stands_in(State.FAULT)
+    assert drive.stands_in(PowerState.FAULT)
 
 
 def test_fault_reset_needs_a_rising_edge_and_a_cause_that_is_gone(drive: "Drive") -> None:
     drive.axis.supply_mv = 5_000
     drive.run(2)
     drive.command(RESET)
-    assert drive.stands_in(State.FAULT)
+    assert drive.stands_in(PowerState.FAULT)
     drive.axis.supply_mv = 24_000
     drive.run(2)
     drive.command(RESET)
-    assert drive.stands_in(State.FAULT)
+    assert drive.stands_in(PowerState.FAULT)
     drive.command(0, RESET)
-    assert drive.stands_in(State.SWITCH_ON_DISABLED)
+    assert drive.stands_in(PowerState.SWITCH_ON_DISABLED)
     assert drive.reported == [0x3220, 0x0000]
     drive.command(0)
     assert drive.statusword == 0x1740 if drive.read(at.MODE) == 3 else 0x0740
@@ -68,9 +68,9 @@ def test_the_fault_reaction_option_chooses_the_ramp(drive: "Drive", option: int,
     drive.write(at.FAULT_REACTION_OPTION, option)
     drive.control.communication_fault(0x8210)
     if milliseconds:
-        assert drive.stands_in(State.FAULT_REACTION_ENABLED)
+        assert drive.stands_in(PowerState.FAULT_REACTION_ENABLED)
         assert drive.statusword & 0x417F == 0x011F
-    assert drive.runs_until(lambda: drive.stands_in(State.FAULT)) == pytest.approx(milliseconds, abs=3)
+    assert drive.runs_until(lambda: drive.stands_in(PowerState.FAULT)) == pytest.approx(milliseconds, abs=3)
     assert drive.reported == [0x8210]
 
 
@@ -80,29 +80,29 @@ def test_signal_only_reports_and_goes_on(drive: "Drive") -> None:
     drive.control.communication_fault(0x8210)
     drive.run(100)
     assert drive.reported == [0x8210]
-    assert drive.stands_in(State.OPERATION_ENABLED)
+    assert drive.stands_in(PowerState.OPERATION_ENABLED)
 
 
 def test_an_error_without_a_reaction_is_only_reported(drive: "Drive") -> None:
     moving(drive)
     drive.control.communication_fault(0x8150)
     assert drive.reported == [0x8150]
-    assert drive.stands_in(State.OPERATION_ENABLED)
+    assert drive.stands_in(PowerState.OPERATION_ENABLED)
 
 
 @pytest.mark.parametrize(
     ("option", "milliseconds", "end"),
     [
-        (0, 0, State.OPERATION_ENABLED),
-        (1, 50, State.FAULT),
-        (2, 0, State.FAULT),
-        (3, 50, State.FAULT),
+        (0, 0, PowerState.OPERATION_ENABLED),
+        (1, 50, PowerState.FAULT),
+        (2, 0, PowerState.FAULT),
+        (3, 50, PowerState.FAULT),
     ],
     ids=["none", "fault", "disable voltage", "quick stop"],
 )
 @pytest.mark.emergency(0x8130)
 def test_a_lost_connection_reacts_as_0x6007_states(
-    drive: "Drive", option: int, milliseconds: int, end: State
+    drive: "Drive", option: int, milliseconds: int, end: PowerState
 ) -> None:
     moving(drive)
     drive.write(at.ABORT_CONNECTION_OPTION, option)
@@ -123,10 +123,10 @@ def test_a_shaft_that_cannot_follow_raises_the_following_error(drive: "Drive") -
     assert drive.reported == [0x8611]
     assert abs(drive.read(at.FOLLOWING_ERROR)) == pytest.approx(2000, rel=0.1)
     drive.plant.load[0] = 0.0
-    drive.runs_until(lambda: drive.stands_in(State.FAULT))
+    drive.runs_until(lambda: drive.stands_in(PowerState.FAULT))
     assert drive.statusword & 0x2000
     drive.command(0, RESET)
-    assert drive.stands_in(State.SWITCH_ON_DISABLED)
+    assert drive.stands_in(PowerState.SWITCH_ON_DISABLED)
     assert not drive.statusword & 0x2000
 
 
@@ -144,10 +144,10 @@ def test_the_following_error_can_be_switched_off(drive: "Drive") -> None:
 def test_an_error_that_only_the_network_cures_stays_until_then(drive: "Drive") -> None:
     drive.control.communication_fault(0x8120)
     drive.command(RESET)
-    assert drive.stands_in(State.FAULT)
+    assert drive.stands_in(PowerState.FAULT)
     drive.control.communication_reset()
     drive.command(0, RESET)
-    assert drive.stands_in(State.SWITCH_ON_DISABLED)
+    assert drive.stands_in(PowerState.SWITCH_ON_DISABLED)
 
 
 def test_a_worse_fault_during_a_ramp_switches_off_at_once(drive: "Drive") -> None:
@@ -156,7 +156,7 @@ def test_a_worse_fault_during_a_ramp_switches_off_at_once(drive: "Drive") -> Non
     drive.run(10)
     drive.axis.supply_mv = 5_000
     drive.run(2)
-    assert drive.stands_in(State.FAULT)
+    assert drive.stands_in(PowerState.FAULT)
     assert drive.reported == [0x8210, 0x3220]
 
 

@@ -7,7 +7,7 @@ import pytest
 from emulators.epos2.modes.interpolation_buffer import BUFFER_CLEAR, OVERFLOW_LEVEL, UNDERFLOW_LEVEL
 from emulators.epos2.objects.device_profile import BUFFER_FREE, BUFFER_SIZE
 from firmware_bridge.wire.abort import AbortCode, SdoAbort
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.unit.motion_control.interpolated_position.conftest import (
     ACTIVE_BIT,
@@ -32,7 +32,7 @@ def test_fewer_than_two_records_are_an_underflow(ready: "Drive", count: int) -> 
     ready.command(0x1F)
     ready.run(20)
     assert ready.reported == [ERROR]
-    assert ready.stands_in(State.FAULT)
+    assert ready.stands_in(PowerState.FAULT)
     assert status(ready) == UNDERFLOW
 
 
@@ -44,7 +44,7 @@ def test_a_path_that_is_not_fed_stops_with_the_quick_stop_ramp(ready: "Drive") -
     assert ready.reported == []
     fastest = 0
     before = ready.read(at.POSITION_DEMAND)
-    while not ready.stands_in(State.FAULT):
+    while not ready.stands_in(PowerState.FAULT):
         ready.run(1)
         here = ready.read(at.POSITION_DEMAND)
         fastest, before = max(fastest, abs(here - before)), here
@@ -60,7 +60,7 @@ def test_a_path_that_is_not_fed_stops_with_the_quick_stop_ramp(ready: "Drive") -
 def test_after_an_error_the_buffer_must_be_enabled_again(ready: "Drive") -> None:
     ready.command(0x1F)
     ready.run(20)
-    assert ready.stands_in(State.FAULT)
+    assert ready.stands_in(PowerState.FAULT)
     with pytest.raises(SdoAbort) as refused:
         feed(ready, (0, 0, 10))
     assert refused.value.code is AbortCode.DEVICE_STATE
@@ -101,7 +101,7 @@ def test_the_65th_record_is_an_overflow(ready: "Drive") -> None:
     ready.control.refresh(ready.now)
     ready.run(20)
     assert ready.reported == [ERROR]
-    assert ready.stands_in(State.FAULT)
+    assert ready.stands_in(PowerState.FAULT)
     assert status(ready) == OVERFLOW
 
 

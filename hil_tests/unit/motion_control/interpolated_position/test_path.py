@@ -11,7 +11,7 @@ from emulators.epos2.modes.interpolation_buffer import BUFFER_POSITION
 from emulators.epos2.objects.device_profile import BUFFER_FREE
 from emulators.servo.scaling import speed_units
 from emulators.servo.spline import Knot, segment
-from firmware_bridge.wire.cia402 import State
+from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
 from hil_tests.lanes import examples
 from hil_tests.unit.motion_control.conftest import make_drive
@@ -53,7 +53,7 @@ def test_the_documented_sequence(ready: "Drive") -> None:
     assert status(ready) == ENABLED | UNDERFLOW_WARNING
     assert ready.read(BUFFER_FREE) == 64
     assert ready.reported == []
-    assert ready.stands_in(State.OPERATION_ENABLED)
+    assert ready.stands_in(PowerState.OPERATION_ENABLED)
 
 
 @pytest.mark.parametrize("word", [0x011F, 0x000F])

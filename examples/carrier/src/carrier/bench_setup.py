@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
+from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.columns import PLANAR, Column
 from emulators.bench.differential import (
     CHANNELS,
@@ -14,7 +15,6 @@ from emulators.bench.differential import (
     stick,
     twist,
 )
-from emulators.bench.rehearsal import Rehearsal
 from emulators.bench.step import Presses, Sends
 
 from carrier.cases import cases
@@ -31,7 +31,7 @@ class OwnStep(DifferentialStep):
     """Tap a button of the stick."""
 
 
-REHEARSAL: Final = Rehearsal(
+BENCH_SETUP: Final = BenchSetup(
     step=OwnStep,
     missions=Path(__file__).with_name("missions"),
     channels=CHANNELS,

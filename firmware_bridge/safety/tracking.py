@@ -13,7 +13,7 @@ from typing import Final
 from firmware_bridge.drivers.driver import Demand, Feedback, Homed, Position, Power, Stop
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import AnyRobot, Axis
-from firmware_bridge.safety.snapshot import Following
+from firmware_bridge.safety.snapshot import Tracking
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 DEVIATION: Final = 1.0 / 40.0
@@ -74,13 +74,13 @@ def bounds_of(robot: AnyRobot, axis: Axis) -> Bounds:
         position=limits.position or stray,
         ramp=limits.ramp or LAZY * slowest,
         cruise=limits.cruise or LAZY * axis.settings.cruise(axis.ratio),
-        creep=axis.rests_below * to_seconds(within(axis, link.silent_ms * MILLISECOND)),
+        creep=axis.standstill_below * to_seconds(within(axis, link.silent_ms * MILLISECOND)),
         lag_s=to_seconds(lag if limits.lag_ms is None else limits.lag_ms * MILLISECOND),
         homing=0.0 if homing is None else homing.fastest,
     )
 
 
-class Follower:
+class TrackingMonitor:
     """One axis: the demands that were sent to it, its samples, and what they say of each other."""
 
     __slots__ = (
@@ -99,7 +99,7 @@ class Follower:
         self._positions = False
         """True where the aim is a position."""
         self._goal = self._low = self._high = 0.0
-        self.following = Following()
+        self.following = Tracking()
 
     def on_set_point(self, demand: Demand, now: Nanoseconds) -> None:
         """Take the set-point of the axis from now on."""
@@ -108,7 +108,7 @@ class Follower:
             if self._aim is not None:
                 self._take(demand)
 
-    def saw(self, feedback: Feedback) -> Following:
+    def saw(self, feedback: Feedback) -> Tracking:
         """Return what is known up to this feedback's sample; one that was seen already changes nothing."""
         before, at = self.following, feedback.sampled_at
         if at == before.sampled_at:
@@ -160,9 +160,9 @@ class Follower:
         self._low = goal - below + min(below * share, reach)
         self._high = goal + above - min(above * share, reach)
 
-    def _unjudged(self, feedback: Feedback) -> Following:
+    def _unjudged(self, feedback: Feedback) -> Tracking:
         at = feedback.sampled_at
-        return Following(
+        return Tracking(
             demand=self._demand,
             changed_at=self._changed_at,
             sampled_at=at,
@@ -173,7 +173,7 @@ class Follower:
             velocity=feedback.velocity,
         )
 
-    def _judged(self, feedback: Feedback, before: Following, seconds: float) -> Following:
+    def _judged(self, feedback: Feedback, before: Tracking, seconds: float) -> Tracking:
         low, high, at = self._low, self._high, feedback.sampled_at
         position, velocity = feedback.position, feedback.velocity
         owed, stands = 0.0, position == before.position
@@ -188,7 +188,7 @@ class Follower:
                 # well has moved meanwhile.
                 owed = before.backlog + max(low, -high, 0.0) * seconds
         obeys = low - slack <= does <= high + slack
-        return Following(
+        return Tracking(
             self._demand,
             self._changed_at,
             at,
@@ -229,13 +229,13 @@ class Followers:
     __slots__ = ("_all",)
 
     def __init__(self, robot: AnyRobot) -> None:
-        self._all: Final = {axis.name: Follower(axis, bounds_of(robot, axis)) for axis in robot.axes}
+        self._all: Final = {axis.name: TrackingMonitor(axis, bounds_of(robot, axis)) for axis in robot.axes}
 
     def on_set_points(self, demands: Mapping[str, Demand], now: Nanoseconds) -> None:
         """Learn what was sent to these axes."""
         for name, demand in demands.items():
             self._all[name].on_set_point(demand, now)
 
-    def saw(self, axes: Mapping[str, Feedback]) -> dict[str, Following]:
+    def saw(self, axes: Mapping[str, Feedback]) -> dict[str, Tracking]:
         """Return each axis's, up to its newest sample."""
         return {name: follower.saw(axes[name]) for name, follower in self._all.items()}

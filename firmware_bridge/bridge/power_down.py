@@ -18,8 +18,8 @@ from firmware_bridge.drivers.driver import Driver, Power, Reports, Stop, Task
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Unpowered
-from firmware_bridge.safety.row import Row, Severity
-from firmware_bridge.safety.snapshot import Hold
+from firmware_bridge.safety.interlock_base import InterlockBase, Severity
+from firmware_bridge.safety.snapshot import ActiveInterlock
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 LOOKS_FOR: Final[Nanoseconds] = 500 * MILLISECOND
@@ -34,7 +34,7 @@ WATCHED_FOR: Final[Nanoseconds] = 2 * SECOND
 """Time without motion that proves standstill."""
 SLIPS_S: Final = 0.25
 """One that goes further than in this time at the speed below which it rests does not stand."""
-HELD: Final = Row(
+HELD: Final = InterlockBase(
     "held with power",
     "block the wheels, then disarm by force; at its end, Ctrl-C twice within 5 s powers down, too",
     severity=Severity.CRITICAL,
@@ -44,7 +44,7 @@ HELD: Final = Row(
 
 RESTS_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """Time for a base to come to standstill; after it the power stays, and that is reported."""
-STAYS: Final = Row(
+STAYS: Final = InterlockBase(
     "power stays on",
     "keep clear; disarm by force, which disables it",
     severity=Severity.CRITICAL,
@@ -52,7 +52,7 @@ STAYS: Final = Row(
 )
 
 
-class Stage(Enum):
+class PowerDownStage(Enum):
     """Stage of the power down."""
 
     KEPT = "kept"
@@ -92,13 +92,13 @@ class _Axis:
     @property
     def moves(self) -> bool:
         """True where its device reports motion."""
-        return abs(self.driver.feedback.velocity) > self.driver.axis.rests_below
+        return abs(self.driver.feedback.velocity) > self.driver.axis.standstill_below
 
     @property
     def slips(self) -> bool:
         """True where it moves, or has moved, since it lost its power."""
         way = abs(self.driver.feedback.position - self.was_at)
-        return self.moves or way > SLIPS_S * self.driver.axis.rests_below
+        return self.moves or way > SLIPS_S * self.driver.axis.standstill_below
 
     def look(self, now: Nanoseconds, since: Nanoseconds = NEVER_RECEIVED) -> None:
         """Take the newest current, once, unless it arrived before `since`; NaN where it is not known."""
@@ -116,7 +116,7 @@ class _Axis:
         return self.pulls / self.looks if self.looks else float("nan")
 
 
-class LettingGo:
+class PowerDown:
     """The way of a whole robot from rest with power to rest without."""
 
     __slots__ = ("_free", "_hold", "_looks_from", "_outbox", "_pulled", "_since", "_waits_from", "stage")
@@ -129,10 +129,10 @@ class LettingGo:
             for driver in fleets.drivers
             if driver.axis.unpowered is Unpowered.FREE
         )
-        self.stage = Stage.KEPT
+        self.stage = PowerDownStage.KEPT
         self._since: Nanoseconds = 0
         """Time when the stage began."""
-        self._hold: Hold | None = None
+        self._hold: ActiveInterlock | None = None
         self._waits_from: Nanoseconds | None = None
         """Since when the power shall go and the base does not rest."""
         self._looks_from: Nanoseconds = 0
@@ -141,45 +141,45 @@ class LettingGo:
         """Result of the look before, in shares of what friction explains; 0 before the first."""
 
     @property
-    def holds(self) -> tuple[Hold, ...]:
+    def holds(self) -> tuple[ActiveInterlock, ...]:
         """The reports."""
         return () if self._hold is None else (self._hold,)
 
     @property
     def held(self) -> bool:
         """True while the robot keeps its power because it would not stay at standstill without."""
-        return self.stage is Stage.HELD
+        return self.stage is PowerDownStage.HELD
 
     @property
     def let_go(self) -> bool:
         """True where it has lost its power, and has been at standstill without it for long enough."""
-        return self.stage is Stage.LET_GO
+        return self.stage is PowerDownStage.LET_GO
 
     @property
     def under_way(self) -> bool:
         """True from the base's standstill on, until it is proved to stay so without power."""
-        return self.stage not in (Stage.KEPT, Stage.LET_GO)
+        return self.stage not in (PowerDownStage.KEPT, PowerDownStage.LET_GO)
 
     def stop_for(self, *, rests: bool, now: Nanoseconds, without: Collection[str] = ()) -> Stop | None:
         """Go on where the power shall go; return what all axes shall do, None while the base does not rest.
 
         `without` are the axes that the robot's mode does without.
         """
-        if self.stage in (Stage.KEPT, Stage.LOOKED_AT) and not rests:
+        if self.stage in (PowerDownStage.KEPT, PowerDownStage.LOOKED_AT) and not rests:
             self._wait(now)
-        elif self.stage is Stage.KEPT:
-            self._enter(Stage.LOOKED_AT, now)
+        elif self.stage is PowerDownStage.KEPT:
+            self._enter(PowerDownStage.LOOKED_AT, now)
             self._pulled = 0.0
             self._look_again(now + LOOKS_FOR - AVERAGED)
-        elif self.stage is Stage.LOOKED_AT:
+        elif self.stage is PowerDownStage.LOOKED_AT:
             self._look(now, without)
-        elif self.stage is Stage.WATCHED:
+        elif self.stage is PowerDownStage.WATCHED:
             self._watch(now)
         return self._demand()
 
     def not_requested(self, now: Nanoseconds) -> None:
         """Keep the power as it is; an axis that has lost its own is still watched, until it has it again."""
-        if self.stage is Stage.WATCHED and not any(axis.driver.busy for axis in self._free):
+        if self.stage is PowerDownStage.WATCHED and not any(axis.driver.busy for axis in self._free):
             self._watch(now)
         else:
             self._forget(now)
@@ -207,12 +207,12 @@ class LettingGo:
         self._forget(now)
 
     def _forget(self, now: Nanoseconds) -> None:
-        self._enter(Stage.KEPT, now)
+        self._enter(PowerDownStage.KEPT, now)
         self._hold = self._waits_from = None
 
     def _wait(self, now: Nanoseconds) -> None:
         """Wait for the base's standstill, and report the axes that move where there is none."""
-        self._enter(Stage.KEPT, now)
+        self._enter(PowerDownStage.KEPT, now)
         if self._waits_from is None:
             self._waits_from = now
         moving = [axis.driver for axis in self._free if axis.moves]
@@ -220,12 +220,14 @@ class LettingGo:
             self._hold = None
             return
         who = " and ".join(driver.axis.called for driver in moving)
-        self._hold = Hold(STAYS.name, f"the robot is not at standstill: {who} moves", STAYS, self._waits_from)
+        self._hold = ActiveInterlock(
+            STAYS.name, f"the robot is not at standstill: {who} moves", STAYS, self._waits_from
+        )
 
     def _demand(self) -> Stop | None:
-        if self.stage is Stage.KEPT:
+        if self.stage is PowerDownStage.KEPT:
             return None
-        if self.stage in (Stage.WATCHED, Stage.LET_GO):
+        if self.stage in (PowerDownStage.WATCHED, PowerDownStage.LET_GO):
             return Stop.POWER_OFF
         # A quick stop would end the tasks that give power again.
         return Stop.REST if any(axis.driver.busy for axis in self._free) else Stop.QUICK_STOP
@@ -249,7 +251,7 @@ class LettingGo:
         if held is None:
             for axis in self._free:
                 axis.let_go, axis.was_at = axis in powered, axis.driver.feedback.position
-            self._enter(Stage.WATCHED if powered else Stage.LET_GO, now)
+            self._enter(PowerDownStage.WATCHED if powered else PowerDownStage.LET_GO, now)
         elif last or not isfinite(held.pulled) or 0.0 < SETTLED * self._pulled <= held.pulled:
             self._keep(held.reason, now)
         else:
@@ -266,13 +268,13 @@ class LettingGo:
             called = slips.driver.axis.called
             self._keep(f"on a slope: held with power; {called} moved when its power was disabled", now)
         elif now >= self._since + WATCHED_FOR:
-            self._enter(Stage.LET_GO, now)
+            self._enter(PowerDownStage.LET_GO, now)
 
     def _keep(self, reason: str, now: Nanoseconds) -> None:
-        self._enter(Stage.HELD, now)
-        self._hold = Hold(HELD.name, reason, HELD, now)
+        self._enter(PowerDownStage.HELD, now)
+        self._hold = ActiveInterlock(HELD.name, reason, HELD, now)
 
-    def _enter(self, stage: Stage, now: Nanoseconds) -> None:
+    def _enter(self, stage: PowerDownStage, now: Nanoseconds) -> None:
         if stage is not self.stage:
             self.stage, self._since, self._hold, self._waits_from = stage, now, None, None
 

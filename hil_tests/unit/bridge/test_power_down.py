@@ -6,15 +6,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 
-from firmware_bridge.bridge.letting_go import (
-    AVERAGED,
-    LOOKED_WITHIN,
-    LOOKS_FOR,
-    SLIPS_S,
-    WATCHED_FOR,
-    LettingGo,
-    Stage,
-)
+from firmware_bridge.bridge.power_down import AVERAGED, LOOKED_WITHIN, LOOKS_FOR, SLIPS_S, WATCHED_FOR
+from firmware_bridge.bridge.power_down import PowerDown as Down
+from firmware_bridge.bridge.power_down import PowerDownStage as Stage
 from firmware_bridge.drivers.driver import Power, Reports, Stop, Task
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.unit.pipeline.cart import PaperCart, cart
@@ -46,7 +40,7 @@ class Standing:
     def __init__(self, change: Callable[[dict[str, Any]], None] = held_brush) -> None:
         self.cart = PaperCart(cart(change))
         self.sent: list[Packet] = []
-        self.letting_go = LettingGo(self.cart.robot, self.cart.fleets, self.sent)
+        self.power_down = Down(self.cart.robot, self.cart.fleets, self.sent)
         self.now = START
         self.without: frozenset[str] = frozenset()
         for name in self.cart.drivers:
@@ -66,7 +60,7 @@ class Standing:
         for name, driver in self.cart.drivers.items():
             silent[name] = self.now - driver.feedback.received_at > 0
         while True:
-            stop = self.letting_go.stop_for(rests=rests, now=self.now, without=self.without)
+            stop = self.power_down.stop_for(rests=rests, now=self.now, without=self.without)
             if self.now == until:
                 return stop
             self.now = min(self.now + CYCLE, until)
@@ -83,19 +77,19 @@ class Standing:
         self.power(Power.OFF)
 
     def reported(self) -> list[str]:
-        return [hold.reason for hold in self.letting_go.holds]
+        return [hold.reason for hold in self.power_down.holds]
 
 
 def test_while_the_base_moves_nothing_is_requested() -> None:
     standing = Standing()
     assert standing.requests(SECOND, rests=False) is None
-    assert standing.letting_go.stage is Stage.KEPT
+    assert standing.power_down.stage is Stage.KEPT
 
 
 def test_it_stands_with_power_while_it_is_looked_at_and_then_all_let_go() -> None:
     standing = Standing()
     assert standing.requests(LOOKS_FOR - 1) is Stop.QUICK_STOP
-    assert standing.letting_go.under_way
+    assert standing.power_down.under_way
     assert standing.requests(1) is Stop.POWER_OFF
     assert standing.reported() == []
 
@@ -117,13 +111,13 @@ def test_more_than_friction_explains_holds_it_with_power(
     standing = Standing()
     standing.reports(name, current_a=sign * beyond * FRICTION)
     stop = standing.requests(JUDGED)
-    assert standing.letting_go.held is held
+    assert standing.power_down.held is held
     assert stop is (Stop.QUICK_STOP if held else Stop.POWER_OFF)
     number = {"left": 1, "right": 2}[name]
     reason = f"on a slope: held with power, 0.50 A at node {number} ({name}), and friction explains 0.50 A"
     assert standing.reported() == ([reason] if held else [])
     assert standing.requests(WATCHED_FOR) is stop
-    assert standing.letting_go.held is held
+    assert standing.power_down.held is held
 
 
 @pytest.mark.parametrize(("left", "held"), [(-1.0, False), (1.0, True), (-1.4 - 2 * FRICTION, True)])
@@ -136,7 +130,7 @@ def test_what_stands_together_may_be_strained_against_each_other(left: float, *,
     standing.reports("left", current_a=left)
     standing.reports("right", current_a=1.3)
     standing.requests(JUDGED)
-    assert standing.letting_go.held is held
+    assert standing.power_down.held is held
     if left > 0:
         reason = "on a slope: held with power, 2.30 A at node 1 (left) and node 2 (right), and friction"
         assert standing.reported() == [f"{reason} explains 1.00 A"]
@@ -156,18 +150,19 @@ def test_a_current_that_falls_is_looked_at_until_it_has_settled(falls: float, lo
     standing, current, reported = Standing(), 3.0, 0
     standing.reports("left", current_a=current)
     standing.requests(LOOKS_FOR - AVERAGED)
-    while not standing.letting_go.held and standing.letting_go.stage is Stage.LOOKED_AT:
+    while not standing.power_down.held and standing.power_down.stage is Stage.LOOKED_AT:
         standing.reports("left", current_a=current)
         standing.requests(AVERAGED)
         current *= falls
         reported += 1
     assert reported == looks
-    assert standing.letting_go.held is (falls > 0.5)
+    assert standing.power_down.held is (falls > 0.5)
     assert standing.now <= START + LOOKED_WITHIN
 
 
 @pytest.mark.parametrize(
-    ("arrives", "stage"), [(300, Stage.WATCHED), (2_400, Stage.WATCHED), (None, Stage.HELD)]
+    ("arrives", "stage"),
+    [(300, Stage.WATCHED), (2_400, Stage.WATCHED), (None, Stage.HELD)],
 )
 def test_a_current_counts_only_where_it_arrived_at_standstill(arrives: int | None, stage: Stage) -> None:
     """Over a serial line it is read every 400 ms: what was read before the standstill is of the ramp."""
@@ -178,12 +173,12 @@ def test_a_current_counts_only_where_it_arrived_at_standstill(arrives: int | Non
         standing.reports("right")
         fresh = {} if arrives is None or ms < arrives else {"current_at": START + arrives * MILLISECOND}
         standing.reports("left", **{"current_at": START - 1} | fresh)
-        standing.letting_go.stop_for(rests=True, now=standing.now)
+        standing.power_down.stop_for(rests=True, now=standing.now)
         if arrives is not None and ms < arrives:
-            assert standing.letting_go.stage is Stage.LOOKED_AT
-        elif standing.letting_go.stage is not Stage.LOOKED_AT:
+            assert standing.power_down.stage is Stage.LOOKED_AT
+        elif standing.power_down.stage is not Stage.LOOKED_AT:
             break
-    assert standing.letting_go.stage is stage
+    assert standing.power_down.stage is stage
 
 
 def test_an_axis_that_holds_by_itself_may_pull_as_it_likes() -> None:
@@ -204,7 +199,7 @@ def test_a_driver_that_cannot_report_it_keeps_the_power() -> None:
     standing = Standing()
     standing.cart.drivers["left"].reports = frozenset(Reports) - {Reports.CURRENT}
     standing.requests(LOOKS_FOR)
-    assert standing.letting_go.held
+    assert standing.power_down.held
 
 
 def silent_since(received: set[str], *, early: int = 0, current_a: float = 0.1) -> Standing:
@@ -214,23 +209,23 @@ def silent_since(received: set[str], *, early: int = 0, current_a: float = 0.1) 
     standing.now += early
     for name in ("left", "right"):
         standing.reports(name, current_a=current_a)
-    standing.letting_go.stop_for(rests=True, now=standing.now)
+    standing.power_down.stop_for(rests=True, now=standing.now)
     for later in (LOOKS_FOR, JUDGED) if received else (LOOKS_FOR,):
         standing.now = START + later
         for name in received:
             standing.reports(name)
-        standing.letting_go.stop_for(rests=True, now=standing.now)
+        standing.power_down.stop_for(rests=True, now=standing.now)
     return standing
 
 
 @pytest.mark.parametrize(("early", "held"), [(0, True), (1, False)])
 def test_where_all_are_silent_nothing_is_known(early: int, *, held: bool) -> None:
-    assert silent_since(set(), early=early).letting_go.held is held
+    assert silent_since(set(), early=early).power_down.held is held
 
 
 @pytest.mark.parametrize(("current_a", "held"), [(0.1, False), (2.0, True)])
 def test_one_that_is_silent_leaves_it_to_those_that_are_received(current_a: float, *, held: bool) -> None:
-    assert silent_since({"right"}, current_a=current_a).letting_go.held is held
+    assert silent_since({"right"}, current_a=current_a).power_down.held is held
 
 
 @pytest.mark.parametrize("power", [Power.OFF, Power.FAULT])
@@ -241,7 +236,7 @@ def test_one_without_power_is_neither_looked_at_nor_given_any(power: Power) -> N
     standing.power(Power.OFF)
     standing.reports("left", power=power, velocity=5.0)
     standing.requests(CYCLE)
-    assert standing.letting_go.stage is Stage.WATCHED
+    assert standing.power_down.stage is Stage.WATCHED
     standing.reports("right", velocity=5.0)
     standing.requests()
     assert standing.cart.drivers["left"].begun == []
@@ -252,14 +247,14 @@ def test_where_nothing_had_power_nothing_gets_it_however_it_is_pushed() -> None:
     standing = Standing()
     standing.power(Power.OFF)
     standing.requests(LOOKS_FOR)
-    assert standing.letting_go.let_go
+    assert standing.power_down.let_go
     standing.reports("left", velocity=5.0, position=3.0)
     assert standing.requests(WATCHED_FOR) is Stop.POWER_OFF
     assert standing.cart.drivers["left"].begun == []
 
 
 def kept_by(standing: Standing, *without: str) -> str | None:
-    return standing.letting_go.kept_by(frozenset(without), standing.now)
+    return standing.power_down.kept_by(frozenset(without), standing.now)
 
 
 @pytest.mark.parametrize(("beyond", "held"), [(0.999, False), (1.001, True)])
@@ -333,7 +328,7 @@ def test_one_that_moves_after_it_was_let_go_is_caught(what: dict[str, Any], *, s
     standing.requests()
     begun = [standing.cart.drivers[name].begun for name in ("left", "right", "brush")]
     assert begun == ([[Task.ENABLE], [Task.ENABLE], []] if slips else [[], [], []])
-    assert standing.letting_go.held is slips
+    assert standing.power_down.held is slips
     if slips:
         assert standing.reported() == [
             "on a slope: held with power; node 1 (left) moved when its power was disabled"
@@ -351,8 +346,8 @@ def test_it_is_watched_for_2_s(early: int, *, caught: bool) -> None:
     standing.requests(WATCHED_FOR - early)
     standing.reports("left", velocity=5.0)
     standing.requests()
-    assert standing.letting_go.held is caught
-    assert standing.letting_go.let_go is not caught
+    assert standing.power_down.held is caught
+    assert standing.power_down.let_go is not caught
 
 
 def test_one_in_fault_is_not_given_power() -> None:
@@ -368,31 +363,31 @@ def test_one_in_fault_is_not_given_power() -> None:
 def test_what_is_not_requested_any_more_is_watched_on_until_someone_gives_power() -> None:
     standing = Standing()
     standing.lets_go()
-    standing.letting_go.not_requested(standing.now)
+    standing.power_down.not_requested(standing.now)
     standing.reports("left", velocity=5.0)
-    standing.letting_go.not_requested(standing.now)
+    standing.power_down.not_requested(standing.now)
     assert standing.cart.drivers["left"].begun == [Task.ENABLE]
-    standing.letting_go.not_requested(standing.now)
+    standing.power_down.not_requested(standing.now)
     assert standing.reported() == []
     standing = Standing()
     standing.lets_go()
     standing.cart.drivers["right"].busy = True
     standing.reports("left", velocity=5.0)
-    standing.letting_go.not_requested(standing.now)
+    standing.power_down.not_requested(standing.now)
     assert standing.cart.drivers["left"].begun == []
-    assert standing.letting_go.stage is Stage.KEPT
+    assert standing.power_down.stage is Stage.KEPT
 
 
 def test_an_order_ends_the_watch_and_the_holding() -> None:
     standing = Standing()
     standing.lets_go()
-    standing.letting_go.ordered(standing.now)
+    standing.power_down.ordered(standing.now)
     standing.reports("left", velocity=5.0)
-    standing.letting_go.ordered(standing.now)
+    standing.power_down.ordered(standing.now)
     assert standing.cart.drivers["left"].begun == []
     standing = Standing()
     standing.reports("left", current_a=2.0)
     standing.requests(LOOKS_FOR)
-    standing.letting_go.ordered(standing.now)
-    assert not standing.letting_go.held
+    standing.power_down.ordered(standing.now)
+    assert not standing.power_down.held
     assert standing.reported() == []

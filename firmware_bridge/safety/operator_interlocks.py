@@ -8,7 +8,7 @@ from typing import Final, TypeVar
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.interlock import Interlock, View
-from firmware_bridge.safety.row import Severity
+from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 G = TypeVar("G", bound=Table)
@@ -19,13 +19,13 @@ OPERATOR_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
 """Time of punctual reception before the operator link counts as back: four cycles, no stray packet."""
 
 
-def operator_rows() -> tuple[Interlock[G, M, S], ...]:
+def operator_interlocks() -> tuple[Interlock[G, M, S], ...]:
     """Return the rows in the order in which they are judged."""
     return (
         # Many stations arm first and speak of motion then; until they do, the silence holds the robot itself.
         Interlock(
             "operator link timeout",
-            _operator_silent,
+            _link_timeout,
             "send motion commands",
             clear_after=OPERATOR_CLEARS_AFTER,
             blocks_arming=False,
@@ -34,7 +34,7 @@ def operator_rows() -> tuple[Interlock[G, M, S], ...]:
         # The operator's view is as old, and the command was right long ago. The stick may be neutral by now.
         Interlock(
             "command stale",
-            _word_too_old,
+            _command_stale,
             "return the stick to neutral, wait for a better link; if a clock was set, take control again",
             clear_after=OPERATOR_CLEARS_AFTER,
             parts=True,
@@ -42,7 +42,7 @@ def operator_rows() -> tuple[Interlock[G, M, S], ...]:
         # The clock of a station is requested once it is in control, and so after arming.
         Interlock(
             "command not timestamped",
-            _word_undated,
+            _not_timestamped,
             "send set-points with their time and answer TIMESYNC, or see operator.unknown_age",
             clear_after=OPERATOR_CLEARS_AFTER,
             blocks_arming=False,
@@ -50,13 +50,13 @@ def operator_rows() -> tuple[Interlock[G, M, S], ...]:
         ),
         Interlock(
             "operator link lost",
-            _operator_gone,
+            _link_lost,
             "send motion commands, then arm",
             disarms=True,
         ),
         Interlock(
             "stick not neutral",
-            _deflected,
+            _not_neutral,
             "return the stick to neutral, or send zero velocity",
             blocks_arming=False,
         ),
@@ -66,7 +66,7 @@ def operator_rows() -> tuple[Interlock[G, M, S], ...]:
     )
 
 
-def _operator_silent(view: View[G, M, S]) -> str | None:
+def _link_timeout(view: View[G, M, S]) -> str | None:
     limit = view.facts.lives_for(view.robot.operator.silent_ms * MILLISECOND)
     if view.facts.received_at == NEVER_RECEIVED:
         return "no motion command has come yet"
@@ -76,17 +76,17 @@ def _operator_silent(view: View[G, M, S]) -> str | None:
     return f"no motion command for {to_seconds(silence):.2f} s, limit {to_seconds(limit):.2f} s"
 
 
-def _word_too_old(view: View[G, M, S]) -> str | None:
+def _command_stale(view: View[G, M, S]) -> str | None:
     age, limit = view.facts.age, view.facts.age_limit.most
     if age is None or age < limit or _is_silent(view):
         return None
-    least = "" if view.facts.dated else "at least "
+    least = "" if view.facts.timestamped else "at least "
     old = f"{least}{to_seconds(age):.2f} s"
     return f"the newest motion command was {old} old when it came, limit {to_seconds(limit):.2f} s"
 
 
-def _word_undated(view: View[G, M, S]) -> str | None:
-    if view.facts.dated or not view.facts.age_limit.needed or _is_silent(view):
+def _not_timestamped(view: View[G, M, S]) -> str | None:
+    if view.facts.timestamped or not view.facts.age_limit.needed or _is_silent(view):
         return None
     return "the age of the motion commands is unknown"
 
@@ -96,14 +96,14 @@ def _is_silent(view: View[G, M, S]) -> bool:
     return view.facts.now - view.facts.received_at >= view.robot.operator.silent_ms * MILLISECOND
 
 
-def _operator_gone(view: View[G, M, S]) -> str | None:
+def _link_lost(view: View[G, M, S]) -> str | None:
     limit = view.robot.operator.gone_ms * MILLISECOND
     if view.facts.received_at == NEVER_RECEIVED or view.facts.now - view.facts.received_at < limit:
         return None
     return f"no motion command for {to_seconds(limit):g} s: no station in control"
 
 
-def _deflected(view: View[G, M, S]) -> str | None:
+def _not_neutral(view: View[G, M, S]) -> str | None:
     if view.facts.neutral or not view.facts.neutral_required:
         return None
     return f"not neutral since the timeout: {view.facts.deflected or 'the stick'}"

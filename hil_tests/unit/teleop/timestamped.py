@@ -98,4 +98,6 @@ def driving(*, key: bytes | None = None, seconds: float = 2.0, **how: Any) -> St
 def age_of(station: Station) -> Any:
     """The newest motion command's age in s, and whether it is dated."""
     intent = station.bench.operator.intent
-    return None if intent.sent_at is None else (intent.received_at - intent.sent_at) / SECOND, intent.dated
+    return None if intent.sent_at is None else (
+        intent.received_at - intent.sent_at
+    ) / SECOND, intent.timestamped
