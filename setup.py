@@ -6,7 +6,7 @@ the same, and the reference implementation in Python serves.
 The environment selects a wheel's further contents:
 
 * FIRMWARE_BRIDGE_COMPILE=1: the modules that every packet passes through, translated to C by mypyc (see
-  docs/decisions/same-source-compiled.md); 0: nothing native at all, so that the wheel fits every machine.
+  docs/decisions/reproducible-runs.md); 0: nothing native at all, so that the wheel fits every machine.
 * FIRMWARE_BRIDGE_PLANTS=1: the plants' FMUs for this machine, so that its installation needs no compiler.
 """
 

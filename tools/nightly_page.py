@@ -23,10 +23,10 @@ on which commit; `tools/nightly.py` writes it.
 MUTATION: Final = """
 ## Mutation, by package
 
-The program broken in one place at a time ([why, and how](decisions/tests-are-tested.md)): a test has to fail.
-*Known* are mutants that no one can notice, each with its reason in `tools/mutate_survivors.toml`; *alive* are
-those that no test notices and that no one has explained. In `safety` and `motion` such a one fails the step;
-those of the other packages are listed in `tools/mutate_results.toml`.
+The program broken in one place at a time ([how](decisions/test-methods.md#mutation-testing)): a test has to
+fail. *Known* are mutants that no test can notice, each with its reason in `tools/mutate_survivors.toml`;
+*alive* are those that no test notices and that have no reason there. In `safety` and `motion` such a one
+fails the step; those of the other packages are listed in `tools/mutate_results.toml`.
 """
 
 

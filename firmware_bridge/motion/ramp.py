@@ -15,7 +15,7 @@ from firmware_bridge.value import valueclass
 MARGIN: Final = 0.80
 """Share of the limit that set-points use: 0.862, because wheels that brake at the limit slip by 13.8 % on a
 floor of 0.3, times 0.93 for what a drive's regulators overshoot at a corner of the profile. It belongs to
-floors and regulators, not to a robot: docs/decisions/a-ramp-with-room-for-slip.md."""
+floors and regulators, not to a robot: docs/decisions/motion-limits.md."""
 
 BRAKING_SHARE: Final = 0.5
 """Share of the limit that braking may always use. If a turn tightens until V^2/R alone takes the whole

@@ -278,14 +278,14 @@ that is read must be neutral; the refusal names the axis and its value. An axis 
 `firmware-bridge pilot` drives from the terminal, too: {keys}."""
 STATIONS_TEXT: Final = """Any MAVLink station drives: by MANUAL_CONTROL, by RC_CHANNELS_OVERRIDE, or by
 SET_POSITION_TARGET_LOCAL_NED. All of them pass through the same permission, the same rule of silence, the
-same limits of age and the same interlocks ([what holds a robot back](safety.md), [one station
-drives](decisions/one-who-drives.md)). A station is answered in the version of MAVLink that it speaks; MAVLink
-1 has no numbers above 255 and no signatures."""
+same limits of age and the same interlocks ([what holds a robot back](safety.md), [station in
+control](decisions/station-in-control.md)). A station is answered in the version of MAVLink that it speaks;
+MAVLink 1 has no numbers above 255 and no signatures."""
 WAYS_TEXT: Final = """Without an order the newest word counts, whichever kind it is of. **Guided** by an order
 (`DO_SET_MODE`, `SET_MODE`): a stick that is let go does not count while set-points come; one that is moved
 takes over. **Hold** stops at the ramp and waits; Manual or Guided goes on, with everything let go. The
 numbers are those of ArduPilot's Rover; a station that asks in PX4's is told in PX4's.
-[Why](decisions/modes-in-two-numberings.md)."""
+[Why](decisions/mavlink-modes.md)."""
 RC_TEXT: Final = """1500 us is let go, 1000 and 2000 are full; 0 gives a channel back, 65535 leaves it as it
 is (from channel 9 on: 65534, and 0 or 65535). A channel of which no message speaks for the time that silence
 may last is given back. Below 900 us a receiver has lost its transmitter: that moves nothing, and is no sign

@@ -93,8 +93,8 @@ which it is obeyed. It is as old as the oldest of these rows says; the first tha
 shortest round trip at most, and dates nothing where another one says more by over `operator.max_age_ms`: the
 station's clocks disagree, which is told once. What no row dates is obeyed under the rule of
 silence, or moves nothing: `operator.unknown_age`. A stop command is obeyed however old, and nothing that was
-said before it undoes it. [Why](decisions/age-of-words.md). A session may agree on more, up to
-`operator.max_age_ceiling_ms`: the robot is [slower then](decisions/agreed-delay.md), by the same factor."""
+said before it undoes it. [Why](decisions/command-age.md). A session may agree on more, up to
+`operator.max_age_ceiling_ms`: the robot is [slower then](decisions/command-age.md), by the same factor."""
 STEPPER_POWER_TEXT: Final = """Nothing that the bridge says takes the motors' current: the board has no word
 for it, and their drivers keep it. So every stop is of category 2 (EN 60204-1), whatever asks for it:
 disarming, the emergency stop, a forced disarm, the end of the program, a bridge that is dead or cut off. No
