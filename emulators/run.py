@@ -158,12 +158,12 @@ def _carried(rig: Rig, order: RunOrder, link: str, line: AnyLine) -> LineRun:
 
 
 def followed(order: RunOrder) -> list[Followed]:
-    """Return which paths a mission has guides follow, and from when on."""
+    """Return which paths a mission has path followers follow, and from when on."""
     paths = order.bench_setup.paths
     return [
-        Followed(step.at_s, paths[step.guide](order.robot) if step.guide in paths else None)
+        Followed(step.at_s, paths[step.path_follower](order.robot) if step.path_follower in paths else None)
         for step in order.mission.step
-        if step.guide is not None and paths
+        if step.path_follower is not None and paths
     ]
 
 

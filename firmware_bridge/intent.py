@@ -117,7 +117,7 @@ class EnterMode:
 class Follow:
     """Let a path follower of this name give the commands, until a stick is deflected; empty for none."""
 
-    guide: str
+    path_follower: str
 
 
 @dataclass(frozen=True, slots=True)

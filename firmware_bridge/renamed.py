@@ -11,8 +11,15 @@ from typing import Any, Final, TypeVar
 
 T = TypeVar("T")
 
-ROBOT_KEYS: Final[Mapping[tuple[str, str], str]] = {("geometry", "limp"): "degraded"}
+ROBOT_KEYS: Final[Mapping[tuple[str, str], str]] = {
+    ("axes", "belief"): "plausibility",
+    ("axes", "stands_with"): "standstill_group",
+    ("geometry", "limp"): "degraded",
+}
 """Old keys of a robot file, by their table, and what they are called now."""
+
+STEP_KEYS: Final[Mapping[str, str]] = {"guide": "path_follower"}
+"""Old keys of a mission's step."""
 
 INTERLOCKS: Final[Mapping[str, str]] = {
     "another master": "second controller",
@@ -124,11 +131,30 @@ def with_new_keys(table: Mapping[str, Any], file: str, known: Iterable[str]) -> 
     """Return a robot's table with the keys of today, but for those that its own geometry has (`known`)."""
     made = dict(table)
     for (name, old), new in ROBOT_KEYS.items():
+        if name == "geometry" and old in known:
+            continue
         inner = made.get(name)
-        if isinstance(inner, Mapping) and old in inner and new not in inner and old not in known:
+        tables = inner if isinstance(inner, list) else [inner]
+        if any(isinstance(one, Mapping) and old in one and new not in one for one in tables):
             warn(f"{name}.{old}", f"{name}.{new}", file)
-            made[name] = {new if key == old else key: value for key, value in inner.items()}
+            changed = [_with_key(one, old, new) for one in tables]
+            made[name] = changed if isinstance(inner, list) else changed[0]
     return made
+
+
+def _with_key(table: Any, old: str, new: str) -> Any:
+    if not isinstance(table, Mapping) or old not in table or new in table:
+        return table
+    return {new if key == old else key: value for key, value in table.items()}
+
+
+def step_table(table: Any) -> Any:
+    """Return the table of a mission's step with the keys of today."""
+    for old, new in STEP_KEYS.items():
+        if isinstance(table, Mapping) and old in table and new not in table:
+            warn(old, new, "step")
+            table = _with_key(table, old, new)
+    return table
 
 
 def module(old: str, new: str, **names: str) -> Callable[[str], Any]:

@@ -54,6 +54,7 @@ class RobotMode(Generic[G, M, S]):
         object.__setattr__(self, "body", renamed.makes(self.body, "asked", "requested"))
 
 
+@renamed.arguments(guides="path_followers")
 @dataclass(frozen=True, kw_only=True)
 class RobotType(Generic[G, M, S]):
     """One robot type, whole."""
@@ -91,7 +92,7 @@ class RobotType(Generic[G, M, S]):
     """
     model: Callable[[Robot[G]], MotionModel] | None = None
     """Response to a commanded speed and yaw rate, for a predictor; None: at once."""
-    guides: Mapping[str, Callable[[Robot[G]], PathFollower[M, S]]] = field(default_factory=dict)
+    path_followers: Mapping[str, Callable[[Robot[G]], PathFollower[M, S]]] = field(default_factory=dict)
     modes: Mapping[str, RobotMode[G, M, S]] = field(default_factory=dict)
     switched: Callable[[M], Mapping[str, Level]] | None = None
     """The levels of the robot's outputs by a motion, by their names; None for a type without."""
@@ -99,8 +100,8 @@ class RobotType(Generic[G, M, S]):
     """The outputs that a stop of all groups sets, whatever the motion."""
 
     def __post_init__(self) -> None:
-        guides = {name: renamed.makes(made, "wished", "command") for name, made in self.guides.items()}
-        object.__setattr__(self, "guides", guides)
+        followers = {name: renamed.makes(it, "wished", "command") for name, it in self.path_followers.items()}
+        object.__setattr__(self, "path_followers", followers)
         object.__setattr__(self, "body", renamed.makes(self.body, "asked", "requested"))
 
     def rules(self, robot: Robot[G]) -> dict[str, Rules[G, M, S]]:

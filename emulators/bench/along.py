@@ -1,4 +1,4 @@
-"""A mission along a path of someone's own: arm, let the guide drive, take over behind its end."""
+"""A mission along a path of someone's own: arm, let the path follower drive, take over behind its end."""
 
 from typing import Final
 
@@ -16,12 +16,12 @@ title = "arm"
 arm = true
 [[step]]
 at_s = {begins}
-title = "let the guide drive"
-guide = "points"
+title = "let the path follower drive"
+path_follower = "points"
 [[step]]
 at_s = {over}
 title = "take over, at rest"
-guide = ""
+path_follower = ""
 """
 
 

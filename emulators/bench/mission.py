@@ -24,8 +24,8 @@ from emulators.bench.step import (
     Presses,
     Share,
     Step,
-    guides,
     inputs,
+    path_followers,
 )
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import FileError, Problem, near, problems_of
@@ -172,9 +172,12 @@ def cannot_say(mission: Mission, robot: AnyRobot, bench_setup: BenchSetup) -> It
     held = mission.input
     for index, step in enumerate(mission.step):
         held = step.input or held
-        if step.guide is not None and step.guide not in guides(robot):
-            known = near(step.guide, [name for name in guides(robot) if name])
-            yield Problem(f"step[{index}].guide", f"{robot.name} has no guide '{step.guide}'; {known}")
+        if step.path_follower is not None and step.path_follower not in path_followers(robot):
+            known = near(step.path_follower, [name for name in path_followers(robot) if name])
+            yield Problem(
+                f"step[{index}].path_follower",
+                f"{robot.name} has no path follower '{step.path_follower}'; {known}",
+            )
         yield from _unconfirmed(index, step, robot)
         yield from _beside_a_pilot(index, step, mission.pilot)
         for key, row in inputs(type(step)).items():

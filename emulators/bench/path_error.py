@@ -13,7 +13,7 @@ import numpy as np
 from emulators.bench.columns import ODOMETRY, POSE, Floats, Samples
 
 OFFSET: Final = "path_offset_s"
-"""The column of the guide's clock less the run's, s; NaN where no guide drives."""
+"""The column of the path follower's clock less the run's, s; NaN where no path follower drives."""
 AHEAD_S: Final = 1.0
 """Range along the path, to either side, in which its nearest point is looked for."""
 STEPS: Final = 41
@@ -30,7 +30,7 @@ Ahead and left of its initial direction; and up, where it leads something up and
 
 @dataclass(frozen=True, slots=True)
 class Followed:
-    """A path that a mission has a guide follow from an instant on, s."""
+    """A path that a mission has a path follower follow from an instant on, s."""
 
     from_s: float
     path: Path | None
@@ -64,7 +64,7 @@ def path_error(samples: Samples, followed: Sequence[Followed], settled_after_s: 
 
 
 def _stretches(samples: Samples, followed: Sequence[Followed]) -> Iterator[tuple[np.ndarray, Path]]:
-    """Yield the rows in which a guide drives along one path, and the path."""
+    """Yield the rows in which a path follower drives along one path, and the path."""
     guided = np.isfinite(samples.column(OFFSET))
     for place, one in enumerate(followed):
         until = followed[place + 1].from_s if place + 1 < len(followed) else np.inf

@@ -3,11 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
 from emulators.bench.foreign_datagrams import Stray
+from firmware_bridge.renamed import step_table
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.table import Table
 from firmware_bridge.robot_types import robot_type_of
@@ -94,14 +95,19 @@ class Step(Table):
         str | None, Sends(176, lambda mode, robot: (1.0, number_of_own(modes(robot).index(mode))))
     ] = None
     """DO_SET_MODE's custom mode: go on after an actuator has failed, by the mode's name; "" is whole."""
-    guide: Annotated[str | None, Sends(176, lambda guide, robot: (1.0, 0.0, guides(robot).index(guide)))] = (
-        None
-    )
-    """DO_SET_MODE's submode: let a guide of the robot's drive, by its name; "" is the operator."""
+    path_follower: Annotated[
+        str | None, Sends(176, lambda name, robot: (1.0, 0.0, path_followers(robot).index(name)))
+    ] = None
+    """DO_SET_MODE's submode: let a path follower of the robot's drive, by its name; "" is the operator."""
     silent_s: Positive | None = None
     """Time for which the station sends nothing at all."""
     stray: Annotated[Stray | None, Field(strict=False)] = None
     """Send one thing that no operator should."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _takes_old_keys(cls, table: Any) -> Any:
+        return step_table(table)
 
     @model_validator(mode="after")
     def _does_something_once(self) -> Self:
@@ -123,9 +129,9 @@ class Step(Table):
         return self
 
 
-def guides(robot: AnyRobot) -> tuple[str, ...]:
+def path_followers(robot: AnyRobot) -> tuple[str, ...]:
     """Return who may drive a robot, in the order of their numbers; the first is the operator."""
-    return ("", *robot_type_of(robot).guides)
+    return ("", *robot_type_of(robot).path_followers)
 
 
 def modes(robot: AnyRobot) -> tuple[str, ...]:

@@ -103,8 +103,7 @@ class Summary:
     max_odometry_error_m: float
     """The largest such distance; while the robot moves it holds up to one cycle's travel of pure delay."""
     max_path_error_m: float | None
-    """The largest distance from where a guide's path was at the same instant, once it had settled; None where
-    no path was followed."""
+    """The largest distance from the followed path at the same instant, once settled; None without a path."""
     max_cross_track_m: float | None
     """The same across the path."""
     radial_error_m: float | None
@@ -204,7 +203,7 @@ def odometry_errors(samples: Samples) -> Floats:
     """Return the distance in metres between the bridge's pose and the plant's, row by row.
 
     The bridge counts from where it began, the plant from its own origin: the first row in which it believes
-    anything makes them agree. Rows without a belief are left out.
+    anything makes them agree. Rows without an estimate are left out.
     """
     believes = np.isfinite(samples.column(ODOMETRY[0]))
     if not believes.any():

@@ -29,7 +29,7 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge bench rome --mission line --protocol arduinoio --encoders 3` drives over another firmware.
 
-`firmware-bridge bench rome --path my_path.csv` has the guide drive along the points of a file.
+`firmware-bridge bench rome --path my_path.csv` has the path follower drive along the points of a file.
 `firmware-bridge bench rars --mission line --link delay=0.6,jitter=0.1,up.loss=0.02` drives over a slow link.
 
 `firmware-bridge bench rars --mission pursuit --link delay=0.8 --predictor` follows a circle over the link.

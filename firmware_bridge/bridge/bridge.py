@@ -87,7 +87,7 @@ class Bridge:
             kind.rest,
             rolling=rules[""].body.rolling,
             modes=tuple(kind.modes),
-            guides=tuple(kind.guides),
+            path_followers=tuple(kind.path_followers),
             trust=trust,
         )
         self._permission: Permission[Any, Any, Any] = Permission(

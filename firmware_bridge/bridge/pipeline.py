@@ -160,7 +160,7 @@ class Pipeline(Generic[G, M, S]):
         if isinstance(request, ResetOdometry):
             return Answer(accepted=True, reason=self._locating.begin_again())
         if isinstance(request, Follow):
-            return self._follow(request.guide)
+            return self._follow(request.path_follower)
         if isinstance(request, ChangeDriver):
             self._guide = self._command = None
             self._permission.neutral_required = True
@@ -252,9 +252,9 @@ class Pipeline(Generic[G, M, S]):
         )
 
     def _follow(self, name: str) -> Answer:
-        made = self._kind.guides.get(name)
+        made = self._kind.path_followers.get(name)
         if name and made is None:
-            known = ", ".join(self._kind.guides) or "none"
+            known = ", ".join(self._kind.path_followers) or "none"
             return Answer(accepted=False, reason=f"path follower: this robot has no '{name}'; it has {known}")
         if name and not self._permission.armed:
             return Answer(accepted=False, reason="path follower: arm the robot first")

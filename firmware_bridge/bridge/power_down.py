@@ -193,13 +193,13 @@ class PowerDown:
         going = set[str]()
         for axis in self._free:
             if axis.powered and not axis.silent(now):
-                stands_with = axis.driver.axis.stands_with or axis.driver.axis.name
+                standstill_group = axis.driver.axis.standstill_group or axis.driver.axis.name
                 one = _Axis(axis.driver, axis.silent_after)
                 one.look(now)
-                looked.setdefault(stands_with, []).append(one)
+                looked.setdefault(standstill_group, []).append(one)
                 if axis.driver.axis.name in without:
-                    going.add(stands_with)
-        found = (_pulls(looked[stands_with]) for stands_with in sorted(going))
+                    going.add(standstill_group)
+        found = (_pulls(looked[standstill_group]) for standstill_group in sorted(going))
         return next((held.reason for held in found if held is not None), None)
 
     def ordered(self, now: Nanoseconds) -> None:
@@ -291,7 +291,7 @@ def _held(axes: Sequence[_Axis]) -> _Held | None:
     """Return the strongest reason why axes keep their power; None without one."""
     together: dict[str, list[_Axis]] = {}
     for axis in axes:
-        together.setdefault(axis.driver.axis.stands_with or axis.driver.axis.name, []).append(axis)
+        together.setdefault(axis.driver.axis.standstill_group or axis.driver.axis.name, []).append(axis)
     found = [held for some in together.values() if (held := _pulls(some)) is not None]
     return max(found, key=lambda held: held.pulled if isfinite(held.pulled) else inf, default=None)
 

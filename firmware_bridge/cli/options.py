@@ -122,7 +122,7 @@ PathOption = Annotated[
     typer.Option(
         "--path",
         metavar="FILE.csv",
-        help="The path of the robot's guide `points`, a row each: t,x,y or t,x,y,psi (s, m, rad), or x,y "
+        help="The path of the path follower `points`, a row each: t,x,y or t,x,y,psi (s, m, rad), or x,y "
         "with --path-speed.",
         show_default="the robot file's",
     ),

@@ -7,9 +7,9 @@ from typing import Annotated, Any, Final, Generic, Self, TypeAlias, TypeVar
 
 from pydantic import Field, field_validator, model_validator
 
-from firmware_bridge.robot.belief import RUBS, STANDS, Belief
 from firmware_bridge.robot.guard_table import GuardTable
 from firmware_bridge.robot.operator_link import OperatorLink
+from firmware_bridge.robot.plausibility import RUBS, STANDS, Plausibility
 from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Device, Ar2Driver, Ar2Link
 from firmware_bridge.robot.settings.capture import (
     CaptureBody,
@@ -97,13 +97,13 @@ class Axis(Table):
     zero: Zero = Zero()
     unpowered: Annotated[Unpowered, Field(strict=False)] = Unpowered.FREE
     """Effect of power loss at standstill; a free axis keeps its power on a slope."""
-    stands_with: Name | None = None
+    standstill_group: Name | None = None
     """A name that free axes on one floor share.
 
     The floor may strain them against each other: the sum of their currents reveals a slope. An axis without a
     name is judged alone.
     """
-    belief: Belief = Belief()
+    plausibility: Plausibility = Plausibility()
     settings: AnyAxis
 
     @model_validator(mode="before")
@@ -180,17 +180,17 @@ class Axis(Table):
     @property
     def standstill_below(self) -> float:
         """The speed in its unit a second at which it does not stand any more."""
-        return self.belief.standstill_below or STANDS * self.top_speed
+        return self.plausibility.standstill_below or STANDS * self.top_speed
 
     @property
     def holds_with(self) -> float:
         """The current in A above which it does not only stand."""
-        return self.belief.holds_with or self.settings.continuous_current_ma / MILLIAMPERES
+        return self.plausibility.holds_with or self.settings.continuous_current_ma / MILLIAMPERES
 
     @property
     def friction(self) -> float:
         """The current in A that friction alone may hold, where the axis stands."""
-        return self.belief.friction or RUBS * self.settings.continuous_current_ma / MILLIAMPERES
+        return self.plausibility.friction or RUBS * self.settings.continuous_current_ma / MILLIAMPERES
 
     @property
     def epos2(self) -> Epos2Axis:

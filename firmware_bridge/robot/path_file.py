@@ -63,7 +63,9 @@ def with_path(robot: AnyRobot, points: Iterable[Point], file: str) -> AnyRobot:
     geometry = robot.geometry
     paths = getattr(geometry, "paths", None)
     if not isinstance(paths, BaseModel) or "points" not in type(paths).model_fields:
-        raise PathFileError(file, Problem("", f"{robot.name} has no guide that takes a path by points"))
+        raise PathFileError(
+            file, Problem("", f"{robot.name} has no path follower that takes a path by points")
+        )
     table = {**paths.model_dump(), "points": tuple(points)}
     try:
         changed = type(geometry).model_validate({**geometry.model_dump(), "paths": table})

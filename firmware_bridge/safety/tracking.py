@@ -56,13 +56,13 @@ class Bounds:
 
 def within(axis: Axis, silence: Nanoseconds) -> Nanoseconds:
     """Return how long an axis may deviate: by the robot file, else the silence that its link allows."""
-    limits = axis.belief.within_ms
+    limits = axis.plausibility.within_ms
     return silence if limits is None else limits * MILLISECOND
 
 
 def bounds_of(robot: AnyRobot, axis: Axis) -> Bounds:
     """Return the bounds by the robot file, else those that follow from axis, drive and link."""
-    limits, stray, homing = axis.belief, DEVIATION * axis.top_speed, axis.zero.homing
+    limits, stray, homing = axis.plausibility, DEVIATION * axis.top_speed, axis.zero.homing
     slowest = axis.settings.slowest_ramp(axis.ratio)
     if homing is not None:
         # Interrupted it is halted with the acceleration of its homing.

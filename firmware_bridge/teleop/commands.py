@@ -189,14 +189,14 @@ def _enter_mode(order: Order, exchange: Exchange) -> OrderAnswer:
     session.audience.voice(exchange.sender.source).px4 = requested.px4
     if requested.way is modes.DrivingMode.HOLD:
         return judged(exchange.request(intent.Pause()))
-    guide = 0 if requested.px4 else sub
-    if guide >= len(session.guides):
-        known = [f"{place} {name or 'the operator'}" for place, name in enumerate(session.guides)]
+    path_follower = 0 if requested.px4 else sub
+    if path_follower >= len(session.path_followers):
+        known = [f"{place} {name or 'the operator'}" for place, name in enumerate(session.path_followers)]
         return denied(f"submode: {', '.join(known)}; there are no others")
     mode = exchange.mode if requested.own is None else session.modes[requested.own]
     entered = judged(exchange.request(intent.EnterMode(mode)))
-    if entered.result is Result.ACCEPTED and len(session.guides) > 1:
-        entered = judged(exchange.request(intent.Follow(session.guides[guide])))
+    if entered.result is Result.ACCEPTED and len(session.path_followers) > 1:
+        entered = judged(exchange.request(intent.Follow(session.path_followers[path_follower])))
     if entered.result is Result.ACCEPTED:
         session.driven.order(requested.way, exchange.now)
     return entered

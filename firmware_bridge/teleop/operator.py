@@ -42,7 +42,7 @@ class Operator(Generic[G, M, S]):
         *,
         rolling: tuple[str, ...],
         modes: tuple[str, ...] = (),
-        guides: tuple[str, ...] = (),
+        path_followers: tuple[str, ...] = (),
         trust: Trust = EVERYBODY,
     ) -> None:
         """Take the robot, its body's rolling axes, its type's rows, motion at rest, modes, path followers.
@@ -50,7 +50,7 @@ class Operator(Generic[G, M, S]):
         `trust` decides whose frames are accepted.
         """
         self._session: Final = Session(
-            robot, station, rest, rolling=rolling, modes=modes, guides=guides, trust=trust
+            robot, station, rest, rolling=rolling, modes=modes, path_followers=path_followers, trust=trust
         )
         self._texts: Final = InterlockTexts(self._session.speaker)
         self._reported: Final[dict[int, object]] = {}

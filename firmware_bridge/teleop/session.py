@@ -172,7 +172,7 @@ class Session:
         *,
         rolling: tuple[str, ...],
         modes: tuple[str, ...],
-        guides: tuple[str, ...] = (),
+        path_followers: tuple[str, ...] = (),
         trust: Trust = EVERYBODY,
     ) -> None:
         self.robot: Final = robot
@@ -180,7 +180,7 @@ class Session:
         self.rolling: Final = rolling
         self.modes: Final = ("", *modes)
         """Modes by custom mode; the first is the whole robot's."""
-        self.guides: Final = ("", *guides)
+        self.path_followers: Final = ("", *path_followers)
         """Path followers by custom submode; the first is the operator."""
         self.codec: Final = Codec(robot.operator.system_id, robot.operator.component_id)
         self.streams: Final = streams_of(robot, station)

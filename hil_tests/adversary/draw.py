@@ -14,7 +14,7 @@ from emulators.bench.faults.people import BridgeEnds
 from emulators.bench.faults.site import BRIDGE
 from emulators.bench.foreign_datagrams import Stray
 from emulators.bench.mission import Mission, Noise
-from emulators.bench.step import Holds, Input, Presses, Sends, Slope, Step, guides, inputs, modes
+from emulators.bench.step import Holds, Input, Presses, Sends, Slope, Step, inputs, modes, path_followers
 from firmware_bridge.robot import AnyRobot
 from fmu.plants import find as find_plant
 from hil_tests.adversary.degraded import Degraded
@@ -37,7 +37,7 @@ KEEPS_ON: Final = 0.3
 """... so often he keeps its stick where it is, ..."""
 KEEPS_S: Final = 12.0
 """... for up to so long."""
-NAMED: Final = {"guide": guides, "mode": modes}
+NAMED: Final = {"path_follower": path_followers, "mode": modes}
 """Keys of a step whose value is a name."""
 TRIES: Final = 50
 SLOPED: Final = 0.3

@@ -11,6 +11,7 @@ import pytest
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.cases import Situation
 from emulators.bench.faults import read
+from emulators.bench.step import Step
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.choices import chosen
 from emulators.run import RunOrder
@@ -20,7 +21,7 @@ from emulators.testing.rig import VirtualRig
 from firmware_bridge import renamed
 from firmware_bridge.renamed import RenamedWarning
 from firmware_bridge.robot_type import PathFollower, RobotType
-from firmware_bridge.robot_types import find, load
+from firmware_bridge.robot_types import find, load, robot_type_of
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.robots.rars.motion import RarsMotion
 from firmware_bridge.safety.gate import NO_GROUP
@@ -150,3 +151,23 @@ def test_a_state_of_a_plant_has_its_old_name() -> None:
     with pytest.warns(FutureWarning, match="'State' is called 'StateVariable' now"):
         assert import_module("fmu.export.model").State is StateVariable
     assert not hasattr(import_module("fmu.export.model"), "Nothing")
+
+
+def test_a_robot_file_has_its_old_axis_keys(tmp_path: Path) -> None:
+    own = find("carrier")
+    text = robot_type_of(own).file.read_text(encoding="utf-8")
+    file = tmp_path / "old.toml"
+    old = text.replace("plausibility = ", "belief = ").replace("standstill_group = ", "stands_with = ")
+    file.write_text(old, encoding="utf-8")
+    assert old.count("belief = ") == old.count("stands_with = ") == 2
+    with pytest.warns(RenamedWarning) as warned:
+        assert load(file) == own
+    texts = " ".join(str(one.message) for one in warned)
+    assert "'axes.belief' is called 'axes.plausibility' now" in texts
+    assert "'axes.stands_with' is called 'axes.standstill_group' now" in texts
+
+
+def test_a_step_of_a_mission_has_its_old_keys() -> None:
+    with pytest.warns(RenamedWarning, match="step: 'guide' is called 'path_follower' now"):
+        step = Step.model_validate({"at_s": 1.0, "title": "drive", "guide": "circle"})
+    assert step.path_follower == "circle"

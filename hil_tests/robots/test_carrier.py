@@ -1,4 +1,4 @@
-"""The carrier on the bench: what it has and RARS has not, a guide and a lamp."""
+"""The carrier on the bench: what it has and RARS has not, a path follower and a lamp."""
 
 from collections.abc import Callable, Iterator
 from typing import Any, Final
@@ -14,7 +14,7 @@ from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 
 READY: Final = {"at_s": 3.0, "title": "arm", "arm": True}
-GUIDED: Final = {"at_s": 4.0, "title": "guide", "guide": "figure_eight"}
+GUIDED: Final = {"at_s": 4.0, "title": "guide", "path_follower": "figure_eight"}
 LAMP: Final = 0b0001
 Ridden = Callable[..., Rig]
 
@@ -83,7 +83,7 @@ def test_a_moved_stick_takes_over_from_the_guide(rides: Ridden) -> None:
 
 
 def test_no_guide_starts_by_arming(rides: Ridden) -> None:
-    early = {"at_s": 2.0, "title": "too early", "guide": "figure_eight"}
+    early = {"at_s": 2.0, "title": "too early", "path_follower": "figure_eight"}
     stopped = {"at_s": 7.0, "emergency_stop": True}, {"at_s": 8.5, "clear": True}, {"at_s": 9.0, "arm": True}
     rig = rides(early, READY, {**GUIDED, "at_s": 5.0}, *stopped)
     rig.run(from_seconds(4.9))
@@ -92,7 +92,7 @@ def test_no_guide_starts_by_arming(rides: Ridden) -> None:
     assert speed(rig) > 0.2
     rig.run(from_seconds(12.0))
     assert "not armed" not in {hold.name for hold in rig.holds if hold.ended is None}
-    assert abs(speed(rig)) < 0.002, "armed again, the guide is gone"
+    assert abs(speed(rig)) < 0.002, "armed again, the path follower is gone"
 
 
 def test_a_silent_operator_stops_a_guided_robot(rides: Ridden) -> None:
@@ -103,8 +103,8 @@ def test_a_silent_operator_stops_a_guided_robot(rides: Ridden) -> None:
 
 
 def test_a_guide_that_is_not_there_is_refused_by_key() -> None:
-    with pytest.raises(MissionFileError, match=r"step\[0\]\.guide: .*perhaps 'figure_eight'"):
-        story({"at_s": 1.0, "guide": "figure_eigth"})
+    with pytest.raises(MissionFileError, match=r"step\[0\]\.path_follower: .*perhaps 'figure_eight'"):
+        story({"at_s": 1.0, "path_follower": "figure_eigth"})
 
 
 def test_the_lamp_is_the_operators_and_a_stop_sets_it_on(rides: Ridden) -> None:

@@ -172,7 +172,7 @@ def test_the_friction_that_it_writes_is_more_than_its_plant_has_and_less_than_a_
     rolls = half * max(plant["rolling_resistance"], plant["castor_resistance"]) * a_newton
     slope = half * math.sin(math.radians(3.0)) * a_newton
     assert motor.no_load_current_a + rolls < axis.friction < slope
-    assert axis.stands_with == "base"
+    assert axis.standstill_group == "base"
     assert axis.unpowered is Unpowered.FREE
 
 

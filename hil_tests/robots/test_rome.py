@@ -12,8 +12,8 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robot_types import find, parse, robot_type_of
 from firmware_bridge.robots.rome import ROBOT_TYPE
-from firmware_bridge.robots.rome.guide import named
 from firmware_bridge.robots.rome.motion import RomeMotion, RomeState
+from firmware_bridge.robots.rome.path_follower import named
 from firmware_bridge.robots.rome.paths import by_points, ellipse, line
 from firmware_bridge.safety.snapshot import Facts, Snapshot
 from firmware_bridge.teleop.station import Stick, Velocity
@@ -77,13 +77,13 @@ def test_a_stick_and_a_velocity_ask_for_three_ways_to_move() -> None:
 
 def test_the_control_law_is_2_15_with_the_error_actual_less_desired() -> None:
     """On the path the command is its own speed; off it, less K_p times the error and K_i its integral."""
-    guide = named(ROBOT, "circle")
+    path_follower = named(ROBOT, "circle")
     control = ROBOT.geometry.control
-    first = guide.command(seen(Pose(), SECOND, SECOND), 0)
+    first = path_follower.command(seen(Pose(), SECOND, SECOND), 0)
     assert (first.ahead_mps, first.left_mps) == pytest.approx((0.0, 0.25))
     late = SECOND + 50 * MILLISECOND
     # The pose is that of the samples before: of SECOND, where the path was at its begin.
-    command = guide.command(seen(Pose(0.01, -0.02, 0.0), late, late), 50 * MILLISECOND)
+    command = path_follower.command(seen(Pose(0.01, -0.02, 0.0), late, late), 50 * MILLISECOND)
     swept = 0.25 * 0.05
     kp, ki = control.kp_per_s, control.ki_per_s2
     assert command.ahead_mps == pytest.approx(-0.25 * math.sin(swept) - 0.01 * (kp + ki * 0.05))
@@ -92,25 +92,25 @@ def test_the_control_law_is_2_15_with_the_error_actual_less_desired() -> None:
 
 
 def test_a_turned_base_gets_the_same_way_in_its_own_frame() -> None:
-    guide = named(ROBOT, "line")
-    guide.command(seen(Pose(), SECOND, SECOND), 0)
-    turned = guide.command(seen(Pose(0.0, 0.0, math.pi / 2.0), SECOND, SECOND), 0)
+    path_follower = named(ROBOT, "line")
+    path_follower.command(seen(Pose(), SECOND, SECOND), 0)
+    turned = path_follower.command(seen(Pose(0.0, 0.0, math.pi / 2.0), SECOND, SECOND), 0)
     assert (turned.ahead_mps, turned.left_mps) == pytest.approx((0.0, -0.5), abs=1e-12)
     assert turned.turn_rad_s == pytest.approx(-ROBOT.geometry.control.kp_per_s * math.pi / 2.0)
 
 
 def test_a_path_begins_where_the_base_stands_and_as_it_looks() -> None:
-    guide = named(ROBOT, "line")
-    command = guide.command(seen(Pose(3.0, -1.0, 1.0), SECOND, SECOND), 0)
+    path_follower = named(ROBOT, "line")
+    command = path_follower.command(seen(Pose(3.0, -1.0, 1.0), SECOND, SECOND), 0)
     assert (command.ahead_mps, command.left_mps, command.turn_rad_s) == pytest.approx((0.5, 0.0, 0.0))
 
 
 def test_while_the_base_is_held_back_the_path_waits_and_the_integral_is_forgotten() -> None:
-    guide = named(ROBOT, "line")
-    guide.command(seen(Pose(), SECOND, SECOND), 0)
+    path_follower = named(ROBOT, "line")
+    path_follower.command(seen(Pose(), SECOND, SECOND), 0)
     for _ in range(3):
-        held = guide.command(seen(Pose(-0.1, 0.0, 0.0), SECOND, SECOND), 50 * MILLISECOND)
-        guide.reset()
+        held = path_follower.command(seen(Pose(-0.1, 0.0, 0.0), SECOND, SECOND), 50 * MILLISECOND)
+        path_follower.reset()
     assert held.path_s == pytest.approx(0.05)
     fresh = named(ROBOT, "line")
     fresh.command(seen(Pose(), SECOND, SECOND), 0)
@@ -119,10 +119,10 @@ def test_while_the_base_is_held_back_the_path_waits_and_the_integral_is_forgotte
 
 
 def test_the_integral_stops_where_a_rim_is_at_its_limit() -> None:
-    guide = named(ROBOT, "line")
-    guide.command(seen(Pose(), SECOND, SECOND), 0)
+    path_follower = named(ROBOT, "line")
+    path_follower.command(seen(Pose(), SECOND, SECOND), 0)
     far = seen(Pose(-5.0, 0.0, 0.0), SECOND, SECOND)
-    first, *_, last = [guide.command(far, 50 * MILLISECOND) for _ in range(20)]
+    first, *_, last = [path_follower.command(far, 50 * MILLISECOND) for _ in range(20)]
     grown = 2.0 * last.path_s * 0.5 if last.path_s is not None else math.nan
     assert last.ahead_mps - first.ahead_mps < grown
 

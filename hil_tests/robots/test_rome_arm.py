@@ -1,4 +1,4 @@
-"""ROME whole: what its halves make of it, where its centre of gravity is, and what its guides show."""
+"""ROME whole: its halves, its center of gravity, and what its path followers show."""
 
 import math
 import re
@@ -205,19 +205,19 @@ def test_the_acceleration_that_uses_up_the_room_would_tip_it() -> None:
 
 
 def test_until_the_cameras_have_seen_it_neither_half_begins_to_fly() -> None:
-    guide = ROBOT_TYPE.guides["orbit"](ROBOT)
+    path_follower = ROBOT_TYPE.path_followers["orbit"](ROBOT)
     unseen = Located(Pose(), Source.UNSEEN, 0.0, 0.0, 0.0, 0)
     at = seen(ROBOT)
     for _ in range(5):
-        command = guide.command(type(at)(**{**shown(at), "located": unseen}), ROBOT.cycle)
+        command = path_follower.command(type(at)(**{**shown(at), "located": unseen}), ROBOT.cycle)
         assert command.arm == arm.Ar2Motion()
         assert command.base.twist == (0.0, 0.0, 0.0)
-    first = guide.command(at, ROBOT.cycle)
+    first = path_follower.command(at, ROBOT.cycle)
     assert (first.base.path_s, first.arm.path_s) == (0.0, 0.0)
-    second = guide.command(at, ROBOT.cycle)
+    second = path_follower.command(at, ROBOT.cycle)
     assert second.base.path_s == second.arm.path_s == pytest.approx(0.1)
-    guide.reset()
-    waited = guide.command(at, ROBOT.cycle)
+    path_follower.reset()
+    waited = path_follower.command(at, ROBOT.cycle)
     assert waited.base.path_s == waited.arm.path_s == second.base.path_s
 
 

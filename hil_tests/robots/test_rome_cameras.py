@@ -1,4 +1,4 @@
-"""ROME's base under cameras: its further file, its guide before it is seen, boards with two encoders."""
+"""ROME's base under cameras: its further file, its path follower unseen, boards with two encoders."""
 
 from dataclasses import replace
 from typing import Any, Final
@@ -14,8 +14,8 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robot_types import find, parse, robots
 from firmware_bridge.robots.rome import ROBOT_TYPE
-from firmware_bridge.robots.rome.guide import named
 from firmware_bridge.robots.rome.motion import RomeMotion
+from firmware_bridge.robots.rome.path_follower import named
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
@@ -62,12 +62,12 @@ def test_a_robot_is_located_by_one_body_only() -> None:
 
 
 def test_before_it_is_seen_the_guide_commands_nothing_and_the_path_begins_where_it_is_seen() -> None:
-    guide = named(ROBOT, "line")
+    path_follower = named(ROBOT, "line")
     unseen = replace(KNOWN, source=Source.UNSEEN, pose=Pose())
     for cycle in range(3):
-        motion = guide.command(placed(unseen, START + cycle * CYCLE), CYCLE)
+        motion = path_follower.command(placed(unseen, START + cycle * CYCLE), CYCLE)
         assert motion == RomeMotion(path_s=0.0)
-    first = guide.command(placed(KNOWN, START + 3 * CYCLE), CYCLE)
+    first = path_follower.command(placed(KNOWN, START + 3 * CYCLE), CYCLE)
     assert (first.ahead_mps, first.left_mps, first.path_s) == pytest.approx((0.5, 0.0, 0.0))
 
 

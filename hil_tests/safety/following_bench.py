@@ -5,7 +5,7 @@ from typing import Any, Final
 
 from firmware_bridge.drivers.driver import Demand, Feedback, Power
 from firmware_bridge.robot import Axis
-from firmware_bridge.robot.belief import Belief
+from firmware_bridge.robot.plausibility import Plausibility
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.snapshot import Tracking
 from firmware_bridge.safety.tracking import TrackingMonitor, bounds_of
@@ -24,8 +24,8 @@ GIVES: Final = 0.02
 class Axle:
     """One axis, its follower, and what a test has it do."""
 
-    def __init__(self, axis: Axis = WHEEL, **belief: Any) -> None:
-        self.axis = axis.model_copy(update={"belief": Belief(**belief)})
+    def __init__(self, axis: Axis = WHEEL, **plausibility: Any) -> None:
+        self.axis = axis.model_copy(update={"plausibility": Plausibility(**plausibility)})
         self.follower = TrackingMonitor(self.axis, bounds_of(RARS, self.axis))
         self.now: Nanoseconds = SECOND
         self.position = 0.0
@@ -59,9 +59,9 @@ class Axle:
         return known.obeyed_at != known.sampled_at
 
 
-def rested(demand: Demand, axis: Axis = WHEEL, **belief: Any) -> Axle:
+def rested(demand: Demand, axis: Axis = WHEEL, **plausibility: Any) -> Axle:
     """Return an axis that stood for two seconds and then received this set-point, long ago."""
-    one = Axle(axis, **belief)
+    one = Axle(axis, **plausibility)
     one.does(0.0, 40)
     one.commanded(demand)
     return one

@@ -7,7 +7,7 @@ from typing import Any, Final
 import pytest
 
 from firmware_bridge.drivers.driver import Demand, Position, Speed, Stop
-from firmware_bridge.robot.belief import Belief
+from firmware_bridge.robot.plausibility import Plausibility
 from firmware_bridge.robot_types import find, names
 from firmware_bridge.safety.tracking import bounds_of, within
 from firmware_bridge.units import MILLISECOND, SECOND
@@ -41,13 +41,13 @@ def test_what_a_robot_file_leaves_out_is_worked_out(name: str) -> None:
         assert bounds.ramp == pytest.approx(0.5 * gentlest * rpm)
         assert bounds.cruise == pytest.approx(0.5 * drive.velocity_rpm * rpm)
         assert bounds.lag_s == 0.1 + 2 * robot.cycle / SECOND
-        within_ms = axis.belief.within_ms or robot.epos2_link(axis.link).silent_ms
+        within_ms = axis.plausibility.within_ms or robot.epos2_link(axis.link).silent_ms
         assert bounds.creep == pytest.approx(axis.standstill_below * within_ms / 1000)
         assert axis.holds_with == axis.epos2.continuous_current_ma / 1000
 
 
 def test_what_a_robot_file_states_counts() -> None:
-    stated = Belief(
+    stated = Plausibility(
         standstill_below=0.3,
         speed=1.0,
         position=2.0,
@@ -57,7 +57,7 @@ def test_what_a_robot_file_states_counts() -> None:
         lag_ms=60,
         within_ms=70,
     )
-    axis = WHEEL.model_copy(update={"belief": stated})
+    axis = WHEEL.model_copy(update={"plausibility": stated})
     bounds = bounds_of(RARS, axis)
     assert (bounds.speed, bounds.position, bounds.ramp, bounds.cruise) == (1.0, 2.0, 3.0, 4.0)
     assert bounds.lag_s == 0.06
@@ -83,7 +83,7 @@ def test_each_key_of_a_robot_file_changes_its_own_bound_alone(
     key: str, value: Any, changes: dict[str, float]
 ) -> None:
     """RARS's wheel rests below 0.2 rad/s, an 80th of 16; its link allows a silence of 250 ms."""
-    axis = WHEEL.model_copy(update={"belief": Belief(**{key: value})})
+    axis = WHEEL.model_copy(update={"plausibility": Plausibility(**{key: value})})
     excluded, bounds = asdict(bounds_of(RARS, WHEEL)), asdict(bounds_of(RARS, axis))
     assert bounds == pytest.approx(excluded | changes)
 

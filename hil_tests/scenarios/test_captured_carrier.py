@@ -24,7 +24,7 @@ arm = true
 [[step]]
 at_s = 4.0
 title = "guide"
-guide = "figure_eight"
+path_follower = "figure_eight"
 """
 FAULTS: Final[list[dict[str, Any]]] = [
     {"kind": "body_hidden", "at_s": 6.0, "until_s": 7.0},

@@ -34,7 +34,7 @@ arm = true
 [[step]]
 at_s = 3.5
 title = "go"
-guide = "orbit"
+path_follower = "orbit"
 {later}
 """
 

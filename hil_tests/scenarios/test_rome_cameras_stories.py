@@ -29,7 +29,7 @@ arm = true
 [[step]]
 at_s = 3.0
 title = "go"
-guide = "circle"
+path_follower = "circle"
 """
 HIDDEN: Final = '[[fault]]\nkind = "body_hidden"\nat_s = {at}\nuntil_s = {until}\n'
 SWAPPED: Final = '[[fault]]\nkind = "markers_swapped"\nat_s = {at}\nuntil_s = {until}\n'
@@ -37,7 +37,7 @@ SWAPPED: Final = '[[fault]]\nkind = "markers_swapped"\nat_s = {at}\nuntil_s = {u
 
 @contextmanager
 def circling(name: str, more: str = "", protocol: str | None = None) -> Iterator[Rig]:
-    """A rig on which a guide drives the circle."""
+    """A rig on which a path follower drives the circle."""
     with scripted(over_protocol(find(name), protocol), CIRCLE.format(more=more)) as rig:
         yield rig
 

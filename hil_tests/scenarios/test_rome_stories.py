@@ -12,7 +12,7 @@ from hil_tests.scenarios.rome_ride import FULL, STANDS_MPS, driven, speed
 @pytest.mark.long(keeps=["ros-arduino-bridge"])
 @pytest.mark.parametrize("protocol", FULL)
 def test_each_firmware_drives_the_circle_and_the_guard_has_nothing_to_refuse(protocol: str) -> None:
-    with driven(protocol, 'guide = "circle"', 12.0, encoders=FULL[protocol]) as rig:
+    with driven(protocol, 'path_follower = "circle"', 12.0, encoders=FULL[protocol]) as rig:
         rig.runs(9.5)
         assert rig.guard.refused == 0, rig.guard.refusals
         path = bench_setup_of(rig.robot).paths["circle"](rig.robot)

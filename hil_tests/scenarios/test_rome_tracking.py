@@ -100,7 +100,7 @@ def integrated() -> Vector:
 
 
 def measured(rig: Rig) -> Vector:
-    """Return the same of the plant, from the first instant at which the guide drives."""
+    """Return the same of the plant, from the first instant at which the path follower drives."""
     offset = rig.samples.column("path_offset_s")
     guided = np.flatnonzero(np.isfinite(offset))
     seconds = rig.samples.seconds[guided] + offset[guided]
@@ -111,7 +111,7 @@ def measured(rig: Rig) -> Vector:
 
 def test_the_error_on_the_circle_is_that_of_an_independent_integration() -> None:
     """From rest on: the ramp leaves the base behind, and the law brings it back."""
-    with driven("ros-arduino-bridge", 'guide = "circle"', 12.0) as rig:
+    with driven("ros-arduino-bridge", 'path_follower = "circle"', 12.0) as rig:
         rig.runs(4.7 + SECONDS)
         found = measured(rig)
     expected = integrated()

@@ -93,7 +93,7 @@ def _driven(name: str, loop: str) -> _Driven:
     try:
         rig.run(from_seconds(mission.duration_s))
         samples = rig.samples
-        begin = next(step.at_s for step in mission.step if step.guide)
+        begin = next(step.at_s for step in mission.step if step.path_follower)
         path = path_error(samples, [Followed(begin, PATHS[loop](robot))], 0.0)
         numbers = {key: figure(samples) for key, figure in bench_setup.figures.items()}
     finally:

@@ -17,8 +17,8 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
 from firmware_bridge.robot_types import find, robot_type_of
 from firmware_bridge.robots.climber.geometry import ClimberGains, ClimberGeometry
-from firmware_bridge.robots.climber.guide import ClimberPathFollower
 from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
+from firmware_bridge.robots.climber.path_follower import ClimberPathFollower
 from firmware_bridge.safety.snapshot import Facts, Snapshot
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 from validation.studies.solve import Floats, integrate
@@ -74,7 +74,7 @@ def polar_law(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                 "time after the push [s]",
                 "off the path [mm]",
                 (
-                    Curve("guide", seconds, 1e3 * aside),
+                    Curve("path follower", seconds, 1e3 * aside),
                     Curve("closed form", seconds[::100], 1e3 * closed[::100], "points"),
                 ),
                 "The reference moves along the path, so far ahead that k_rho rho is the path's speed. Near "
@@ -115,7 +115,7 @@ def polar_law(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
 def _pushed(robot: Robot[ClimberGeometry], seconds: float) -> tuple[Floats, Floats]:
     """Return instants after the push, s, and how far off the path the robot is then, m."""
     kind = robot_type_of(robot)
-    guide = ClimberPathFollower(robot, "vertical")
+    path_follower = ClimberPathFollower(robot, "vertical")
     body = ClimberState(0.0, 0.0, 0.0, 1.0)
     demanded: ClimberMotion = kind.rest
     ahead, left, heading = 0.0, 0.0, 0.0
@@ -134,7 +134,7 @@ def _pushed(robot: Robot[ClimberGeometry], seconds: float) -> tuple[Floats, Floa
         seen: Snapshot[ClimberMotion, ClimberState] = Snapshot(
             facts=facts, command=kind.rest, demanded=demanded, body=body, pose=pose
         )
-        demanded = guide.command(seen, CYCLE)
+        demanded = path_follower.command(seen, CYCLE)
         step = to_seconds(CYCLE)
         middle = heading + 0.5 * demanded.turn_rad_s * step
         ahead += demanded.speed_mps * math.cos(middle) * step

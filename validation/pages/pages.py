@@ -243,7 +243,7 @@ def _safety(measured: Mapping[str, Sequence[str]]) -> str:
             table(safety.LIMIT_HEADINGS, safety.limits(kind, robot)),
             "### How far its axes are believed",
             BELIEF_TEXT,
-            table(safety.BELIEF_HEADINGS, safety.beliefs(robot)),
+            table(safety.PLAUSIBILITY_HEADINGS, safety.plausibility_rows(robot)),
             "### What becomes of its power",
             power_text(robot),
             table(safety.UNPOWERED_HEADINGS, safety.unpowered(robot)),

@@ -32,7 +32,7 @@ LIMIT_HEADINGS: Final = ("limit", "severity", "clear for", "remedy")
 AXIS_HEADINGS: Final = (
     "interlock", "needs", "without it", "severity", "takes power", "clear for", "remedy"
 )  # fmt: skip
-BELIEF_HEADINGS: Final = (
+PLAUSIBILITY_HEADINGS: Final = (
     "axis", "stands below", "speed", "position", "ramp", "cruise", "lag", "repeats", "holds with", "within"
 )  # fmt: skip
 AGE_HEADINGS: Final = ("from", "timestamped", "notes")
@@ -120,7 +120,7 @@ def bounds(robot: AnyRobot) -> Iterator[Cells]:
         )
 
 
-def beliefs(robot: AnyRobot) -> Iterator[Cells]:
+def plausibility_rows(robot: AnyRobot) -> Iterator[Cells]:
     """Yield how far each axis is believed, in its unit."""
     for axis in robot.axes:
         bounds, unit = bounds_of(robot, axis), axis.unit.value

@@ -48,7 +48,7 @@ ASSUMED: Final = (
 
 @dataclass(frozen=True, slots=True)
 class _Flown:
-    """A run: seconds since its guide began, where base and tool were, and where they should be, m."""
+    """A run: seconds since its path follower began, where base and tool were, and where they should be, m."""
 
     m_per_du: float
     stretch: float

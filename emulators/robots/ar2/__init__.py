@@ -150,7 +150,7 @@ BENCH_SETUP: Final = BenchSetup(
         Column("odometry_heading_rad", "of a view from the side", "rad", seen=_straight),
         Column("odometry_left_m", "to the left", "m", seen=_believed(1)),
         Column("demanded_speed_mps", "the bridge's set-points of the tool", "m/s", seen=_demanded_speed),
-        Column(OFFSET, "a guide's clock less the run's", "s", seen=_path_offset),
+        Column(OFFSET, "a path follower's clock less the run's", "s", seen=_path_offset),
         *(
             Column(
                 f"{what}_j{joint}_{unit}",

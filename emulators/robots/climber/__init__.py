@@ -114,7 +114,7 @@ PATHS: Final[Mapping[str, Callable[[Climber], FollowedPath]]] = {
 
 
 def _closure(samples: Samples) -> float | None:
-    """Return how far from where a guide began it has ended, by the plant's truth; None where none drove."""
+    """Return the true distance between start and end of the path follower's run; None where none drove."""
     guided = np.flatnonzero(np.isfinite(samples.column(OFFSET)))
     if not guided.size:
         return None
@@ -151,7 +151,7 @@ BENCH_SETUP: Final = BenchSetup(
         Column("joint_rad", "right half against the left", "rad", plant="joint"),
         Column("measured_joint_rad", "what its sensor reports", "rad", seen=_measured_joint),
         Column("fall_m", "how far it has fallen", "m", plant="fall"),
-        Column(OFFSET, "a guide's clock less the run's", "s", seen=_path_offset),
+        Column(OFFSET, "a path follower's clock less the run's", "s", seen=_path_offset),
         Column("battery_v", "battery's terminal voltage", "V", plant="battery_voltage"),
     ),
     panels=(

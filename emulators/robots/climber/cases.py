@@ -90,7 +90,7 @@ def _on_the_wall(robot: Robot[ClimberGeometry]) -> Iterator[Case]:
 
 
 def _lost() -> Iterator[Case]:
-    """Yield the cases of a robot that cameras see: a guide needs its place, an operator does not."""
+    """Yield the cases of a robot that cameras see: a path follower needs its place, an operator does not."""
     guided = ClimberMotion(path_s=1.0)
     lost = replace(SEEN, source=Source.LOST, uncertain_m=0.051)
     yield Case(

@@ -110,7 +110,7 @@ BENCH_SETUP: Final = BenchSetup(
         Column("speed_left_mps", "speed to the left", "m/s", plant="speed_sideways"),
         Column("demanded_speed_mps", "the bridge's set-point, ahead", "m/s", seen=_demanded_ahead),
         Column("demanded_left_mps", "the bridge's set-point, to the left", "m/s", seen=_demanded_left),
-        Column(OFFSET, "a guide's clock less the run's", "s", seen=_path_offset),
+        Column(OFFSET, "a path follower's clock less the run's", "s", seen=_path_offset),
         Column("battery_v", "battery's terminal voltage", "V", plant="battery_voltage"),
     ),
     panels=(

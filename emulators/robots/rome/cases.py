@@ -54,7 +54,7 @@ def cases(robot: Robot[RomeGeometry]) -> Iterator[Case]:
 
 
 def _lost() -> Iterator[Case]:
-    """Yield the cases of a base that cameras see: a guide needs its place, an operator does not."""
+    """Yield the cases of a base that cameras see: a path follower needs its place, an operator does not."""
     guided, seen = RomeMotion(path_s=1.0), Located(Pose(), Source.CAPTURED, 0.0, 0.0, 0.0, 0)
     unseen = replace(seen, source=Source.UNSEEN)
     lost = replace(seen, source=Source.LOST, uncertain_m=0.051)

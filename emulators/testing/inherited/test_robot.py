@@ -159,7 +159,7 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
         ):
             changed = replace(well[axis.name], **changes)
             yield f"{row}: {axis.name}", {"axes": {**well, axis.name: changed}}
-        stated = axis.belief.within_ms
+        stated = axis.plausibility.within_ms
         long = limit if stated is None else stated * MILLISECOND
         deviates = Tracking(sampled_at=START, obeyed_at=START - long)
         repeats = replace(deviates, obeyed_at=START, settled_at=START - long)

@@ -8,8 +8,8 @@ from firmware_bridge import renamed
 from firmware_bridge.robot_type import RobotType
 from firmware_bridge.robots.ar2.body import GROUPS, TOOL, Ar2Kinematics, reach
 from firmware_bridge.robots.ar2.geometry import Ar2Geometry
-from firmware_bridge.robots.ar2.guide import COURSES, Ar2PathFollower
 from firmware_bridge.robots.ar2.motion import Ar2Motion, Ar2State
+from firmware_bridge.robots.ar2.path_follower import COURSES, Ar2PathFollower
 from firmware_bridge.robots.ar2.rules import INTERLOCKS, LIMITS, slowed
 from firmware_bridge.robots.ar2.station import STATION
 
@@ -34,7 +34,7 @@ ROBOT_TYPE: Final[RobotType[Ar2Geometry, Ar2Motion, Ar2State]] = RobotType(
     slowed=slowed,
     reach=reach,
     station=STATION,
-    guides={name: partial(Ar2PathFollower, course=course) for name, course in COURSES.items()},
+    path_followers={name: partial(Ar2PathFollower, course=course) for name, course in COURSES.items()},
 )
 
 

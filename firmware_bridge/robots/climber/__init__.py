@@ -8,8 +8,8 @@ from firmware_bridge import renamed
 from firmware_bridge.robot_type import RobotType
 from firmware_bridge.robots.climber.body import CLIMBER
 from firmware_bridge.robots.climber.geometry import ClimberGeometry
-from firmware_bridge.robots.climber.guide import ClimberPathFollower
 from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
+from firmware_bridge.robots.climber.path_follower import ClimberPathFollower
 from firmware_bridge.robots.climber.paths import PATHS
 from firmware_bridge.robots.climber.rules import INTERLOCKS, LIMITS
 from firmware_bridge.robots.climber.station import STATION
@@ -31,7 +31,7 @@ ROBOT_TYPE: Final[RobotType[ClimberGeometry, ClimberMotion, ClimberState]] = Rob
     reach=CLIMBER.reach,
     station=STATION,
     unrolled=lambda robot: partial(unrolled, robot.geometry),
-    guides={name: partial(ClimberPathFollower, name=name) for name in PATHS},
+    path_followers={name: partial(ClimberPathFollower, name=name) for name in PATHS},
 )
 
 

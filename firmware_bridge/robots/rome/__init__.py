@@ -8,8 +8,8 @@ from firmware_bridge import renamed
 from firmware_bridge.robot_type import RobotType
 from firmware_bridge.robots.rome.body import BASE, GROUPS, RomeKinematics, reach
 from firmware_bridge.robots.rome.geometry import RomeGeometry
-from firmware_bridge.robots.rome.guide import named
 from firmware_bridge.robots.rome.motion import RomeMotion, RomeState
+from firmware_bridge.robots.rome.path_follower import named
 from firmware_bridge.robots.rome.paths import PATHS
 from firmware_bridge.robots.rome.rules import INTERLOCKS, LIMITS, slowed
 from firmware_bridge.robots.rome.station import STATION
@@ -33,7 +33,7 @@ ROBOT_TYPE: Final[RobotType[RomeGeometry, RomeMotion, RomeState]] = RobotType(
     slowed=slowed,
     reach=reach,
     station=STATION,
-    guides={name: partial(named, name=name) for name in PATHS},
+    path_followers={name: partial(named, name=name) for name in PATHS},
 )
 
 

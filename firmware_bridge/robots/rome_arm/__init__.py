@@ -8,9 +8,9 @@ from firmware_bridge.robot_type import RobotType
 from firmware_bridge.robots import ar2, rome
 from firmware_bridge.robots.rome_arm.body import GROUPS, RomeArmKinematics, reach
 from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
-from firmware_bridge.robots.rome_arm.guide import GUIDES
 from firmware_bridge.robots.rome_arm.halves import ARM, BASE
 from firmware_bridge.robots.rome_arm.motion import RomeArmMotion, RomeArmState
+from firmware_bridge.robots.rome_arm.path_follower import PATH_FOLLOWERS
 from firmware_bridge.robots.rome_arm.rules import INTERLOCKS, LIMITS, slowed
 from firmware_bridge.robots.rome_arm.station import STATION
 
@@ -29,7 +29,7 @@ ROBOT_TYPE: Final[RobotType[RomeArmGeometry, RomeArmMotion, RomeArmState]] = Rob
     slowed=slowed,
     reach=reach,
     station=STATION,
-    guides=GUIDES,
+    path_followers=PATH_FOLLOWERS,
 )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from firmware_bridge.motion import orbit as two_bodies
 from firmware_bridge.motion.orbit_relative import closed, transition
 from firmware_bridge.motion.orbit_scale import Scale
-from firmware_bridge.robots.ar2 import guide as arms
+from firmware_bridge.robots.ar2 import path_follower as arms
 from firmware_bridge.robots.rome import paths as bases
 from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
 

@@ -9,7 +9,7 @@ from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.drivers.epos2.scale import Scale
 from firmware_bridge.motion.scissor import screw_from_height
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.belief import Belief
+from firmware_bridge.robot.plausibility import Plausibility
 from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.teleop.mavlink import dialect
@@ -269,7 +269,7 @@ def test_the_lift_goes_to_a_height_no_faster_than_its_rate_and_arrives(armed: "B
 def test_a_lift_that_cannot_follow_is_not_left_behind(bench_with: "Callable[[Bridge], Bench]") -> None:
     # Of a robot that is patient with it.
     rars = find("rars")
-    patient = [axis.model_copy(update={"belief": Belief(within_ms=10_000)}) for axis in rars.axes]
+    patient = [axis.model_copy(update={"plausibility": Plausibility(within_ms=10_000)}) for axis in rars.axes]
     armed = bench_with(Bridge(rars.model_copy(update={"axes": tuple(patient)}), ROBOT_TYPE))
     armed.starts()
     assert armed.arms() == ACCEPTED

@@ -30,8 +30,8 @@ RESTS: Final = 12.0 / 80.0
 def held_brush(table: dict[str, Any]) -> None:
     table["axes"][2]["unpowered"] = "holds"
     for axis in table["axes"]:
-        axis.pop("stands_with", None)
-        axis.pop("belief", None)
+        axis.pop("standstill_group", None)
+        axis.pop("plausibility", None)
 
 
 class Standing:
@@ -124,7 +124,7 @@ def test_more_than_friction_explains_holds_it_with_power(
 def test_what_stands_together_may_be_strained_against_each_other(left: float, *, held: bool) -> None:
     def together(table: dict[str, Any]) -> None:
         held_brush(table)
-        table["axes"][0]["stands_with"] = table["axes"][1]["stands_with"] = "wheels"
+        table["axes"][0]["standstill_group"] = table["axes"][1]["standstill_group"] = "wheels"
 
     standing = Standing(together)
     standing.reports("left", current_a=left)
@@ -275,7 +275,7 @@ def test_what_a_mode_does_without_keeps_its_power_where_it_holds_the_robot(
 def test_what_one_of_two_that_stand_together_holds_the_other_would_have_to() -> None:
     def together(table: dict[str, Any]) -> None:
         held_brush(table)
-        table["axes"][0]["stands_with"] = table["axes"][1]["stands_with"] = "wheels"
+        table["axes"][0]["standstill_group"] = table["axes"][1]["standstill_group"] = "wheels"
 
     standing = Standing(together)
     standing.reports("left", current_a=0.0)

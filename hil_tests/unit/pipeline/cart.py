@@ -1,7 +1,7 @@
 """A robot of no folder: two wheels on one link, a brush on another; and what no shipped robot uses yet.
 
 A hold that latches, a link that stops only its own group, a link of every second cycle, a mode without the
-brush, a guide.
+brush, a path follower.
 """
 
 from collections.abc import Callable, Mapping
@@ -177,7 +177,7 @@ ROBOT_TYPE: Final[RobotType[Sizes, Sweep, Sensed]] = RobotType(
         forgotten=lambda command: command,
         largest=lambda robot: Twist(robot.geometry.top_mps, 0.0, 1.0),
     ),
-    guides={"ahead": Ahead},
+    path_followers={"ahead": Ahead},
     modes={
         "brushless": RobotMode(
             without=frozenset({"brush"}), body=lambda _robot: Unbrushed(), interlocks=(), limits=()

@@ -38,7 +38,12 @@ MACHINE: Final = {
 WIDENED: Final = {"axes.*.travel.0": -1.0, "axes.*.travel.1": 1.0}
 """Ends of a way: beyond the plant's own stop they are refused, where it has one."""
 OTHERS: Final = (
-    *("axes.*.belief.", "axes.*.settings.gains.", "axes.*.settings.profile.", "axes.*.settings.regulator."),
+    *(
+        "axes.*.plausibility.",
+        "axes.*.settings.gains.",
+        "axes.*.settings.profile.",
+        "axes.*.settings.regulator.",
+    ),
     *("axes.*.top_speed", "axes.*.settings.acceleration", "axes.*.settings.max_pwm"),
     *("axes.*.settings.slope_pwm_s", "axes.*.settings.full_steps_s", "axes.*.settings.full_speed_rpm"),
     *("axes.*.settings.continuous_current_ma", "axes.*.settings.peak_current_ma"),

@@ -61,7 +61,7 @@ def test_a_function_is_a_path() -> None:
     ("robot", "points", "message"),
     [
         ("rome", ((0, 0, 0, 0), (1, 1, 0, 0)), "the path points needs 1 m/s, limits.speed_mps is 0.58"),
-        ("rars", ((0, 0, 0, 0), (9, 1, 0, 0)), "rars has no guide that takes a path by points"),
+        ("rars", ((0, 0, 0, 0), (9, 1, 0, 0)), "rars has no path follower that takes a path by points"),
     ],
 )
 def test_a_path_that_the_robot_cannot_take_is_refused(
@@ -75,7 +75,11 @@ def test_the_bench_drives_along_a_path_of_its_own_to_its_end() -> None:
     points = ((0.0, 0.0, 0.0, 0.0), (8.0, 1.0, 0.0, 0.0))
     robot = with_path(find("rome"), points, "p.csv")
     mission = parse(along_mission(points), "--path", robot, bench_setup_of(robot))
-    assert [(step.at_s, step.guide) for step in mission.step] == [(4.0, None), (5.0, "points"), (15.0, "")]
+    assert [(step.at_s, step.path_follower) for step in mission.step] == [
+        (4.0, None),
+        (5.0, "points"),
+        (15.0, ""),
+    ]
     assert mission.duration_s == 17.0
     x, y = bench_setup_of(robot).paths["points"](robot)(np.array([4.0]))
     assert (float(x[0]), float(y[0])) == (0.5, 0.0)

@@ -7,8 +7,8 @@ from firmware_bridge.differential.geometry import Geometry
 from firmware_bridge.drivers.driver import Level
 from firmware_bridge.robot_type import RobotType
 
-from carrier.guide import FIGURE_EIGHT, FigureEight
 from carrier.motion import Motion, State
+from carrier.path_follower import FIGURE_EIGHT, FigureEight
 from carrier.robot import ROBOT, STATION
 
 LAMP: Final = "lamp"
@@ -29,7 +29,7 @@ ROBOT_TYPE: Final[RobotType[Geometry, Motion, State]] = RobotType(
     slowed=ROBOT.slowed,
     reach=ROBOT.reach,
     station=STATION,
-    guides={FIGURE_EIGHT: FigureEight},
+    path_followers={FIGURE_EIGHT: FigureEight},
     switched=lambda motion: {LAMP: Level(motion.lamp)},
     on_stop={LAMP: Level(on=True)},
 )

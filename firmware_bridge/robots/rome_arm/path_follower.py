@@ -7,9 +7,9 @@ from typing import Any, Final
 
 from firmware_bridge.motion.captured import Source
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.ar2 import guide as arms
+from firmware_bridge.robots.ar2 import path_follower as arms
 from firmware_bridge.robots.ar2.geometry import Courses
-from firmware_bridge.robots.rome import guide as bases
+from firmware_bridge.robots.rome import path_follower as bases
 from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
 from firmware_bridge.robots.rome_arm.halves import ARM, BASE, Seen
 from firmware_bridge.robots.rome_arm.motion import RomeArmMotion
@@ -44,6 +44,6 @@ class Flyer:
         return RomeArmMotion(base, self._arm.command(ARM.seen(seen), elapsed), self._rate)
 
 
-GUIDES: Final[Mapping[str, Callable[[Robot[RomeArmGeometry]], Any]]] = MappingProxyType(
+PATH_FOLLOWERS: Final[Mapping[str, Callable[[Robot[RomeArmGeometry]], Any]]] = MappingProxyType(
     {name: partial(Flyer, make=make) for name, make in PATHS.items()}
 )

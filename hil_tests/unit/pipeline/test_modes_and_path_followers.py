@@ -1,4 +1,4 @@
-"""A mode without a failed axis, and a guide that gives the commands: who may choose them, what ends them."""
+"""A mode without a failed axis, and a commanding path follower: who may choose them, what ends them."""
 
 import pytest
 
@@ -26,7 +26,7 @@ def brushless() -> PaperCart:
 
 
 def guided() -> PaperCart:
-    """A cart that goes its guide's way."""
+    """A cart that goes its path follower's way."""
     cart = PaperCart()
     cart.arms()
     assert cart.requests(Follow("ahead")).accepted

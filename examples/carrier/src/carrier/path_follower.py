@@ -1,4 +1,4 @@
-"""The robot's guide: it drives a figure of eight by the pose, two circles that touch where it begins.
+"""The robot's path follower: it drives a figure of eight by the pose, two circles that touch where it begins.
 
 It gives commands, as a stick does: interlocks, limits and ramp stand between it and the wheels.
 """
@@ -12,7 +12,7 @@ from firmware_bridge.robot import Robot
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import Nanoseconds
 
-from $name.motion import Motion, State
+from carrier.motion import Motion, State
 
 FIGURE_EIGHT: Final = "figure_eight"
 RADIUS_M: Final = 1.0

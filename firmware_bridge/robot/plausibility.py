@@ -1,4 +1,4 @@
-"""Plausibility limits of an axis: `[axes.belief]` in a robot file. A key that is left out is worked out."""
+"""Plausibility limits of an axis: `[axes.plausibility]` in a robot file. An omitted key is computed."""
 
 from typing import Annotated, Final
 
@@ -12,7 +12,7 @@ RUBS: Final = 1.0 / 20.0
 """Share of its motor's continuous current that friction may take."""
 
 
-class Belief(Table):
+class Plausibility(Table):
     """Bounds on an axis' deviation from its set-point, in its unit behind the gear."""
 
     standstill_below: Positive | None = None
