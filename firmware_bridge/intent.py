@@ -2,15 +2,13 @@
 
 import math
 from dataclasses import dataclass
-from typing import Final, Generic, TypeAlias, TypeVar
+from typing import Any, Final, TypeAlias
 
 from firmware_bridge.immutable import Immutable
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
 
 NEVER_RECEIVED: Final[Nanoseconds] = -NEVER
 """The instant of what has not come yet."""
-
-M_co = TypeVar("M_co", covariant=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,14 +26,14 @@ class AgeLimit:
 USUAL_AGE_LIMIT: Final = AgeLimit()
 
 
-class Intent(Immutable, Generic[M_co]):
+class Intent(Immutable):
     """The newest command for motion, and when it came."""
 
     __slots__ = ("command", "deflected", "received_at", "sent_at", "timestamped")
 
     def __init__(
         self,
-        command: M_co,
+        command: Any,
         received_at: Nanoseconds = NEVER_RECEIVED,
         sent_at: Nanoseconds | None = None,
         *,

@@ -104,12 +104,12 @@ class RobotType(Generic[G, M, S]):
         object.__setattr__(self, "path_followers", followers)
         object.__setattr__(self, "body", renamed.makes(self.body, "asked", "requested"))
 
-    def rules(self, robot: Robot[G]) -> dict[str, Rules[G, M, S]]:
+    def rules(self, robot: Robot[G]) -> dict[str, Rules]:
         """Return what the gate judges by in each mode; the whole robot's is the empty name's."""
         whole = RobotMode(without=frozenset(), body=self.body, interlocks=self.interlocks, limits=self.limits)
         return {name: self._rules(robot, mode) for name, mode in {"": whole, **self.modes}.items()}
 
-    def _rules(self, robot: Robot[G], mode: RobotMode[G, M, S]) -> Rules[G, M, S]:
+    def _rules(self, robot: Robot[G], mode: RobotMode[G, M, S]) -> Rules:
         return Rules(
             body=mode.body(robot),
             without=frozenset(robot.axis(role).name for role in mode.without),
@@ -141,3 +141,4 @@ class RobotType(Generic[G, M, S]):
 
 
 AnyRobotType: TypeAlias = RobotType[Any, Any, Any]
+AnyPathFollower: TypeAlias = PathFollower[Any, Any]

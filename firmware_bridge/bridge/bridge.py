@@ -10,7 +10,7 @@ or at the end power off, is stopped by further stop stages.
 from collections import deque
 from collections.abc import Mapping
 from enum import Enum
-from typing import Any, Final
+from typing import Final
 
 from firmware_bridge.bridge.confirmed_at_start import ConfirmedAtStart
 from firmware_bridge.bridge.fleets import Fleets
@@ -25,7 +25,7 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_type import AnyRobotType
 from firmware_bridge.safety.interlock_base import InterlockBase, Severity
-from firmware_bridge.safety.snapshot import ActiveInterlock, Snapshot
+from firmware_bridge.safety.snapshot import ActiveInterlock, AnySnapshot
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.teleop.session import EVERYBODY
 from firmware_bridge.teleop.trust import Trust
@@ -81,7 +81,7 @@ class Bridge:
         """The newest reaction that sent nothing; most are the same."""
         self._fleets: Final = Fleets(fleets_of(robot))
         rules = kind.rules(robot)
-        self._operator: Operator[Any, Any, Any] = Operator(
+        self._operator: Operator = Operator(
             robot,
             kind.station,
             kind.rest,
@@ -90,10 +90,8 @@ class Bridge:
             path_followers=tuple(kind.path_followers),
             trust=trust,
         )
-        self._permission: Permission[Any, Any, Any] = Permission(
-            robot, rules, self._fleets, self._outbox, mode
-        )
-        self._pipeline: Pipeline[Any, Any, Any] = Pipeline(
+        self._permission: Permission = Permission(robot, rules, self._fleets, self._outbox, mode)
+        self._pipeline: Pipeline = Pipeline(
             robot,
             kind,
             rules=rules,
@@ -162,12 +160,12 @@ class Bridge:
         self._pipeline.offer(last)
 
     @property
-    def operator(self) -> Operator[Any, Any, Any]:
+    def operator(self) -> Operator:
         """The operators' side of it."""
         return self._operator
 
     @property
-    def seen(self) -> Snapshot[Any, Any]:
+    def seen(self) -> AnySnapshot:
         """The snapshot of the newest report."""
         return self._pipeline.seen
 

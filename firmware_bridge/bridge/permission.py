@@ -5,7 +5,7 @@ motion.
 """
 
 from collections.abc import Collection
-from typing import Final, Generic, TypeVar
+from typing import Final
 
 from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.bridge.homing import HomingSequence
@@ -26,26 +26,21 @@ from firmware_bridge.intent import (
 )
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.table import Table
 from firmware_bridge.safety.rules import Rules
-from firmware_bridge.safety.snapshot import ActiveInterlock, Snapshot
+from firmware_bridge.safety.snapshot import ActiveInterlock, AnySnapshot
 from firmware_bridge.units import SECOND, Nanoseconds
-
-G = TypeVar("G", bound=Table)
-M = TypeVar("M")
-S = TypeVar("S")
 
 BRAKED_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest way to rest before an ordered power-off."""
 
 
-class Permission(Generic[G, M, S]):
+class Permission:
     """The motion permission, and the requests that change it."""
 
     def __init__(
         self,
         robot: AnyRobot,
-        rules: dict[str, Rules[G, M, S]],
+        rules: dict[str, Rules],
         fleets: Fleets,
         outbox: list[Packet],
         mode: str = "",
@@ -80,7 +75,7 @@ class Permission(Generic[G, M, S]):
         """The axes whose power a hold has taken; they get it back in the same way."""
 
     @property
-    def rules(self) -> Rules[G, M, S]:
+    def rules(self) -> Rules:
         """Those of the mode."""
         return self._rules[self.mode]
 
@@ -138,7 +133,7 @@ class Permission(Generic[G, M, S]):
                 self.untrusted.add(hold.axis)
 
     def set_zero(
-        self, driver: Driver, position: float | None, seen: Snapshot[M, S], holds: tuple[ActiveInterlock, ...]
+        self, driver: Driver, position: float | None, seen: AnySnapshot, holds: tuple[ActiveInterlock, ...]
     ) -> Answer:
         """Have a device count from where its axis was seen to stand, or home it where no one has looked.
 
@@ -171,7 +166,7 @@ class Permission(Generic[G, M, S]):
         self._outbox += self.homing.begin(driver, now)
         return Answer(accepted=True, reason=f"home: {axis.called} is homing")
 
-    def _keeps_zeros(self, seen: Snapshot[M, S]) -> str | None:
+    def _keeps_zeros(self, seen: AnySnapshot) -> str | None:
         """Return why no axis' position may be confirmed, or None."""
         if self.armed:
             return "disarm first"
@@ -185,7 +180,7 @@ class Permission(Generic[G, M, S]):
             return "the robot still moves"
         return self.stops.holds[0].reason if self.stops.escalating else None
 
-    def decide(self, request: Request, seen: Snapshot[M, S], holds: tuple[ActiveInterlock, ...]) -> Answer:
+    def decide(self, request: Request, seen: AnySnapshot, holds: tuple[ActiveInterlock, ...]) -> Answer:
         """Answer one request; `seen` and `holds` are of this instant."""
         verdict = Answer(accepted=True, reason="")
         self.homing.ordered(request)
@@ -214,7 +209,7 @@ class Permission(Generic[G, M, S]):
         self.armed = False
         return Answer(accepted=True, reason="emergency stop: it stays until it is cleared")
 
-    def _disarm_by_force(self, seen: Snapshot[M, S]) -> Answer:
+    def _disarm_by_force(self, seen: AnySnapshot) -> Answer:
         now = seen.facts.now
         self.order_off(now)
         # Its own demand may be above zero still: what was measured counts.
@@ -228,7 +223,7 @@ class Permission(Generic[G, M, S]):
         )
         return Answer(accepted=True, reason=f"disarmed by force: {does}")
 
-    def _arm(self, seen: Snapshot[M, S], holds: tuple[ActiveInterlock, ...]) -> Answer:
+    def _arm(self, seen: AnySnapshot, holds: tuple[ActiveInterlock, ...]) -> Answer:
         if self.armed:
             return Answer(accepted=True, reason="armed already")
         premature = self._premature(seen)
@@ -246,7 +241,7 @@ class Permission(Generic[G, M, S]):
         self.untrusted.clear()
         return Answer(accepted=True, reason="armed")
 
-    def _premature(self, seen: Snapshot[M, S]) -> Answer | None:
+    def _premature(self, seen: AnySnapshot) -> Answer | None:
         if self.emergency_stopped:
             return Answer(accepted=False, reason="arm: the emergency stop is latched; clear it first")
         for hold in self.stops.holds if self.stops.escalating else ():
@@ -259,7 +254,7 @@ class Permission(Generic[G, M, S]):
             return Answer(accepted=False, reason="arm: the robot still moves", temporary=True)
         return self._requested(seen)
 
-    def _requested(self, seen: Snapshot[M, S]) -> Answer | None:
+    def _requested(self, seen: AnySnapshot) -> Answer | None:
         """Refuse where something would move as soon as the robot is armed."""
         if not seen.facts.neutral:
             return Answer(accepted=False, reason=f"arm: {seen.facts.deflected or 'the stick is not neutral'}")
@@ -290,12 +285,12 @@ class Permission(Generic[G, M, S]):
             lost = not driver.configured or self._silent(driver, now)
             self._outbox += driver.begin(BRING_UP if lost else (Task.ENABLE,), now)
 
-    def _disarm(self, seen: Snapshot[M, S]) -> Answer:
+    def _disarm(self, seen: AnySnapshot) -> Answer:
         self.armed = False
         moves = "" if self.rules.at_standstill(seen) else "the robot comes to rest, "
         return Answer(accepted=True, reason=f"disarmed: {moves}the drives hold still")
 
-    def _resume(self, seen: Snapshot[M, S]) -> Answer:
+    def _resume(self, seen: AnySnapshot) -> Answer:
         if self.paused and not seen.facts.neutral:
             return Answer(
                 accepted=False, reason=f"continue: {seen.facts.deflected or 'the stick is not neutral'}"
@@ -303,7 +298,7 @@ class Permission(Generic[G, M, S]):
         self.paused = False
         return Answer(accepted=True, reason="the robot goes on")
 
-    def _clear(self, seen: Snapshot[M, S]) -> Answer:
+    def _clear(self, seen: AnySnapshot) -> Answer:
         if not self.emergency_stopped:
             return Answer(accepted=True, reason="no emergency stop is latched")
         if self._final:
@@ -315,7 +310,7 @@ class Permission(Generic[G, M, S]):
         self.emergency_stopped = False
         return Answer(accepted=True, reason="emergency stop cleared; arm to move")
 
-    def _enter(self, mode: str, seen: Snapshot[M, S]) -> Answer:
+    def _enter(self, mode: str, seen: AnySnapshot) -> Answer:
         if mode not in self._rules:
             known = ", ".join(name for name in self._rules if name) or "none"
             return Answer(accepted=False, reason=f"mode: this robot has no '{mode}'; it has {known}")

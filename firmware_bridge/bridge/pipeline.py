@@ -6,7 +6,7 @@ have sent their samples.
 
 from collections.abc import Collection, Mapping
 from itertools import compress
-from typing import Final, Generic, TypeVar
+from typing import Any, Final
 
 from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.bridge.locating import Locating, on_floor
@@ -24,36 +24,38 @@ from firmware_bridge.intent import (
     ResetOdometry,
 )
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Robot
-from firmware_bridge.robot.table import Table
-from firmware_bridge.robot_type import PathFollower, RobotType
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_type import AnyPathFollower, AnyRobotType
 from firmware_bridge.safety.charge import Charge
 from firmware_bridge.safety.gate import Gate
 from firmware_bridge.safety.rules import Rules
-from firmware_bridge.safety.snapshot import ActiveInterlock, Decision, Facts, Group, Snapshot
+from firmware_bridge.safety.snapshot import (
+    ActiveInterlock,
+    AnyDecision,
+    AnySnapshot,
+    Facts,
+    Group,
+    Snapshot,
+)
 from firmware_bridge.safety.tracking import Followers
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.units import NEVER, Nanoseconds
 
-G = TypeVar("G", bound=Table)
-M = TypeVar("M")
-S = TypeVar("S")
-
 NO_LEVELS: Final[Mapping[str, Level]] = {}
 
 
-class Pipeline(Generic[G, M, S]):
+class Pipeline:
     """The work of every cycle, and the state from one to the next."""
 
     def __init__(
         self,
-        robot: Robot[G],
-        kind: RobotType[G, M, S],
+        robot: AnyRobot,
+        kind: AnyRobotType,
         *,
-        rules: Mapping[str, Rules[G, M, S]],
+        rules: Mapping[str, Rules],
         fleets: Fleets,
-        operator: Operator[G, M, S],
-        permission: Permission[G, M, S],
+        operator: Operator,
+        permission: Permission,
     ) -> None:
         self._robot = robot
         self._kind = kind
@@ -67,15 +69,15 @@ class Pipeline(Generic[G, M, S]):
             if axis.role in roles
         }
         reports = {driver.axis.name: driver.reports for driver in fleets.drivers}
-        self._gate: Gate[G, M, S] = Gate(robot, rules, reports)
+        self._gate: Gate = Gate(robot, rules, reports)
         self._charge: Final = Charge(robot)
         self._zeros: Final = Zeros(robot, kind.station.gauges, fleets)
         self._followers: Final = Followers(robot)
-        self._guide: PathFollower[M, S] | None = None
+        self._guide: AnyPathFollower | None = None
         """The path follower in the operator's place; None while the operator commands."""
-        self._command: M | None = None
+        self._command: Any | None = None
         """The path follower's newest command."""
-        self._demanded: M = kind.rest
+        self._demanded: Any = kind.rest
         self._locating: Final = Locating(robot, on_floor if kind.unrolled is None else kind.unrolled(robot))
         self._counted: Mapping[str, Feedback] | None = None
         """The samples up to which the pose has been carried on."""
@@ -83,7 +85,7 @@ class Pipeline(Generic[G, M, S]):
         self._bridge_stalled: Nanoseconds = 0
         self.gate_deadline: Nanoseconds = NEVER
         """Time when a timeout trips an interlock if nothing is received."""
-        self.seen: Snapshot[M, S] = self.known(0)
+        self.seen: AnySnapshot = self.known(0)
         """The newest cycle's snapshot."""
         self.holds: tuple[ActiveInterlock, ...] = ()
         """The newest cycle's interlock events."""
@@ -180,7 +182,7 @@ class Pipeline(Generic[G, M, S]):
         self._permission.part(holds, self._gate.clearing)
         return self._permission.decide(request, known, holds)
 
-    def known(self, now: Nanoseconds) -> Snapshot[M, S]:
+    def known(self, now: Nanoseconds) -> AnySnapshot:
         """Return everything known now."""
         fleets, permission, operator = self._fleets, self._permission, self._operator
         axes, sensors = fleets.feedback, fleets.readings(now)
@@ -229,7 +231,7 @@ class Pipeline(Generic[G, M, S]):
         if self._permission.rules.at_standstill(self.seen) and self._operator.lapse(now):
             self._permission.armed = False
 
-    def _guided(self, known: Snapshot[M, S], elapsed: Nanoseconds) -> Snapshot[M, S]:
+    def _guided(self, known: AnySnapshot, elapsed: Nanoseconds) -> AnySnapshot:
         """Return the snapshot with the path follower's command in it, where there is one.
 
         A deflected stick takes over; a disarm ends the path follower: armed again, nothing starts.
@@ -301,7 +303,7 @@ class Pipeline(Generic[G, M, S]):
         self._followers.on_set_points(self._fleets.set_points, now)
         return sent
 
-    def _demands(self, known: Snapshot[M, S]) -> Mapping[str, Demand]:
+    def _demands(self, known: AnySnapshot) -> Mapping[str, Demand]:
         """Return each axis's demand, in the order of the body."""
         permission = self._permission
         if permission.emergency_stopped or permission.powered_off:
@@ -310,7 +312,7 @@ class Pipeline(Generic[G, M, S]):
         permission.power_down.not_requested(known.facts.now)
         return self._demands_of_body(known)
 
-    def _without_power(self, known: Snapshot[M, S], *, rests: bool) -> Mapping[str, Demand]:
+    def _without_power(self, known: AnySnapshot, *, rests: bool) -> Mapping[str, Demand]:
         """Return the stop that disables all axes' power, or keeps it at standstill; none while they move."""
         permission, now = self._permission, known.facts.now
         if permission.powered_off:
@@ -321,7 +323,7 @@ class Pipeline(Generic[G, M, S]):
         stop = permission.power_down.stop_for(rests=rests, now=now, without=without)
         return {} if stop is None else self._used(self._all(stop))
 
-    def _demands_of_body(self, known: Snapshot[M, S]) -> Mapping[str, Demand]:
+    def _demands_of_body(self, known: AnySnapshot) -> Mapping[str, Demand]:
         """Return what the body makes of what is demanded."""
         return self._used(self._permission.rules.body.demands(self._demanded, known.body))
 
@@ -331,7 +333,7 @@ class Pipeline(Generic[G, M, S]):
         unused, homed = permission.rules.without | permission.untrusted, permission.homing.demands
         return {**demands, **homed, **dict.fromkeys(unused, Stop.POWER_OFF)} if unused or homed else demands
 
-    def _rests(self, known: Snapshot[M, S]) -> bool:
+    def _rests(self, known: AnySnapshot) -> bool:
         """Return whether the robot is at standstill; untrusted axes, whose power is off, are not judged."""
         permission = self._permission
         if permission.rules.at_standstill(known):
@@ -341,11 +343,11 @@ class Pipeline(Generic[G, M, S]):
         believed = permission.rules.believed(known, permission.untrusted)
         return believed is not None and permission.rules.at_standstill(believed)
 
-    def _demand_rests(self, known: Snapshot[M, S]) -> bool:
+    def _demand_rests(self, known: AnySnapshot) -> bool:
         rules = self._permission.rules
         return not rules.body.requested(self._demanded, known.body) & rules.travelling
 
-    def _levels(self, decision: Decision[M]) -> Mapping[str, Level]:
+    def _levels(self, decision: AnyDecision) -> Mapping[str, Level]:
         """Return the levels of the outputs: by the motion, or by a stop of everything."""
         if self._kind.switched is None:
             return NO_LEVELS
@@ -370,7 +372,7 @@ class Pipeline(Generic[G, M, S]):
                 pose = body.advanced(pose, before, axes, facts.sensors)
             locating.rolled(pose, axes[body.rolling[0]].sampled_at, facts.sensors)
 
-    def _keep(self, known: Snapshot[M, S], holds: tuple[ActiveInterlock, ...]) -> None:
+    def _keep(self, known: AnySnapshot, holds: tuple[ActiveInterlock, ...]) -> None:
         """Keep this cycle's snapshot and set-points; a path follower that was held back begins again."""
         self.seen = Snapshot(
             facts=known.facts,

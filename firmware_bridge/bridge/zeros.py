@@ -5,16 +5,13 @@ The permission to set a reference is decided elsewhere: by `permission`.
 
 import math
 from collections.abc import Mapping
-from typing import Final, Generic, TypeVar
+from typing import Final
 
 from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.drivers.driver import Driver, Feedback
 from firmware_bridge.intent import NEVER_RECEIVED, ConfirmZero
-from firmware_bridge.robot import Axis, Robot
-from firmware_bridge.robot.table import Table
-from firmware_bridge.teleop.station import Gauge
-
-G = TypeVar("G", bound=Table)
+from firmware_bridge.robot import AnyRobot, Axis
+from firmware_bridge.teleop.station import AnyGauge, Gauge
 
 DIGITS: Final = 9
 """Of what is read off the robot; conversions round."""
@@ -22,10 +19,10 @@ SLACK: Final = 1e-6
 """Share of its travel by which the end of an axis may be misread."""
 
 
-class Zeros(Generic[G]):
+class Zeros:
     """The axes of one robot whose positions need confirmation."""
 
-    def __init__(self, robot: Robot[G], gauges: tuple[Gauge[G], ...], fleets: Fleets) -> None:
+    def __init__(self, robot: AnyRobot, gauges: tuple[AnyGauge, ...], fleets: Fleets) -> None:
         """Take what is read off the robot for which role; of others it is the axis's own unit."""
         self._robot: Final = robot
         self._drivers: Final = {
@@ -95,9 +92,9 @@ class Zeros(Generic[G]):
         return round(self._gauges[name].reading(position, self._robot), DIGITS) + 0.0
 
 
-def _own_unit(axis: Axis) -> Gauge[G]:
+def _own_unit(axis: Axis) -> AnyGauge:
     return Gauge(axis.role, axis.unit.value, _unchanged, _unchanged)
 
 
-def _unchanged(value: float, _robot: Robot[G]) -> float:
+def _unchanged(value: float, _robot: AnyRobot) -> float:
     return value

@@ -5,22 +5,18 @@ Whole-robot rows come first, then the robot's own, then these of each link and a
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Final, TypeVar
+from typing import Any, Final
 
 from firmware_bridge.drivers.driver import Feedback, Homed, Position, Power, Reports, Speed
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
-from firmware_bridge.robot.table import LinkTable, Table
-from firmware_bridge.safety.interlock import AxisInterlock, Interlock, View
+from firmware_bridge.robot.table import LinkTable
+from firmware_bridge.safety.interlock import AnyInterlock, AnyView, AxisInterlock, Interlock
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.safety.operator_interlocks import operator_interlocks
 from firmware_bridge.safety.snapshot import Facts, Tracking
 from firmware_bridge.safety.tracking import within
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
-
-G = TypeVar("G", bound=Table)
-M = TypeVar("M")
-S = TypeVar("S")
 
 LINK_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
 """Time after which an axis or a link counts as well again: four cycles, no stray packet."""
@@ -34,11 +30,11 @@ STRAINS: Final = 2
 
 
 def whole_robot_interlocks(
-    numbers: Mapping[str, Callable[[M], float | None]], links: Mapping[str, LinkTable]
-) -> tuple[Interlock[G, M, S], ...]:
+    numbers: Mapping[str, Callable[[Any], float | None]], links: Mapping[str, LinkTable]
+) -> tuple[AnyInterlock, ...]:
     """Return the rows that judge no axis; `numbers` is what in a motion must be finite, by its title."""
 
-    def command_unusable(view: View[G, M, S]) -> str | None:
+    def command_unusable(view: AnyView) -> str | None:
         for title, read in numbers.items():
             value = read(view.seen.command)
             if value is not None and not math.isfinite(value):
@@ -77,13 +73,13 @@ def whole_robot_interlocks(
     )
 
 
-def _link_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
+def _link_row(name: str, link: LinkTable) -> AnyInterlock:
     """Return the interlock that is active while no device on a link can be reached.
 
     A disarm would stop all groups, even where the link stops only some of them.
     """
 
-    def lost(view: View[G, M, S]) -> str | None:
+    def lost(view: AnyView) -> str | None:
         return view.facts.links_lost.get(name)
 
     return Interlock(
@@ -97,10 +93,10 @@ def _link_row(name: str, link: LinkTable) -> Interlock[G, M, S]:
     )
 
 
-def _second_controller(name: str, link: LinkTable) -> Interlock[G, M, S]:
+def _second_controller(name: str, link: LinkTable) -> AnyInterlock:
     """Return the interlock that is active while a second controller sends on a link."""
 
-    def received(view: View[G, M, S]) -> str | None:
+    def received(view: AnyView) -> str | None:
         return view.facts.masters.get(name)
 
     return Interlock(
@@ -114,11 +110,11 @@ def _second_controller(name: str, link: LinkTable) -> Interlock[G, M, S]:
     )
 
 
-def _emergency_stop(view: View[G, M, S]) -> str | None:
+def _emergency_stop(view: AnyView) -> str | None:
     return "the emergency stop is latched" if view.facts.emergency_stopped else None
 
 
-def _bridge_stalled(view: View[G, M, S]) -> str | None:
+def _bridge_stalled(view: AnyView) -> str | None:
     # It may look away for as long as its operator may be silent.
     stood, limit = view.facts.stood_still, view.robot.operator.silent_ms * MILLISECOND
     if stood < limit:
@@ -126,7 +122,7 @@ def _bridge_stalled(view: View[G, M, S]) -> str | None:
     return f"the bridge itself did nothing for {to_seconds(stood):.2f} s, limit {to_seconds(limit):.2f} s"
 
 
-def _battery_low(view: View[G, M, S]) -> str | None:
+def _battery_low(view: AnyView) -> str | None:
     """Judge at once while disarmed, and while armed when the voltage has been low for its time."""
     battery, since = view.robot.battery, view.facts.battery_low_since
     if battery is None or since is None:
@@ -137,7 +133,7 @@ def _battery_low(view: View[G, M, S]) -> str | None:
     return f"the battery has been below {battery.low_v:g} V for {low:.1f} s"
 
 
-def _not_armed(view: View[G, M, S]) -> str | None:
+def _not_armed(view: AnyView) -> str | None:
     return None if view.facts.armed else "the robot is not armed"
 
 

@@ -7,22 +7,30 @@ the first clear one starts that time, and a trip in between starts it again.
 """
 
 from collections.abc import Mapping
-from typing import Final, Generic, TypeVar
+from typing import Any, Final
 
 from firmware_bridge.drivers.driver import Feedback, Reports
 from firmware_bridge.immutable import Immutable
-from firmware_bridge.robot import Axis, Problem, Robot, RobotFileError
-from firmware_bridge.robot.table import Table
+from firmware_bridge.robot import AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.safety.common import AXIS_INTERLOCKS, EXCLUDED_AXIS, whole_robot_interlocks
-from firmware_bridge.safety.interlock import AxisInterlock, Interlock, Limit, View
+from firmware_bridge.safety.interlock import (
+    AnyInterlock,
+    AnyLimit,
+    AnyView,
+    AxisInterlock,
+    View,
+)
 from firmware_bridge.safety.interlock_base import InterlockBase
 from firmware_bridge.safety.rules import Rules
-from firmware_bridge.safety.snapshot import ActiveInterlock, Decision, Facts, Group, Snapshot
+from firmware_bridge.safety.snapshot import (
+    ActiveInterlock,
+    AnyDecision,
+    AnySnapshot,
+    Decision,
+    Facts,
+    Group,
+)
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
-
-G = TypeVar("G", bound=Table)
-M = TypeVar("M")
-S = TypeVar("S")
 
 NO_GROUP: Final[frozenset[Group]] = frozenset()
 
@@ -71,7 +79,7 @@ class AxisRows(Immutable):
         """In a mode that does without the axis."""
 
 
-def axis_rows(robot: Robot[G], reports: Mapping[str, frozenset[Reports]]) -> tuple[AxisRows, ...]:
+def axis_rows(robot: AnyRobot, reports: Mapping[str, frozenset[Reports]]) -> tuple[AxisRows, ...]:
     """Return each axis' interlocks by its driver's reports; RobotFileError where a report is missing."""
     found = []
     for axis in robot.axes:
@@ -89,24 +97,24 @@ def axis_rows(robot: Robot[G], reports: Mapping[str, frozenset[Reports]]) -> tup
     return tuple(found)
 
 
-class Gate(Generic[G, M, S]):
+class Gate:
     """The interlocks of one robot."""
 
     __slots__ = ("_axes", "_before", "_common", "_memory", "_robot", "_rules", "_silent_after")
 
     def __init__(
-        self, robot: Robot[G], rules: Mapping[str, Rules[G, M, S]], reports: Mapping[str, frozenset[Reports]]
+        self, robot: AnyRobot, rules: Mapping[str, Rules], reports: Mapping[str, frozenset[Reports]]
     ) -> None:
         """Take the robot's own rules for each of its modes, and the reports of each axis' driver."""
         self._robot = robot
         self._rules = rules
         self._axes = axis_rows(robot, reports)
-        self._common: tuple[Interlock[G, M, S], ...] = whole_robot_interlocks(rules[""].numbers, robot.links)
+        self._common: tuple[AnyInterlock, ...] = whole_robot_interlocks(rules[""].numbers, robot.links)
         self._silent_after = robot.operator.silent_ms * MILLISECOND
         self._memory = _Memory()
-        self._before: Decision[M] | None = None
+        self._before: AnyDecision | None = None
 
-    def rule(self, seen: Snapshot[M, S]) -> Decision[M]:
+    def rule(self, seen: AnySnapshot) -> AnyDecision:
         """Judge the command in this snapshot; `seen.facts.now` never runs backwards."""
         rules = self._rules[seen.facts.mode]
         view = View(self._robot, seen, seen.command, NO_GROUP, self._before)
@@ -146,7 +154,7 @@ class Gate(Generic[G, M, S]):
                 first = min(first, feedback.received_at + one.silent_after)
         return first
 
-    def _held(self, rows: tuple[Interlock[G, M, S], ...], view: View[G, M, S]) -> list[ActiveInterlock]:
+    def _held(self, rows: tuple[AnyInterlock, ...], view: AnyView) -> list[ActiveInterlock]:
         memory, now = self._memory, view.seen.facts.now
         holds = []
         for row in rows:
@@ -172,12 +180,12 @@ class Gate(Generic[G, M, S]):
 
     def _clipped(
         self,
-        limits: tuple[Limit[G, M, S], ...],
-        view: View[G, M, S],
+        limits: tuple[AnyLimit, ...],
+        view: AnyView,
         holds: list[ActiveInterlock],
         *,
         reported: bool,
-    ) -> M:
+    ) -> Any:
         """Return the command within all limits; while something is stopped, not they hold it back."""
         for row in limits:
             allowed, reason = row.clip(view)

@@ -7,7 +7,7 @@ a number or not known never counts as safe: comparisons are written so that a Na
 """
 
 from collections.abc import Callable
-from typing import Final, Generic, TypeAlias, TypeVar
+from typing import Any, Final, Generic, TypeAlias, TypeVar
 
 from firmware_bridge.drivers.driver import Feedback, Reports
 from firmware_bridge.renamed import warn
@@ -191,3 +191,9 @@ class AxisInterlock(InterlockBase):
         while row is not None and not row.needs <= reports:
             row = row.replacement
         return row
+
+
+AnyView: TypeAlias = View[Any, Any, Any]
+AnyInterlock: TypeAlias = Interlock[Any, Any, Any]
+AnyLimit: TypeAlias = Limit[Any, Any, Any]
+"""Of whichever robot."""

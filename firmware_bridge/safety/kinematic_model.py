@@ -1,7 +1,7 @@
 """The kinematic model of a robot: from axes to state, from a motion to axes, and the groups that move."""
 
 from collections.abc import Mapping
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeAlias, TypeVar
 
 from firmware_bridge.drivers.driver import Demand, Feedback, Reading
 from firmware_bridge.motion.pose import Pose
@@ -45,3 +45,6 @@ class KinematicModel(Protocol[M, S]):
         sensors: Mapping[str, Reading],
     ) -> Pose:
         """Return the pose after the `rolling` axes moved between two samples; `sensors` are the newest."""
+
+
+AnyKinematicModel: TypeAlias = KinematicModel[Any, Any]

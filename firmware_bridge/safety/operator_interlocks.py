@@ -3,23 +3,18 @@
 They belong to every robot; `firmware_bridge.safety.common` puts them into their place.
 """
 
-from typing import Final, TypeVar
+from typing import Final
 
 from firmware_bridge.intent import NEVER_RECEIVED
-from firmware_bridge.robot.table import Table
-from firmware_bridge.safety.interlock import Interlock, View
+from firmware_bridge.safety.interlock import AnyInterlock, AnyView, Interlock
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
-
-G = TypeVar("G", bound=Table)
-M = TypeVar("M")
-S = TypeVar("S")
 
 OPERATOR_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
 """Time of punctual reception before the operator link counts as back: four cycles, no stray packet."""
 
 
-def operator_interlocks() -> tuple[Interlock[G, M, S], ...]:
+def operator_interlocks() -> tuple[AnyInterlock, ...]:
     """Return the rows in the order in which they are judged."""
     return (
         # Many stations arm first and speak of motion then; until they do, the silence holds the robot itself.
@@ -66,7 +61,7 @@ def operator_interlocks() -> tuple[Interlock[G, M, S], ...]:
     )
 
 
-def _link_timeout(view: View[G, M, S]) -> str | None:
+def _link_timeout(view: AnyView) -> str | None:
     limit = view.facts.lives_for(view.robot.operator.silent_ms * MILLISECOND)
     if view.facts.received_at == NEVER_RECEIVED:
         return "no motion command has come yet"
@@ -76,7 +71,7 @@ def _link_timeout(view: View[G, M, S]) -> str | None:
     return f"no motion command for {to_seconds(silence):.2f} s, limit {to_seconds(limit):.2f} s"
 
 
-def _command_stale(view: View[G, M, S]) -> str | None:
+def _command_stale(view: AnyView) -> str | None:
     age, limit = view.facts.age, view.facts.age_limit.most
     if age is None or age < limit or _is_silent(view):
         return None
@@ -85,29 +80,29 @@ def _command_stale(view: View[G, M, S]) -> str | None:
     return f"the newest motion command was {old} old when it came, limit {to_seconds(limit):.2f} s"
 
 
-def _not_timestamped(view: View[G, M, S]) -> str | None:
+def _not_timestamped(view: AnyView) -> str | None:
     if view.facts.timestamped or not view.facts.age_limit.needed or _is_silent(view):
         return None
     return "the age of the motion commands is unknown"
 
 
-def _is_silent(view: View[G, M, S]) -> bool:
+def _is_silent(view: AnyView) -> bool:
     """Return whether the operator link has timed out: one cause, one interlock event."""
     return view.facts.now - view.facts.received_at >= view.robot.operator.silent_ms * MILLISECOND
 
 
-def _link_lost(view: View[G, M, S]) -> str | None:
+def _link_lost(view: AnyView) -> str | None:
     limit = view.robot.operator.gone_ms * MILLISECOND
     if view.facts.received_at == NEVER_RECEIVED or view.facts.now - view.facts.received_at < limit:
         return None
     return f"no motion command for {to_seconds(limit):g} s: no station in control"
 
 
-def _not_neutral(view: View[G, M, S]) -> str | None:
+def _not_neutral(view: AnyView) -> str | None:
     if view.facts.neutral or not view.facts.neutral_required:
         return None
     return f"not neutral since the timeout: {view.facts.deflected or 'the stick'}"
 
 
-def _paused(view: View[G, M, S]) -> str | None:
+def _paused(view: AnyView) -> str | None:
     return "the operator has paused the robot" if view.facts.paused else None

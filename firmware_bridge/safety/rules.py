@@ -2,20 +2,15 @@
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
-from typing import Final, Generic, TypeVar
+from typing import Any, Final
 
-from firmware_bridge.robot.table import Table
-from firmware_bridge.safety.interlock import Interlock, Limit
-from firmware_bridge.safety.kinematic_model import KinematicModel
-from firmware_bridge.safety.snapshot import Facts, Group, Snapshot
+from firmware_bridge.safety.interlock import AnyInterlock, AnyLimit
+from firmware_bridge.safety.kinematic_model import AnyKinematicModel
+from firmware_bridge.safety.snapshot import AnySnapshot, Facts, Group, Snapshot
 from firmware_bridge.units import Nanoseconds
 
-G = TypeVar("G", bound=Table)
-M = TypeVar("M")
-S = TypeVar("S")
 
-
-class Rules(Generic[G, M, S]):
+class Rules:
     """One mode's body, groups, interlocks and limits, in their order."""
 
     __slots__ = (
@@ -35,15 +30,15 @@ class Rules(Generic[G, M, S]):
     def __init__(
         self,
         *,
-        body: KinematicModel[M, S],
+        body: AnyKinematicModel,
         without: frozenset[str],
         groups: frozenset[Group],
         travelling: frozenset[Group],
         standstill_below: Mapping[str, float],
         silent_after: Mapping[str, Nanoseconds],
-        numbers: Mapping[str, Callable[[M], float | None]],
-        interlocks: tuple[Interlock[G, M, S], ...],
-        limits: tuple[Limit[G, M, S], ...],
+        numbers: Mapping[str, Callable[[Any], float | None]],
+        interlocks: tuple[AnyInterlock, ...],
+        limits: tuple[AnyLimit, ...],
     ) -> None:
         self.body: Final = body
         self.without: Final = without
@@ -63,7 +58,7 @@ class Rules(Generic[G, M, S]):
         self.after_limits: Final = tuple(row for row in interlocks if row.after_limits)
         """Those that judge what all rows and limits before them have allowed."""
 
-    def at_standstill(self, seen: Snapshot[M, S]) -> bool:
+    def at_standstill(self, seen: AnySnapshot) -> bool:
         """Return whether the robot is at standstill, and is not commanded otherwise.
 
         Each axis is judged: wheels that turn against each other leave the robot in place, and are not at
@@ -71,7 +66,7 @@ class Rules(Generic[G, M, S]):
         """
         return not self.body.requested(seen.demanded, seen.body) & self.travelling and self.stands(seen)
 
-    def stands(self, seen: Snapshot[M, S]) -> bool:
+    def stands(self, seen: AnySnapshot) -> bool:
         """Return whether the robot is at standstill, whatever it is commanded."""
         axes = seen.facts.axes
         return not self.body.moving(seen.body) & self.travelling and all(
@@ -79,18 +74,18 @@ class Rules(Generic[G, M, S]):
             for name, bound in self._rests_below
         )
 
-    def sensed(self, seen: Snapshot[M, S]) -> Snapshot[M, S]:
+    def sensed(self, seen: AnySnapshot) -> AnySnapshot:
         """Return the snapshot as this mode's body would have sensed it."""
         return self._of(seen, seen.facts)
 
-    def believed(self, seen: Snapshot[M, S], untrusted: Collection[str]) -> Snapshot[M, S] | None:
+    def believed(self, seen: AnySnapshot, untrusted: Collection[str]) -> AnySnapshot | None:
         """Return the snapshot with the untrusted axes at standstill; None where no trusted one carries."""
         if all(name in untrusted for name, _ in self._rests_below):
             return None
         stand = {name: replace(seen.facts.axes[name], velocity=0.0) for name in untrusted}
         return self._of(seen, replace(seen.facts, axes={**seen.facts.axes, **stand}))
 
-    def _of(self, seen: Snapshot[M, S], facts: Facts) -> Snapshot[M, S]:
+    def _of(self, seen: AnySnapshot, facts: Facts) -> AnySnapshot:
         return Snapshot(
             facts=facts,
             command=seen.command,

@@ -6,7 +6,7 @@ at its import, and these are made six times in every cycle.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Final, Generic, TypeAlias, TypeVar
+from typing import Any, Final, Generic, TypeAlias, TypeVar
 
 from firmware_bridge import renamed
 from firmware_bridge.drivers.driver import Demand, Feedback, Reading, Stop
@@ -188,6 +188,11 @@ class Decision(Immutable, Generic[M]):
         """The permitted motion, at the pace of the body's ramp; a stopped group rests in it."""
         self.requested: Final = requested
         """The groups that `allowed` commands to move."""
+
+
+AnySnapshot: TypeAlias = Snapshot[Any, Any]
+AnyDecision: TypeAlias = Decision[Any]
+"""Of whichever robot; what knows its types takes the generic ones."""
 
 
 __getattr__ = renamed.module(

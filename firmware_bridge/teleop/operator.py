@@ -5,20 +5,20 @@ the interlocks'. One station is in control; while none is, the newest command co
 messages, and messages for other systems, are ignored. A robot's own use of them is in its station's rows.
 """
 
-from typing import Final, Generic, TypeVar
+from typing import Any, Final
 
 from firmware_bridge.intent import AgeLimit, Intent
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import Robot, Table
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.interlock_base import Severity
-from firmware_bridge.safety.snapshot import ActiveInterlock, Snapshot
+from firmware_bridge.safety.snapshot import ActiveInterlock, AnySnapshot
 from firmware_bridge.teleop.commands import requests_stop
 from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.exchange import Decide, Exchange
 from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect, speaks_mavlink_1, target_of
 from firmware_bridge.teleop.messages import HANDLERS, LATER, stop_for_anybody
 from firmware_bridge.teleop.session import EVERYBODY, MOST_PEERS, Dropped, Session
-from firmware_bridge.teleop.station import Station
+from firmware_bridge.teleop.station import AnyStation
 from firmware_bridge.teleop.streams import Telemetry
 from firmware_bridge.teleop.texts import InterlockTexts
 from firmware_bridge.teleop.trust import Stamps, Trust, is_signed
@@ -26,19 +26,15 @@ from firmware_bridge.units import NEVER, Nanoseconds
 
 RADIO_STATUS: Final = dialect.MAVLINK_MSG_ID_RADIO_STATUS
 
-G = TypeVar("G", bound=Table)
-M = TypeVar("M")
-S = TypeVar("S")
 
-
-class Operator(Generic[G, M, S]):
+class Operator:
     """One robot's place on MAVLink."""
 
     def __init__(
         self,
-        robot: Robot[G],
-        station: Station[G, M, S],
-        rest: M,
+        robot: AnyRobot,
+        station: AnyStation,
+        rest: Any,
         *,
         rolling: tuple[str, ...],
         modes: tuple[str, ...] = (),
@@ -61,7 +57,7 @@ class Operator(Generic[G, M, S]):
         self._foreign_nodes: list[str] = []
 
     @property
-    def intent(self) -> Intent[M]:
+    def intent(self) -> Intent:
         """The operator's command now."""
         return self._session.intent
 
@@ -216,7 +212,7 @@ class Operator(Generic[G, M, S]):
         self._session.forget()
 
     def report(
-        self, snapshot: Snapshot[M, S], holds: tuple[ActiveInterlock, ...], now: Nanoseconds
+        self, snapshot: AnySnapshot, holds: tuple[ActiveInterlock, ...], now: Nanoseconds
     ) -> tuple[Packet, ...]:
         """Return what is due now, in order: texts of what began or ended, telemetry, listed parameters."""
         session = self._session
@@ -241,7 +237,7 @@ class Operator(Generic[G, M, S]):
             return ()
         return session.audience.answer(place, session.ages.questions(now), place, now)
 
-    def _fault_texts(self, snapshot: Snapshot[M, S]) -> list[Message]:
+    def _fault_texts(self, snapshot: AnySnapshot) -> list[Message]:
         messages: list[Message] = []
         say = self._session.speaker.say
         for axis in snapshot.facts.axes.values():

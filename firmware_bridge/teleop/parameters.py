@@ -7,15 +7,13 @@ interlocks' values are changed in the robot file, by a person near the robot.
 import math
 import struct
 from dataclasses import dataclass
-from typing import Final, TypeVar
+from typing import Any, Final
 
-from firmware_bridge.robot import AnyRobot, Robot, Table
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.teleop.mavlink import Message, dialect, text_of
 from firmware_bridge.teleop.schedule import Schedule
 from firmware_bridge.teleop.station import Fixed
 from firmware_bridge.units import SECOND
-
-G = TypeVar("G", bound=Table)
 
 FASTEST_HZ: Final = 20.0
 
@@ -33,7 +31,9 @@ class Parameter:
     """The message whose rate in Hz this row is."""
 
 
-def parameters_of(robot: Robot[G], fixed: tuple[Fixed[G], ...], schedule: Schedule) -> tuple[Parameter, ...]:
+def parameters_of(
+    robot: AnyRobot, fixed: tuple[Fixed[Any], ...], schedule: Schedule
+) -> tuple[Parameter, ...]:
     """Return one robot's rows: its kind's, then those that all have; ValueError where a name stands twice.
 
     The rates are first those of the schedule.

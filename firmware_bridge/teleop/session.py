@@ -1,13 +1,13 @@
 """State of the operators' session between two datagrams, and the context of its telemetry."""
 
 from dataclasses import dataclass, field
-from typing import Any, Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 from firmware_bridge.drivers.driver import Power
 from firmware_bridge.intent import NEVER_RECEIVED, AgeLimit, Intent
 from firmware_bridge.robot import AnyRobot, UnknownAge
 from firmware_bridge.safety.interlock_base import Severity
-from firmware_bridge.safety.snapshot import Facts, Snapshot
+from firmware_bridge.safety.snapshot import AnySnapshot, Facts
 from firmware_bridge.teleop import modes as ways
 from firmware_bridge.teleop.age import BOOT_WRAPS, Age, Ages, boot_ms
 from firmware_bridge.teleop.audience import Audience
@@ -189,10 +189,10 @@ class Session:
         self.silent_after: Final[Nanoseconds] = robot.operator.silent_ms * MILLISECOND
         self.driven: Final = ReportedMode(self.silent_after)
         self.speaker: Final = Speaker()
-        self.intent: Intent[Any] = Intent(rest)
+        self.intent: Intent = Intent(rest)
         self.let_go = False
         """A neutral motion command has come since the newest cycle, whatever came after it."""
-        self.snapshot: Snapshot[Any, Any] | None = None
+        self.snapshot: AnySnapshot | None = None
         self.trust: Final = trust
         self.signatures: Final = Signatures(trust)
         self.audience: Final = Audience(self.codec.system, self.codec.component, trust, self.signatures.stamp)
@@ -327,7 +327,7 @@ class Session:
         """Forget what of a command does not outlive a change of state."""
         self.set_command(self.station.forgotten(self.intent.command))
 
-    def context(self, snapshot: Snapshot[Any, Any]) -> TelemetryContext:
+    def context(self, snapshot: AnySnapshot) -> TelemetryContext:
         """Return the telemetry's context of a snapshot."""
         facts = snapshot.facts
         status = self._status(facts)

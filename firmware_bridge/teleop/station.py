@@ -275,3 +275,7 @@ def _need_names(what: str, names: list[str], longest: int) -> None:
     wrong = [name for name in names if not (name.isascii() and 1 <= len(name) <= longest)]
     if wrong:
         raise ValueError(f"station: names of {what} are 1 to {longest} letters of ASCII, not {wrong}")
+
+
+AnyValue: TypeAlias = Value[Any, Any]
+AnyGauge: TypeAlias = Gauge[Any]

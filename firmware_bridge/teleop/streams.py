@@ -2,11 +2,11 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.teleop.mavlink import Message, dialect
-from firmware_bridge.teleop.station import AnyStation, Value
+from firmware_bridge.teleop.station import AnyStation, AnyValue
 from firmware_bridge.teleop.telemetry import (
     TelemetryContext,
     attitude,
@@ -227,7 +227,7 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
     return [first, *(row for row in rows if not lacking.get(row.number))]
 
 
-def _stream_of(value: Value[Any, Any]) -> Stream:
+def _stream_of(value: AnyValue) -> Stream:
     def encode(context: TelemetryContext) -> tuple[Message, ...]:
         number = value.read(context.snapshot)
         return () if number is None else (named(context.boot_ms, value.name, number),)

@@ -6,11 +6,11 @@ clockwise: y, yaw and yaw rate change their sign here, and only here.
 
 import math
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Final
 
 from firmware_bridge.drivers.driver import Feedback
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.safety.snapshot import Snapshot
+from firmware_bridge.safety.snapshot import AnySnapshot
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.station import AnyStation, Twist
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
@@ -37,7 +37,7 @@ class TelemetryContext:
     station: AnyStation
     rolling: tuple[str, ...]
     """The axes from whose positions the pose is carried on."""
-    snapshot: Snapshot[Any, Any]
+    snapshot: AnySnapshot
     twist: Twist
     base_mode: int
     custom_mode: int

@@ -16,7 +16,7 @@ from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire import cia402
 
 Rars: TypeAlias = Robot[RarsGeometry]
-Gate: TypeAlias = gate.Gate[RarsGeometry, RarsMotion, RarsState]
+Gate: TypeAlias = gate.Gate
 Snapshot: TypeAlias = snapshot.Snapshot[RarsMotion, RarsState]
 Ruling: TypeAlias = snapshot.Decision[RarsMotion]
 

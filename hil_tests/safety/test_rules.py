@@ -30,7 +30,7 @@ class Slide:
         return axes, sensors
 
 
-def rules_of(*without: str) -> Rules[Any, Any, Any]:
+def rules_of(*without: str) -> Rules:
     """Return the rules of a mode without these axes."""
     body: Any = Slide()
     return Rules(

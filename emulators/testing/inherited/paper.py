@@ -21,7 +21,7 @@ AnySituation: TypeAlias = Situation[Any, Any]
 WELL: Final[AnySituation] = Situation()
 
 
-def gate_of(robot: AnyRobot) -> Gate[Any, Any, Any]:
+def gate_of(robot: AnyRobot) -> Gate:
     """Return the robot's gate; its drives report everything."""
     reports = {axis.name: frozenset(Reports) for axis in robot.axes}
     return Gate(robot, robot_type_of(robot).rules(robot), reports)

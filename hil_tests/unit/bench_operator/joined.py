@@ -1,7 +1,7 @@
 """The scripted operator, joined directly to the bridge's Operator: both ends real, only the wire is short."""
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -24,15 +24,11 @@ from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robots.rars import ROBOT_TYPE
-from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.safety.snapshot import ActiveInterlock, Snapshot
 from firmware_bridge.teleop.mavlink import Codec
 from firmware_bridge.teleop.operator import Operator
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 from hil_tests.safety import gate_bench
-
-if TYPE_CHECKING:
-    from firmware_bridge.robots.rars.geometry import RarsGeometry
 
 RARS = robot_types.find("rars")
 CYCLE = 50 * MILLISECOND
@@ -70,9 +66,7 @@ class Robotlike:
 
     def __post_init__(self) -> None:
         rolling = ROBOT_TYPE.rules(self.robot)[""].body.rolling
-        self.operator: Operator[RarsGeometry, RarsMotion, RarsState] = Operator(
-            self.robot, ROBOT_TYPE.station, ROBOT_TYPE.rest, rolling=rolling
-        )
+        self.operator: Operator = Operator(self.robot, ROBOT_TYPE.station, ROBOT_TYPE.rest, rolling=rolling)
 
     def decide(self, request: Request) -> Answer:
         self.requests.append(request)
@@ -123,7 +117,7 @@ class Joined:
     cycle_at: Nanoseconds = 0
     sent: list[tuple[Nanoseconds, bytes]] = field(default_factory=list)
 
-    def run(self, until_s: float) -> Intent[RarsMotion]:
+    def run(self, until_s: float) -> Intent:
         until = from_seconds(until_s)
         while min(self.wake_at, self.cycle_at) <= until:
             if self.wake_at <= self.cycle_at:

@@ -315,17 +315,15 @@ class PaperCart:
         )
         rules = ROBOT_TYPE.rules(self.robot)
         self._codec = Codec(255, 190)
-        self._operator: Operator[Sizes, Sweep, Sensed] = Operator(
+        self._operator: Operator = Operator(
             self.robot,
             ROBOT_TYPE.station,
             ROBOT_TYPE.rest,
             rolling=rules[""].body.rolling,
             modes=tuple(ROBOT_TYPE.modes),
         )
-        self.permission: Final[Permission[Sizes, Sweep, Sensed]] = Permission(
-            self.robot, rules, self.fleets, []
-        )
-        self.pipeline: Final[Pipeline[Sizes, Sweep, Sensed]] = Pipeline(
+        self.permission: Final[Permission] = Permission(self.robot, rules, self.fleets, [])
+        self.pipeline: Final[Pipeline] = Pipeline(
             self.robot,
             ROBOT_TYPE,
             rules=rules,

@@ -54,7 +54,7 @@ class Bench(Generic[G, M, S]):
     modes: tuple[str, ...] = ()
     facts: Facts = field(init=False)
     pose: Pose = field(default_factory=Pose)
-    operator: Operator[G, M, S] = field(init=False)
+    operator: Operator = field(init=False)
     station: Codec = field(default_factory=lambda: Codec(255, 190))
     now: Nanoseconds = 0
     requested: list[Request] = field(default_factory=list)
@@ -86,7 +86,8 @@ class Bench(Generic[G, M, S]):
     @property
     def command(self) -> M:
         """The operator's present command."""
-        return self.operator.intent.command
+        present: M = self.operator.intent.command
+        return present
 
     def decide(self, request: Request) -> Answer:
         self.requested.append(request)
