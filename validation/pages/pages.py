@@ -14,6 +14,7 @@ from validation.pages import (
     capture_fidelity,
     emergencies,
     faults,
+    message_page,
     safety,
     serial_commands,
     state_diagram,
@@ -129,6 +130,7 @@ def pages(
         "faults.md": _faults(),
         "safety.md": _safety(measured),
         "ground-stations.md": _stations(),
+        "messages.md": _page("Messages, their causes and remedies", *message_page.parts(table)),
     }
 
 
