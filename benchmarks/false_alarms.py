@@ -53,7 +53,9 @@ def alarms(robot: AnyRobot, mission: str, seed: int) -> tuple[float, list[str]]:
     operator = ScriptedOperator(robot, bench_setup, script, np.random.default_rng(seed))
     rig = Rig(robot, bench_setup, operator, seed=seed, noise=script.noise, faults=script.fault)
     rig.run(from_seconds(script.duration_s))
-    held = [f"{hold.name}: {hold.reason}" for hold in rig.holds if hold.name.startswith(ALARMS)]
+    held = [
+        f"{event.name}: {event.reason}" for event in rig.interlock_events if event.name.startswith(ALARMS)
+    ]
     rig.finish()
     return script.duration_s, held
 

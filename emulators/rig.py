@@ -114,8 +114,8 @@ class Rig:
         self.faults: Final = Faults(self._site, seed)
         self.faults.plan(faults)
         self.samples: Final = Samples(columns)
-        self._holds: Final = InterlockLog(self.bridge.holds)
-        self.holds: Final = self._holds.records
+        self._holds: Final = InterlockLog(self.bridge.interlock_events)
+        self.interlock_events: Final = self._holds.records
         self._next_sample: Nanoseconds = 0
         self._rewind = Rewind(self)
 
@@ -237,7 +237,7 @@ class Rig:
             outputs[place] if column.seen is None else column.seen(seen) for column, place in self._reads
         ]
         self.samples.add(now, tuple(values))
-        self._holds.note(self.bridge.holds, now)
+        self._holds.note(self.bridge.interlock_events, now)
 
 
 def _far(operator: Node, link: Conditions, seed: int) -> Node:

@@ -103,7 +103,7 @@ def drive(order: RunOrder, progress: Progress) -> Summary:
         run,
         axes,
         rig.samples,
-        rig.holds,
+        rig.interlock_events,
         faults,
         path=path,
         radial_error_m=swing,
@@ -124,7 +124,7 @@ def drive(order: RunOrder, progress: Progress) -> Summary:
             order.robot,
             order.bench_setup.panels,
             rig.samples,
-            holds=rig.holds,
+            events=rig.interlock_events,
             faults=faults,
             more=order.bench_setup.pictures,
         )

@@ -56,7 +56,7 @@ class CutOffError(RecordingError):
 class Direction(Enum):
     """Direction of a packet through the seam, seen from the node."""
 
-    RECEIVED = "heard"
+    RECEIVED = "received"
     SENT = "sent"
 
 

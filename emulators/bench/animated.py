@@ -63,11 +63,11 @@ show(0);
 """
 
 
-def animated(title: str, samples: Samples, holds: Sequence[InterlockEntry]) -> str:
+def animated(title: str, samples: Samples, events: Sequence[InterlockEntry]) -> str:
     """Return the page of a run; rows before the robot knew where it was are left out."""
     rows = _rows(samples)
     box, span = _box(rows["x"], rows["y"])
-    held = [{"from": it.began_s, "to": it.ended_s, "text": it.reason or it.name} for it in holds]
+    held = [{"from": it.began_s, "to": it.ended_s, "text": it.reason or it.name} for it in events]
     data = json.dumps({**rows, "events": held}, separators=(",", ":"), allow_nan=False)
     long, wide = 0.03 * span, 0.012 * span
     body = BODY.format(

@@ -13,7 +13,7 @@ class Subject(StrEnum):
 
     STEP = "step"
     """The mission's step of this title began."""
-    REPORTED = "told"
+    REPORTED = "reported"
     """A STATUSTEXT."""
     ANSWERED = "answered"
     """A COMMAND_ACK."""

@@ -39,10 +39,10 @@ def beginning(title: str, again: str, rows: Iterable[Sequence[str]]) -> Iterator
     yield table(MEASURED, rows, (1,))
 
 
-def held(holds: Sequence[InterlockEntry]) -> Iterator[str]:
+def held(events: Sequence[InterlockEntry]) -> Iterator[str]:
     """Yield the interlocks that held."""
     yield "<h2>Interlocks that held</h2>"
-    yield table(HELD, map(_held, holds), SPAN) if holds else "<p>none</p>"
+    yield table(HELD, map(_held, events), SPAN) if events else "<p>none</p>"
 
 
 def shown(pictures: Iterable[Path]) -> Iterator[str]:
@@ -51,8 +51,8 @@ def shown(pictures: Iterable[Path]) -> Iterator[str]:
         yield f"<figure>{picture(path.read_bytes(), 'png', path.stem)}</figure>"
 
 
-def _held(hold: InterlockEntry) -> tuple[str, ...]:
-    return (*span(hold), hold.name, hold.reason, hold.remedy)
+def _held(event: InterlockEntry) -> tuple[str, ...]:
+    return (*span(event), event.name, event.reason, event.remedy)
 
 
 def _faulted(fault: Faulted) -> tuple[str, ...]:

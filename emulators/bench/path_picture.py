@@ -17,7 +17,7 @@ from firmware_bridge.units import to_seconds
 MOVING_MPS: Final = 0.01
 
 
-def path_picture(figure: Figure, samples: Samples, holds: Sequence[InterlockEvent]) -> None:
+def path_picture(figure: Figure, samples: Samples, events: Sequence[InterlockEvent]) -> None:
     """Draw the robot's path, where a plant provides it, and its path by the bridge's own odometry."""
     figure.set_size_inches(7.6, 7.4)
     axes = figure.add_subplot()
@@ -30,7 +30,7 @@ def path_picture(figure: Figure, samples: Samples, holds: Sequence[InterlockEven
     axes.plot(*believed, color=INK, linewidth=0.7 if samples.truth else 1.6, label="odometry")
     rows = [row for row, it in zip(samples, known, strict=True) if it]
     _time_marks(axes, rows, place, max(_extent(x), _extent(y), 0.1))
-    began = {hold.began // SAMPLE_EVERY for hold in holds}
+    began = {event.began // SAMPLE_EVERY for event in events}
     held = [row for row in rows if row.at // SAMPLE_EVERY in began and abs(row["speed_mps"]) > MOVING_MPS]
     if held:
         axes.scatter(

@@ -18,12 +18,12 @@ from emulators.bench.fault_marks import mark_faults
 from emulators.bench.path_picture import path_picture
 from emulators.bench.records import FaultRecord, InterlockEvent
 from emulators.bench.style import PALE, STYLE
-from emulators.bench.time_pictures import currents_picture, holds_picture, panels_picture
+from emulators.bench.time_pictures import currents_picture, interlocks_picture, panels_picture
 from firmware_bridge.robot import AnyRobot
 
 Picture: TypeAlias = Callable[[Figure, AnyRobot, Samples], None]
 NO_PICTURES: Final[Mapping[str, Picture]] = MappingProxyType({})
-OVER_TIME: Final = {"speeds": True, "currents": True, "holds": False}
+OVER_TIME: Final = {"speeds": True, "currents": True, "interlocks": False}
 """Pictures whose axes are seconds, and whether they have room for the names of faults."""
 
 
@@ -34,7 +34,7 @@ def draw(
     panels: Sequence[Panel],
     samples: Samples,
     *,
-    holds: Sequence[InterlockEvent],
+    events: Sequence[InterlockEvent],
     faults: Sequence[FaultRecord] = (),
     more: Mapping[str, Picture] = NO_PICTURES,
 ) -> list[Path]:
@@ -44,10 +44,10 @@ def draw(
     """
     currents_known = any(samples.has(current(axis.name)) for axis in robot.axes)
     pictures: Mapping[str, Callable[[Figure], None]] = {
-        "path": lambda figure: path_picture(figure, samples, holds),
-        "speeds": lambda figure: panels_picture(figure, robot, panels, samples, holds),
+        "path": lambda figure: path_picture(figure, samples, events),
+        "speeds": lambda figure: panels_picture(figure, robot, panels, samples, events),
         **({"currents": lambda figure: currents_picture(figure, robot, samples)} if currents_known else {}),
-        "holds": lambda figure: holds_picture(figure, samples, holds),
+        "interlocks": lambda figure: interlocks_picture(figure, samples, events),
         # A robot's own picture is of its plant.
         **{name: partial(_own, picture, robot, samples) for name, picture in more.items() if samples.truth},
     }

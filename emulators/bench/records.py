@@ -53,21 +53,21 @@ class InterlockLog:
         self._noted = standing
         """The holds as they were noted last."""
 
-    def note(self, holds: Sequence[ActiveInterlock], now: Nanoseconds) -> None:
+    def note(self, events: Sequence[ActiveInterlock], now: Nanoseconds) -> None:
         """Note which hold now."""
-        if holds is self._noted:
+        if events is self._noted:
             return
-        self._noted = holds
-        standing = {hold.name: hold for hold in holds}
+        self._noted = events
+        standing = {event.name: event for event in events}
         for index, record in enumerate(self.records):
             if record.ended is None:
-                hold = standing.pop(record.name, None)
-                if hold is None or hold.since != record.began:
+                event = standing.pop(record.name, None)
+                if event is None or event.since != record.began:
                     self.records[index] = replace(record, ended=now)
-                    if hold is not None:
-                        standing[hold.name] = hold
-        for hold in standing.values():
-            self.records.append(InterlockEvent(hold.name, hold.reason, hold.since, remedy=hold.remedy))
+                    if event is not None:
+                        standing[event.name] = event
+        for event in standing.values():
+            self.records.append(InterlockEvent(event.name, event.reason, event.since, remedy=event.remedy))
 
 
 __getattr__ = renamed.module(__name__, __name__, HoldRecord="InterlockEvent", Holds="InterlockLog")

@@ -95,8 +95,8 @@ def _faulted(faults: tuple[Faulted, ...]) -> Table:
     return table
 
 
-def _held(holds: tuple[InterlockEntry, ...]) -> Table:
+def _held(events: tuple[InterlockEntry, ...]) -> Table:
     table = _over_time("interlocks that held", "interlock", "reason")
-    for hold in holds:
-        table.add_row(*span(hold), hold.name, hold.reason)
+    for event in events:
+        table.add_row(*span(event), event.name, event.reason)
     return table

@@ -38,7 +38,7 @@ def panels_picture(
     robot: AnyRobot,
     panels: Sequence[Panel],
     samples: Samples,
-    holds: Sequence[InterlockEvent],
+    events: Sequence[InterlockEvent],
 ) -> None:
     """Draw the robot's own panels below each other, those of which there is a curve."""
     panels = [panel for panel in panels if any(samples.has(curve.column) for curve in panel.curves)]
@@ -49,7 +49,7 @@ def panels_picture(
     colors = iter(CURVE_COLORS * len(panels))
     for axes, panel in zip(rows, panels, strict=True):
         if panel.shaded:
-            _shade(axes, holds, samples)
+            _shade(axes, events, samples)
         if panel.limit is not None:
             _limit(axes, *panel.limit(robot), panel, samples)
         for curve in (one for one in panel.curves if samples.has(one.column)):
@@ -94,15 +94,15 @@ def currents_picture(figure: Figure, robot: AnyRobot, samples: Samples) -> None:
     figure.align_ylabels()
 
 
-def holds_picture(figure: Figure, samples: Samples, holds: Sequence[InterlockEvent]) -> None:
+def interlocks_picture(figure: Figure, samples: Samples, events: Sequence[InterlockEvent]) -> None:
     """Draw a row for each interlock, with its first reason."""
-    names = list(dict.fromkeys(hold.name for hold in holds))
+    names = list(dict.fromkeys(event.name for event in events))
     figure.set_size_inches(10.0, 1.6 + 0.55 * len(names))
     axes = figure.add_subplot()
     end = to_seconds(samples[-1].at)
     for row, name in enumerate(names):
-        rows = [hold for hold in holds if hold.name == name]
-        bars = [(to_seconds(hold.began), _seconds_held(hold, end)) for hold in rows]
+        rows = [event for event in events if event.name == name]
+        bars = [(to_seconds(event.began), _seconds_held(event, end)) for event in rows]
         shortest = end / 400.0  # so that a hold of one cycle is seen at all
         axes.broken_barh(
             [(began, max(length, shortest)) for began, length in bars],
@@ -154,17 +154,17 @@ def _limit(axes: Axes, limit: float, unit: str, panel: Panel, samples: Samples) 
         axes.axhline(-limit, color=VERMILION, linewidth=1.0, linestyle=":")
 
 
-def _seconds_held(hold: InterlockEvent, end: float) -> float:
-    return (end if hold.ended is None else to_seconds(hold.ended)) - to_seconds(hold.began)
+def _seconds_held(event: InterlockEvent, end: float) -> float:
+    return (end if event.ended is None else to_seconds(event.ended)) - to_seconds(event.began)
 
 
-def _shade(axes: Axes, holds: Sequence[InterlockEvent], samples: Samples) -> None:
+def _shade(axes: Axes, events: Sequence[InterlockEvent], samples: Samples) -> None:
     """Shade the time in which anything held, once, however many interlocks held at that time."""
     end = to_seconds(samples[-1].at)
     shaded: list[tuple[float, float]] = []
-    for hold in sorted(holds, key=lambda hold: hold.began):
-        began = to_seconds(hold.began)
-        ended = began + _seconds_held(hold, end)
+    for event in sorted(events, key=lambda event: event.began):
+        began = to_seconds(event.began)
+        ended = began + _seconds_held(event, end)
         if shaded and began <= shaded[-1][1]:
             began = shaded[-1][0]
             ended = max(ended, shaded.pop()[1])

@@ -138,9 +138,9 @@ def run(given: BenchOptions) -> None:
             summary = drive(order, lambda now: bar.update(task, completed=now))
     show(terminal(), summary, bench_setup.remarks(machine))
     say(f"results: {folder}/")
-    for hold in summary.interlock_events:
-        if hold.name == NOT_STARTED.name:
-            raise refusal(f"the run did not start: {hold.reason}", FAILED)
+    for event in summary.interlock_events:
+        if event.name == NOT_STARTED.name:
+            raise refusal(f"the run did not start: {event.reason}", FAILED)
 
 
 def _again() -> str:

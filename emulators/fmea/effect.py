@@ -45,11 +45,11 @@ class Assessment(StrEnum):
 
     NOTICED = "noticed"
     """An interlock holds."""
-    REPORTED = "told"
+    REPORTED = "reported"
     """The operator was informed, and nothing holds."""
     TOLERATED = "tolerated"
     """The failure was not reported, and the robot does what it would do without it."""
-    STANDS = "stands"
+    STOPPED = "stopped"
     """The failure was not reported, and the robot came to standstill where it would have gone on."""
     LATE = "NOTICED LATE"
     """The failure was noticed when the robot had deviated for a while."""
@@ -64,7 +64,7 @@ class Course:
     places: Mapping[str, Floats]
     """The plant's places, in m and rad, by the columns' names, every 10 ms."""
     units: Mapping[str, str]
-    holds: tuple[InterlockEvent, ...]
+    interlock_events: tuple[InterlockEvent, ...]
     """Interlock events that began since."""
     texts: tuple[LogEntry, ...]
     """Texts that the operator has received since."""
@@ -102,9 +102,9 @@ def watched(rig: VirtualRig, lasts_s: float | None = None) -> Course:
             break
         rig.runs(RESTS_S)
     reported = (entry for entry in rig.operator.diary if entry.at >= began and entry.kind is Subject.REPORTED)
-    holds = tuple(hold for hold in rig.interlock_history if hold.began >= began)
+    events = tuple(event for event in rig.interlock_history if event.began >= began)
     ends = NEVER if lasts_s is None else began + from_seconds(lasts_s)
-    return Course(places, units, holds, tuple(reported), began, ends)
+    return Course(places, units, events, tuple(reported), began, ends)
 
 
 def _places(rig: VirtualRig, units: Mapping[str, str], first: int) -> dict[str, Floats]:
@@ -115,19 +115,21 @@ def _places(rig: VirtualRig, units: Mapping[str, str], first: int) -> dict[str, 
 
 def effect(well: Course, ill: Course) -> Effect:
     """Compare what was seen with the failure and without it."""
-    known = {hold.name for hold in well.holds}
-    holds = [hold for hold in ill.holds if hold.name not in known and hold.began < ill.ends]
+    known = {event.name for event in well.interlock_events}
+    events = [event for event in ill.interlock_events if event.name not in known and event.began < ill.ends]
     usual = {entry.text for entry in well.texts}
     texts = [entry for entry in ill.texts if entry.text not in usual and entry.at < ill.ends]
     shares = np.max([_share(ill, well, name) for name in well.places], axis=0)
     other = np.flatnonzero(shares > 1.0)
     moved_ms = _moved_until(ill.places, ill.units) * EACH_MS
-    by, at, verdict = "", None, Assessment.STANDS if other.size else Assessment.TOLERATED
-    if holds:
-        by, at, verdict = holds[0].name, holds[0].began, Assessment.NOTICED
+    by, at, verdict = "", None, Assessment.STOPPED if other.size else Assessment.TOLERATED
+    if events:
+        by, at, verdict = events[0].name, events[0].began, Assessment.NOTICED
     elif texts:
         by, at, verdict = texts[0].text, texts[0].at, Assessment.REPORTED
-    first = min((at for at in (*(hold.began for hold in holds), *(text.at for text in texts))), default=None)
+    first = min(
+        (at for at in (*(event.began for event in events), *(text.at for text in texts))), default=None
+    )
     after_ms = None if at is None else (at - ill.began) / MILLISECOND
     noticed_ms = None if first is None else (first - ill.began) / MILLISECOND
     if other.size:

@@ -26,7 +26,7 @@ LEGEND: Final = (
     (Assessment.NOTICED, "an interlock is active: which, and after how long"),
     (Assessment.REPORTED, "the operator was informed, and no interlock is active"),
     (Assessment.TOLERATED, "the robot does what it would have done"),
-    (Assessment.STANDS, "nothing was reported, and the robot came to rest"),
+    (Assessment.STOPPED, "nothing was reported, and the robot came to rest"),
 )
 
 

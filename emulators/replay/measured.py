@@ -29,7 +29,7 @@ class Measured:
     """A run by what its devices have measured, its times from the begin of the recording."""
 
     samples: Samples
-    holds: Sequence[InterlockEvent]
+    interlock_events: Sequence[InterlockEvent]
     packets: int
     """Number of packets in the recording, on all links."""
     lasts: Nanoseconds
@@ -88,19 +88,19 @@ def measured(order: ReplayOrder, own: tuple[Column, ...], progress: Progress) ->
     """
     stage, table = on_all_links(order), _table(order.robot, own)
     assert stage.bridge is not None  # noqa: S101 - the bridge is what all links end at
-    samples, holds = Samples(tuple(column for column, _ in table.reads), truth=False), InterlockLog()
+    samples, active_events = Samples(tuple(column for column, _ in table.reads), truth=False), InterlockLog()
     try:
         differs = None
         for now in range(stage.lead, stage.end, SAMPLE_EVERY):
             stage.run(now)
             samples.add(now - stage.lead, table.row(stage.bridge.seen))
-            holds.note(stage.bridge.holds, now)
+            active_events.note(stage.bridge.interlock_events, now)
             progress(now, stage.end)
             differs = differs or first(stage.comparisons, now)
     finally:
         stage.finish()
     samples = samples.without_empty({column.name for column, _ in table.reads if column.seen is None})
-    events = [_since(record, stage) for record in holds.records]
+    events = [_since(record, stage) for record in active_events.records]
     lasts = stage.end - stage.lead
     if differs is None:
         return Measured(samples, events, len(stage.recorded), lasts)

@@ -45,19 +45,19 @@ def written(
         # Half a second for Matplotlib, which no one needs before.
         from emulators.bench.plots import draw  # noqa: PLC0415 - see above
 
-        pictures = draw(folder, title, robot, bench_setup.panels, run.samples, holds=run.holds)
+        pictures = draw(folder, title, robot, bench_setup.panels, run.samples, events=run.interlock_events)
     rows = list(numbers(robot, run, bench_setup.remarks(robot)))
     parts = (
         *beginning(title, again, rows),
         *_differs(run),
-        *held([as_held(hold) for hold in run.holds]),
+        *held([as_held(event) for event in run.interlock_events]),
         *_texts(folder),
         *shown(pictures),
     )
     (folder / PAGE).write_text(document(title, "".join(parts)), encoding="utf-8")
     made = [folder / PAGE, folder / TABLE, *pictures]
     if animate:
-        text = animated(title, run.samples, [as_held(hold) for hold in run.holds])
+        text = animated(title, run.samples, [as_held(event) for event in run.interlock_events])
         (folder / ANIMATED).write_text(text, encoding="utf-8")
         made.append(folder / ANIMATED)
     return made

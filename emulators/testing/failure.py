@@ -31,9 +31,9 @@ def failure_text(rig: VirtualRig, test: str, folder: Path, again: str, *, pictur
 
 def _lines(rig: VirtualRig, test: str, folder: Path, again: str, *, pictures: bool) -> Iterator[str]:
     yield f"{rig.robot.name}, seed {rig.seed}, at {rig.now:.2f} s of virtual time"
-    held = [hold for hold in rig.interlock_history if hold.ended is None or hold.ended > rig.began]
+    held = [event for event in rig.interlock_history if event.ended is None or event.ended > rig.began]
     yield f"holds since it was armed at {to_seconds(rig.began):.2f} s:{'' if held else ' none'}"
-    yield from (f"  {_span(hold.began, hold.ended)}  {hold.name}: {hold.reason}" for hold in held)
+    yield from (f"  {_span(event.began, event.ended)}  {event.name}: {event.reason}" for event in held)
     if rig.faults:
         yield "faults:"
         for fault in rig.faults:
@@ -65,7 +65,7 @@ def _drawn(rig: VirtualRig, test: str, folder: Path) -> list[Path]:
         rig.robot,
         shown,
         rig.bench.samples,
-        holds=rig.interlock_history,
+        events=rig.interlock_history,
         faults=rig.faults,
         more=more,
     )

@@ -101,7 +101,7 @@ class VirtualRig:
     @property
     def interlock_history(self) -> tuple[InterlockEvent, ...]:
         """All interlock events so far, the oldest first: `began_s` and `ended_s` are s of virtual time."""
-        return tuple(self.bench.holds)
+        return tuple(self.bench.interlock_events)
 
     @property
     def holds(self) -> Mapping[str, str]:
@@ -113,10 +113,12 @@ class VirtualRig:
     def held(self) -> tuple[InterlockEvent, ...]:
         """The same as `interlock_history`, with the names of the release before."""
         renamed.warn("held", "interlock_history", "rig")
-        return tuple(replace(one, name=renamed.old_interlock(one.name)) for one in self.bench.holds)
+        return tuple(
+            replace(one, name=renamed.old_interlock(one.name)) for one in self.bench.interlock_events
+        )
 
     def _active(self, where: str, shown: Callable[[str], str]) -> Mapping[str, str]:
-        reasons = {one.name: one.reason for one in self.bench.holds if one.ended is None}
+        reasons = {one.name: one.reason for one in self.bench.interlock_events if one.ended is None}
         return renamed.Interlocks(reasons, where, shown)
 
     @property

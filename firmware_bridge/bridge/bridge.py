@@ -170,9 +170,9 @@ class Bridge:
         return self._pipeline.seen
 
     @property
-    def holds(self) -> tuple[ActiveInterlock, ...]:
+    def interlock_events(self) -> tuple[ActiveInterlock, ...]:
         """The interlock events of the newest report."""
-        return self._pipeline.holds
+        return self._pipeline.interlock_events
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Take a packet of a link, or an operator's datagram."""
@@ -252,7 +252,9 @@ class Bridge:
         else:
             if self.phase is not Phase.STARTING and self._task is not None:
                 self._let_go(now)
-            self._outbox += self._pipeline.reported((self._waiting(now), *self._permission.holds), now)
+            self._outbox += self._pipeline.reported(
+                (self._waiting(now), *self._permission.interlock_events), now
+            )
 
     def _reaction(self, now: Nanoseconds) -> Reaction:
         """Carry on what the newest packet or instant made possible, and hand out what is to be sent."""
@@ -323,7 +325,7 @@ class Bridge:
             self._requested_at = NEVER
         elif self._requested_at == NEVER:
             self._requested_at = now
-        self._outbox += self._pipeline.reported((self._waiting(now), *permission.holds), now)
+        self._outbox += self._pipeline.reported((self._waiting(now), *permission.interlock_events), now)
         done = rests and permission.let_go and not permission.stops.under_way
         late = now >= self._rest_until and not permission.power_down.under_way
         gone = self.holding and permission.stops.no_axis_left

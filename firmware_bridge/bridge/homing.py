@@ -44,7 +44,7 @@ FAILED: Final = InterlockBase(
 class HomingSequence:
     """The homing of one axis after the other."""
 
-    __slots__ = ("_driver", "_high", "_low", "_place", "_reason", "_sampled_at", "_since", "holds")
+    __slots__ = ("_driver", "_high", "_low", "_place", "_reason", "_sampled_at", "_since", "interlock_events")
 
     def __init__(self) -> None:
         self._driver: Driver | None = None
@@ -55,24 +55,26 @@ class HomingSequence:
         self._place = self._low = self._high = 0.0
         """Position, with its lowest and highest value, in its unit: its own count jumps at the end."""
         self._sampled_at: Nanoseconds = NEVER_RECEIVED
-        self.holds: tuple[ActiveInterlock, ...] = ()
+        self.interlock_events: tuple[ActiveInterlock, ...] = ()
         """Reports: one under way, or the reason why the last one failed."""
 
     @property
     def under_way(self) -> tuple[ActiveInterlock, ...]:
         """The hold of the homing that is under way; it keeps whatever else would move."""
-        return () if self._driver is None else self.holds
+        return () if self._driver is None else self.interlock_events
 
     @property
     def demands(self) -> Mapping[str, Demand]:
         """The set-point of the axis whose homing may go on; empty without one."""
         return {} if self._driver is None else {self._driver.axis.name: Homed()}
 
-    def kept_by(self, axis: Axis, holds: tuple[ActiveInterlock, ...]) -> ActiveInterlock | None:
+    def kept_by(self, axis: Axis, events: tuple[ActiveInterlock, ...]) -> ActiveInterlock | None:
         """Return the first of the holds that stop an axis which keeps it from being homed; or None."""
         homing = axis.zero.homing
         first = () if homing is None else homing.after
-        return next((hold for hold in holds if hold.axis in first or hold.row.name not in MEANWHILE), None)
+        return next(
+            (event for event in events if event.axis in first or event.row.name not in MEANWHILE), None
+        )
 
     def begin(self, driver: Driver, now: Nanoseconds) -> tuple[Packet, ...]:
         """Home an axis; return what is sent for it."""
@@ -87,7 +89,7 @@ class HomingSequence:
         if isinstance(request, STOPS):
             self._reason = "it was stopped by an order"
 
-    def watch(self, holds: tuple[ActiveInterlock, ...], facts: Facts) -> None:
+    def watch(self, events: tuple[ActiveInterlock, ...], facts: Facts) -> None:
         """Look once in a cycle whether it may go on; `holds` are those that stop its axis."""
         driver, now = self._driver, facts.now
         if driver is None:
@@ -96,7 +98,7 @@ class HomingSequence:
         if not driver.busy:
             self._ended(driver, now)
             return
-        kept = self.kept_by(driver.axis, holds)
+        kept = self.kept_by(driver.axis, events)
         if kept is not None:
             self._reason = self._reason or kept.reason
         self._go(driver, facts)
@@ -110,7 +112,7 @@ class HomingSequence:
             self._driver = None
 
     def _ended(self, driver: Driver, now: Nanoseconds) -> None:
-        self.holds = ()
+        self.interlock_events = ()
         if driver.failure is not None:
             self.interrupt(driver.failure.problem, now)
         elif driver.feedback.reference_lost:
@@ -135,8 +137,10 @@ class HomingSequence:
 
     def _forget(self, facts: Facts) -> None:
         """Report no failure any more of an axis whose zero is known."""
-        self.holds = tuple(hold for hold in self.holds if facts.axes[hold.axis].reference_lost)
+        self.interlock_events = tuple(
+            event for event in self.interlock_events if facts.axes[event.axis].reference_lost
+        )
 
     def _report(self, row: InterlockBase, reason: str, now: Nanoseconds) -> None:
         name = "" if self._driver is None else self._driver.axis.name
-        self.holds = (ActiveInterlock(f"{row.name}: {name}", reason, row, now, name),)
+        self.interlock_events = (ActiveInterlock(f"{row.name}: {name}", reason, row, now, name),)

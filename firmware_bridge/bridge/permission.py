@@ -85,9 +85,9 @@ class Permission:
         return self.emergency_stopped or self.powered_off
 
     @property
-    def holds(self) -> tuple[ActiveInterlock, ...]:
+    def interlock_events(self) -> tuple[ActiveInterlock, ...]:
         """The reports about stops, power down and homing."""
-        return self.stops.holds + self.power_down.holds + self.homing.holds
+        return self.stops.interlock_events + self.power_down.interlock_events + self.homing.interlock_events
 
     @property
     def let_go(self) -> bool:
@@ -113,27 +113,27 @@ class Permission:
         waiting = [driver for driver in self._fleets.drivers if driver.busy and not driver.stopping]
         return tuple([packet for driver in waiting for packet in driver.begin((), now)])
 
-    def part(self, holds: tuple[ActiveInterlock, ...], clearing: Collection[str]) -> None:
+    def part(self, events: tuple[ActiveInterlock, ...], clearing: Collection[str]) -> None:
         """Require neutral controls where an interlock event's row needs it.
 
         One that is `clearing` does not: an operator whose stick has been neutral since its cause ended has
         done so.
         """
-        if any(hold.row.parts and hold.name not in clearing for hold in holds):
+        if any(event.row.parts and event.name not in clearing for event in events):
             self.neutral_required = True
 
-    def watch(self, holds: tuple[ActiveInterlock, ...]) -> None:
+    def watch(self, events: tuple[ActiveInterlock, ...]) -> None:
         """Do what the holds' rows say: disarm, latch the emergency stop, take an axis's power."""
-        for hold in holds:
-            if hold.row.latches:
+        for event in events:
+            if event.row.latches:
                 self.emergency_stopped = True
-            if hold.row.disarms or hold.row.latches:
+            if event.row.disarms or event.row.latches:
                 self.armed = False
-            if hold.row.disables_power:
-                self.untrusted.add(hold.axis)
+            if event.row.disables_power:
+                self.untrusted.add(event.axis)
 
     def set_zero(
-        self, driver: Driver, position: float | None, seen: AnySnapshot, holds: tuple[ActiveInterlock, ...]
+        self, driver: Driver, position: float | None, seen: AnySnapshot, events: tuple[ActiveInterlock, ...]
     ) -> Answer:
         """Have a device count from where its axis was seen to stand, or home it where no one has looked.
 
@@ -154,15 +154,15 @@ class Permission:
         if abs(feedback.velocity) > driver.axis.standstill_below:
             return Answer(accepted=False, reason=f"zero: {driver.axis.called} moves", temporary=True)
         if position is None:
-            return self._home(driver, holds, now)
+            return self._home(driver, events, now)
         self._outbox += driver.set_zero(position, now)
         return Answer(accepted=True, reason=f"zero: {driver.axis.called} counts from there")
 
-    def _home(self, driver: Driver, holds: tuple[ActiveInterlock, ...], now: Nanoseconds) -> Answer:
+    def _home(self, driver: Driver, events: tuple[ActiveInterlock, ...], now: Nanoseconds) -> Answer:
         axis = driver.axis
-        hold = self.homing.kept_by(axis, holds)
-        if hold is not None:
-            return Answer(accepted=False, reason=f"home: {hold.reason}; {hold.remedy}", temporary=True)
+        event = self.homing.kept_by(axis, events)
+        if event is not None:
+            return Answer(accepted=False, reason=f"home: {event.reason}; {event.remedy}", temporary=True)
         self._outbox += self.homing.begin(driver, now)
         return Answer(accepted=True, reason=f"home: {axis.called} is homing")
 
@@ -170,24 +170,24 @@ class Permission:
         """Return why no axis' position may be confirmed, or None."""
         if self.armed:
             return "disarm first"
-        for hold in self.homing.under_way:
-            return hold.reason
+        for event in self.homing.under_way:
+            return event.reason
         if self.emergency_stopped:
             return "the emergency stop is latched; clear it first"
         if self.powered_off:
             return "the power was disabled by force; arm once, that enables it"
         if not self.rules.at_standstill(seen):
             return "the robot still moves"
-        return self.stops.holds[0].reason if self.stops.escalating else None
+        return self.stops.interlock_events[0].reason if self.stops.escalating else None
 
-    def decide(self, request: Request, seen: AnySnapshot, holds: tuple[ActiveInterlock, ...]) -> Answer:
+    def decide(self, request: Request, seen: AnySnapshot, events: tuple[ActiveInterlock, ...]) -> Answer:
         """Answer one request; `seen` and `holds` are of this instant."""
         verdict = Answer(accepted=True, reason="")
         self.homing.ordered(request)
         self._outbox += self.stops.ordered(request)
         match request:
             case Arm():
-                verdict = self._arm(seen, holds)
+                verdict = self._arm(seen, events)
             case Disarm(force=force):
                 verdict = self._disarm_by_force(seen) if force else self._disarm(seen)
             case EmergencyStop(final=final):
@@ -223,7 +223,7 @@ class Permission:
         )
         return Answer(accepted=True, reason=f"disarmed by force: {does}")
 
-    def _arm(self, seen: AnySnapshot, holds: tuple[ActiveInterlock, ...]) -> Answer:
+    def _arm(self, seen: AnySnapshot, events: tuple[ActiveInterlock, ...]) -> Answer:
         if self.armed:
             return Answer(accepted=True, reason="armed already")
         premature = self._premature(seen)
@@ -233,9 +233,9 @@ class Permission:
         asleep = [driver for driver in self._used() if not self._ready(driver, now)]
         if asleep:
             return self._awaken(asleep, now)
-        for hold in holds:
-            if hold.row.blocks_arming:
-                return Answer(accepted=False, reason=f"arm: {hold.reason}; {hold.remedy}", temporary=True)
+        for event in events:
+            if event.row.blocks_arming:
+                return Answer(accepted=False, reason=f"arm: {event.reason}; {event.remedy}", temporary=True)
         self.armed = True
         self.paused = False
         self.untrusted.clear()
@@ -244,10 +244,10 @@ class Permission:
     def _premature(self, seen: AnySnapshot) -> Answer | None:
         if self.emergency_stopped:
             return Answer(accepted=False, reason="arm: the emergency stop is latched; clear it first")
-        for hold in self.stops.holds if self.stops.escalating else ():
-            return Answer(accepted=False, reason=f"arm: {hold.reason}", temporary=True)
-        for hold in self.homing.under_way:
-            return Answer(accepted=False, reason=f"arm: {hold.reason}; {hold.remedy}", temporary=True)
+        for event in self.stops.interlock_events if self.stops.escalating else ():
+            return Answer(accepted=False, reason=f"arm: {event.reason}", temporary=True)
+        for event in self.homing.under_way:
+            return Answer(accepted=False, reason=f"arm: {event.reason}; {event.remedy}", temporary=True)
         for lost in seen.facts.links_lost.values():
             return Answer(accepted=False, reason=f"arm: {lost}; plug it in again", temporary=True)
         if not self.rules.at_standstill(seen):

@@ -87,7 +87,7 @@ class Pipeline:
         """Time when a timeout trips an interlock if nothing is received."""
         self.seen: AnySnapshot = self.known(0)
         """The newest cycle's snapshot."""
-        self.holds: tuple[ActiveInterlock, ...] = ()
+        self.interlock_events: tuple[ActiveInterlock, ...] = ()
         """The newest cycle's interlock events."""
 
     def run(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], tuple[Packet, ...]]:
@@ -97,12 +97,12 @@ class Pipeline:
         self._lapse(now)
         known = self._guided(self.known(now), elapsed)
         decision = self._gate.rule(known)
-        self._watch_homing(decision.holds + self._permission.stops.holds, known.facts)
+        self._watch_homing(decision.interlock_events + self._permission.stops.interlock_events, known.facts)
         if self._operator.take_let_go() or known.facts.neutral:
             self._permission.neutral_required = False
-        self._permission.part(decision.holds, self._gate.clearing)
-        self._permission.watch(decision.holds)
-        if any(hold.row.parts for hold in decision.holds):
+        self._permission.part(decision.interlock_events, self._gate.clearing)
+        self._permission.watch(decision.interlock_events)
+        if any(event.row.parts for event in decision.interlock_events):
             self._operator.forget()
         self.gate_deadline = self._gate.next_deadline(known.facts)
         self._demanded = rules.body.ramped(self._demanded, decision.allowed, known.body, elapsed)
@@ -110,8 +110,8 @@ class Pipeline:
             self._stop_requested(decision.stopped), self._demands(known), self._levels(decision), now
         )
         self._advance(known.facts)
-        self._keep(known, decision.holds + self._permission.holds)
-        return sent, self._operator.report(self.seen, self.holds, now)
+        self._keep(known, decision.interlock_events + self._permission.interlock_events)
+        return sent, self._operator.report(self.seen, self.interlock_events, now)
 
     def come_to_rest(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], bool]:
         """Ramp down, then power down, without the operator; return the packets, and whether it is done.
@@ -122,7 +122,7 @@ class Pipeline:
         self._permission.homing.interrupt("the bridge is ending", now)
         known = self.known(now)
         self._permission.watch(
-            tuple([hold for hold in self._gate.rule(known).holds if hold.row.disables_power])
+            tuple([event for event in self._gate.rule(known).interlock_events if event.row.disables_power])
         )
         rules = self._permission.rules
         rest = rules.body.rested(self._demanded, rules.groups)
@@ -130,7 +130,7 @@ class Pipeline:
         rests = self._rests(known) and self._demand_rests(known)
         demands = self._without_power(known, rests=rests) or self._demands_of_body(known)
         sent = self._stopped(demands.keys() | self._group_of.keys(), demands, self._kind.on_stop, now)
-        self._keep(known, self._permission.holds)
+        self._keep(known, self._permission.interlock_events)
         return sent, rests or self._permission.powered_off
 
     def let_go(self, names: Collection[str], now: Nanoseconds) -> tuple[Packet, ...]:
@@ -176,11 +176,11 @@ class Pipeline:
             refused = self._zeros.refuses(request)
             if refused is not None:
                 return Answer(accepted=False, reason=refused)
-            holds = self._against(request.axis, self._gate.rule(known).holds)
-            return self._permission.set_zero(*self._zeros.place(request), known, holds)
-        holds = self._gate.rule(known).holds
-        self._permission.part(holds, self._gate.clearing)
-        return self._permission.decide(request, known, holds)
+            events = self._against(request.axis, self._gate.rule(known).interlock_events)
+            return self._permission.set_zero(*self._zeros.place(request), known, events)
+        events = self._gate.rule(known).interlock_events
+        self._permission.part(events, self._gate.clearing)
+        return self._permission.decide(request, known, events)
 
     def known(self, now: Nanoseconds) -> AnySnapshot:
         """Return everything known now."""
@@ -220,11 +220,11 @@ class Pipeline:
             located=self._locating.located,
         )
 
-    def reported(self, holds: tuple[ActiveInterlock, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+    def reported(self, events: tuple[ActiveInterlock, ...], now: Nanoseconds) -> tuple[Packet, ...]:
         """Report without judging: before the devices are ready, and after they failed."""
         self._lapse(now)
-        self.seen, self.holds = self.known(now), holds
-        return self._operator.report(self.seen, self.holds, now)
+        self.seen, self.interlock_events = self.known(now), events
+        return self._operator.report(self.seen, self.interlock_events, now)
 
     def _lapse(self, now: Nanoseconds) -> None:
         """Let no one drive where the driver is gone and the robot rests; the next one arms again."""
@@ -264,16 +264,16 @@ class Pipeline:
         self._command = None
         return Answer(accepted=True, reason=f"path follower: {name or 'the operator'}")
 
-    def _against(self, axis: str, holds: tuple[ActiveInterlock, ...]) -> tuple[ActiveInterlock, ...]:
+    def _against(self, axis: str, events: tuple[ActiveInterlock, ...]) -> tuple[ActiveInterlock, ...]:
         """Return the holds that stop an axis."""
         group = self._group_of[axis]
-        return tuple(hold for hold in holds if hold.row.stops is None or group in hold.row.stops)
+        return tuple(event for event in events if event.row.stops is None or group in event.row.stops)
 
-    def _watch_homing(self, holds: tuple[ActiveInterlock, ...], facts: Facts) -> None:
+    def _watch_homing(self, events: tuple[ActiveInterlock, ...], facts: Facts) -> None:
         homing = self._permission.homing
         for axis in homing.demands:
-            holds = self._against(axis, holds)
-        homing.watch(holds, facts)
+            events = self._against(axis, events)
+        homing.watch(events, facts)
 
     def _stop_requested(self, stopped: frozenset[Group]) -> set[str]:
         """Return the axes that are to stop, without those that the mode excludes."""
@@ -298,7 +298,7 @@ class Pipeline:
             self._permission.rules.without,
             holding=self._permission.power_down.held,
         )
-        self._permission.watch(stops.holds)
+        self._permission.watch(stops.interlock_events)
         sent = escalated + self._fleets.command(changed, levels, now)
         self._followers.on_set_points(self._fleets.set_points, now)
         return sent
@@ -372,7 +372,7 @@ class Pipeline:
                 pose = body.advanced(pose, before, axes, facts.sensors)
             locating.rolled(pose, axes[body.rolling[0]].sampled_at, facts.sensors)
 
-    def _keep(self, known: AnySnapshot, holds: tuple[ActiveInterlock, ...]) -> None:
+    def _keep(self, known: AnySnapshot, events: tuple[ActiveInterlock, ...]) -> None:
         """Keep this cycle's snapshot and set-points; a path follower that was held back begins again."""
         self.seen = Snapshot(
             facts=known.facts,
@@ -382,8 +382,8 @@ class Pipeline:
             pose=self._locating.pose,
             located=self._locating.located,
         )
-        self.holds = holds
-        if self._guide is not None and any(hold.row.stops != frozenset() for hold in holds):
+        self.interlock_events = events
+        if self._guide is not None and any(event.row.stops != frozenset() for event in events):
             self._guide.reset()
 
     def _elapsed(self, now: Nanoseconds) -> Nanoseconds:

@@ -141,7 +141,7 @@ class PowerDown:
         """Result of the look before, in shares of what friction explains; 0 before the first."""
 
     @property
-    def holds(self) -> tuple[ActiveInterlock, ...]:
+    def interlock_events(self) -> tuple[ActiveInterlock, ...]:
         """The reports."""
         return () if self._hold is None else (self._hold,)
 

@@ -213,7 +213,7 @@ class AxisStop:
             patience = 0 if step.received else step.judged_after(0.0)
         return now >= max(self.begun_at, driver.feedback.received_at) + patience
 
-    def hold(self) -> ActiveInterlock | None:
+    def event(self) -> ActiveInterlock | None:
         """Return what the operator is informed of; None while no step has failed."""
         if not self.escalates and self.progress is not Progress.GIVEN_UP:
             return None
@@ -250,7 +250,7 @@ class AxisStop:
 class Stops:
     """The stops of all axes."""
 
-    __slots__ = ("_at_once", "_axes", "_fleets", "_lost", "holds")
+    __slots__ = ("_at_once", "_axes", "_fleets", "_lost", "interlock_events")
 
     def __init__(self, robot: AnyRobot, fleets: Fleets) -> None:
         self._fleets = fleets
@@ -258,7 +258,7 @@ class Stops:
         self._at_once: Final = tuple([stop for stop in self._axes.values() if stop.first.at_once])
         self._lost: Collection[str] = ()
         """The links over which nothing reaches a device, as of the newest look."""
-        self.holds: tuple[ActiveInterlock, ...] = ()
+        self.interlock_events: tuple[ActiveInterlock, ...] = ()
         """Reports, as of the newest look."""
 
     @property
@@ -333,8 +333,8 @@ class Stops:
                 changed[name] = stop.step.demand
             elif stop.first.at_once and name in requested and not isinstance(demand, Stop):
                 changed[name] = stop.first.demand
-        holds = [stop.hold() for stop in self._axes.values() if not stop.excluded]
-        self.holds = tuple([hold for hold in holds if hold is not None])
+        events = [stop.event() for stop in self._axes.values() if not stop.excluded]
+        self.interlock_events = tuple([event for event in events if event is not None])
         return sent, changed
 
     @property

@@ -135,9 +135,13 @@ class Narrated:
             self._late, self._late_reported_at = late, now
         # A failure is reported at the end, and phases are not worth a report without a reader.
         ends = bridge.phase not in (Phase.STARTING, Phase.RUNNING)
-        if bridge.holds != self._holds and bridge.phase is not Phase.FAILED and not (ends and self._alone):
-            self._show_holds({hold.name: hold for hold in bridge.holds}, now)
-            self._holds = bridge.holds
+        if (
+            bridge.interlock_events != self._holds
+            and bridge.phase is not Phase.FAILED
+            and not (ends and self._alone)
+        ):
+            self._show_holds({event.name: event for event in bridge.interlock_events}, now)
+            self._holds = bridge.interlock_events
 
     def _show_operators(self, now: Nanoseconds) -> None:
         """Return whether it is armed, and the untrusted senders."""
@@ -157,13 +161,13 @@ class Narrated:
             self._say(f"where the axes stand is not kept: {problem}", now)
 
     def _show_holds(self, standing: Mapping[str, ActiveInterlock], now: Nanoseconds) -> None:
-        known = {hold.name: hold.reason for hold in self._holds}
+        known = {event.name: event.reason for event in self._holds}
         for name in known:
             if name not in standing:
                 self._say(f"cleared: {name}", now)
-        for name, hold in standing.items():
-            if known.get(name) != hold.reason:
-                self._say(f"active: {name}: {hold.reason} ({hold.remedy})", now)
+        for name, event in standing.items():
+            if known.get(name) != event.reason:
+                self._say(f"active: {name}: {event.reason} ({event.remedy})", now)
 
     def _say(self, text: str, now: Nanoseconds) -> None:
         self._print(f"{to_seconds(now):9.3f} s  {text}")

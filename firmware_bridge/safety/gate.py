@@ -44,7 +44,7 @@ class _Memory:
         self._holds: dict[str, ActiveInterlock] = {}
         self._clear_since: dict[str, Nanoseconds] = {}
 
-    def holds(self, name: str) -> bool:
+    def interlock_events(self, name: str) -> bool:
         return name in self._holds
 
     @property
@@ -59,11 +59,11 @@ class _Memory:
         if reason is not None:
             self._clear_since.pop(name, None)
             return self._holds.setdefault(name, ActiveInterlock(name, reason, row, now, axis))
-        hold = self._holds.get(name)
-        if hold is not None and now - self._clear_since.setdefault(name, now) >= row.clear_after:
+        event = self._holds.get(name)
+        if event is not None and now - self._clear_since.setdefault(name, now) >= row.clear_after:
             del self._holds[name], self._clear_since[name]
             return None
-        return hold
+        return event
 
 
 class AxisRows(Immutable):
@@ -118,19 +118,19 @@ class Gate:
         """Judge the command in this snapshot; `seen.facts.now` never runs backwards."""
         rules = self._rules[seen.facts.mode]
         view = View(self._robot, seen, seen.command, NO_GROUP, self._before)
-        holds = self._held(self._common, view) + self._held(rules.interlocks, view)
-        holds += self._held_axes(seen.facts)
-        stopped = _stopped(holds, rules.groups)
-        clipped = self._clipped(rules.limits, view, holds, reported=not stopped)
+        events = self._held(self._common, view) + self._held(rules.interlocks, view)
+        events += self._held_axes(seen.facts)
+        stopped = _stopped(events, rules.groups)
+        clipped = self._clipped(rules.limits, view, events, reported=not stopped)
         allowed = rules.body.rested(clipped, stopped) if stopped else clipped
         if rules.after_limits:
             requested = rules.body.requested(clipped, seen.body)
             late = self._held(rules.after_limits, View(self._robot, seen, allowed, requested, self._before))
-            holds += late
+            events += late
             stopped_late = _stopped(late, rules.groups)
             allowed = rules.body.rested(allowed, stopped_late) if stopped_late else allowed
             stopped |= stopped_late
-        decision = Decision(tuple(holds), stopped, allowed, rules.body.requested(allowed, seen.body))
+        decision = Decision(tuple(events), stopped, allowed, rules.body.requested(allowed, seen.body))
         self._before = decision
         return decision
 
@@ -156,49 +156,49 @@ class Gate:
 
     def _held(self, rows: tuple[AnyInterlock, ...], view: AnyView) -> list[ActiveInterlock]:
         memory, now = self._memory, view.seen.facts.now
-        holds = []
+        events = []
         for row in rows:
-            held = memory.holds(row.name)
+            held = memory.interlock_events(row.name)
             reason = row.judge(view.held() if held else view)
-            hold = memory.look(row.name, reason, row, now) if held or reason is not None else None
-            if hold is not None:
-                holds.append(hold)
-        return holds
+            event = memory.look(row.name, reason, row, now) if held or reason is not None else None
+            if event is not None:
+                events.append(event)
+        return events
 
     def _held_axes(self, facts: Facts) -> list[ActiveInterlock]:
-        holds, memory = [], self._memory
+        events, memory = [], self._memory
         for one in self._axes:
             axis = one.axis
             feedback = facts.axes.get(axis.name) or Feedback(axis.name)
             for name, row in one.excluded if axis.name in facts.without else one.rows:
                 reason = row.judge(axis, feedback, facts, one.silent_after)
-                held = reason is not None or memory.holds(name)
-                hold = memory.look(name, reason, row, facts.now, axis.name) if held else None
-                if hold is not None:
-                    holds.append(hold)
-        return holds
+                held = reason is not None or memory.interlock_events(name)
+                event = memory.look(name, reason, row, facts.now, axis.name) if held else None
+                if event is not None:
+                    events.append(event)
+        return events
 
     def _clipped(
         self,
         limits: tuple[AnyLimit, ...],
         view: AnyView,
-        holds: list[ActiveInterlock],
+        events: list[ActiveInterlock],
         *,
         reported: bool,
     ) -> Any:
         """Return the command within all limits; while something is stopped, not they hold it back."""
         for row in limits:
             allowed, reason = row.clip(view)
-            hold = self._memory.look(row.name, reason if reported else None, row, view.seen.facts.now)
-            if hold is not None:
-                holds.append(hold)
+            event = self._memory.look(row.name, reason if reported else None, row, view.seen.facts.now)
+            if event is not None:
+                events.append(event)
             if allowed is not view.allowed:
                 view = View(view.robot, view.seen, allowed, NO_GROUP, view.before)
         return view.allowed
 
 
-def _stopped(holds: list[ActiveInterlock], groups: frozenset[Group]) -> frozenset[Group]:
+def _stopped(events: list[ActiveInterlock], groups: frozenset[Group]) -> frozenset[Group]:
     stopped = NO_GROUP
-    for hold in holds:
-        stopped |= groups if hold.row.stops is None else hold.row.stops
+    for event in events:
+        stopped |= groups if event.row.stops is None else event.row.stops
     return stopped

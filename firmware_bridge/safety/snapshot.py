@@ -172,16 +172,16 @@ class ActiveInterlock:
 class Decision(Immutable, Generic[M]):
     """The motion permitted now, with the reasons for its restriction."""
 
-    __slots__ = ("allowed", "holds", "requested", "stopped")
+    __slots__ = ("allowed", "interlock_events", "requested", "stopped")
 
     def __init__(
         self,
-        holds: tuple[ActiveInterlock, ...],
+        events: tuple[ActiveInterlock, ...],
         stopped: frozenset[Group],
         allowed: M,
         requested: frozenset[Group],
     ) -> None:
-        self.holds: Final = holds
+        self.interlock_events: Final = events
         self.stopped: Final = stopped
         """The groups that a hold stops."""
         self.allowed: Final = allowed

@@ -212,13 +212,13 @@ class Operator:
         self._session.forget()
 
     def report(
-        self, snapshot: AnySnapshot, holds: tuple[ActiveInterlock, ...], now: Nanoseconds
+        self, snapshot: AnySnapshot, events: tuple[ActiveInterlock, ...], now: Nanoseconds
     ) -> tuple[Packet, ...]:
         """Return what is due now, in order: texts of what began or ended, telemetry, listed parameters."""
         session = self._session
         session.snapshot = snapshot
         session.report_link(now)
-        texts = session.unsent + self._texts.due(holds, now) + self._fault_texts(snapshot)
+        texts = session.unsent + self._texts.due(events, now) + self._fault_texts(snapshot)
         session.unsent = []
         packets: tuple[Packet, ...] = ()
         telemetry = Telemetry(session.streams, session.context(snapshot))

@@ -376,7 +376,7 @@ class Session:
             (silent, dialect.MAV_STATE_CRITICAL),
         )
         active: int = dialect.MAV_STATE_ACTIVE
-        return next((state for holds, state in rows if holds), active)
+        return next((state for events, state in rows if events), active)
 
 
 def _version() -> Message:

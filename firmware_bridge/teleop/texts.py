@@ -93,9 +93,9 @@ class InterlockTexts:
         self._informed: Final[set[tuple[str, str]]] = set()
         """Past events that were information."""
 
-    def due(self, holds: tuple[ActiveInterlock, ...], now: Nanoseconds) -> list[Message]:
+    def due(self, events: tuple[ActiveInterlock, ...], now: Nanoseconds) -> list[Message]:
         """Return texts of what is not as commanded last."""
-        current = {hold.text_key: hold for hold in holds if hold.text_key not in self._informed}
+        current = {event.text_key: event for event in events if event.text_key not in self._informed}
         if current.keys() == self._shown.keys():
             return []
         messages: list[Message] = []
@@ -105,13 +105,13 @@ class InterlockTexts:
                 self._informed.add(key)
             elif key[0] not in active:
                 messages += self._speaker.say(Severity.INFO, f"cleared: {key[0]}")
-        for key, hold in current.items():
+        for key, event in current.items():
             lately = [at for at in self._began.get(key, ()) if now - at < Speaker.QUIET]
             if key not in self._shown and len(lately) < self.MOST:
-                self._shown[key] = hold.row.severity
+                self._shown[key] = event.row.severity
                 self._began[key] = [*lately, now]
-                remedy = f"; {hold.remedy}" if hold.remedy else ""
-                messages += self._speaker.say(hold.row.severity, f"{hold.reason}{remedy}")
+                remedy = f"; {event.remedy}" if event.remedy else ""
+                messages += self._speaker.say(event.row.severity, f"{event.reason}{remedy}")
         return messages
 
 

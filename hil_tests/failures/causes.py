@@ -94,7 +94,7 @@ class Cause:
     """True if the operator lets go at that instant: the fault shows by it."""
     reports: tuple[str, ...] = ()
     """One of these interlocks begins to hold, by how its name begins."""
-    holds: tuple[str, ...] = ()
+    interlock_events: tuple[str, ...] = ()
     """Each of these begins to hold."""
     only: bool = False
     """True if no other interlock becomes active; with none in `holds` the robot drives on."""

@@ -90,7 +90,7 @@ class Found(NamedTuple):
     """The result, the active interlocks, the drives' error codes, and the speed of a drive afterwards."""
 
     outcome: Outcome
-    holds: frozenset[str]
+    interlock_events: frozenset[str]
     codes: dict[str, tuple[int, ...]]
     again: float
     """The share of the speed it had; 0 where no one drove it again."""
@@ -143,8 +143,8 @@ def _driven(rig: VirtualRig, case: Case) -> Found:
     _begin(rig, case)
     way, rest = _watched(rig, case.motion)
     cause = case.cause
-    holds = {hold.name: hold.began for hold in reversed(rig.interlock_history) if hold.began >= began}
-    times = [at for name, at in holds.items() if cause.reports and name.startswith(cause.reports)]
+    events = {event.name: event.began for event in reversed(rig.interlock_history) if event.began >= began}
+    times = [at for name, at in events.items() if cause.reports and name.startswith(cause.reports)]
     outcome = Outcome(
         cause.name,
         case.line,
@@ -156,7 +156,7 @@ def _driven(rig: VirtualRig, case: Case) -> Found:
         NO_ONE if rest is None else _by(rig, case.cause),
     )
     codes = {name: codes for name in rig.bench.devices.drives if (codes := _history(rig, name))}
-    return Found(outcome, frozenset(holds), codes, _again(rig) / speed if cause.again else 0.0)
+    return Found(outcome, frozenset(events), codes, _again(rig) / speed if cause.again else 0.0)
 
 
 def _begin(rig: VirtualRig, case: Case) -> None:

@@ -90,7 +90,7 @@ def sections(robot: str) -> tuple[str, ...]:
     lines = LINES.get(robot, ())
     if not lines:
         return ()
-    headings = ("line", "encoder off", "told", "worst", "yaw rate", "above twice", "stands after")
+    headings = ("line", "encoder off", "commanded", "worst", "yaw rate", "above twice", "stands after")
     cells = (
         (
             row.line,

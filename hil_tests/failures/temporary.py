@@ -16,8 +16,8 @@ AXES: Final = ("left", "right", "steer", "lift")
 ROME: Final = BOARDS["rome"]
 
 
-def _row(name: str, what: Fault, *holds: str, **row: Any) -> Cause:
-    return Cause(name=name, fault=what, holds=holds, **{"lines": CAN, **row})
+def _row(name: str, what: Fault, *events: str, **row: Any) -> Cause:
+    return Cause(name=name, fault=what, interlock_events=events, **{"lines": CAN, **row})
 
 
 def _ignored(name: str, what: Fault) -> Cause:
@@ -34,12 +34,12 @@ def _all(*codes: int) -> Codes:
 
 def _commanded(command: str) -> Cause:
     """Have another master command one drive."""
-    holds = ("axis not enabled: left", "second controller: drives", "not armed")
+    events = ("axis not enabled: left", "second controller: drives", "not armed")
     # One that is only not operational is made so again before it counts as silent.
     silent = _silent("left") if command.startswith("reset") else ()
     what = fault("nmt_foreign_node", command=command, node="left")
     return _row(
-        f"a second controller's NMT {command} to a drive", what, *holds, *silent, codes={}, again=True
+        f"a second controller's NMT {command} to a drive", what, *events, *silent, codes={}, again=True
     )
 
 

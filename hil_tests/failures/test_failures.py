@@ -35,11 +35,11 @@ def test_a_cause_has_the_outcome_that_was_measured(row: Outcome) -> None:
     cause = row.case.cause
     found = driven(row.case)
     assert found.outcome == row, "another worst, maybe: run tools/measure_stops.py, then make docs"
-    assert not cause.reports or any(name.startswith(cause.reports) for name in found.holds)
-    assert found.holds >= {*cause.holds}
+    assert not cause.reports or any(name.startswith(cause.reports) for name in found.interlock_events)
+    assert found.interlock_events >= {*cause.interlock_events}
     if cause.only:
-        assert found.holds == {*cause.holds}
-        assert cause.holds or row.by == NO_ONE, "it drives on"
+        assert found.interlock_events == {*cause.interlock_events}
+        assert cause.interlock_events or row.by == NO_ONE, "it drives on"
     if cause.codes is not None:
         assert found.codes == cause.codes
     assert found.again == pytest.approx(AGAIN if cause.again else 0.0, rel=0.03)
@@ -84,7 +84,7 @@ def test_the_longest_that_a_board_runs_on_is_the_boot_of_firmata() -> None:
 
 
 def test_a_fault_that_nothing_has_to_stop_for_is_driven_to_the_end() -> None:
-    free = [row for row in ROWS if CAUSES[row.cause].only and not CAUSES[row.cause].holds]
+    free = [row for row in ROWS if CAUSES[row.cause].only and not CAUSES[row.cause].interlock_events]
     assert free
     assert all(row.way_mm == pytest.approx(300 * WATCHED_S, rel=0.01) for row in free)
     assert all(row.motion == STRAIGHT.name for row in free)

@@ -201,7 +201,7 @@ def test_a_third_party_plant_drives_the_robot(
     assert last["steer_rad"] == pytest.approx(np.deg2rad(10.0), rel=0.03)
     assert last["heading_rad"] > 0.03
     assert last["odometry_x_m"] == pytest.approx(last["x_m"], rel=0.06)
-    assert not [hold for hold in rig.holds if hold.ended is None]
+    assert not [event for event in rig.interlock_events if event.ended is None]
 
 
 @pytest.mark.long(beside="test_two_runs_with_one_seed_are_the_same_bytes")
@@ -289,7 +289,7 @@ def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(new_statio
     late = [target for at, target in targets if at > failed_at + 500 * MILLISECOND]
     assert set(late) == {0}
     assert bridge.seen.demanded.speed_mps == 0.0
-    assert {f"axis timeout: {axis}" for axis in AXES} <= {hold.name for hold in bridge.holds}
+    assert {f"axis timeout: {axis}" for axis in AXES} <= {event.name for event in bridge.interlock_events}
 
 
 def test_the_command_line_states_it_in_one_line(new_stations: dict[str, Path], tmp_path: Path) -> None:

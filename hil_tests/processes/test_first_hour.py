@@ -24,7 +24,7 @@ THROTTLE: Final = 500
 """Rest position of a gamepad's throttle that springs to its middle."""
 AHEAD: Final = 700
 WAY_M: Final = 2.0
-PICTURES: Final = {"path", "speeds", "currents", "holds"}
+PICTURES: Final = {"path", "speeds", "currents", "interlocks"}
 
 
 class Desk:

@@ -57,7 +57,7 @@ def lit(rig: Rig) -> bool:
 
 
 def held(rig: Rig) -> set[str]:
-    return {hold.name for hold in rig.holds}
+    return {event.name for event in rig.interlock_events}
 
 
 def test_the_guide_drives_both_circles_and_comes_back_to_where_they_touch(rides: Ridden) -> None:
@@ -91,7 +91,7 @@ def test_no_guide_starts_by_arming(rides: Ridden) -> None:
     rig.run(from_seconds(6.9))
     assert speed(rig) > 0.2
     rig.run(from_seconds(12.0))
-    assert "not armed" not in {hold.name for hold in rig.holds if hold.ended is None}
+    assert "not armed" not in {event.name for event in rig.interlock_events if event.ended is None}
     assert abs(speed(rig)) < 0.002, "armed again, the path follower is gone"
 
 

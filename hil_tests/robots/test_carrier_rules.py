@@ -19,7 +19,7 @@ SPIN: Final = ramp_of(CARRIER).step((0.0, 0.0), (0.0, 9.0), CARRIER.cycle)[1]
 AnySituation: TypeAlias = Situation[Motion, State]
 
 
-def holds(situation: AnySituation) -> set[str]:
+def active(situation: AnySituation) -> set[str]:
     return set(held(gate_of(CARRIER).rule(seen(CARRIER, START, situation))))
 
 
@@ -40,21 +40,21 @@ def test_it_turns_too_fast_a_quarter_above_its_limit_until_it_is_below_it(side: 
 
 
 def test_a_robot_that_turns_too_fast_has_to_be_armed_again() -> None:
-    (hold,) = gate_of(CARRIER).rule(seen(CARRIER, START, turning(1.3 * TURN))).holds
-    assert hold.row.disarms
+    (event,) = gate_of(CARRIER).rule(seen(CARRIER, START, turning(1.3 * TURN))).interlock_events
+    assert event.row.disarms
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("beyond", "reported"), [(0.0, False), (0.995e-4, False), (1.005e-4, True)])
 def test_a_step_that_the_ramp_delays_is_reported(sign: float, beyond: float, *, reported: bool) -> None:
     for command in (Motion(sign * (STEP + beyond)), Motion(turn_rad_s=sign * (SPIN + beyond))):
-        assert holds(Situation(command=command)) == ({"acceleration limit"} if reported else set())
+        assert active(Situation(command=command)) == ({"acceleration limit"} if reported else set())
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_only_the_change_counts(sign: float) -> None:
     for motion in (Motion(sign * 0.3), Motion(turn_rad_s=sign * 0.5)):
-        assert holds(Situation(command=motion, demanded=motion)) == set()
+        assert active(Situation(command=motion, demanded=motion)) == set()
 
 
 def test_what_the_ramp_reaches_in_one_cycle_is_not_reported_even_without_a_tolerance(
@@ -68,4 +68,4 @@ def test_what_the_ramp_reaches_in_one_cycle_is_not_reported_even_without_a_toler
         (Motion(turn_rad_s=math.nextafter(SPIN, 9.0)), {"acceleration limit"}),
     ]
     for command, reported in reached:
-        assert holds(Situation(command=command)) == reported
+        assert active(Situation(command=command)) == reported

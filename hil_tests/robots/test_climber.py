@@ -129,8 +129,8 @@ def test_a_file_that_would_fall_or_swing_is_refused(before: str, after: str, pro
 
 def test_off_the_wall_it_is_disarmed_and_cannot_be_armed() -> None:
     gate, well = gate_of(CLIMBER), ClimberState(0.0, 0.0, 0.0, 1.0)
-    assert not gate.rule(seen(CLIMBER, START, Situation(body=well))).holds
-    (hold,) = gate.rule(seen(CLIMBER, START, Situation(body=replace(well, on_wall=0.0)))).holds
-    assert hold.name == "off the wall"
-    assert hold.row.disarms
-    assert hold.row.blocks_arming
+    assert not gate.rule(seen(CLIMBER, START, Situation(body=well))).interlock_events
+    (event,) = gate.rule(seen(CLIMBER, START, Situation(body=replace(well, on_wall=0.0)))).interlock_events
+    assert event.name == "off the wall"
+    assert event.row.disarms
+    assert event.row.blocks_arming

@@ -176,9 +176,9 @@ def test_the_modes_numbers_are_none_of_those_that_mean_something_else() -> None:
         assert modes.requested(whole, 0, len(numbers)) == modes.ModeRequest(
             modes.DrivingMode.MANUAL, place, px4=True
         )
-    hold = modes.requested(4, 0, len(numbers))
-    assert hold is not None
-    assert hold.way is modes.DrivingMode.HOLD
+    event = modes.requested(4, 0, len(numbers))
+    assert event is not None
+    assert event.way is modes.DrivingMode.HOLD
 
 
 @every(

@@ -121,7 +121,7 @@ def shifted(seen: Snapshot, by: Nanoseconds) -> Snapshot:
 
 def names(decision: Ruling) -> tuple[str, ...]:
     """Return the names of what holds."""
-    return tuple(hold.name for hold in decision.holds)
+    return tuple(event.name for event in decision.interlock_events)
 
 
 def base_stopped(decision: Ruling) -> bool:

@@ -27,7 +27,7 @@ MOVES: Final = {
 class Case:
     """One way to trip one interlock, just beyond its threshold, and the nearest way that does not."""
 
-    hold: str
+    event: str
     trips: dict[str, Any]
     spares: dict[str, Any]
     reason: str

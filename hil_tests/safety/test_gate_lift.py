@@ -30,9 +30,9 @@ def test_the_lift_does_not_move_while_the_robot_drives(
 ) -> None:
     gate = gate_of(robot)
     decision = gate.rule(well(START, intent=command, **changes))
-    assert [(hold.name, hold.reason) for hold in decision.holds if hold.name == "lift refused"] == [
-        ("lift refused", reason)
-    ]
+    assert [
+        (event.name, event.reason) for event in decision.interlock_events if event.name == "lift refused"
+    ] == [("lift refused", reason)]
     assert (lift_free(decision), decision.allowed.lift_m, decision.allowed.lift_rate_mps) == (
         False,
         None,
@@ -72,7 +72,7 @@ def test_a_lift_that_is_not_commanded_is_not_refused(robot: Rars, well: Well) ->
     decision = gate_of(robot).rule(
         well(START, intent={"speed_mps": 0.01}, speed_mps=0.3, demanded_speed_mps=0.01)
     )
-    assert (decision.holds, lift_free(decision)) == ((), True)
+    assert (decision.interlock_events, lift_free(decision)) == ((), True)
 
 
 @pytest.mark.parametrize(
@@ -107,7 +107,7 @@ def test_a_lift_that_was_let_go_stops_the_base_before_it_is_seen_to_move(robot: 
     gate = gate_of(robot)
     assert lift_free(gate.rule(well(START, intent={"lift_m": 0.3})))
     decision = gate.rule(well(START + 1, intent={"lift_m": 0.3, "speed_mps": 0.05}))
-    assert [(hold.name, hold.reason) for hold in decision.holds] == [
+    assert [(event.name, event.reason) for event in decision.interlock_events] == [
         ("lift moving", "the lift has been commanded to move")
     ]
     assert (decision.allowed.speed_mps, lift_free(decision)) == (0.0, True)

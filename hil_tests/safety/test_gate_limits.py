@@ -190,7 +190,7 @@ def test_reasons_give_the_numbers(robot: Rars, well: Well) -> None:
     snapshot = well(
         START, intent={"speed_mps": 0.8, "steer_rad": math.radians(65), "lift_m": 2.0, "lift_rate_mps": 0.5}
     )
-    reasons = {hold.name: hold.reason for hold in gate.rule(snapshot).holds}
+    reasons = {event.name: event.reason for event in gate.rule(snapshot).interlock_events}
     assert reasons == {
         "speed limit": "requested 0.80 m/s, allowed is 0.50 m/s",
         "steer angle limit": "requested 65.00 deg, allowed is 60.00 deg",
@@ -200,7 +200,7 @@ def test_reasons_give_the_numbers(robot: Rars, well: Well) -> None:
         "acceleration limit": "requested a step from 0.00 to 0.50 m/s at once, limit 1.41 m/s2",
         "lift refused": "the robot is requested to drive with 0.50 m/s",
     }
-    assert all(hold.remedy and hold.since == START for hold in gate.rule(snapshot).holds)
+    assert all(event.remedy and event.since == START for event in gate.rule(snapshot).interlock_events)
 
 
 TRIPS: Final = {
@@ -223,11 +223,13 @@ def test_a_limit_is_shown_until_it_has_not_clipped_for_300_milliseconds(
     robot: Rars, well: Well, name: str, between: tuple[int, ...]
 ) -> None:
     gate = gate_of(robot)
-    first = [hold for hold in gate.rule(well(START, intent=TRIPS[name])).holds if hold.name == name]
+    first = [
+        event for event in gate.rule(well(START, intent=TRIPS[name])).interlock_events if event.name == name
+    ]
     assert first
     clear = START + SECOND
     for now in (clear, *(clear + n for n in between), clear + SHOWN_FOR - 1):
-        assert [hold for hold in gate.rule(well(now)).holds if hold.name == name] == first
+        assert [event for event in gate.rule(well(now)).interlock_events if event.name == name] == first
     assert name not in names(gate.rule(well(clear + SHOWN_FOR)))
 
 
@@ -277,8 +279,8 @@ def test_the_delay_limit_names_both_ages_and_is_shown_for_300_milliseconds(robot
     gate = gate_of(robot)
     limit = AgeLimit(1000 * MILLISECOND)
     snapshot = well(START, intent={"speed_mps": 0.5}, demanded_speed_mps=0.5, age_limit=limit)
-    (hold, *_) = gate.rule(snapshot).holds
-    assert (hold.name, hold.reason) == (
+    (event, *_) = gate.rule(snapshot).interlock_events
+    assert (event.name, event.reason) == (
         "delay limit",
         "requested 0.50 m/s, allowed is 0.25 m/s while commands may be 1000 ms instead of 500 ms old",
     )

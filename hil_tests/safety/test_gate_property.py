@@ -57,7 +57,7 @@ class AnyOrder(RuleBasedStateMachine):
     def look(self, **changes: Any) -> None:
         """Show one snapshot; what is not given is well."""
         if self.decision is not None:
-            self.before = {hold.name: hold for hold in self.decision.holds}
+            self.before = {event.name: event for event in self.decision.interlock_events}
         drives = changes.pop("drives", [{}] * len(ROBOT.axes))
         intent = {"received_at": self._received_at(changes.pop("age", 0)), **changes.pop("intent", {})}
         axes = {axis.name: self._drive(one) for axis, one in zip(ROBOT.axes, drives, strict=True)}
@@ -109,7 +109,7 @@ class AnyOrder(RuleBasedStateMachine):
             return
         if base_stopped(self.decision):
             assert self.decision.allowed.speed_mps == 0.0
-            assert self.decision.holds
+            assert self.decision.interlock_events
         facts, body = self.seen.facts, self.seen.body
         unfit = not facts.armed or facts.emergency_stopped
         silent = self.now - facts.received_at >= 500 * MILLISECOND
@@ -156,13 +156,13 @@ class AnyOrder(RuleBasedStateMachine):
     def every_hold_has_its_reason_and_its_beginning(self) -> None:
         if self.decision is None or self.seen is None:
             return
-        holds = {hold.name: hold for hold in self.decision.holds}
-        assert len(holds) == len(self.decision.holds)
-        for name, hold in holds.items():
-            assert hold.reason
-            assert hold.remedy
+        events = {event.name: event for event in self.decision.interlock_events}
+        assert len(events) == len(self.decision.interlock_events)
+        for name, event in events.items():
+            assert event.reason
+            assert event.remedy
             before = self.before.get(name)
-            assert hold == before or hold.since == self.seen.facts.now
+            assert event == before or event.since == self.seen.facts.now
 
     @invariant()
     def a_deadline_lies_ahead(self) -> None:

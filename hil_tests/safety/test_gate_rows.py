@@ -92,7 +92,7 @@ def test_an_axis_that_is_missing_is_judged_as_one_of_its_name_that_was_never_rec
 @pytest.mark.parametrize("name", ["left", "right", "steer", "lift"])
 def test_a_hold_of_an_axis_names_the_axis(robot: Rars, well: Well, name: str) -> None:
     decision = gate_of(robot).rule(well(START, armed=False, drives={name: {"fault": "0x8611"}}))
-    assert [(hold.name, hold.axis) for hold in decision.holds] == [
+    assert [(event.name, event.axis) for event in decision.interlock_events] == [
         ("not armed", ""),
         (f"axis fault: {name}", name),
     ]
@@ -135,6 +135,6 @@ def test_a_driver_that_reports_too_little_is_refused_with_the_robots_file(robot:
 def test_a_hold_has_the_flags_of_its_row(robot: Rars, well: Well, flag: str) -> None:
     one: dict[str, Any] = {flag: True}
     row: Any = Interlock("any", lambda _: "it holds", "", **one)
-    (hold,) = gate_with(robot, interlocks=(row,)).rule(well(START)).holds
-    flags = {name: getattr(hold.row, name) for name in ("disarms", "latches", "parts", "disables_power")}
+    (event,) = gate_with(robot, interlocks=(row,)).rule(well(START)).interlock_events
+    flags = {name: getattr(event.row, name) for name in ("disarms", "latches", "parts", "disables_power")}
     assert flags == {name: name == flag for name in flags}

@@ -25,7 +25,7 @@ from hil_tests.safety.stop_cases import CASES, LINK, START, Case, drive
 
 Well: TypeAlias = Callable[..., Snapshot]
 
-each = every("case", CASES, ids=lambda case: f"{case.hold}: {case.reason}")
+each = every("case", CASES, ids=lambda case: f"{case.event}: {case.reason}")
 with_or_without_a_look = every("between", [(), (1,), (1, 2, 3)])
 
 
@@ -38,7 +38,7 @@ def test_every_interlock_in_the_tables_has_a_case(robot: Rars) -> None:
     rules = ROBOT_TYPE.rules(robot)[""]
     rows = (*whole_robot_interlocks(rules.numbers, robot.links), *rules.interlocks, *AXIS_INTERLOCKS)
     names_of_rows = {row.name for row in rows}
-    judged = {case.hold if case.hold in names_of_rows else case.hold.split(":")[0] for case in CASES}
+    judged = {case.event if case.event in names_of_rows else case.event.split(":")[0] for case in CASES}
     assert judged == names_of_rows
     assert len(names_of_rows) == len(rows)
 
@@ -47,7 +47,7 @@ def test_a_robot_that_is_well_holds_nothing_from_the_first_look_on(robot: Rars, 
     gate = gate_of(robot)
     for now in (0, 1, START):
         decision = gate.rule(well(now))
-        assert decision.holds == ()
+        assert decision.interlock_events == ()
         assert not base_stopped(decision)
         assert lift_free(decision)
 
@@ -76,10 +76,10 @@ def test_at_its_threshold_it_stops_the_robot_and_states_why(
     command = {"speed_mps": 0.3, "steer_rad": 0.1, "lift_rate_mps": 0.0} | case.trips.get("intent", {})
     decision = gate.rule(tripped(well, case, intent=command, demanded_speed_mps=0.3))
     # A command that is no number moves the lift as well, and the robot drives.
-    assert set(names(decision)) - {"lift refused"} == {case.hold, *case.also}
-    hold = next(hold for hold in decision.holds if hold.name == case.hold)
-    assert hold == ActiveInterlock(case.hold, case.reason, hold.row, START)
-    assert hold.remedy
+    assert set(names(decision)) - {"lift refused"} == {case.event, *case.also}
+    event = next(event for event in decision.interlock_events if event.name == case.event)
+    assert event == ActiveInterlock(case.event, case.reason, event.row, START)
+    assert event.remedy
     assert base_stopped(decision)
     assert decision.allowed.speed_mps == 0.0
     assert lift_free(decision) is case.lift_is_free
@@ -88,9 +88,9 @@ def test_at_its_threshold_it_stops_the_robot_and_states_why(
 @each
 def test_it_holds_on_from_when_it_began(robot: Rars, well: Well, case: Case) -> None:
     gate = gate_of(robot)
-    first = gate.rule(tripped(well, case)).holds
+    first = gate.rule(tripped(well, case)).interlock_events
     for n in range(1, 4):
-        assert gate.rule(tripped(well, case, START + n * SECOND)).holds == first
+        assert gate.rule(tripped(well, case, START + n * SECOND)).interlock_events == first
 
 
 @each
@@ -104,8 +104,8 @@ def test_it_lets_go_when_it_was_clear_for_its_clear_time(
     ends_at = clear_at + case.clear_after
     for now in (clear_at, *(clear_at + n for n in between), ends_at - 1):
         if clear_at <= now < ends_at:
-            assert case.hold in names(gate.rule(well(now)))
-    assert case.hold not in names(gate.rule(well(ends_at)))
+            assert case.event in names(gate.rule(well(now)))
+    assert case.event not in names(gate.rule(well(ends_at)))
 
 
 @each
@@ -115,24 +115,24 @@ def test_the_first_clear_look_starts_the_clear_time_however_late_it_comes(
     gate = gate_of(robot)
     gate.rule(tripped(well, case))
     late = START + 60 * SECOND
-    assert (case.hold in names(gate.rule(well(late)))) == (case.clear_after > 0)
-    assert case.hold not in names(gate.rule(well(late + case.clear_after)))
+    assert (case.event in names(gate.rule(well(late)))) == (case.clear_after > 0)
+    assert case.event not in names(gate.rule(well(late + case.clear_after)))
 
 
 @each
 def test_a_trip_in_between_starts_the_clear_time_again(robot: Rars, well: Well, case: Case) -> None:
     gate = gate_of(robot)
-    began = gate.rule(tripped(well, case)).holds
+    began = gate.rule(tripped(well, case)).interlock_events
     gate.rule(well(START + SECOND))
     again = START + SECOND + case.clear_after // 2
-    now_holds = {hold.name: hold for hold in gate.rule(tripped(well, case, again)).holds}
-    before = {hold.name: hold for hold in began}[case.hold]
-    assert now_holds[case.hold] == (before if case.clear_after else _at(before, again))
+    now_holds = {event.name: event for event in gate.rule(tripped(well, case, again)).interlock_events}
+    before = {event.name: event for event in began}[case.event]
+    assert now_holds[case.event] == (before if case.clear_after else _at(before, again))
     clear_at = again + 1
     if case.clear_after:
-        assert case.hold in names(gate.rule(well(clear_at)))
-        assert case.hold in names(gate.rule(well(clear_at + case.clear_after - 1)))
-    assert case.hold not in names(gate.rule(well(clear_at + case.clear_after)))
+        assert case.event in names(gate.rule(well(clear_at)))
+        assert case.event in names(gate.rule(well(clear_at + case.clear_after - 1)))
+    assert case.event not in names(gate.rule(well(clear_at + case.clear_after)))
 
 
 @each
@@ -141,14 +141,14 @@ def test_it_trips_again_at_once_after_it_has_let_go(robot: Rars, well: Well, cas
     for round_trip in range(3):
         start = START + round_trip * 10 * SECOND
         decision = gate.rule(tripped(well, case, start))
-        assert case.hold in names(decision)
-        assert {hold.since for hold in decision.holds if hold.name == case.hold} == {start}
+        assert case.event in names(decision)
+        assert {event.since for event in decision.interlock_events if event.name == case.event} == {start}
         gate.rule(well(start + SECOND))
-        assert case.hold not in names(gate.rule(well(start + SECOND + case.clear_after)))
+        assert case.event not in names(gate.rule(well(start + SECOND + case.clear_after)))
 
 
-def _at(hold: ActiveInterlock, now: Nanoseconds) -> ActiveInterlock:
-    return ActiveInterlock(hold.name, hold.reason, hold.row, now)
+def _at(event: ActiveInterlock, now: Nanoseconds) -> ActiveInterlock:
+    return ActiveInterlock(event.name, event.reason, event.row, now)
 
 
 def test_a_low_battery_holds_at_once_while_disarmed_and_after_10_seconds_while_armed(
@@ -163,12 +163,12 @@ def test_a_low_battery_holds_at_once_while_disarmed_and_after_10_seconds_while_a
 
 def test_an_extended_lift_counts_as_retracted_only_well_below_the_threshold(robot: Rars, well: Well) -> None:
     gate = gate_of(robot)
-    assert gate.rule(well(START, lift_m=0.5)).holds[0].reason == (
+    assert gate.rule(well(START, lift_m=0.5)).interlock_events[0].reason == (
         "the lift stands at 500 mm, retracted is below 5 mm"
     )
-    assert gate_of(limited(robot, lift_retracted_m=0.25)).rule(well(START, lift_m=0.5)).holds[0].reason == (
-        "the lift stands at 500 mm, retracted is below 250 mm"
-    )
+    assert gate_of(limited(robot, lift_retracted_m=0.25)).rule(well(START, lift_m=0.5)).interlock_events[
+        0
+    ].reason == ("the lift stands at 500 mm, retracted is below 250 mm")
     assert names(gate.rule(well(START + 1, lift_m=0.005))) == ("lift extended",)
     assert names(gate.rule(well(START + 2, lift_m=above(0.8 * 0.005)))) == ("lift extended",)
     assert names(gate.rule(well(START + 3, lift_m=0.8 * 0.005))) == ()
@@ -189,7 +189,9 @@ def test_a_drive_that_is_missing_from_the_snapshot_was_never_received(robot: Rar
     snapshot = well(START)
     others = {name: one for name, one in snapshot.facts.axes.items() if name != "left"}
     decision = gate_of(robot).rule(with_facts(snapshot, axes=others))
-    assert [hold.reason for hold in decision.holds] == ["node 1 (left rear wheel) has not reported yet"]
+    assert [event.reason for event in decision.interlock_events] == [
+        "node 1 (left rear wheel) has not reported yet"
+    ]
 
 
 def test_holds_come_in_the_order_of_the_tables(robot: Rars, well: Well) -> None:

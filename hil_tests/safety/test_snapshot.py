@@ -45,9 +45,9 @@ def test_a_robot_is_whole_and_its_operator_there_where_nothing_else_is_stated() 
 def test_a_hold_is_the_same_whosever_it_is(change: dict[str, Any], *, same: bool) -> None:
     """Its name contains the axis already."""
     row = InterlockBase(name="axis timeout: lift", remedy="check its cable")
-    hold = ActiveInterlock("axis timeout: lift", "silent", row, 0)
-    assert hold.axis == ""
-    assert (replace(hold, **change) == hold) is same
+    event = ActiveInterlock("axis timeout: lift", "silent", row, 0)
+    assert event.axis == ""
+    assert (replace(event, **change) == event) is same
 
 
 @pytest.mark.parametrize(

@@ -117,17 +117,17 @@ def test_one_weaker_row_stands_in_for_all_that_watch_how_an_axis_moves(robot: Ra
 
 
 @pytest.mark.parametrize(
-    ("silence", "holds"),
+    ("silence", "events"),
     [(0, False), (LIMIT // 2 - 1, False), (LIMIT // 2, True), (LIMIT - 1, True)],
 )
 def test_who_does_not_report_how_it_moves_answers_within_half_the_silence(
-    robot: Rars, well: Well, silence: Nanoseconds, *, holds: bool
+    robot: Rars, well: Well, silence: Nanoseconds, *, events: bool
 ) -> None:
     reported = reports_of(robot, lift=EVERYTHING - {Reports.POSITION})
     decision = gate.Gate(robot, ROBOT_TYPE.rules(robot), reported).rule(
         received(well(SECOND), "lift", SECOND - silence)
     )
-    assert (f"{UNMEASURED}: lift" in names(decision)) is holds
+    assert (f"{UNMEASURED}: lift" in names(decision)) is events
     never = gate.Gate(robot, ROBOT_TYPE.rules(robot), reported).rule(
         received(well(SECOND), "lift", NEVER_RECEIVED)
     )
@@ -154,33 +154,33 @@ def test_a_driver_that_reports_too_little_is_refused_with_link_and_row(
 
 
 @pytest.mark.parametrize(
-    ("silence", "holds"),
+    ("silence", "events"),
     [(0, False), (LIMIT // 2 - 1, False), (LIMIT // 2, True), (LIMIT - 1, True)],
 )
 def test_the_weaker_row_wants_an_answer_within_half_the_silence(
-    robot: Rars, well: Well, silence: Nanoseconds, *, holds: bool
+    robot: Rars, well: Well, silence: Nanoseconds, *, events: bool
 ) -> None:
     decision = silent(robot).rule(received(well(SECOND), "lift", SECOND - silence))
-    assert (f"{WEAK}: lift" in names(decision)) is holds
+    assert (f"{WEAK}: lift" in names(decision)) is events
     assert "axis timeout: lift" not in names(decision)
 
 
 def test_it_stops_and_disarms_as_the_strong_one(robot: Rars, well: Well) -> None:
     decision = silent(robot).rule(received(well(SECOND), "lift", SECOND - LIMIT // 2))
-    (hold,) = [hold for hold in decision.holds if hold.name == f"{WEAK}: lift"]
-    assert (hold.row.stops, hold.row.disarms, hold.row.blocks_arming) == (None, True, True)
-    assert "reports no power state, and answered 0.12 s ago" in hold.reason
+    (event,) = [event for event in decision.interlock_events if event.name == f"{WEAK}: lift"]
+    assert (event.row.stops, event.row.disarms, event.row.blocks_arming) == (None, True, True)
+    assert "reports no power state, and answered 0.12 s ago" in event.reason
 
 
-@pytest.mark.parametrize(("clear", "holds"), [(199, True), (200, False)])
+@pytest.mark.parametrize(("clear", "events"), [(199, True), (200, False)])
 def test_it_lets_go_when_answers_have_been_fresh_for_200_ms(
-    robot: Rars, well: Well, clear: int, *, holds: bool
+    robot: Rars, well: Well, clear: int, *, events: bool
 ) -> None:
     judge = silent(robot)
     judge.rule(received(well(SECOND), "lift", SECOND - LIMIT // 2))
     judge.rule(received(well(SECOND + 1), "lift", SECOND + 1))
     now = SECOND + 1 + clear * MILLISECOND
-    assert (f"{WEAK}: lift" in names(judge.rule(received(well(now), "lift", now)))) is holds
+    assert (f"{WEAK}: lift" in names(judge.rule(received(well(now), "lift", now)))) is events
 
 
 def test_one_that_was_never_received_is_silent_and_not_late(robot: Rars, well: Well) -> None:
@@ -197,7 +197,7 @@ def test_a_device_without_a_word_for_its_zero_is_requested_about_when_it_restart
     robot: Rars, well: Well
 ) -> None:
     reported = reports_of(robot, lift=EVERYTHING - {Reports.ZERO}, left=EVERYTHING - {Reports.ZERO})
-    for name, holds in (
+    for name, events in (
         ("lift", {"axis restarted: lift"}),
         ("left", set()),
         ("steer", {"reference lost: steer"}),
@@ -207,7 +207,7 @@ def test_a_device_without_a_word_for_its_zero_is_requested_about_when_it_restart
         decision = gate.Gate(robot, ROBOT_TYPE.rules(robot), reported).rule(
             with_facts(well(SECOND), axes=axes)
         )
-        assert set(names(decision)) == holds
+        assert set(names(decision)) == events
 
 
 def test_one_that_was_never_received_is_silent_and_has_not_restarted(robot: Rars, well: Well) -> None:

@@ -72,7 +72,7 @@ def follows(row: InterlockBase) -> tuple[object, ...]:
         "takes power": row.disables_power,
         "parts": row.parts,
     }
-    return row.stops, *(word for word, holds in words.items() if holds)
+    return row.stops, *(word for word, events in words.items() if events)
 
 
 def whole_robot(robot: Rars) -> tuple[Interlock[RarsGeometry, RarsMotion, RarsState], ...]:
@@ -119,24 +119,24 @@ def test_a_link_that_stops_only_some_groups_leaves_the_others_armed(robot: Rars)
 
 
 @pytest.mark.parametrize(
-    ("changes", "hold"),
+    ("changes", "event"),
     [
         ({"link_lost": "it is gone"}, "link lost: drives"),
         ({"drives": {"left": {"fault": "0x8611"}}}, "axis fault: left"),
     ],
 )
 def test_on_such_a_link_the_rest_of_the_robot_goes_on(
-    robot: Rars, changes: dict[str, Any], hold: str
+    robot: Rars, changes: dict[str, Any], event: str
 ) -> None:
     confined = on_a_link_that_stops(robot, "lift")
     command = {"speed_mps": 0.05}
     decision = gate_of(confined).rule(gate_bench.well(confined, SECOND, intent=command, **changes))
-    assert names(decision) == (hold,)
+    assert names(decision) == (event,)
     assert (set(decision.stopped), decision.allowed.speed_mps) == ({"lift"}, 0.05)
 
 
 @pytest.mark.parametrize(
-    ("power", "silence", "holds"),
+    ("power", "silence", "events"),
     [
         (Power.ON, 0, True),
         (Power.ON, DRIVE_LIMIT - 1, True),
@@ -148,13 +148,13 @@ def test_on_such_a_link_the_rest_of_the_robot_goes_on(
     ],
 )
 def test_an_axis_that_is_left_out_may_have_no_power_while_it_is_received(
-    robot: Rars, well: Well, power: Power, silence: Nanoseconds, *, holds: bool
+    robot: Rars, well: Well, power: Power, silence: Nanoseconds, *, events: bool
 ) -> None:
     seen = well(SECOND, drives={"lift": {"power": power, "received_at": SECOND - silence}})
     decision = gate_of(robot).rule(with_facts(seen, without=frozenset({"lift"})))
-    assert [(hold.name, hold.reason) for hold in decision.holds] == (
+    assert [(event.name, event.reason) for event in decision.interlock_events] == (
         [("axis excluded: lift", "node 4 (scissor lift) has power, but this mode excludes it")]
-        if holds
+        if events
         else []
     )
 

@@ -53,15 +53,17 @@ class Ride:
 
     @property
     def holding(self) -> set[str]:
-        return {hold.name for hold in self.rig.holds if hold.ended is None}
+        return {event.name for event in self.rig.interlock_events if event.ended is None}
 
     def held(self, name: str) -> list[str]:
         """The reasons of all holds whose name begins so, over and standing ones."""
-        return [hold.reason for hold in self.rig.holds if hold.name.startswith(name)]
+        return [event.reason for event in self.rig.interlock_events if event.name.startswith(name)]
 
     def held_between(self, began: float, ended: float) -> set[str]:
         """Names of holds that began in this time, in seconds."""
-        return {h.name for h in self.rig.holds if from_seconds(began) <= h.began <= from_seconds(ended)}
+        return {
+            h.name for h in self.rig.interlock_events if from_seconds(began) <= h.began <= from_seconds(ended)
+        }
 
     def rows(self, began: float, ended: float) -> list[Sample]:
         return [row for row in self.rig.samples if from_seconds(began) <= row.at <= from_seconds(ended)]

@@ -46,4 +46,4 @@ def speed(rig: Rig) -> float:
 
 def held(rig: Rig) -> set[str]:
     """The interlocks that have held so far."""
-    return {record.name for record in rig.holds}
+    return {record.name for record in rig.interlock_events}

@@ -60,7 +60,7 @@ def moved(rig: Rig, begin: float, end: float) -> float:
 
 
 def standing(rig: Rig) -> set[str]:
-    return {record.name for record in rig.holds if record.ended is None}
+    return {record.name for record in rig.interlock_events if record.ended is None}
 
 
 def height(rig: Rig) -> float:

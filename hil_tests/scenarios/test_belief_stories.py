@@ -29,7 +29,7 @@ LINKS: Final = pytest.mark.parametrize("robot", [None, over_serial(RARS)], ids=[
 
 def noticed(ride: Ride, name: str, after: float) -> float:
     """Return how long after an instant a hold of this name began; the robot is disarmed by then."""
-    began = min(hold.began for hold in ride.rig.holds if hold.name.startswith(name))
+    began = min(event.began for event in ride.rig.interlock_events if event.name.startswith(name))
     assert began >= from_seconds(after)
     assert not next(row for row in ride.rig.samples if row.at >= began + 60 * MILLISECOND)["armed"]
     return to_seconds(began) - after
@@ -159,7 +159,9 @@ def test_a_battery_that_stays_low_stops_the_robot_and_lets_no_one_arm(rides: Rid
     assert ride.held_between(5.0, 14.5) == set()
     assert ride.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
     ride.runs_until(20.0)
-    assert 15.0 < to_seconds(next(h.began for h in ride.rig.holds if h.name == "battery low")) < 16.2
+    assert (
+        15.0 < to_seconds(next(h.began for h in ride.rig.interlock_events if h.name == "battery low")) < 16.2
+    )
     assert ride.fastest(17.0, 20.0) < 0.002
     assert not ride.now["armed"]
     assert ride.hardest(15.0) < 1.45
@@ -215,5 +217,5 @@ def test_no_ordinary_mission_comes_near_a_bound(
     script = mission_of(robot, mission)
     with scripted(robot, script, noise=script.noise) as rig:
         rig.run(from_seconds(script.duration_s))
-        assert [hold.name for hold in rig.holds if hold.name.startswith(WATCHED)] == []
+        assert [event.name for event in rig.interlock_events if event.name.startswith(WATCHED)] == []
     assert max(worst.values()) < 0.5

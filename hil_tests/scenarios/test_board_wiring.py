@@ -24,7 +24,7 @@ def test_a_board_without_its_shield_is_named_with_the_causes_and_not_armed(proto
     with driven(protocol, "speed_mps = 0.2", 12.0, fault(kind, 0.0), FULL[protocol]) as rig:
         boots_s = 3.3 if protocol == "firmata" else 1.2
         rig.runs(3.0 if protocol in SILENT else boots_s + 1.0)
-        reported = " ".join(hold.reason for hold in rig.bridge.holds)
+        reported = " ".join(event.reason for event in rig.bridge.interlock_events)
         found = [reported.find(cause) for cause in CAUSES]
         assert found == sorted(found)
         assert found[0] > 0, reported
@@ -43,11 +43,11 @@ def test_a_board_that_answers_late_is_named_meanwhile_and_no_longer() -> None:
     """Firmata blinks its version for 3.3 s before it listens."""
     with driven("firmata", "speed_mps = 0.2", 12.0, encoders=2) as rig:
         rig.runs(3.0)
-        (hold,) = rig.bridge.holds
-        assert "it answers 3.3 s after a reset" in hold.reason
+        (event,) = rig.bridge.interlock_events
+        assert "it answers 3.3 s after a reset" in event.reason
         rig.runs(1.5)
         assert rig.bridge.failure is None
-        assert "no answer" not in " ".join(hold.reason for hold in rig.bridge.holds)
+        assert "no answer" not in " ".join(event.reason for event in rig.bridge.interlock_events)
 
 
 @pytest.mark.parametrize("protocol", FULL)

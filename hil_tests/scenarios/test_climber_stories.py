@@ -29,7 +29,9 @@ class Ridden:
             self.path = path_error(rig.samples, followed(order), 0.0)
             reported = {key: figure(rig.samples) for key, figure in bench_setup.figures.items()}
             self.figures = {key: math.nan if it is None else it for key, it in reported.items()}
-            self.held = {hold.name: hold.reason for hold in rig.holds if hold.began > from_seconds(4.0)}
+            self.held = {
+                event.name: event.reason for event in rig.interlock_events if event.began > from_seconds(4.0)
+            }
             self.samples = rig.samples
             self.refused = rig.guard.refused
 

@@ -46,14 +46,14 @@ def test_late_datagrams_are_a_silent_operator_until_the_first_has_come(rides: Ri
     late = fault("datagram_late", 6.0, by_ms=700, sender="operator", for_s=1.0)
     ride = rides(*DRIVING, seconds=20, faults=[late])
     ride.runs_until(9.0)
-    (hold,) = [
-        hold
-        for hold in ride.rig.holds
-        if hold.name == "operator link timeout" and hold.began > from_seconds(4)
+    (event,) = [
+        event
+        for event in ride.rig.interlock_events
+        if event.name == "operator link timeout" and event.began > from_seconds(4)
     ]
-    assert to_seconds(hold.began) == pytest.approx(6.45, abs=0.06)
-    assert hold.ended is not None
-    assert to_seconds(hold.ended) == pytest.approx(6.95, abs=0.06)
+    assert to_seconds(event.began) == pytest.approx(6.45, abs=0.06)
+    assert event.ended is not None
+    assert to_seconds(event.ended) == pytest.approx(6.95, abs=0.06)
 
 
 def test_the_record_states_which_faults_were_on_and_when(rides: Ridden) -> None:

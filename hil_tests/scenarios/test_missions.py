@@ -57,8 +57,8 @@ def test_an_operator_who_tries_everything_forbidden_gets_no_further(driven: Driv
 
 @pytest.mark.long(beside="test_at_its_threshold_it_stops_the_robot_and_states_why")
 def test_every_interlock_that_an_operator_can_trip_is_tripped_and_states_why(driven: Driven) -> None:
-    holds = summary(driven("interlocks"))["interlock_events"]
-    assert all(hold["reason"] for hold in holds)
+    events = summary(driven("interlocks"))["interlock_events"]
+    assert all(event["reason"] for event in events)
     assert {
         "not armed",
         "speed limit",
@@ -71,7 +71,7 @@ def test_every_interlock_that_an_operator_can_trip_is_tripped_and_states_why(dri
         "operator link timeout",
         "emergency stop",
         "axis not enabled: left",
-    } <= {hold["name"] for hold in holds}
+    } <= {event["name"] for event in events}
 
 
 @pytest.mark.long(beside="test_the_lift_rises_at_rest_only_and_holds_the_wheels")
@@ -81,9 +81,9 @@ def test_nothing_rolls_while_the_lift_is_extended(driven: Driven) -> None:
     rars = find("rars")
     frames = [parse_candump(line) for line in (driven("interlocks") / "can.log").read_text().splitlines()]
     lifted = [
-        (hold["began_s"], hold["ended_s"])
-        for hold in summary(driven("interlocks"))["interlock_events"]
-        if hold["name"] == "lift extended"
+        (event["began_s"], event["ended_s"])
+        for event in summary(driven("interlocks"))["interlock_events"]
+        if event["name"] == "lift extended"
     ]
     assert len(lifted) >= 2
     assert rars.geometry.limits.lift_retracted_m == retracted
@@ -119,12 +119,12 @@ def test_what_goes_wrong_in_the_mission_of_faults_is_held_and_named(driven: Driv
     assert reported["max_acceleration_mps2"] <= LARGEST_ACCELERATION_MPS2
     assert len(reported["faults"]) == len(missions.find("faults", find("rars"), BENCH_SETUP).fault)
     assert all(fault["title"] for fault in reported["faults"])
-    reasons = " ".join(hold["reason"] for hold in reported["interlock_events"])
+    reasons = " ".join(event["reason"] for event in reported["interlock_events"])
     for code in ("0x8110", "0x3220", "0x4210", "0xFF0A", "0x81FD", "0x8130"):
         assert code in reasons
     # Where the index comes first, before or after its turn, hangs on where the wheels stand.
     assert reasons.count("0xFF02") + reasons.count("0xFF03") >= INDEX_FAULTS
-    names = {hold["name"].split(":")[0] for hold in reported["interlock_events"]}
+    names = {event["name"].split(":")[0] for event in reported["interlock_events"]}
     assert {"operator link timeout", "axis timeout", "axis fault", "axis not enabled", "not armed"} <= names
 
 
@@ -133,9 +133,9 @@ def test_nothing_but_rolling_out_follows_a_fault_that_stops_the_robot(driven: Dr
     """From the titles: until the seventeenth second no one stops; after each later fault all do."""
     reported = summary(driven("faults"))
     stopped = [
-        hold["began_s"]
-        for hold in reported["interlock_events"]
-        if hold["name"] in {"not armed", "operator link timeout"}
+        event["began_s"]
+        for event in reported["interlock_events"]
+        if event["name"] in {"not armed", "operator link timeout"}
     ]
     for fault in reported["faults"]:
         soon = [at for at in stopped if fault["began_s"] <= at <= fault["began_s"] + 1.0]
@@ -154,7 +154,7 @@ def test_a_run_leaves_everything_that_it_promises(driven: Driven) -> None:
         "path.png",
         "speeds.png",
         "currents.png",
-        "holds.png",
+        "interlocks.png",
     } <= names
     assert {
         "simulated_s",

@@ -57,7 +57,7 @@ class Driven:
     radial_error_m: float | None
     station: PilotStation
     error_m: float | None
-    holds: tuple[str, ...]
+    interlock_events: tuple[str, ...]
 
 
 def drive(seconds: float, link: str, max_delay_s: float | None = None, **pilot: Any) -> Driven:
@@ -86,7 +86,7 @@ def drive(seconds: float, link: str, max_delay_s: float | None = None, **pilot: 
         radial_error(samples, row.placed, 10.0),
         station,
         None if predictor is None else predictor.error_m,
-        tuple(hold.name for hold in rig.holds),
+        tuple(event.name for event in rig.interlock_events),
     )
 
 
@@ -117,7 +117,7 @@ def test_the_station_drives_over_the_link_and_both_sides_find_out_how_slow_it_is
     assert values["RTT"] == pytest.approx(0.4, abs=0.01)
     assert values["AGE"] == pytest.approx(0.2, abs=0.06)
     assert driven.station.link.round_trip(from_seconds(11.0)) == pytest.approx(from_seconds(0.4), abs=1e7)
-    assert "command stale" not in driven.holds
+    assert "command stale" not in driven.interlock_events
 
 
 @pytest.mark.long(beside="test_a_point_that_follows_a_line_late_settles_below_it_and_swings_above")

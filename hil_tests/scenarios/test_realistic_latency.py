@@ -21,4 +21,4 @@ def test_the_robot_drives_with_the_published_answer_times() -> None:
         rig.run(from_seconds(8.0))
         assert rig.samples[-1]["armed"]
         assert rig.samples[-1]["speed_mps"] == pytest.approx(0.2, abs=0.01)
-        assert [hold for hold in rig.holds if hold.ended is None] == []
+        assert [event for event in rig.interlock_events if event.ended is None] == []

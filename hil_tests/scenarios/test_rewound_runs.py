@@ -143,7 +143,7 @@ def kept() -> Iterator[Kept]:
 
 
 def test_the_story_has_everything_that_may_be_forgotten(straight: Straight) -> None:
-    held = {hold.name.split(":")[0] for hold in straight.one.rig.holds}
+    held = {event.name.split(":")[0] for event in straight.one.rig.interlock_events}
     assert {"starting", "not armed", "axis timeout", "axis fault", "emergency stop", "lift moving"} <= held
     assert straight.one.rig.operator_wire.lost > 0
     assert all(record.ended is not None for record in straight.one.rig.faults.records)
@@ -263,7 +263,7 @@ def test_a_forked_story_is_the_same_as_one_that_began_at_the_beginning(rides: Ri
         one.runs_until(7.0)
     assert forked.rig.world.trace_sha256 == fresh.rig.world.trace_sha256
     assert forked.rig.samples == fresh.rig.samples
-    assert forked.rig.holds == fresh.rig.holds
+    assert forked.rig.interlock_events == fresh.rig.interlock_events
     assert forked.operator.diary == fresh.operator.diary
 
 

@@ -97,7 +97,7 @@ def test_an_orbit_too_large_for_the_base_takes_its_time_and_states_so() -> None:
     """At 1 m for 1 DU the printed orbit would take 1.02 m/s."""
     with flown(robot=scaled(m_per_du=1.0), lasts=26.0) as (rig, script):
         rig.run(from_seconds(26.0))
-        reported = next(record.reason for record in rig.holds if record.name == "time stretched")
+        reported = next(record.reason for record in rig.interlock_events if record.name == "time stretched")
         assert "times its time: the base could not follow it" in reported
         assert float(reported.split(" takes ")[1].split(" ")[0]) == pytest.approx(1.95, abs=0.03)
         assert off(rig, script) < 0.010
@@ -121,7 +121,9 @@ def test_an_orbit_too_large_for_the_base_takes_its_time_and_states_so() -> None:
 def test_what_befalls_one_board_stops_both(faults: str, name: str) -> None:
     with flown(faults=faults, robot=scaled(height_per_du=2.0)) as (rig, _):
         rig.run(from_seconds(16.0))
-        assert any(record.name == name for record in rig.holds), [record.name for record in rig.holds]
+        assert any(record.name == name for record in rig.interlock_events), [
+            record.name for record in rig.interlock_events
+        ]
         base, tool = gone(rig, 6.5, 8.0)
         assert base > 0.2
         assert tool > STILL_M
@@ -145,7 +147,7 @@ def test_with_its_arm_out_the_base_stays_and_the_arm_may_come_back() -> None:
     robot = robot.model_copy(update={"geometry": robot.geometry.model_copy(update={"balance": balance})})
     with flown(robot=robot) as (rig, _):
         rig.run(from_seconds(9.0))
-        assert any(record.name == "arm out" and record.ended is None for record in rig.holds)
+        assert any(record.name == "arm out" and record.ended is None for record in rig.interlock_events)
         base, tool = gone(rig, 3.4, 9.0)
         assert base < STILL_M
         assert tool > STILL_M

@@ -60,8 +60,8 @@ def speed(rig: Rig) -> float:
     return math.hypot(row["speed_mps"], row["speed_left_mps"])
 
 
-def holds(rig: Rig) -> dict[str, str]:
-    return {hold.name: hold.reason for hold in rig.bridge.holds}
+def active(rig: Rig) -> dict[str, str]:
+    return {event.name: event.reason for event in rig.bridge.interlock_events}
 
 
 def error_m(rig: Rig) -> float:
@@ -108,12 +108,12 @@ def test_hidden_for_a_second_it_goes_on_and_for_long_it_stops_and_takes_up_again
         rig.runs(4.0)
         assert source(rig) is Source.LOST
         assert speed(rig) < STANDS_MPS
-        assert holds(rig)["pose lost"].startswith("the place is off by 0.05")
-        assert holds(rig)["pose lost"].endswith(" m at most without the cameras: they do not see it")
+        assert active(rig)["pose lost"].startswith("the place is off by 0.05")
+        assert active(rig)["pose lost"].endswith(" m at most without the cameras: they do not see it")
         assert rig.bridge.seen.facts.armed
         rig.runs(2.5)
         assert source(rig) is Source.CAPTURED
-        assert "pose lost" not in holds(rig)
+        assert "pose lost" not in active(rig)
         assert speed(rig) > 0.2
         assert off_m(rig) < 0.02
 
@@ -125,7 +125,7 @@ def test_markers_taken_for_others_never_move_the_base_and_stop_it_in_the_end() -
         while rig.bridge.seen.facts.now < 8_400_000_000:
             rig.runs(0.2)
             assert off_m(rig) < 0.02
-        assert holds(rig)["pose lost"].endswith("they show it 0.30 m and 180 degrees off")
+        assert active(rig)["pose lost"].endswith("they show it 0.30 m and 180 degrees off")
         assert speed(rig) < STANDS_MPS
         rig.runs(1.6)
         assert source(rig) is Source.CAPTURED
@@ -136,9 +136,9 @@ def test_a_wheel_that_no_one_counts_and_that_stands_is_seen_and_the_base_stops()
     fault = '[[fault]]\nkind = "motor_cable_off"\nnode = "three"\nat_s = 4.5\n'
     with circling("rome+cameras", fault, "arduinoio") as rig:
         rig.runs(4.5)
-        assert holds(rig).keys() <= {"acceleration limit"}
+        assert active(rig).keys() <= {"acceleration limit"}
         rig.runs(1.7)
-        assert "base slips" in holds(rig)
+        assert "base slips" in active(rig)
         assert not rig.bridge.seen.facts.armed
         assert speed(rig) < 2.0 * STANDS_MPS
 
@@ -149,9 +149,9 @@ def test_a_wheel_in_the_air_spins_free_and_the_base_that_slips_is_stopped(node: 
     fault = f'[[fault]]\nkind = "load_lifted"\nnode = "{node}"\nat_s = 4.5\n'
     with circling("rome+cameras", fault) as rig:
         rig.runs(4.5)
-        assert holds(rig).keys() <= {"acceleration limit"}
+        assert active(rig).keys() <= {"acceleration limit"}
         rig.runs(1.75)
-        assert "base slips" in holds(rig)
+        assert "base slips" in active(rig)
         assert not rig.bridge.seen.facts.armed
         rig.runs(1.0)
         assert speed(rig) < STANDS_MPS
@@ -174,4 +174,4 @@ def test_a_base_that_trembles_is_followed_no_further_off_than_it_trembles() -> N
         assert max(shaken) < max(calm) + 0.005
         assert source(rig) is Source.CAPTURED
         assert speed(rig) > 0.2
-        assert holds(rig).keys() <= {"acceleration limit"}
+        assert active(rig).keys() <= {"acceleration limit"}

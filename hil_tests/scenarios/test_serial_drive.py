@@ -81,8 +81,8 @@ def test_the_line_mission_arrives_as_over_can(driven: Callable[[AnyRobot, str], 
     assert through["path_length_m"] == pytest.approx(over_can["path_length_m"], abs=0.002)
     assert through["max_speed_mps"] == pytest.approx(over_can["max_speed_mps"], abs=0.001)
     assert through["odometry_error_m"] == pytest.approx(over_can["odometry_error_m"], abs=0.001)
-    assert {hold["name"] for hold in through["interlock_events"]} == {
-        hold["name"] for hold in over_can["interlock_events"]
+    assert {event["name"] for event in through["interlock_events"]} == {
+        event["name"] for event in over_can["interlock_events"]
     }
     (line,) = through["lines"]
     assert over_can["lines"] == []
@@ -102,11 +102,13 @@ def test_every_interlock_holds_as_over_can(driven: Callable[[AnyRobot, str], Pat
         json.loads((driven(robot, "interlocks") / "summary.json").read_text()) for robot in (RARS, USB)
     )
     # A line reads the currents one by one: after a hard stop it may keep the power where CAN lets go.
-    holds = [
-        [hold for hold in reported["interlock_events"] if hold["name"] != "held with power"]
+    events = [
+        [event for event in reported["interlock_events"] if event["name"] != "held with power"]
         for reported in (over_can, through)
     ]
-    names, began = ([[hold[key] for hold in reported] for reported in holds] for key in ("name", "began_s"))
+    names, began = (
+        [[event[key] for event in reported] for reported in events] for key in ("name", "began_s")
+    )
     assert names[0] == names[1]
     # The set-up takes longer; what is wrong then follows it.
     first = ["starting", "not armed", "reference lost: steer", "reference lost: lift"]

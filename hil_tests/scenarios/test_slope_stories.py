@@ -230,7 +230,10 @@ def test_ctrl_c_on_a_slope_holds_and_a_second_one_within_5_s_lets_go(
     one.ends()
     one.runs(0.5)
     assert bridge.phase is Phase.STOPPING, "more than 5 s after it was first held: it is a first one again"
-    assert "Ctrl-C within 5 s powers down" in {hold.name: hold.reason for hold in bridge.holds}["ending"]
+    assert (
+        "Ctrl-C within 5 s powers down"
+        in {event.name: event.reason for event in bridge.interlock_events}["ending"]
+    )
     assert went(one, STOPPED_S) < 0.001
     one.runs(4.0)
     one.ends()

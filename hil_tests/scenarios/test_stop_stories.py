@@ -50,7 +50,11 @@ def states(one: Ride) -> list[PowerState | None]:
 
 
 def reported(one: Ride) -> set[str]:
-    return {hold.reason.partition(";")[0] for hold in one.rig.holds if hold.name.startswith(NOT_ACKNOWLEDGED)}
+    return {
+        event.reason.partition(";")[0]
+        for event in one.rig.interlock_events
+        if event.name.startswith(NOT_ACKNOWLEDGED)
+    }
 
 
 def unpowered(one: Ride) -> bool:

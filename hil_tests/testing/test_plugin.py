@@ -157,7 +157,7 @@ def test_a_failing_test_leaves_pictures(pytester: pytest.Pytester, run: Run) -> 
     shown = (pytester.path / "page.html").read_text(encoding="utf-8").count('src="data:image/png;base64,')
     assert shown == len(list(pytester.path.glob("out/tests/*/*.png")))
     pictures = {path.stem for path in pytester.path.glob("out/tests/*/*.png")}
-    assert {"path", "speeds", "currents", "holds"} <= pictures
+    assert {"path", "speeds", "currents", "interlocks"} <= pictures
 
 
 def test_a_story_for_no_robot_and_one_that_cannot_be_reported(pytester: pytest.Pytester, run: Run) -> None:

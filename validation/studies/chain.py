@@ -27,7 +27,7 @@ class Driven:
     """A mission that was driven, and what became of it."""
 
     samples: Samples
-    holds: tuple[InterlockEvent, ...]
+    interlock_events: tuple[InterlockEvent, ...]
 
 
 def driven(robot: AnyRobot, mission: Mission, seconds: float | None = None, *, seed: int = 0) -> Driven:
@@ -51,4 +51,4 @@ def driven(robot: AnyRobot, mission: Mission, seconds: float | None = None, *, s
         rig.run(from_seconds(mission.duration_s if seconds is None else seconds))
     finally:
         rig.finish()
-    return Driven(rig.samples, tuple(rig.holds))
+    return Driven(rig.samples, tuple(rig.interlock_events))

@@ -82,7 +82,7 @@ def seen(
 
 def held(decision: Decision[Any]) -> dict[str, str]:
     """Return the reasons of all that holds, by name."""
-    return {hold.name: hold.reason for hold in decision.holds}
+    return {event.name: event.reason for event in decision.interlock_events}
 
 
 def cases_of(name: str) -> list[AnyCase]:

@@ -104,7 +104,7 @@ def test_at_its_threshold_a_row_holds_and_states_why(name: str, case: AnyCase) -
     gate = gate_of(robot)
     decision = gate.rule(seen(robot, START, case.trips))
     assert held(decision)[case.row] == case.reason
-    assert next(hold for hold in decision.holds if hold.name == case.row).remedy
+    assert next(event for event in decision.interlock_events if event.name == case.row).remedy
     if isinstance(row, Limit):
         assert decision.stopped == frozenset()
     else:
@@ -175,14 +175,14 @@ def test_the_common_rows_stop_all_of_it_whatever_it_is_requested(name: str) -> N
     robot = find(name)
     kind = robot_type_of(robot)
     tripped = set()
-    for hold, facts in common_trips(robot):
+    for event, facts in common_trips(robot):
         for command in full_motions(kind, robot):
             decision = gate_of(robot).rule(seen(robot, START, Situation(command=command), **facts))
-            assert hold in held(decision), hold
-            if not hold.startswith(("link lost", "second controller")):
-                assert decision.stopped == frozenset(kind.groups), hold
-            assert not decision.requested & decision.stopped, hold
-        tripped.add(hold.split(":")[0])
+            assert event in held(decision), event
+            if not event.startswith(("link lost", "second controller")):
+                assert decision.stopped == frozenset(kind.groups), event
+            assert not decision.requested & decision.stopped, event
+        tripped.add(event.split(":")[0])
     unsent = set() if any(axis.zero_confirmed for axis in robot.axes) else {"reference lost"}
     assert {row.name for row in AXIS_INTERLOCKS} - unsent <= tripped
 
@@ -339,9 +339,12 @@ def settled(paper: Paper, command: Any, **facts: Any) -> Decision[Any]:
         decision: Decision[Any] = paper.cycle(command, **facts)
         if (paper.demanded, turning(paper)) == before:
             return decision
-    holds = "; ".join(f"{hold.name}: {hold.reason}" for hold in decision.holds) or "nothing holds it"
+    events = (
+        "; ".join(f"{event.name}: {event.reason}" for event in decision.interlock_events)
+        or "nothing holds it"
+    )
     speeds = ", ".join(f"{name} {one.velocity:.3g}" for name, one in paper.axes.items())
-    raise AssertionError(f"it never settles: {holds}, with {speeds}")
+    raise AssertionError(f"it never settles: {events}, with {speeds}")
 
 
 def turning(paper: Paper) -> list[float]:

@@ -26,5 +26,5 @@ def test_it_drives_the_line(tmp_path: Path) -> None:
 
 def test_the_guide_comes_back_to_where_the_circles_touch(tmp_path: Path) -> None:
     summary = driven("figure_eight", tmp_path)
-    assert not [hold for hold in summary.interlock_events if hold.name == "turns too fast"]
+    assert not [event for event in summary.interlock_events if event.name == "turns too fast"]
     assert summary.odometry_error_m < 0.05 * summary.path_length_m

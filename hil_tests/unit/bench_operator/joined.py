@@ -62,7 +62,7 @@ class Robotlike:
     refusals: int = 0
     not_receiving: bool = False
     pose: Pose = field(default_factory=Pose)
-    holds: tuple[ActiveInterlock, ...] = ()
+    interlock_events: tuple[ActiveInterlock, ...] = ()
 
     def __post_init__(self) -> None:
         rolling = ROBOT_TYPE.rules(self.robot)[""].body.rolling
@@ -103,7 +103,7 @@ class Robotlike:
             body=replace(reported.body, yaw_rate_rad_s=0.4),
             pose=self.pose,
         )
-        return self.operator.report(snapshot, self.holds, now)
+        return self.operator.report(snapshot, self.interlock_events, now)
 
 
 @dataclass

@@ -28,7 +28,7 @@ def test_a_refusal_and_its_reason_are_in_the_diary() -> None:
 def test_long_texts_are_read_whole() -> None:
     joined = join(mission("1.0 arm = true"))
     reason = "a reason that is much longer than the fifty characters of one STATUSTEXT, to be sure"
-    joined.robotlike.holds = (ActiveInterlock("long", reason, InterlockBase("long", ""), 0),)
+    joined.robotlike.interlock_events = (ActiveInterlock("long", reason, InterlockBase("long", ""), 0),)
     joined.run(0.1)
     assert joined.driver.diary.texts(Subject.REPORTED) == [reason]
 

@@ -18,9 +18,9 @@ AGAIN = "firmware-bridge bench rars --mission line --seed 7"
 
 
 def summary() -> Summary:
-    holds = [InterlockEvent("lift extended", "50 mm & more", SECOND, 2 * SECOND, remedy="lower it first")]
+    events = [InterlockEvent("lift extended", "50 mm & more", SECOND, 2 * SECOND, remedy="lower it first")]
     faults = [FaultRecord("frame_loss", "a <loose> contact", ("steer",), SECOND)]
-    return summarise(RUN, AXES, rows(11, lambda _: 0.1), holds, faults)
+    return summarise(RUN, AXES, rows(11, lambda _: 0.1), events, faults)
 
 
 def test_it_states_what_was_measured_what_held_what_was_wrong_and_how_to_run_it_again(tmp_path: Path) -> None:

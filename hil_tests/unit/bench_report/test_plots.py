@@ -54,7 +54,9 @@ def test_the_same_rows_give_the_same_bytes(tmp_path: Path) -> None:
     for name in ("first", "second"):
         folder = tmp_path / name
         folder.mkdir()
-        written.append([path.read_bytes() for path in draw(folder, "rars", RARS, PANELS, table, holds=HOLDS)])
+        written.append(
+            [path.read_bytes() for path in draw(folder, "rars", RARS, PANELS, table, events=HOLDS)]
+        )
     assert len(written[0]) == PICTURES
     assert all(picture.startswith(PNG) for picture in written[0])
     assert written[0] == written[1]
@@ -62,19 +64,19 @@ def test_the_same_rows_give_the_same_bytes(tmp_path: Path) -> None:
 
 @pytest.mark.long(keeps=["one row"])
 @pytest.mark.parametrize(
-    ("count", "speed", "holds"),
+    ("count", "speed", "events"),
     [(1, 0.0, []), (2, 0.0, HOLDS), (300, -0.4, []), (300, 0.0, HOLDS)],
     ids=["one row", "two rows", "backwards", "at rest"],
 )
 def test_short_and_dull_runs_are_drawn_without_complaint(
-    tmp_path: Path, count: int, speed: float, holds: list[InterlockEvent]
+    tmp_path: Path, count: int, speed: float, events: list[InterlockEvent]
 ) -> None:
     table = rows(count, speed)
-    assert len(draw(tmp_path, "rars", RARS, PANELS, table, holds=holds)) == PICTURES
+    assert len(draw(tmp_path, "rars", RARS, PANELS, table, events=events)) == PICTURES
 
 
 def test_a_run_without_rows_has_no_pictures(tmp_path: Path) -> None:
-    assert draw(tmp_path, "rars", RARS, PANELS, rows(0, 0.0), holds=[]) == []
+    assert draw(tmp_path, "rars", RARS, PANELS, rows(0, 0.0), events=[]) == []
 
 
 @pytest.mark.long(beside="test_short_and_dull_runs_are_drawn_without_complaint")
@@ -92,9 +94,9 @@ def test_faults_are_marked_in_the_pictures_over_time_and_in_no_other(tmp_path: P
         drawn.append(
             {
                 path.stem: path.read_bytes()
-                for path in draw(folder, "rars", RARS, PANELS, table, holds=HOLDS, faults=some)
+                for path in draw(folder, "rars", RARS, PANELS, table, events=HOLDS, faults=some)
             }
         )
     sound, faulty, again = drawn
-    assert {name for name in sound if sound[name] != faulty[name]} == {"speeds", "currents", "holds"}
+    assert {name for name in sound if sound[name] != faulty[name]} == {"speeds", "currents", "interlocks"}
     assert faulty == again

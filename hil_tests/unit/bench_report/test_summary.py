@@ -59,9 +59,9 @@ def driven(count: int, speed: Callable[[float], float], **fixed: float) -> list[
 
 
 def summarise(
-    run: RunFigures, samples: Samples, holds: Sequence[InterlockEvent], faults: Sequence[FaultRecord] = ()
+    run: RunFigures, samples: Samples, events: Sequence[InterlockEvent], faults: Sequence[FaultRecord] = ()
 ) -> Summary:
-    return summarised(run, AXES, samples, holds, faults)
+    return summarised(run, AXES, samples, events, faults)
 
 
 def test_a_constant_speed_gives_length_and_no_acceleration() -> None:
@@ -119,11 +119,11 @@ def test_a_run_without_rows_has_not_moved() -> None:
 
 
 def test_the_file_has_the_keys_that_its_readers_rely_on() -> None:
-    holds = [
+    events = [
         InterlockEvent("lift extended", "lift is 50 mm up", 100 * MILLISECOND, 2 * SECOND, remedy="lower it"),
         InterlockEvent("operator link timeout", "nothing received for 500 ms", 3 * SECOND),
     ]
-    read = json.loads(as_json(summarise(RUN, rows(11, lambda _: 0.1), holds)))
+    read = json.loads(as_json(summarise(RUN, rows(11, lambda _: 0.1), events)))
     assert {
         "simulated_s": 4.0,
         "wall_s": 2.0,

@@ -126,8 +126,8 @@ def begun(bridge: Bridge) -> Bench:
     return Bench(ROBOT, bridge, {axis.name: Seeking(axis) for axis in ROBOT.axes})
 
 
-def holds(bench: Bench, name: str) -> bool:
-    return name in {hold.name for hold in bench.bridge.holds}
+def active(bench: Bench, name: str) -> bool:
+    return name in {event.name for event in bench.bridge.interlock_events}
 
 
 def words(bench: Bench, since: Nanoseconds) -> list[str]:
@@ -138,7 +138,7 @@ def homing(bench: Bench) -> Seeking:
     """Begin to home the lift; return its drive, on its way."""
     assert bench.commands(STANDS, LIFT, NAN) == ACCEPTED
     bench.runs(0.4)
-    assert holds(bench, "homing: lift")
+    assert active(bench, "homing: lift")
     drive = bench.drives["lift"]
     assert isinstance(drive, Seeking)
     assert drive.seeking
@@ -156,12 +156,12 @@ def test_what_goes_to_the_drive_is_read_back_before_it_starts(started: Bench) ->
 
 def test_it_is_lost_while_it_homes_known_when_it_has_and_drives(started: Bench) -> None:
     homing(started)
-    assert holds(started, "reference lost: lift")
+    assert active(started, "reference lost: lift")
     assert started.arms() == TEMPORARILY_REJECTED
     assert "arm: node 4 (scissor lift) is homing" in started.reported()
     started.runs(1.5)
-    assert not holds(started, "homing: lift")
-    assert not holds(started, "reference lost: lift")
+    assert not active(started, "homing: lift")
+    assert not active(started, "reference lost: lift")
     assert started.bridge.places["lift"] == 0.0
     assert started.arms() == ACCEPTED
     started.lift = 1.0
@@ -175,7 +175,7 @@ def test_one_at_a_time_and_none_is_confirmed_meanwhile(started: Bench) -> None:
         assert started.commands(STANDS, axis, value) == TEMPORARILY_REJECTED
         assert "zero: node 4 (scissor lift) is homing" in started.reported()
     started.runs(1.5)
-    assert not holds(started, "reference lost: lift")
+    assert not active(started, "reference lost: lift")
 
 
 def test_an_axis_waits_for_those_that_its_file_names(bench: Bench) -> None:
@@ -231,8 +231,8 @@ def test_every_way_to_ask_for_a_stop_stops_it(
     assert started.commands(command, *params) == ACCEPTED
     started.runs(0.1)
     assert not drive.seeking
-    assert holds(started, "not homed: lift")
-    assert holds(started, "reference lost: lift")
+    assert active(started, "not homed: lift")
+    assert active(started, "reference lost: lift")
     assert "it was stopped by an order" in started.reported()
     stood = drive.position
     started.runs(2.0)
@@ -249,7 +249,7 @@ def test_one_that_was_stopped_is_set_up_again_and_homed_by_the_next_order(starte
     assert drive.memory[at.MODE] == b"\x01"
     assert started.commands(STANDS, LIFT, NAN) == ACCEPTED
     started.runs(0.1)
-    assert not holds(started, "not homed: lift")
+    assert not active(started, "not homed: lift")
     started.runs(2.0)
     assert started.arms() == ACCEPTED
 
@@ -261,7 +261,7 @@ def test_a_drive_that_fails_is_reported_and_halted(started: Bench) -> None:
     started.runs(1.5)
     assert "was not homed: it gave its homing up" in started.reported()
     assert "2b 40 60 00 0f 01 00 00" in words(started, begin)
-    assert holds(started, "reference lost: lift")
+    assert active(started, "reference lost: lift")
 
 
 def test_one_that_does_not_end_is_halted_in_its_time(started: Bench) -> None:
@@ -277,7 +277,7 @@ def test_one_that_does_not_end_is_halted_in_its_time(started: Bench) -> None:
     assert not drive.seeking
     assert started.now - begin < 13 * SECOND
     assert "was not homed: it has not found its zero in time" in started.reported()
-    assert holds(started, "reference lost: steer")
+    assert active(started, "reference lost: steer")
 
 
 def test_one_that_goes_beyond_its_travel_is_stopped(started: Bench) -> None:
@@ -291,7 +291,7 @@ def test_one_that_goes_beyond_its_travel_is_stopped(started: Bench) -> None:
     started.runs(0.7)
     assert not drive.seeking
     assert "it went further than 5.713 rad" in started.reported()
-    assert holds(started, "reference lost: steer")
+    assert active(started, "reference lost: steer")
 
 
 def test_one_that_runs_faster_loses_its_power(started: Bench) -> None:
@@ -301,7 +301,7 @@ def test_one_that_runs_faster_loses_its_power(started: Bench) -> None:
     assert not drive.seeking
     assert drive.state is not PowerState.OPERATION_ENABLED
     assert "homing, moves with -5.99 rad/s" in started.reported()
-    assert holds(started, "not homed: lift")
+    assert active(started, "not homed: lift")
 
 
 @pytest.mark.parametrize(
@@ -328,8 +328,8 @@ def test_a_drive_that_reads_back_something_else_is_never_started(
     assert started.commands(STANDS, LIFT, NAN) == ACCEPTED
     started.runs(1.0)
     assert [word for word in words(started, begin) if word.startswith("2b 40 60 00 1f")] == []
-    assert holds(started, "not homed: lift")
-    assert holds(started, "reference lost: lift")
+    assert active(started, "not homed: lift")
+    assert active(started, "reference lost: lift")
     assert started.arms() == TEMPORARILY_REJECTED
 
 
@@ -339,10 +339,10 @@ def test_at_the_start_one_is_homed_after_the_other() -> None:
         bench.drives[name].referenced = False
         bench.drives[name].seeks_for = 2 * SECOND
     bench.runs(2.0)
-    assert holds(bench, "homing: lift")
+    assert active(bench, "homing: lift")
     bench.runs(2.0)
-    assert not holds(bench, "reference lost: lift")
-    assert holds(bench, "homing: steer")
+    assert not active(bench, "reference lost: lift")
+    assert active(bench, "homing: steer")
     bench.runs(2.5)
     assert bench.arms() == ACCEPTED
     assert bench.guard.refused == 0
@@ -355,6 +355,6 @@ def test_at_the_start_no_one_homes_without_an_operator() -> None:
     bench.runs(8.0)
     bench.talks = True
     bench.runs(3.0)
-    assert holds(bench, "reference lost: lift")
+    assert active(bench, "reference lost: lift")
     assert bench.sent(0x604) != []
     assert [word for word in words(bench, 0) if word.startswith("2f 98 60")] == []

@@ -77,7 +77,7 @@ class Standing:
         self.power(Power.OFF)
 
     def reported(self) -> list[str]:
-        return [hold.reason for hold in self.power_down.holds]
+        return [event.reason for event in self.power_down.interlock_events]
 
 
 def test_while_the_base_moves_nothing_is_requested() -> None:

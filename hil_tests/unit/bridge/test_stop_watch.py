@@ -59,10 +59,10 @@ class Watched:
 
     def unconfirmed(self) -> str | None:
         """The step that failed last, if any."""
-        holds = self.stops.holds
-        assert [hold.name for hold in holds] == ["stop not acknowledged: left"] * len(holds)
-        assert len(holds) <= 1
-        return holds[0].stage if holds else None
+        events = self.stops.interlock_events
+        assert [event.name for event in events] == ["stop not acknowledged: left"] * len(events)
+        assert len(events) <= 1
+        return events[0].stage if events else None
 
     def confirmed(self) -> bool:
         return not self.stops.under_way and not self.stops.given_up
@@ -167,9 +167,11 @@ def test_a_drive_that_is_receiving_nothing_is_taken_through_every_step() -> None
     assert watched.driver.begun == TASKS
     # Two silences, two objects of which the first ends with its task, the watch from top speed, the reset.
     assert to_seconds(watched.now - START) < 0.25 + 0.25 + 0.2 + 0.2 + 0.35 + 12.0 / 21.0 + 1.0 + 6 * 0.05
-    (hold,) = watched.stops.holds
-    assert hold.reason == "node 1 (left): reset not acknowledged; nothing is left to try; it may go on moving"
-    assert hold.row.disarms
+    (event,) = watched.stops.interlock_events
+    assert (
+        event.reason == "node 1 (left): reset not acknowledged; nothing is left to try; it may go on moving"
+    )
+    assert event.row.disarms
 
 
 def test_for_an_axis_that_rested_no_one_else_loses_power() -> None:

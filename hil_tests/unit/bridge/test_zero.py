@@ -51,7 +51,7 @@ FRAMES: Final = (
 
 
 def lost(bench: "Bench", name: str) -> bool:
-    return f"reference lost: {name}" in {hold.name for hold in bench.bridge.holds}
+    return f"reference lost: {name}" in {event.name for event in bench.bridge.interlock_events}
 
 
 def restarted(bench: "Bench", name: str = "lift") -> None:

@@ -47,7 +47,7 @@ def bench(folder: Path, seed: int = 0) -> str:
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("bench")
-    (folder / "said").write_text(bench(folder / "first"), encoding="utf-8")
+    (folder / "printed").write_text(bench(folder / "first"), encoding="utf-8")
     bench(folder / "second")
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr("emulators.bench.plots.draw", lambda *_, **__: [])
@@ -63,7 +63,7 @@ def test_what_it_leaves_behind_is_what_the_readme_states(results: Path) -> None:
 
 
 def test_the_table_states_where_the_results_are(results: Path) -> None:
-    stated = (results / "said").read_text(encoding="utf-8")
+    stated = (results / "printed").read_text(encoding="utf-8")
     assert str(results / "first") in stated.replace("\n", "")
     for word in ("real-time factor", "largest speed", "odometry error", "bus load"):
         assert word in stated
@@ -115,7 +115,7 @@ def test_the_operators_link_is_recorded_message_by_message(results: Path) -> Non
 
 def test_one_seed_gives_the_same_bytes_and_another_seed_others(results: Path) -> None:
     first, second, other = (results / name for name in ("first", "second", "other"))
-    for name in ("can.log", "operator.tlog", "currents.png", "holds.png"):
+    for name in ("can.log", "operator.tlog", "currents.png", "interlocks.png"):
         assert (first / name).read_bytes() == (second / name).read_bytes(), name
     traces = [json.loads((it / "summary.json").read_text())["trace_sha256"] for it in (first, second, other)]
     assert traces[0] == traces[1] != traces[2]

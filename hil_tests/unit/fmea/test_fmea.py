@@ -86,11 +86,11 @@ def test_in_a_state_the_robot_does_what_it_states() -> None:
 
 def course(x: Floats, held_ms: float | None = None, reported_ms: float | None = None) -> Course:
     """Return a course along one place, and what was noticed."""
-    holds = () if held_ms is None else (InterlockEvent("a row", "", int(held_ms * MILLISECOND)),)
+    events = () if held_ms is None else (InterlockEvent("a row", "", int(held_ms * MILLISECOND)),)
     texts = (
         () if reported_ms is None else (LogEntry(int(reported_ms * MILLISECOND), Subject.REPORTED, "words"),)
     )
-    return Course({"x_m": x}, {"x_m": "m"}, holds, texts, 0)
+    return Course({"x_m": x}, {"x_m": "m"}, events, texts, 0)
 
 
 TIMES: Floats = np.arange(ROWS, dtype=np.float64) / 100.0
@@ -112,7 +112,7 @@ ASIDE_AT_MS = 1e3 * ASIDE["m"] / (0.3 - 0.05 * 0.3)
         (course(RUNS_ON, held_ms=ASIDE_AT_MS + LATE_MS - 20.0), Assessment.NOTICED),
         (course(RUNS_ON, held_ms=ASIDE_AT_MS + LATE_MS + 20.0), Assessment.LATE),
         (course(RUNS_ON, reported_ms=ASIDE_AT_MS + LATE_MS + 20.0), Assessment.LATE),
-        (course(STANDS), Assessment.STANDS),
+        (course(STANDS), Assessment.STOPPED),
         (course(STANDS, held_ms=2000.0), Assessment.NOTICED),
         (course(GOES + 0.5 * ASIDE["m"]), Assessment.TOLERATED),
     ],

@@ -364,7 +364,7 @@ class PaperCart:
 
     def held(self) -> set[str]:
         """Return what holds now, by name."""
-        return {hold.name for hold in self.pipeline.holds}
+        return {event.name for event in self.pipeline.interlock_events}
 
     def newest(self, axis: str) -> Demand:
         """Return the axis' last set-point."""

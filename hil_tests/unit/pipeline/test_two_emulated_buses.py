@@ -88,7 +88,7 @@ class TwoBuses:
         return self.bridge.seen.facts.axes[axis].velocity
 
     def held(self) -> set[str]:
-        return {hold.name for hold in self.bridge.holds}
+        return {event.name for event in self.bridge.interlock_events}
 
     def _noting(self, link: str) -> Observer:
         def note(_now: Nanoseconds, sender: str, packet: Packet) -> None:

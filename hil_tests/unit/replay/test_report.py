@@ -89,7 +89,7 @@ def test_its_page_has_numbers_holds_and_pictures(bench: Path, tmp_path: Path) ->
     ):
         assert stated in page, stated
     pictures = {path.stem for path in tmp_path.glob("*.png")}
-    assert pictures == {"path", "speeds", "currents", "holds"}
+    assert pictures == {"path", "speeds", "currents", "interlocks"}
     assert page.count("data:image/png") == len(pictures)
     assert "does otherwise than was recorded" not in page
 

@@ -37,7 +37,7 @@ S = TypeVar("S")
 CYCLE = 50 * MILLISECOND
 
 
-def hold(name: str, reason: str, remedy: str = "", severity: Severity = Severity.WARNING) -> ActiveInterlock:
+def event(name: str, reason: str, remedy: str = "", severity: Severity = Severity.WARNING) -> ActiveInterlock:
     """Return a hold that began at once."""
     return ActiveInterlock(name, reason, InterlockBase(name, remedy, severity=severity), 0)
 
@@ -118,11 +118,11 @@ class Bench(Generic[G, M, S]):
             facts=self.facts, command=self.command, demanded=self.rest, body=self.body, pose=self.pose
         )
 
-    def report(self, *holds: ActiveInterlock) -> list[Any]:
+    def report(self, *events: ActiveInterlock) -> list[Any]:
         """Let a cycle pass; return the messages that the station receives of it."""
         self.now += CYCLE
         self.facts = replace(self.facts, now=self.now, received_at=self.operator.intent.received_at)
-        sent = self.operator.report(self.snapshot(), holds, self.now)
+        sent = self.operator.report(self.snapshot(), events, self.now)
         own = [packet.payload for packet in sent if packet.address == 0]
         received = [message for datagram in own for message in self.station.decode(datagram)]
         self.received += received

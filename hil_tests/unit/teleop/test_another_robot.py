@@ -17,7 +17,7 @@ from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.station import Actuator, Fixed, Station, Switch, Value
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.lanes import examples
-from hil_tests.unit.teleop.bench import acks, hold
+from hil_tests.unit.teleop.bench import acks, event
 from hil_tests.unit.teleop.received import texts, types
 from hil_tests.unit.teleop.toy import MODES, ROWS, Felt, Glide, ToyBench, toy
 
@@ -254,7 +254,7 @@ def test_its_parameters_are_its_own_and_the_common_ones(bench: ToyBench) -> None
 def test_a_hold_of_its_own_is_as_loud_as_its_row(bench: ToyBench) -> None:
     [text] = [
         one
-        for one in bench.report(hold("boom out", "it is out", "in", Severity.ALERT))
+        for one in bench.report(event("boom out", "it is out", "in", Severity.ALERT))
         if types([one]) == ["STATUSTEXT"]
     ]
     assert (text.severity, text.text) == (1, "it is out; in")

@@ -12,7 +12,7 @@ from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.safety.common import AXIS_INTERLOCKS, whole_robot_interlocks
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.units import MILLISECOND, SECOND
-from hil_tests.unit.teleop.bench import RarsBench, hold
+from hil_tests.unit.teleop.bench import RarsBench, event
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -70,7 +70,7 @@ def test_the_heartbeat_of_a_robot_in_trouble(bench: RarsBench) -> None:
     assert status(bench) == (0x41, TERMINATED)
 
 
-HOLD = hold("lift extended", "the lift stands at 100 mm, retracted is below 5 mm", "retract the lift")
+HOLD = event("lift extended", "the lift stands at 100 mm, retracted is below 5 mm", "retract the lift")
 
 
 def test_a_hold_is_reported_with_its_reason_when_it_begins_and_when_it_ends(bench: RarsBench) -> None:
@@ -117,11 +117,11 @@ def test_how_loud_each_row_of_rars_is(bench: RarsBench) -> None:
 
 @pytest.mark.parametrize("severity", Severity)
 def test_a_hold_is_as_loud_as_its_row_states(bench: RarsBench, severity: Severity) -> None:
-    assert texts(bench.report(hold("any", "why", severity=severity))) == [(severity, "why")]
+    assert texts(bench.report(event("any", "why", severity=severity))) == [(severity, "why")]
 
 
 def test_one_hold_that_follows_another_is_reported(bench: RarsBench) -> None:
-    other = hold("not armed", "the robot is not armed", "arm the robot", Severity.NOTICE)
+    other = event("not armed", "the robot is not armed", "arm the robot", Severity.NOTICE)
     bench.report(HOLD)
     assert texts(bench.report(other)) == [
         (6, "cleared: lift extended"),

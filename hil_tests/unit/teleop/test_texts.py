@@ -105,9 +105,9 @@ def test_a_hold_that_comes_and_goes_is_reported_three_times_in_two_seconds_and_a
     reported = InterlockTexts(Speaker())
     texts: list[tuple[float, str]] = []
     for cycle in range(200):
-        holds = (HOLD,) if cycle % 2 == 0 or cycle >= 100 else ()
+        events = (HOLD,) if cycle % 2 == 0 or cycle >= 100 else ()
         now = cycle * SECOND // 20
-        texts += [(now / SECOND, one.text) for one in reported.due(holds, now)]
+        texts += [(now / SECOND, one.text) for one in reported.due(events, now)]
     begun = [at for at, text in texts if text.startswith("it is out")]
     assert all(sum(1 for other in begun if at <= other < at + 2.0) <= 3 for at in begun)
     assert len(begun) == 3 * 3 + 1
@@ -145,7 +145,7 @@ def test_information_is_reported_once_and_what_lets_go_of_it_not_at_all() -> Non
     )
     texts = []
     for cycle in range(200):
-        holds = ((ramps,) if cycle % 20 < 10 else ()) + ((HOLD,) if cycle % 100 < 50 else ())
-        texts += [one.text for one in reported.due(holds, cycle * SECOND // 20)]
+        events = ((ramps,) if cycle % 20 < 10 else ()) + ((HOLD,) if cycle % 100 < 50 else ())
+        texts += [one.text for one in reported.due(events, cycle * SECOND // 20)]
     assert texts.count("too fast; slowly") == 1
     assert [text for text in texts if text.startswith("cleared")] == ["cleared: lift extended"] * 2
