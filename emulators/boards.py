@@ -53,6 +53,7 @@ def _constant(plant: FmuPlant, axis: str) -> float:
     own = f"{CONSTANT}{axis}"
     if own in known:
         return plant.read(own)
+    # Motors of one type may share one parameter.
     if len(known) == 1:
         return plant.read(known[0])
     raise PlantError(f"{plant.path}: the FMU lacks the parameter '{own}', which a motor that runs free needs")

@@ -64,6 +64,7 @@ def captured(
         ]
         found[name] = MotionCapture(
             bodies,
+            # A stream for each system: one more camera link changes no other's noise.
             np.random.default_rng([seed, CAPTURE_STREAM, number]),
             version=version,
             cameras=Cameras(up=Up(seen[0].up.value), markers=markers),

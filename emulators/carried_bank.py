@@ -25,7 +25,9 @@ class CarriedBank:
     def advance(self, until: Nanoseconds) -> tuple[Nanoseconds, tuple[str, ...]]:
         """Move on to `until`; the boards ask to be woken when they may have something to say."""
         while self._now < until:
+            # On the grid of half a millisecond, whatever the instants of the calls are.
             self._now = min(until, self._now - self._now % STEP + STEP)
+            # The base's motors step the plant; the arm's pulses count from the next step on.
             self._base.advance(self._now)
             self._motors.advance(self._now)
             self._arm.advance(self._now)

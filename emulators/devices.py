@@ -173,6 +173,7 @@ def _shield(robot: AnyRobot, plant: FmuPlant) -> tuple[str, Board, ShieldBank]:
     """Return a board with its link, and the motors on its shield."""
     (name, link), *_ = robot.shield_links.items()
     axes = robot.axes_on(name)
+    # The plant's motors are put at the terminals in the order of the axes, without gaps.
     if [axis.shield.port for axis in axes] != list(range(1, len(axes) + 1)):
         problem = "the axes' ports must be 1, 2 and so on, in their order, to be emulated"
         raise RobotFileError(robot.name, Problem(f"links.{name}", problem))
@@ -183,6 +184,7 @@ def _shield(robot: AnyRobot, plant: FmuPlant) -> tuple[str, Board, ShieldBank]:
         raise RobotFileError(robot.name, Problem(f"links.{name}.encoders", problem))
     names = tuple(axis.name for axis in axes)
     constants = tuple(_constant(plant, axis) for axis in names)
+    # The shield's encoders share one scale in the C kernel.
     counts, *others = {axis.shield.counts_per_turn for axis in axes}
     if others:
         problem = "counts_per_turn must be the same for all motors of a board, to be emulated"
@@ -225,6 +227,7 @@ def _constant(plant: FmuPlant, axis: str) -> float:
 
 def _have_switches(robot: AnyRobot, plant: FmuPlant) -> None:
     """Check that the plant has the switches by which axes are homed; RobotFileError."""
+    # With mirrored axes: the plant's negative switch ends the drive's positive direction.
     wired = input_lines(plant.output_names, [axis.name for axis in robot.axes], _turned(robot))
     closed = {(line.axis, line.mask) for line in wired}
     for index, axis in enumerate(robot.axes):
@@ -257,6 +260,7 @@ def _drive(
 
 def _profile(axis: Axis, *, realistic_latency: bool) -> DeviceProfile:
     """Return the type of drive that the file names, with a serial number of its own: no two are the same."""
+    # The type decides currents, supply and objects; the number in its serial number is the node's.
     kind = PROFILES[axis.epos2.device.value]
     kind = realistic(kind) if realistic_latency else kind
     return numbered(kind, axis.epos2.node)
@@ -289,6 +293,7 @@ def _beyond_stops(robot: AnyRobot, plant: Plant, given: Mapping[str, float]) -> 
         if axis.travel is None or axis.name not in plant.stops:
             continue
         for stop, end, sign in zip(plant.stops[axis.name], axis.travel, (-1.0, 1.0), strict=True):
+            # The sign makes one test of both ends: further out than the stop.
             if sign * end > sign * values[stop]:
                 problem = f"goes to {end:.5g} {axis.unit}, the plant's stop is at {values[stop]:.5g}"
                 say = f"narrow it, or say plant.parameters = {{ {stop} = {end:.5g} }}"

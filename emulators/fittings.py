@@ -83,6 +83,7 @@ def gears() -> Mapping[str, Gear]:
 def gear(text: str) -> Gear:
     """Read a ratio, as 26 or 57/13, or a name or order number, of which a part will do; FittingError."""
     try:
+        # An exact ratio, as 57/13, is rounded once.
         ratio = float(Fraction(text))
     except (ValueError, ZeroDivisionError, OverflowError):
         ratio = 0.0
@@ -95,6 +96,7 @@ def gear(text: str) -> Gear:
             raise FittingError(
                 f"--gear {text}: {len(found)} gears have it in their names: {'; '.join(found)}"
             ) from None
+    # Order numbers are numbers, too: one that is known is no ratio.
     orders = {name.rpartition(" ")[2]: one for name, one in gears().items() if not name.endswith(":1")}
     if text in orders:
         return orders[text]

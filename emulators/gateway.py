@@ -68,6 +68,7 @@ class Cluster:
         Where the machine was busy, an answer comes before the timeout of the member that waits for it.
         """
         self._advance(now)
+        # By time, then by name: members that are due at once always come in the same order.
         for _, name in sorted((it.wake_at, name) for name, it in self._members.items() if it.wake_at <= now):
             member = self._members[name]
             if member.wake_at <= now:
@@ -85,6 +86,7 @@ class Cluster:
                 return
             for name in names:
                 member = self._members[name]
+                # At the event's own instant, which may lie before `now` on a busy machine.
                 self._take(member, member.node.wake(reached), reached)
             self._exchange(reached)
 
@@ -99,6 +101,7 @@ class Cluster:
         """Exchange packets among the members, until none has anything to add."""
         between = self._between
         while between:
+            # First in, first out: answers keep the order of their causes.
             sender, packet = between.popleft()
             for member in self._members.values():
                 if member is not sender:
@@ -114,6 +117,7 @@ class Cluster:
         self._exchange(now)
         wake_at = min((member.wake_at for member in self._members.values()), default=NEVER)
         if self._physics is not None:
+            # The physics raises events between packets: it must not wait for the next one.
             wake_at = min(wake_at, now + self._poll)
         sent = tuple(self._outbox)
         self._outbox.clear()

@@ -42,11 +42,13 @@ class EmulatedLine:
             return None
         table = robot.epos2_link(link.name)
         latency = table.port_latency_us * MICROSECOND
+        # Without a latency bytes are handed over one by one, as on a plain UART.
         inboxes = {host: Inbox(usb.BUFFER, latency)} if latency else {}
         end = MaxonLine(node, table.protocol, link.name)
         adapter = Adapter(end, link.name)
         if before is None:
             return cls(SerialWire(table.line_rate, inboxes), adapter, end, link)
+        # The cable outlives the process: its plug and its counts go on.
         adapter.plugged, end.commands, end.busy = before.adapter.plugged, before.end.commands, before.end.busy
         return cls(before.wire, adapter, end, link)
 

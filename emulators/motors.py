@@ -52,6 +52,7 @@ class Motor(Table):
 
     def no_load_speed(self, voltage_v: float) -> float:
         """Return its speed without load in rad/s."""
+        # The no-load current's voltage drop is not available for the back-EMF.
         return (voltage_v - self.resistance_ohm * self.no_load_current_a) / self.torque_constant_nm_a
 
 

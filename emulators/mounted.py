@@ -74,6 +74,7 @@ class Mounted:
                 load.friction_nm / self.gear,
                 MOTOR.damping,
             )
+        # At the motor's shaft a load's inertia counts by the square of the ratio, its friction by the ratio.
         load = load or ShaftLoad(0.0, 0.0)
         return DcMotor(
             motor.resistance_ohm,
@@ -98,6 +99,8 @@ class Mounted:
         if not self.index:
             axis.sensor_faults |= INDEX_MISSING
         if self.motor is not None and self.motor.kind == "dc":
+            # A brushed motor has no hall sensors: its three lines
+            # show one level, which the drive takes for a fault.
             axis.sensor_faults |= HALL_LINES << HALL_LOW
         else:
             axis.mounted_pole_pairs = self.pairs
@@ -132,6 +135,7 @@ class Comparison:
         store.on_write(at.CONTROLWORD, self._look)
 
     def _look(self, word: int) -> None:
+        # Not before: settings may be written one after the other until the drive is enabled.
         if command_of(word) is ControlwordCommand.ENABLE_OPERATION:
             found = tuple(self._mounted.contradicts(self._store.get))
             if found and found != self._reported:
@@ -157,5 +161,6 @@ class Torque:
         shaft = self._mounted.shaft
         if kind not in BRUSHLESS:
             shaft = DcMotor(shaft.resistance, shaft.inductance, NO_TORQUE, shaft.inertia, shaft.friction)
+        # Also for the open winding, whose voltage follows from these data.
         set_winding(self._axis, shaft.torque_constant, shaft.resistance, shaft.inductance)
         self._becomes(shaft)

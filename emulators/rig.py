@@ -100,6 +100,7 @@ class Rig:
             round(noise.delay_ms * MILLISECOND),
             round(noise.jitter_ms * MILLISECOND),
             noise.loss,
+            # A stream of its own: noise on this link shifts no other random number.
             np.random.default_rng([seed, LINK_STREAM]),
         )
         below = self.devices
@@ -132,6 +133,7 @@ class Rig:
     def run(self, until: Nanoseconds) -> None:
         """Let everything happen up to `until`, and take a sample every 10 ms."""
         while self._next_sample <= until:
+            # The plant has to be exactly at the sample's instant.
             self.world.run(self._next_sample)
             self._sample(self._next_sample)
             self._next_sample += SAMPLE_EVERY
@@ -167,6 +169,7 @@ class Rig:
         """Start a bridge in the place of the one that was, which is killed where it still runs."""
         if self.world.here(BRIDGE):
             self.world.detach(BRIDGE)
+        # As the shell does from its file: the new process is offered the last positions.
         places = self.bridge.places
         self._start_bridge()
         self.bridge.offer(places)
@@ -176,6 +179,7 @@ class Rig:
         """Start a second bridge on the buses; no one is at its operator's link, and no cameras serve it."""
         if self.world.here(SECOND_BRIDGE):
             self.world.detach(SECOND_BRIDGE)
+        # Its own bridge from the same robot file: both are masters with the same node number.
         second = guarded(Bridge(self.robot, robot_type_of(self.robot)), self.robot)
         alone = {name: DatagramWire(name=f"second {name}") for name in (*self.capture_wires, OPERATOR)}
         self.world.attach(SECOND_BRIDGE, second, {**self.can_wires, **alone})

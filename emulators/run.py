@@ -80,6 +80,7 @@ def drive(order: RunOrder, progress: Progress) -> Summary:
             until = min(until + SLICE, order.duration)
             rig.run(until)
             progress(until)
+    # Of the run alone: pictures and files come behind.
     wall_s = time.perf_counter() - begun
     rig.finish()
     run = RunFigures(

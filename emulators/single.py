@@ -86,6 +86,7 @@ def drives(
     }
     if isinstance(plant, DcMotors):
         for place, (name, axis) in enumerate(zip(names, axes, strict=True)):
+            # It hooks the store, which keeps it alive.
             Torque(order.mounted, made[name].store, axis, partial(plant.becomes, place))
     for node, name in zip(order.nodes, names, strict=True):
         if say is not None:
@@ -96,6 +97,7 @@ def drives(
 def _drive(order: DrivesOrder, node: int, axis: ServoAxis) -> Epos2:
     switch = 0 if order.dip_off else node
     profile = numbered(order.profile, node)
+    # A file for each node: two drives of one bus never share a copy.
     kept = None if order.parameters is None else ParameterFile(order.parameters / f"node-{node}.json")
     storage = Commissioned(order.commissioned, kept or Volatile()) if order.commissioned else kept
     if node not in order.serial:

@@ -48,6 +48,7 @@ class PlantJoints(Joints):
         self._current: Final = plant.input_names.index(CURRENT)
         self._carried: Final = carried
         self._reached: Nanoseconds = 0
+        # The arm's drivers have their current before the board runs, or it would fall at the start.
         plant.inputs[self._current] = 1.0
         self._look()
 
@@ -67,6 +68,7 @@ class PlantJoints(Joints):
         self.pulses[axis] += 1
         if axis >= len(JOINTS):
             return
+        # The field turns at the pulse's own step, not at that of the next look.
         self.reach(at)
         ahead = 1.0 if level == AXES[axis].ahead_level else -1.0
         place = self._fields[axis]
@@ -82,6 +84,7 @@ class PlantJoints(Joints):
             output = self._angles[joint]
             angle = math.degrees(self._plant.outputs[output : output + 1][0])
             place = round((angle - axis.least_deg) / axis.per_step_deg)
+            # Within what the switches and stops of the count know; the plant's stops are elastic.
             self.places[joint] = min(max(place, -OVERDRIVE), axis.steps + OVERDRIVE)
 
 

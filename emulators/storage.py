@@ -26,6 +26,7 @@ class Commissioned:
 
     def read(self) -> Mapping[Address, int]:
         """Return what was saved, else what the drive was set up with; StorageError."""
+        # An empty copy is one that was never saved, or was given up by 'load'.
         return self._kept.read() or self._values
 
     def write(self, values: Mapping[Address, int]) -> None:
@@ -64,7 +65,9 @@ class ParameterFile:
             with fresh.open("w", encoding="utf-8") as file:
                 file.write(text + "\n")
                 file.flush()
+                # Before the renaming: else a loss of power may leave the new name on an empty file.
                 os.fsync(file.fileno())
+            # Atomic within one file system: a reader sees the old copy or the new one.
             fresh.replace(self.path)
             _to_disk(self.path.parent)
         except OSError as error:

@@ -48,4 +48,5 @@ class Trace:
     def restore_state(self, state: "hashlib._Hash") -> None:
         """Go on from what had been added then."""
         self._hash = state.copy()
+        # Bound once: it is called for every packet of a run.
         self.add = self._hash.update

@@ -107,6 +107,7 @@ class World:
         """Remove a node for good, now: it neither receives, nor sends, nor is woken."""
         station = self._station(name)
         del self._stations[name]
+        # The physics may still report an event for it, which is no error then.
         self._gone[name] = self.now
         station.wake_at = NEVER
         station.silent_from = self.now
@@ -144,11 +145,14 @@ class World:
         while True:
             due = agenda[0][0] if agenda else NEVER
             at = min(until, due)
+            # Physics first: it may stop before the next event,
+            # and nodes that it wakes may schedule earlier ones.
             if at > self._moved_to:
                 reached, names = self._physics.advance(at)
                 if names:
                     self._wake_all(names, reached)
                     continue
+                # No event up to here: for further events at this instant the physics is not called again.
                 self._moved_to = at
             if due > until:
                 break
@@ -176,6 +180,7 @@ class World:
 
     def call_at(self, at: Nanoseconds, call: Callable[[Any], None], argument: object = None) -> None:
         """Call a wire back at an instant that is not in the past."""
+        # Keeps the order of the requests at one instant; callables themselves cannot be compared.
         self._sequence = sequence = self._sequence + 1
         insort(self._agenda, (at, sequence, call, argument))
 
@@ -183,6 +188,7 @@ class World:
         """Hand a packet to a station that listens to it, now, and take what it sends in answer."""
         now = self.now
         if now < station.silent_from:
+            # A node that is cut off neither receives nor answers; it is still woken, and may notice.
             reaction = station.receive(packet, now)
             if reaction.sent or reaction.wake_at != station.wake_at:
                 self._take(station, reaction)
@@ -256,6 +262,7 @@ class World:
             self.call_at(at, self._wake, station)
 
     def _wake(self, station: WorldNode) -> None:
+        # An earlier request stays on the agenda: it finds another time here, and does nothing.
         if station.wake_at == self.now:
             station.wake_at = NEVER
             self._take(station, station.wake(self.now))

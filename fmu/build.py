@@ -106,6 +106,7 @@ def export(
     if fmi > 2:  # noqa: PLR2004 - since FMI 3.0 the sources have a description of their own
         texts["sources/buildDescription.xml"] = description.fmi3_build(program, units, FLAGS)
     fingerprint = twin.fingerprint(program)
+    # Without one the FMU is used unchecked: Python cannot follow a run that divides by zero.
     if fingerprint is not None:
         texts[RESOURCE] = fingerprint.to_json()
     entries = {name: text.encode() for name, text in texts.items()}
@@ -153,6 +154,7 @@ def _cache() -> Path:
 
 
 def _key(plant: Plant, fmi: int, compiler: str, others: Sequence[Platform]) -> str:
+    # Another version of the compiler may give another binary: it is another FMU.
     digest = hashlib.sha256(version_text(compiler))
     for other in others:
         digest.update(version_text(shutil.which(other.compiler) or "true") + repr(other).encode())
@@ -167,6 +169,7 @@ def _key(plant: Plant, fmi: int, compiler: str, others: Sequence[Platform]) -> s
         platform.machine(),
         sys.platform,
     )
+    # The zero byte keeps neighbors apart: "ab", "c" is not "a", "bc".
     for part in parts:
         digest.update(part.encode() + b"\0")
     return digest.hexdigest()
@@ -198,6 +201,7 @@ def _zipped(entries: Mapping[str, bytes]) -> bytes:
     content = io.BytesIO()
     with ZipFile(content, "w", ZIP_DEFLATED) as archive:
         for path in sorted(entries):
+            # A fixed date and order of the entries: two builds are the same bytes.
             entry = ZipInfo(path, _EPOCH)
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, entries[path], ZIP_DEFLATED)
@@ -207,6 +211,7 @@ def _zipped(entries: Mapping[str, bytes]) -> bytes:
 def _put(target: Path, content: bytes) -> None:
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
+        # In the target's own folder: a rename is atomic only within one file system.
         handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.stem}-", suffix=".part")
         aside = Path(name)
         try:
@@ -214,6 +219,7 @@ def _put(target: Path, content: bytes) -> None:
                 stream.write(content)
             aside.chmod(0o644)
             aside.replace(target)
+        # Also on Ctrl-C: a half-written file must not stay beside the cache's own.
         except BaseException:
             aside.unlink(missing_ok=True)
             raise

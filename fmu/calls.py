@@ -102,6 +102,7 @@ def prepare(
     if major > 2:  # noqa: PLR2004 - FMI 3.0 counts values, too, and reports more about a step
         names = ("fmi3SetFloat64", "fmi3DoStep", "fmi3GetFloat64")
         write, read = (*write, count_in), (*read, count_out)
+        # The flags of fmi3DoStep live as long as the calls: their addresses are among the arguments.
         event, over, early = (ctypes.c_bool() for _ in range(3))
         flags = [ctypes.byref(flag) for flag in (event, over, early)]
         no_rollback = ctypes.c_bool(False)  # noqa: FBT003 - C has no keywords
@@ -157,6 +158,7 @@ def _write_mirrored(
     """Write the inputs, these with the other sign; the master's own values stay as it has written them."""
     _turn_over(values, places)
     status = write(*arguments)
+    # Turned back: a value that is not written again is sent with the next step, too.
     _turn_over(values, places)
     return status
 
@@ -165,6 +167,7 @@ def _read_mirrored(
     read: Callable[..., int], values: "ctypes.Array[ctypes.c_double]", places: Sequence[int], *arguments: Any
 ) -> int:
     status = read(*arguments)
+    # After a failure the values are those of the step before, already with the master's sign.
     if status <= OK_OR_WARNING:
         _turn_over(values, places)
     return status
@@ -179,6 +182,7 @@ def _step_3(step: Callable[..., int], over: ctypes.c_bool, early: ctypes.c_bool,
     status = step(*arguments)
     if status > OK_OR_WARNING:
         return status
+    # FMI 3.0 reports both with status OK: neither may pass for a whole step.
     return WANTS_TO_END if over.value else STOPPED_SHORT if early.value else status
 
 

@@ -85,6 +85,7 @@ def _started(path: Path) -> tuple[str, ComparisonResult]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", PlantWarning)
+            # Without variables: what a certain master needs is judged apart, in `lacking`.
             with FmuPlant(path, (), ()) as plant:
                 plant.step()
                 return "", plant.fingerprint

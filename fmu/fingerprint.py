@@ -59,6 +59,7 @@ def measure(plant: Stepped, nominals: Sequence[float]) -> str:
             plant.write([nominal * next(fractions) for nominal in nominals])
         plant.step()
         values = plant.read()
+        # Little-endian doubles on every machine: it is the bits that are compared, not a tolerance.
         digest.update(struct.pack(f"<{len(values)}d", *values))
     return digest.hexdigest()
 
@@ -67,5 +68,6 @@ def _fractions() -> Iterator[float]:
     """Yield fractions in -1..1, always the same ones: a linear congruential generator of 31 bits."""
     state = 1
     while True:
+        # Integers only, so that the same inputs come out whatever the machine's libm does.
         state = (state * 1_103_515_245 + 12_345) % _SPAN
         yield state / (_SPAN // 2) - 1.0

@@ -59,6 +59,7 @@ def _described(path: Path, members: tuple[tuple[str, int], ...]) -> Any:
         raise PlantError(f"{path}: FMI {version} is not supported: 2.0 or 3.0")
     if description.coSimulation is None:
         raise PlantError(f"{path}: the FMU offers no co-simulation; export it with its solver")
+    # The folders are named otherwise in both versions: linux64 in FMI 2.0, x86_64-linux in FMI 3.0.
     folder = f"binaries/{fmpy.platform if version.startswith('2') else fmpy.platform_tuple}/"
     if not any(name.startswith(folder) for name in names):
         held = sorted({name.split("/")[1] for name in names if name.startswith("binaries/") and "." in name})
@@ -103,6 +104,7 @@ def loaded(
         stated = messages[-1] if messages else error
         raise PlantError(f"{path}: the FMU cannot be instantiated: {stated}") from error
     vault = None
+    # The functions are in every library; only those of an FMU that declares them do anything.
     if description.coSimulation.canGetAndSetFMUstate:
         vault = Vault(plant.dll, component_of(plant), int(description.fmiVersion[0]))
     return plant, vault, weakref.finalize(owner, _release, plant, vault, folder, number)
@@ -115,6 +117,7 @@ def component_of(plant: Any) -> int:
 
 def _release(plant: Any, vault: Vault | None, folder: str, number: int) -> None:
     if vault is not None:
+        # Copies belong to the instance: they are freed before it.
         vault.close()
     # Freeing an instance is allowed in every state; fmi*Terminate is not, and adds nothing here.
     plant.freeInstance()
@@ -153,6 +156,7 @@ def listened(messages: deque[str]) -> tuple[Any, int]:
     callbacks.logger = _LISTENER
     callbacks.allocateMemory = fmi2.fmi2CallbackAllocateMemoryTYPE(fmpy.calloc)
     callbacks.freeMemory = fmi2.fmi2CallbackFreeMemoryTYPE(fmpy.free)
+    # A number in place of a pointer: the one logger finds the instance's messages by it.
     callbacks.componentEnvironment = number
     _RECEIVED[number] = messages
     addLoggerProxy(ctypes.byref(callbacks))

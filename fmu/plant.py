@@ -80,6 +80,7 @@ class FmuPlant:
         from fmu import loading  # noqa: PLC0415 - see above
 
         self.path = path
+        # The last ones only: an FMU may log in every step.
         self._messages: deque[str] = deque(maxlen=8)
         self._record = PlantRecord()
         description = loading.described(path)
@@ -88,6 +89,7 @@ class FmuPlant:
         self.output_names: Final = (*outputs, *self._references.present(optional_outputs))
         input_references = self._references.find(self.input_names, ("input",), units)
         output_references = self._references.find(self.output_names, ("output", "local"), units)
+        # Before anything is unzipped: a wrong name costs no time and leaves nothing behind.
         set_references = self._references.settable(parameters)
         self._fmu, self._vault, self._finish = loading.loaded(self, path, description, self._messages)
         try:
@@ -141,11 +143,13 @@ class FmuPlant:
         """Take one communication step: inputs in, plant forward, outputs out."""
         record = self._record
         done = record.steps_done
+        # The index times the step, in integers: a sum of steps would drift.
         self._time.value = done * self._step_ns / SECOND_NS
         if (status := self._write(*self._write_arguments)) > OK_OR_WARNING:
             self.failed(WRITING, status)
         if (status := self._forward(*self._forward_arguments)) > OK_OR_WARNING:
             self.failed(STEPPING, status)
+        # Counted before the outputs are read: the FMU has made this step, whatever follows.
         record.steps_done = done + 1
         if (status := self._read(*self._read_arguments)) > OK_OR_WARNING:
             self.failed(READING, status)
@@ -186,6 +190,7 @@ class FmuPlant:
             self._vault.bring_back(state.copy)
         except StateError as error:
             raise PlantError(self._reason("cannot go back to a state that it saved", error)) from error
+        # In place: the kernel in C and the FMU's calls hold the addresses of both arrays.
         ctypes.memmove(self.inputs, state.inputs, len(state.inputs))
         ctypes.memmove(self.outputs, state.outputs, len(state.outputs))
         self._record.steps_done = state.steps_done
@@ -196,6 +201,7 @@ class FmuPlant:
         """Free the instance, unload the library, delete the unzipped files; harmless twice."""
         self._finish()
         self._write = self._forward = self._read = _closed
+        # Null for the kernel in C, too: it must not call into a library that is unloaded.
         self._record.write = self._record.forward = self._record.read = None
 
     def __enter__(self) -> Self:
@@ -209,6 +215,7 @@ class FmuPlant:
     def _initialise(self, description: Any, references: list[int], values: list[float]) -> None:
         plant = self._fmu
         if description.fmiVersion.startswith("2"):
+            # FMI 2.0 takes the start time here, FMI 3.0 with enterInitializationMode.
             plant.setupExperiment(startTime=0.0)
             if references:
                 plant.setReal(references, values)

@@ -86,6 +86,7 @@ class Plant:
         given: dict[str, str] = {}
         for path, (name, factor) in self.robot_file.items():
             value = factor * _at(robot, path, self.name)
+            # Exactly: both are in the robot's file, and the plant can have one of them only.
             if found.setdefault(name, value) != value:
                 one, other = found[name] / factor, value / factor
                 raise PlantError(

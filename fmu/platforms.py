@@ -73,6 +73,7 @@ def here() -> Platform:
         "win32": ("windows", "win", ".dll"),
     }.get(sys.platform, ("linux", "linux", ".so"))
     machine = platform.machine().lower()
+    # Windows and macOS name the same processors otherwise than FMI does.
     architecture = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
     return Platform(f"{architecture}-{system}", f"{short}64", suffix, "", "")
 

@@ -106,6 +106,7 @@ class References:
         if base is not None:
             exponents = {key: int(getattr(base, key) or 0) for key in _BASES if getattr(base, key)}
             factor, offset = float(base.factor or 1.0), float(base.offset or 0.0)
+            # Another spelling of the same SI unit is accepted; a factor or an offset is not.
             if exponents == SI[expected].exponents() and (factor, offset) == (1.0, 0.0):
                 return
         raise PlantError(f"{self._file}: '{name}' is in '{declared}', but '{expected}' was expected")

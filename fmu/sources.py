@@ -27,6 +27,7 @@ def token_of(plant: Plant) -> str:
     """Return the token of an FMU's sources, 32 hexadecimal digits; PlantError where some are missing."""
     digest = hashlib.sha256()
     for name, path in _sources(plant):
+        # With names: a file that is renamed or moved is another source.
         digest.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
     if plant.starts:
         digest.update(repr(sorted(plant.starts.items())).encode())

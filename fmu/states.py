@@ -30,6 +30,7 @@ class Copy:
         self.pointer = pointer
 
     def __del__(self) -> None:
+        # The FMU's memory, which Python's collector does not know.
         self._vault.free(self.pointer)
 
 
@@ -41,6 +42,7 @@ class Vault:
         self._instance: Final = ctypes.c_void_p(instance)
         self._names: Final = _NAMES[major]
         self._get, self._set, self._free = (_function(library, name) for name in self._names)
+        # Weak: a copy that nothing refers to is to be freed at once.
         self._copies: weakref.WeakSet[Copy] = weakref.WeakSet()
         self._open = True
 

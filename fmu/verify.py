@@ -75,7 +75,9 @@ def compare(path: Path, fmu: Any, major: int, references: References) -> Compari
     except PlantError:
         # The measured variables were renamed. A master that needs them reports that itself.
         return ComparisonResult.NONE
+    # A shallow copy shares the loaded library, and gets an instance of its own.
     second = copy.copy(fmu)
+    # FMI 2.0 takes callbacks at instantiation; they must outlive the instance, so the first one's serve.
     if major == 2:  # noqa: PLR2004 - the version
         second.instantiate(callbacks=fmu.callbacks)
     else:

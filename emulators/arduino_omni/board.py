@@ -115,6 +115,7 @@ class Board:
     def unpower(self, now: Nanoseconds, *, off: bool) -> None:
         """Take the 5 V of processor and shield, or give them back: both begin again."""
         self.mega.brown_out(now, low=off)
+        # The shield's logic has the same 5 V: its registers are lost, and the motors are free.
         self.mega.shield.chip.power_on()
 
     def advance(self, now: Nanoseconds) -> None:

@@ -64,6 +64,7 @@ def _hang(it: Change) -> None:
 def _absent(it: Change) -> None:
     it.board.advance(it.now)
     it.board.mega.jam_bus(it.now, stuck=it.on)
+    # A shield that is plugged in again has lost its registers.
     it.board.mega.shield.chip.power_on()
 
 
@@ -265,6 +266,7 @@ class FaultyBoard:
         sent: tuple[Packet, ...] = ()
         while self._changes and self._changes[-1][0] <= now:
             at, on, it = self._changes.pop()
+            # Up to the fault's instant the board runs without it.
             sent += self._passed(self.board.wake(at).sent)
             it.fault.put(Change(self.board, on, at, it.motor))
             if it.fault is UNPLUGGED:

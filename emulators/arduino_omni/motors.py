@@ -93,6 +93,7 @@ def counted(turned: Sequence[int], most: int = EDGES_A_TICK) -> list[int]:
     all_of_them = sum(abs(it) for it in turned)
     if all_of_them <= most:
         return list(turned)
+    # In integers, towards zero, so that the library in C loses the same edges.
     return [abs(it) * most // all_of_them * (1 if it > 0 else -1) for it in turned]
 
 
@@ -225,6 +226,7 @@ class Motors(Shafts):
 
     def block(self, motor: int, *, blocked: bool) -> None:
         """Let something hold a motor's shaft, or let it go; PlantError where the plant has no way for it."""
+        # Before any tick is run: a plant without that input stays as it was.
         if self._load.holds is None:
             raise PlantError(f"the plant has no input held_{self._load.names[motor]}: nothing can hold it")
         self._run()
@@ -256,10 +258,12 @@ class Motors(Shafts):
         self._run()
         if motor in self.faults.swapped:
             channel = 1 - channel
+        # Each channel is high for two of four counts, B one count behind A.
         return (self._shown[motor] - channel) % 4 in {1, 2}
 
     def reach(self, now: Nanoseconds) -> None:
         """Advance to `now`, in whole ticks, by the commands that the shield has received so far."""
+        # The ticks before the new command are run with the outputs of the former one.
         if self._shield.chip.changes != self._changes:
             self._run()
             self._read()
@@ -291,6 +295,7 @@ class Motors(Shafts):
             while self._ticks < self._due:
                 if self._starts <= self._ticks * TICK:
                     self._outputs, self._starts, self._untold = self._started, NEVER, True
+                # The oscillator's start counts from the first whole tick behind it.
                 until = min(self._due, -(-self._starts // TICK))
                 if self._native is not None and not self.faults:
                     self._run_native(self._native, until)
@@ -310,6 +315,7 @@ class Motors(Shafts):
             self._ticks = native.tick
 
     def _run_twin(self, until: int) -> None:
+        # Nothing moves and nothing drives: the ticks would change no value.
         if self._load.rests and self._still(self._outputs):
             self._ticks = until
             if self.faults.warms:
@@ -350,6 +356,7 @@ class Motors(Shafts):
         for motor, output in enumerate(outputs):
             volts = output.volts(supply, state[motor], resistance)
             if output.open:
+                # While it is open the motor has its own voltage, so that this share drives no current.
                 volts += output.open / COUNTS * self._load.torque_constants[motor] * state[2 * count + motor]
             plant.inputs[motor] = volts
         plant.step()
@@ -367,6 +374,7 @@ class Motors(Shafts):
         """Return by how many edges each encoder has turned, as its wires show it, and note what they show."""
         dead, swapped = self.faults.dead, self.faults.swapped
         turned = [new - old for new, old in zip(places, self._places, strict=True)]
+        # A dead encoder keeps its last levels.
         shown = [old if it in dead else places[it] for it, old in enumerate(self._shown)] if dead else None
         self._shown = self._places if shown is None else shown
         ways = [0 if it in dead else -1 if it in swapped else 1 for it in range(len(turned))]

@@ -48,6 +48,7 @@ class UsbBoard:
         """Take a chunk from the host, or what became of DTR."""
         self.advance(now)
         if packet.address in {DTR_UP, DTR_DOWN} and not packet.payload:
+            # 100 nF between DTR and RESET: the edge resets, the level does not.
             risen = packet.address == DTR_UP and not self._dtr
             self._dtr = packet.address == DTR_UP
             if risen:
@@ -81,6 +82,7 @@ class UsbBoard:
         It is called where someone may notice, and not at each byte: what was not noticed is done then.
         """
         while self._passes_at <= now:
+            # Each at its own instant: the sketch may answer the first byte before the second one has come.
             at = self._passes_at
             self._burst += 1
             self.mega.receive(self._to_board.popleft(), at)
@@ -128,6 +130,7 @@ class UsbBoard:
             if comes_at == NEVER:
                 return NEVER
             turns_at = self._turns_after(comes_at)
+        # The chunk goes early when 97 bytes wait: at the earliest after the time of those that are missing.
         room = NEARLY_FULL + 1 - len(self._to_host)
         return min(turns_at, now + room * BITS_PER_BYTE * SECOND // self.mega.baud)
 
@@ -139,6 +142,7 @@ class UsbBoard:
         """Take the byte that comes `at` an instant, and those `until` something else happens."""
         if self._flush and self._flush_at == NEVER:
             self._flush_at = self._turns_after(at)
+        # Bytes behind the timer's turn belong to its next chunk.
         until = min(until, self._flush_at) if self._flush else at
         self._to_host += self.mega.serial.taken(until, NEARLY_FULL + 1 - len(self._to_host))
         if not self._flush or len(self._to_host) > NEARLY_FULL:

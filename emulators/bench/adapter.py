@@ -26,6 +26,7 @@ class Adapter:
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Forward a packet, unless it is of a line that is unplugged."""
         if packet.link == self._link and not self.plugged:
+            # The packet is lost, the time is not: the node does what is due, and learns of the plug.
             return self.wake(now)
         before = self._reports(now)
         return self._left(before, self.node.receive(packet, now))
@@ -43,11 +44,13 @@ class Adapter:
         if self._reported is self.plugged:
             return ()
         self._reported = self.plugged
+        # Reported before the packet in hand, as the shell's port does it.
         event = LINE_BACK if self.plugged else LINE_LOST
         return self.node.receive(Packet(self._link, event, b""), now).sent
 
     def _left(self, before: tuple[Packet, ...], reaction: Reaction) -> Reaction:
         sent = before + reaction.sent
         if not self.plugged:
+            # What is written to a port that is gone is lost.
             sent = tuple(packet for packet in sent if packet.link != self._link)
         return Reaction(sent, reaction.wake_at)

@@ -77,6 +77,7 @@ def animated(title: str, samples: Samples, events: Sequence[InterlockEntry]) -> 
         thick=f"{0.008 * span:.4g}",
         robot=f"{long:.4g},0 {-long:.4g},{wide:.4g} {-long:.4g},{-wide:.4g}",
         of="by the plant" if samples.truth else "by the bridge's odometry",
+        # A text with "</script>" in it must not end the page's script.
         data=data.replace("</", "<\\/"),
         script=SCRIPT,
     )
@@ -85,6 +86,7 @@ def animated(title: str, samples: Samples, events: Sequence[InterlockEntry]) -> 
 
 def _rows(samples: Samples) -> Mapping[str, list[float]]:
     names = POSE if samples.truth else ODOMETRY
+    # JSON has no NaN: rows before the pose is known are left out.
     kept = [
         row for row in samples[::EVERY] if all(math.isfinite(row[name]) for name in (*names, "speed_mps"))
     ]

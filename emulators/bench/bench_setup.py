@@ -100,6 +100,7 @@ class BenchSetup:
 @cache
 def _entries() -> EntryPoints:
     new, old = entry_points(group=GROUP), entry_points(group=OLD_GROUP)
+    # A package with both names counts once, under the new one.
     alone = [entry for entry in old if entry.name not in new.names]
     for entry in alone:
         renamed.warn(OLD_GROUP, GROUP, f"entry point {entry.name}")
@@ -134,6 +135,7 @@ def _loaded(entry: EntryPoint) -> BenchSetup:
     try:
         bench_setup: BenchSetup = entry.load()
     except Exception as error:
+        # Any error of another's package: the other robots must still be usable.
         why = f"{type(error).__name__}: {error} ({entry.value})"
         raise LookupError(f"the rehearsal of '{entry.name}' cannot be loaded: {why}") from error
     return bench_setup

@@ -77,6 +77,7 @@ class Controls:
         still = {name: ramp.at(now) for name, ramp in self._ramps.items()}
         values = dict(still)
         for name, tremor in self._tremors.items():
+            # Drawn also at rest: the hand's sequence does not depend on what the mission does.
             kick = tremor.step()
             if still[self._trembles_with[name]] != 0.0:
                 values[name] += kick * self._full[name]
@@ -92,4 +93,5 @@ class Controls:
 
 
 def _axis(share: float | None) -> int:
+    # INT16_MAX marks an axis that is not used (MANUAL_CONTROL); full stick is 1000.
     return _UNUSED if share is None else max(-_FULL, min(round(_FULL * share), _FULL))

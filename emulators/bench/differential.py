@@ -42,6 +42,7 @@ CHANNELS: Final = (
 def stick(values: Mapping[str, float], robot: AnyRobot) -> StickAxes:
     """Return the stick for a speed and a turn rate."""
     limits = robot.geometry.limits
+    # MAVLink's r is clockwise positive; the mission's turn is to the left.
     return StickAxes(x=values["speed"] / limits.speed_mps, r=-values["turn"] / limits.turn_rate_rad_s)
 
 
@@ -100,12 +101,15 @@ def cases(
     limits = robot.geometry.limits
     for side in (-1.0, 1.0):
         bound = side * spin * limits.turn_rate_rad_s
+        # The next double beyond the bound has to trip the row; the bound itself is spared.
         yield _turns(robot, replace(well, turn_rad_s=math.nextafter(bound, side * math.inf)), bound, well)
         speed, turn = side * limits.speed_mps, side * limits.turn_rate_rad_s
         yield _limited("speed limit", motion(speed, 0.0), motion(JUST * speed, 0.0), (speed, "m/s"))
         yield _limited("turn rate limit", motion(0.0, turn), motion(0.0, JUST * turn), (turn, "rad/s"))
+        # Sideways acceleration is v times the turn rate: at full speed this turn is just at its limit.
         speed, turn = ahead * limits.speed_mps, side * limits.sideways_mps2 / limits.speed_mps
         yield _limited("sideways limit", motion(speed, turn), motion(speed, JUST * turn), (speed, "m/s"))
+    # Each comparison with NaN is false: a turn rate that is no number must trip the row all the same.
     yield _turns(robot, replace(well, turn_rad_s=math.nan), 0.0, replace(well, speed_mps=limits.speed_mps))
     speed, _ = ramp_of(robot).step((0.0, 0.0), (limits.speed_mps, 0.0), robot.cycle)
     yield Case(

@@ -50,6 +50,7 @@ def velocity(
 
     `at_ms`: the station's clock; without it the message carries no time.
     """
+    # Ignored: position, vz, acceleration and yaw; vx, vy and the yaw rate count.
     mask = 1511
     rest = (0.0,) * 4
     return dialect.MAVLink_set_position_target_local_ned_message(
@@ -69,6 +70,7 @@ def datagram(stray: Stray, codec: Codec, system: int, component: int) -> bytes:
         return b"\xfd\xff\x00\x00\xfe\x08 this is no MAVLink \x00\xfd\xfd\xfe"
     frame = bytearray(codec.encode(_MESSAGES[stray](system, component)))
     if stray is Stray.CORRUPT:
+        # Within the payload: frame and length are right, and the checksum is not.
         frame[_WRONG_AT] ^= 0x10
     return bytes(frame)
 

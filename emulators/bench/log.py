@@ -49,6 +49,7 @@ class OdometryEntry:
 
 def place_of(message: Message, now: Nanoseconds) -> OdometryEntry:
     """Read an ODOMETRY message."""
+    # MAVLink's frame is NED: y to the right, turns clockwise. The quaternion is that of a level robot.
     w, _, _, z = message.q
     return OdometryEntry(
         received_at=now,

@@ -135,6 +135,7 @@ def parse(text: str, file: str, robot: AnyRobot, bench_setup: BenchSetup) -> Mis
     except tomllib.TOMLDecodeError as error:
         raise MissionFileError(file, Problem("", f"not valid TOML: {error}")) from error
     steps = Annotated[tuple[bench_setup.step, ...], Field(min_length=1, strict=False)]  # type: ignore[name-defined] # mypy takes no class from a variable, pydantic does
+    # With the robot's own step, so that a wrong key is reported with its near names.
     model = create_model("Mission", __base__=Mission, step=(steps, ...))
     try:
         mission = model.model_validate(table)
@@ -171,6 +172,7 @@ def cannot_say(mission: Mission, robot: AnyRobot, bench_setup: BenchSetup) -> It
     channels = {channel.name: channel for channel in bench_setup.channels}
     held = mission.input
     for index, step in enumerate(mission.step):
+        # The input stays in the hand until a later step names another one.
         held = step.input or held
         if step.path_follower is not None and step.path_follower not in path_followers(robot):
             known = near(step.path_follower, [name for name in path_followers(robot) if name])
@@ -185,6 +187,7 @@ def cannot_say(mission: Mission, robot: AnyRobot, bench_setup: BenchSetup) -> It
             if value is None:
                 continue
             where = f"step[{index}].{key}"
+            # The stick sends shares of the limits: it cannot command more than those.
             if held is Input.STICK and isinstance(row, Holds):
                 full = channels[row.channel].full(robot)
                 if abs(row.into(value, robot)) > full + _TOLERANCE:

@@ -121,6 +121,7 @@ class ScriptedOperator:
             self._silent_until = now + from_seconds(step.silent_s)
         ordered = list(orders.of_step(step, self._robot, now))
         numbers = {pending.number for pending in ordered}
+        # COMMAND_ACK carries the number alone: a new command takes the place of one of the same number.
         self._pending = [old for old in self._pending if old.number not in numbers] + ordered
         self._titles |= {pending.number: pending.title for pending in ordered}
         if step.stray is None:
@@ -130,6 +131,7 @@ class ScriptedOperator:
     def _due(self, now: Nanoseconds) -> list[bytes]:
         messages: list[Message] = []
         if now >= self._beat_due:
+            # On a grid: a late wake-up shifts no later heartbeat.
             self._beat_due += SECOND
             station, none = dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID
             messages.append(
@@ -146,6 +148,7 @@ class ScriptedOperator:
 
     def _insisted(self, now: Nanoseconds) -> list[Message]:
         messages: list[Message] = []
+        # What is not sent must not count as a try without an answer.
         if now < self._silent_until:
             for pending in self._pending:
                 pending.due = max(pending.due, self._silent_until)
@@ -160,6 +163,7 @@ class ScriptedOperator:
 
     def _heartbeat(self, message: Message, now: Nanoseconds) -> None:
         armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
+        # With the first heartbeat a station requests the parameters, as the common ones do.
         if self.diary.armed is None:
             self._greetings.append(dialect.MAVLink_param_request_list_message(self._system, self._component))
         if armed != self.diary.armed:
@@ -168,6 +172,7 @@ class ScriptedOperator:
         self.diary.status = message.system_status
 
     def _acknowledged(self, message: Message, now: Nanoseconds) -> None:
+        # All stations are on one link: an acknowledge to another one is not this station's.
         if message.target_system not in (0, SYSTEM):
             return
         first = orders.first_of_each(self._pending)
@@ -197,11 +202,13 @@ class ScriptedOperator:
         self.diary.odometry.append(place_of(message, now))
 
     def _on_timesync(self, message: Message, now: Nanoseconds) -> None:
+        # TIMESYNC: 0 in tc1 marks a request; an answer with 0 would be one, too.
         if message.tc1 == 0:
             clock = max(now + self.clock_ahead, 1)
             self._answers.append(dialect.MAVLink_timesync_message(clock, message.ts1))
 
     def _pinged(self, message: Message, _: Nanoseconds) -> None:
+        # PING: target 0 is a request, and the answer names its sender.
         if message.target_system == 0:
             who = (message.get_srcSystem(), message.get_srcComponent())
             self._answers.append(dialect.MAVLink_ping_message(message.time_usec, message.seq, *who))

@@ -60,6 +60,7 @@ class Pending:
 def of_step(step: Step, robot: AnyRobot, now: Nanoseconds) -> Iterator[Pending]:
     """Yield the commands of a step, the most urgent first, and then where axes stand."""
     rows = [(key, row) for key, row in inputs(type(step)).items() if isinstance(row, Sends)]
+    # Stops first: a step that stops and arms must never arm for one message.
     for key, row in sorted(rows, key=lambda pair: -pair[1].urgency):
         value = getattr(step, key)
         if value is not None:

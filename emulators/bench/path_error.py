@@ -78,8 +78,10 @@ def _placed(samples: Samples, begin: int, path: Path) -> Callable[[Floats], np.n
     """Return the path in the plant's own frame, as complex numbers."""
     believed, true = _complex(samples, ODOMETRY), _complex(samples, POSE)
     headings = [samples.column(names[2]) for names in (POSE, ODOMETRY)]
+    # The first row in which the bridge has a pose joins its frame to the plant's.
     first = int(np.isfinite(believed).argmax())
     turn = headings[0][first] - headings[1][first]
+    # Complex numbers: a turn of the plane is one product.
     start = true[first] + (believed[begin] - believed[first]) * np.exp(1j * turn)
     course = np.exp(1j * (turn + headings[1][begin]))
     first_x, first_y, *_ = path(np.zeros(1))
@@ -112,7 +114,9 @@ def _nearest(point: complex, at: float, reference: Callable[[Floats], np.ndarray
     line = reference(np.linspace(at - AHEAD_S, at + AHEAD_S, STEPS))
     begin, chord = line[:-1], np.diff(line)
     length = np.abs(chord) ** 2
+    # A path that waits has chords without length: 1 keeps the division defined.
     along = np.where(
         length > 0.0, ((point - begin) * chord.conj()).real / np.where(length > 0.0, length, 1.0), 0.0
     )
+    # Within the chord: beyond its ends the neighboring ones are nearer.
     return float(np.abs(point - begin - np.clip(along, 0.0, 1.0) * chord).min())

@@ -26,6 +26,7 @@ def path_picture(figure: Figure, samples: Samples, events: Sequence[InterlockEve
     x, y = (samples.column(name)[known] for name in place)
     if samples.truth:
         axes.plot(x, y, color=BLUE, linewidth=3.2, alpha=0.45, label="plant", solid_capstyle="round")
+    # NaN before the bridge knows its pose: the line begins there.
     believed = [samples.column(name) for name in ODOMETRY[:2]]
     axes.plot(*believed, color=INK, linewidth=0.7 if samples.truth else 1.6, label="odometry")
     rows = [row for row, it in zip(samples, known, strict=True) if it]

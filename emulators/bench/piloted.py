@@ -67,6 +67,7 @@ class Pilot(Table):
         kind = robot_type_of(robot)
         made = kind.model
         model: MotionModel = Unicycle() if made is None else made(robot)
+        # An agreed delay reduces the top speed, and the follower's with it.
         fastest = robot.operator.speed_share * kind.station.largest(robot).forward_mps
         return PathDriver(
             self.placed,

@@ -35,11 +35,13 @@ def radial_error(samples: Samples, placed: Placed, settled_after_s: float) -> fl
     x, y, heading = (samples.column(name) for name in POSE)
     path = placed(Pose(float(x[0]), float(y[0]), float(heading[0])))
     settled = np.flatnonzero(samples.seconds >= samples.seconds[driving[0]] + settled_after_s)
+    # The standstill behind the end of the drive is no part of the path.
     settled = settled[settled <= driving[-1]]
     if settled.size < EVERY or float(np.hypot(np.diff(x[settled]), np.diff(y[settled])).sum()) < DRIVEN_M:
         return None
     left, along = [], None
     for row in settled[::EVERY]:
+        # From the last place on: at its crossing an eight has two nearest branches.
         low, high = (-math.inf, math.inf) if along is None else (along - WINDOW_M, along + WINDOW_M)
         along, away = path.nearest((float(x[row]), float(y[row])), low, high)
         left.append(away)

@@ -62,6 +62,7 @@ class InterlockLog:
         for index, record in enumerate(self.records):
             if record.ended is None:
                 event = standing.pop(record.name, None)
+                # Cleared and tripped again between two looks: two events, not one.
                 if event is None or event.since != record.began:
                     self.records[index] = replace(record, ended=now)
                     if event is not None:

@@ -41,6 +41,7 @@ class SecondStation:
         self._robot = robot
         self._order = order
         self._x = round(FULL * stick)
+        # 192.0.2.0/24 is reserved for documentation (RFC 5737): no station of a real run is there.
         self._place = number_of("192.0.2.9", 14_550 + place)
         self._due: Nanoseconds = 0
         self._order_due: Nanoseconds = 0
@@ -64,6 +65,7 @@ class SecondStation:
         """Send the stick, and the order where it is due."""
         if self._silent:
             self._due = NEVER
+        # Woken by a packet or another's event: the stick keeps its own rhythm.
         if now < self._due:
             return Reaction((), self._due)
         self._due = now + SPEAKS_EVERY

@@ -31,6 +31,7 @@ class Ramp:
         """Return the value at an instant."""
         if math.isinf(self._slope):
             return self.target
+        # From the last change on, not step by step: the value does not depend on how often it is read.
         gone = self._slope * to_seconds(now - self._since)
         left = self.target - self._start
         return self.target if gone >= abs(left) else self._start + math.copysign(gone, left)
@@ -40,7 +41,9 @@ class Tremor:
     """Noise of a hand that returns to its place: an Ornstein-Uhlenbeck process, sampled once a message."""
 
     def __init__(self, deviation: float, period: Nanoseconds, generator: np.random.Generator) -> None:
+        # Exact for any message rate: the correlation over one period.
         self._keeps = math.exp(-period / SECOND / TREMOR_TIME_S)
+        # What keeps the variance at the given deviation.
         self._kicks = deviation * math.sqrt(1.0 - self._keeps * self._keeps)
         self._generator = generator
         self._value = 0.0

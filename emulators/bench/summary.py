@@ -154,6 +154,7 @@ def summarise(
     lateral = speed * samples.column("yaw_rate_rad_s")
     steps = np.hypot(np.diff(samples.column("x_m")), np.diff(samples.column("y_m")))
     errors = odometry_errors(samples)
+    # A robot on steppers has no motor current: then the maximum is that of one zero.
     currents = np.concatenate([samples.column(current(axis)) for axis in axes] or [np.zeros(1)])
     simulated_s = to_seconds(run.simulated)
     return Summary(
@@ -211,6 +212,7 @@ def odometry_errors(samples: Samples) -> Floats:
     (x, y, heading), (ox, oy, odometry_heading) = (
         [samples.column(name)[believes] for name in names] for names in (POSE, ODOMETRY)
     )
+    # Joined in the first row with a pose: an offset of the two frames is no error of the odometry.
     turn = heading[0] - odometry_heading[0]
     believed = (ox - ox[0]) + 1j * (oy - oy[0])
     true = (x - x[0]) + 1j * (y - y[0])
@@ -224,6 +226,7 @@ def as_json(summary: Summary) -> str:
     `holds` has the interlock events under their names of the release before, for one release more.
     """
     table = asdict(summary)
+    # The key of the release before, for readers that have not changed.
     table["holds"] = [asdict(one) for one in summary.as_before()]
     return json.dumps(table | table.pop("figures"), indent=2, ensure_ascii=False) + "\n"
 

@@ -83,6 +83,7 @@ def currents_picture(figure: Figure, robot: AnyRobot, samples: Samples) -> None:
         axes.text(
             1.0, 1.02, note, transform=axes.transAxes, ha="right", va="bottom", color=PALE, fontsize=8.5
         )
+        # Far from the continuous current, its lines would only make the curve flat.
         if most > 0.7 * continuous:
             for edge in (continuous, -continuous):
                 axes.axhline(edge, color=VERMILION, linewidth=1.0, linestyle=":")
@@ -150,6 +151,7 @@ def _limit(axes: Axes, limit: float, unit: str, panel: Panel, samples: Samples) 
     curves = [curve for curve in panel.curves if samples.has(curve.column)]
     lowest = min(float(np.nanmin(samples.column(curve.column))) * curve.scale for curve in curves)
     axes.axhline(limit, color=VERMILION, linewidth=1.0, linestyle=":", label=f"limit {limit:g} {unit}")
+    # A limit below 0 that no curve comes near would only compress the picture.
     if lowest < -0.1 * limit:
         axes.axhline(-limit, color=VERMILION, linewidth=1.0, linestyle=":")
 

@@ -127,6 +127,7 @@ def run(given: BenchOptions) -> None:
             name, script = Path(chosen).stem, missions.find(chosen, machine, bench_setup)
         script = script.over(given.link, given.max_delay)
         script = script.predicted() if given.predictor else script
+        # Only to check it: what is wrong is reported before the plant is built.
         script.on(machine)
         folder = given.out or RESULTS / f"{machine.name}-{name}"
         order = RunOrder(machine, bench_setup, name, script, given.seed, folder, given.plant, _again())
@@ -139,6 +140,7 @@ def run(given: BenchOptions) -> None:
     show(terminal(), summary, bench_setup.remarks(machine))
     say(f"results: {folder}/")
     for event in summary.interlock_events:
+        # A bridge that did not start is no result: exit status 1.
         if event.name == NOT_STARTED.name:
             raise refusal(f"the run did not start: {event.reason}", FAILED)
 

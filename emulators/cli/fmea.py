@@ -80,6 +80,7 @@ def run(given: FmeaOptions) -> None:
     from firmware_bridge.robot import RobotFileError
     from fmu.errors import PlantError
 
+    # A function of plain values: it is sent to processes, where each makes its own robot.
     made = partial(_machine, given.robot, given.serial, given.protocol, given.encoders)
     with (
         one_message(

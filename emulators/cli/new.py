@@ -114,6 +114,7 @@ def new(
         with written_by("--dir"):
             paths = write(specified, target)
     given, wanted = specified.device.continuous_ma / 1000.0, specified.motor.continuous_current_a
+    # The robot file keeps within the drive: the motor could bear more.
     if wanted > given:
         say(f"the motor's {wanted:g} A are more than an EPOS2 {device} gives: {given:g} A are written")
     say(f"{target}: {len(paths)} files; look at each ASSUME in src/{name}/{name}.toml before the robot moves")
@@ -173,6 +174,7 @@ def _free(name: str) -> None:
         raise SpecificationError(f"NAME: the robot '{name}' is installed already; take another name")
     if name in plants.names():
         raise SpecificationError(f"NAME: the plant '{name}' is installed already; take another name")
+    # A package of that name would hide the other one, or be hidden by it.
     if find_spec(name) is not None:
         raise SpecificationError(f"NAME: there is a Python package '{name}' already; take another name")
 

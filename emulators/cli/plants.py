@@ -156,6 +156,7 @@ def build_model(
     from fmu.platforms import here, reachable
 
     target = out or Path(f"{model}.fmu")
+    # Cross compilers are optional: an FMU without their binaries still has its sources.
     others, missing = reachable()
     with one_message(PlantError, OSError, RobotFileError):
         robot = (
@@ -210,6 +211,7 @@ def check(
     }
     for name, value in rows.items():
         say(f"{name + ':':<13}{value}")
+    # Each once: a robot may lack what the description already reports.
     for problem in dict.fromkeys(problems):
         say(f"problem: {problem}", err=True)
     if problems:

@@ -149,6 +149,7 @@ def run(given: ReplayOptions) -> None:
         with progress_bar() as bar:
             task = bar.add_task(given.recording.name, total=None)
             outcome = play(order, lambda now, end: bar.update(task, completed=now, total=end))
+        # Behind the replay: a recording that was cut off is good up to there.
         for text in filter(None, map(cut_off, named(order))):
             say(text)
     if outcome.difference is not None:

@@ -94,6 +94,7 @@ def version_of(text: str) -> Version:
         if not digits:
             break
         numbers.append(int(digits))
+        # The first part with letters ends it: 2.0rc1 is 2.0.
         if digits != part:
             break
     return tuple(numbers)
@@ -115,6 +116,7 @@ def _interface(row: Mapping[str, Any]) -> CanInterface:
         row["ifname"],
         "UP" in row.get("flags", ()),
         kind.get("info_kind") == "vcan",
+        # Absent for virtual interfaces, and before a bit rate was set.
         data.get("bittiming", {}).get("bitrate"),
         data.get("state"),
     )

@@ -77,6 +77,7 @@ def gather(sleeps: int = SLEEPS) -> Facts:
         resolution=resolution(),
         late=tuple(_late(sleeps)),
         load=_load(),
+        # Those that this process may use: a container has fewer than its machine.
         processors=len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1,
         compiler=found,
         headers=Path(sysconfig.get_path("include"), "Python.h").exists(),
@@ -105,6 +106,7 @@ def _unwatched() -> Iterator[tuple[str, bool]]:
 def _socketcan() -> bool:
     """Return whether a raw CAN socket can be made; it is bound to no interface, so no bus knows of it."""
     try:
+        # Not bound: the test reaches no bus.
         socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW).close()
     except (OSError, AttributeError):
         return False
@@ -152,6 +154,7 @@ def _ports() -> Iterator[SerialPort]:
     from serial.tools import list_ports  # noqa: PLC0415 - see above
 
     for port in sorted(list_ports.comports()):
+        # A name that is no file, as COM3, cannot be judged: it counts as allowed.
         allowed = os.access(port.device, os.R_OK | os.W_OK) or not Path(port.device).exists()
         title = "" if port.description in {None, "n/a"} else port.description
         yield SerialPort(port.device, title or "no description", allowed, _group(port.device))
@@ -173,6 +176,7 @@ def _late(sleeps: int) -> Iterator[Nanoseconds]:
     """Sleep as the bridge does between two packets, and say how late each time was."""
     clock = Clock()
     for _ in range(sleeps):
+        # As the bridge's own loop does it: on the same clock, by the same call.
         due = clock.now() + SLEEP
         clock.wait((), due)
         yield max(0, clock.now() - due)

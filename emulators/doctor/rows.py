@@ -118,6 +118,7 @@ def adapters(facts: Facts) -> Finding:
         return _missing("none", "plug an adapter in; one that is a serial port needs no interface: -i slcan")
     found = "; ".join(map(_text_of, real))
     for one in real:
+        # Before "down": an interface in bus off is up, and sends nothing until it is restarted.
         if one.state == _BUS_OFF:
             again = f"`sudo ip link set {one.name} down && sudo ip link set {one.name} up`"
             return _careful(found, f"check bit rate, wiring and termination, then {again}")
@@ -169,6 +170,7 @@ def clock(facts: Facts) -> Finding:
         f"steps of {facts.resolution} ns; of {len(facts.late)} sleeps of 10 ms the median woke "
         f"{usual / MICROSECOND:.0f} us late, the worst {worst / MILLISECOND:.2f} ms"
     )
+    # A whole cycle late: the bridge leaves set-points out.
     if worst >= CYCLE or facts.resolution >= CYCLE:
         return _missing(
             f"{found}: whole cycles of 50 ms are lost",

@@ -93,6 +93,7 @@ def _file_info(profile: DeviceProfile, name: str, is_dcf: bool) -> dict[str, str
 
 
 def _device_info(profile: DeviceProfile) -> dict[str, str]:
+    # CiA 306 lists the rates of the format in kbit/s, 1 for those that the device has.
     known = {rate // 1000 for rate in BIT_RATES.values()}
     return {
         "VendorName": "maxon motor ag",
@@ -200,5 +201,6 @@ def _default(entry: ObjectEntry) -> str:
     row = entry.row
     if row.node_added and isinstance(row.default, int):
         return f"$NODEID+{row.default:#x}"
+    # COB-IDs and identities are read as hexadecimal numbers, small values as decimal ones.
     wide = row.type is DataType.UNSIGNED32 and entry.default > COB_ID_MASK
     return f"{entry.default:#010x}" if wide else str(entry.default)

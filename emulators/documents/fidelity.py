@@ -125,6 +125,7 @@ def _stated() -> Iterator[LedgerLine]:
 
 def stated(text: str) -> list[str]:
     """Return the assumptions that a module's comments and docstrings state, with what they are about."""
+    # One line of text: an assumption may run over several comment lines.
     flat = " ".join(line.strip().removeprefix("#").strip() for line in text.splitlines())
     wording = [_joined(it["before"] or "", it["what"]) for it in _ASSUMPTION.finditer(_SILENT.sub("", flat))]
     silent = [

@@ -49,6 +49,7 @@ class ObjectEntry:
         if self.row.node_added:
             base = self.row.default
             return f"{base:#x} + node" if isinstance(base, int) and base else "node"
+        # COB-IDs and identities in hexadecimal; a number with a unit stays decimal.
         wide = self.row.type in _WIDE and self.default > 0xFFFF and not self.row.unit  # noqa: PLR2004
         return f"{self.default:#010x}" if wide else str(self.default)
 
@@ -89,6 +90,7 @@ def _marked(row: ObjectRow, profile: DeviceProfile) -> ObjectRow:
         return row
     known = profile.known(name)
     row = replace(row, default_provenance=known.provenance, default_source=known.source)
+    # The range, too, is the type's own: then its provenance is that of the profile's figure.
     if row.address in profile.bounds():
         return replace(row, provenance=known.provenance, source=known.source)
     return row

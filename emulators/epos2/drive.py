@@ -59,10 +59,12 @@ class Epos2:
         self._boot_due: Nanoseconds = NEVER
         self._powered = False
         self._transmit = TransmitQueue(self._identity, profile.sdo_latency)
+        # Ranges first: hooks run in the order of registration, and none may act on a value out of range.
         value_ranges.keep(self.store)
         self._memory = SavedParameters(self.store, profile, storage or Volatile())
         self._lss = LssSlave(self.store, self._memory, lambda: self.node_id, self._switch_rate)
         axis.over_current_ma, axis.over_voltage_mv = profile.over_current_ma, profile.over_voltage_mv
+        # In mA^2 per 1/1000 K: the continuous current heats the stage by STAGE_RISE_MC.
         axis.square_per_mc = profile.continuous_current_ma**2 // STAGE_RISE_MC
         self._services = Services(
             self.store,
@@ -104,6 +106,7 @@ class Epos2:
         if handle is None:
             return self._transmit.idle
         self._now = now
+        # First of all: an answer carries the actual values of this instant, not those of the last ms.
         self.motion.refresh(now)
         handle(packet.payload, now)
         return self._settle()
@@ -115,6 +118,7 @@ class Epos2:
         if not self._powered:
             self._powered = True
             self._boot(NmtCommand.RESET_NODE)
+        # A bit rate that has changed decides which identifiers are received at all.
         if self._identity.wake(self.store, now):
             self._route()
         if self._boot_due <= now:
@@ -164,6 +168,7 @@ class Epos2:
         """Power-on and both resets: silence until the boot-up message."""
         services = self._services
         services.errors.rest()
+        # No service exists in boot-up: nothing is sent while the objects take their values of power-on.
         self._enter(NmtState.BOOT_UP)
         self._lss.rest()
         if command is NmtCommand.RESET_NODE:
@@ -171,6 +176,7 @@ class Epos2:
             services.emergency.reset()
             self.motion.reset()
         else:
+            # Reset communication concerns 0x1000 to 0x1FFF (CiA 301): the motor goes on as it does.
             self._identity.reset_communication(self.store, self._lss)
             self._memory.load_communication()
             services.emergency.communication_reset()
@@ -182,8 +188,10 @@ class Epos2:
 
     def _come_up(self) -> None:
         self._boot_due = NEVER
+        # The boot-up message comes first on the bus; emergencies are permitted from Pre-Operational on.
         self._services.begin(self._now)
         self._enter(NmtState.PRE_OPERATIONAL)
+        # Found while booting, when no emergency may be sent: reported now.
         if self._memory.lost:
             self._memory.lost = False
             self.motion.communication_fault(emergency.INTERNAL_SOFTWARE)
@@ -211,5 +219,6 @@ class Epos2:
 
     def _switch_rate(self, code: int, delay: Nanoseconds) -> None:
         self._identity.switch(code, delay, self._now)
+        # A switch delay of 0 ms is over already.
         self._identity.wake(self.store, self._now)
         self._route()

@@ -117,8 +117,10 @@ def effect(well: Course, ill: Course) -> Effect:
     """Compare what was seen with the failure and without it."""
     known = {event.name for event in well.interlock_events}
     events = [event for event in ill.interlock_events if event.name not in known and event.began < ill.ends]
+    # What the operator reads without the failure, too, is no report of it.
     usual = {entry.text for entry in well.texts}
     texts = [entry for entry in ill.texts if entry.text not in usual and entry.at < ill.ends]
+    # The quantity that deviates most decides: m and rad are comparable as shares of their limits.
     shares = np.max([_share(ill, well, name) for name in well.places], axis=0)
     other = np.flatnonzero(shares > 1.0)
     moved_ms = _moved_until(ill.places, ill.units) * EACH_MS
@@ -138,6 +140,7 @@ def effect(well: Course, ill: Course) -> Effect:
         if moved_ms > due_ms and (noticed_ms is None or noticed_ms > due_ms):
             verdict = Assessment.MISSED if noticed_ms is None else Assessment.LATE
     stands = _stands(ill.places, ill.units)
+    # A robot that never stops is worse than any report makes up for.
     if stands is None and _stands(well.places, well.units) is not None:
         verdict = Assessment.MISSED
     return Effect(
@@ -160,6 +163,7 @@ def _stands(places: Mapping[str, Floats], units: Mapping[str, str]) -> float | N
 
 def _share(ill: Course, well: Course, name: str) -> Floats:
     """Return how far one place is from where it would be, as a share of what counts as something else."""
+    # The run that does not stop is watched for longer.
     length = min(len(well.places[name]), len(ill.places[name]))
     there, here = well.places[name][:length], ill.places[name][:length]
     share: Floats = np.abs(here - there) / (ASIDE[ill.units[name]] + SHARE * np.abs(there - there[0]))

@@ -80,6 +80,7 @@ def of_state(made: Callable[[], AnyRobot], failures: Sequence[Failure], name: st
     rig = VirtualRig(made())
     rig.arms()
     next(state for state in states_of(rig) if state.name == name).enter(rig)
+    # Brought into the state once: every failure begins at the same checkpoint, bit for bit.
     back = rig.keep()
     well = watched(rig)
     cells = []

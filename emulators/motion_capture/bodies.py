@@ -73,6 +73,7 @@ def turned(attitude: Quaternion, point: Point) -> Point:
     """Return a vector turned by a unit quaternion."""
     qx, qy, qz, qw = attitude
     px, py, pz = point
+    # With t = 2 q x v the turned vector is v + w t + q x t: no matrix is needed.
     tx, ty, tz = 2 * (qy * pz - qz * py), 2 * (qz * px - qx * pz), 2 * (qx * py - qy * px)
     return (
         px + qw * tx + qy * tz - qz * ty,

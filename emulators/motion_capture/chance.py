@@ -19,6 +19,7 @@ class Chance:
         """Return the next numbers, of mean 0 and standard deviation 1."""
         begin, end = self._used, self._used + count
         if end > len(self._drawn):
+            # The rest comes first: the sequence is that of single draws.
             left = self._drawn[begin:]
             self._drawn = left + self._generator.standard_normal(max(AT_ONCE, count)).tolist()
             begin, end = 0, count

@@ -119,8 +119,11 @@ class Exposure:
         markers: list[LabeledMarker] = []
         for number, body in enumerate(self.bodies):
             errors = normals[NORMALS * number : NORMALS * number + NORMALS]
+            # Also for a hidden body: truth and chance go on as if it were seen.
             seen = self._noisy(self._swapped(body, now), self._noise(body.id, now), errors)
             if self._hidden(body.id, now):
+                # A lost body stays in the frame: a client that
+                # ignores its flag sees it frozen, at 0, or as NaN.
                 place, error, params = self._lost(body.id), 0.0, 0
             else:
                 place, error, params = seen, self.cameras.noise_m, BodyFlag.TRACKED
@@ -152,11 +155,13 @@ class Exposure:
             for one in self.disturbances
             if isinstance(one, Shaken) and one.body == body and one.begin <= now < one.end
         )
+        # Independent errors add as squares.
         return math.hypot(self.cameras.noise_m, *shaken)
 
     @staticmethod
     def _noisy(place: Attitude, noise: float, errors: Sequence[float]) -> Attitude:
         x, y, z, roll, pitch, yaw = errors
+        # A small turn's quaternion has half its angle in the vector part.
         half = 0.5 * noise / ARM_M
         position = _moved(place.position, (x * noise, y * noise, z * noise))
         return Attitude(
@@ -174,6 +179,7 @@ class Exposure:
         return point if self.cameras.up is Up.Z else (point[0], point[2], -point[1])
 
     def _outside(self, place: Attitude) -> Attitude:
+        # Other axes turn the vector part as any vector; the real part stays.
         qx, qy, qz, qw = place.attitude
         return Attitude(self.outside(place.position), (*self.outside((qx, qy, qz)), qw))
 
@@ -182,6 +188,7 @@ class Exposure:
         for number, marker in enumerate(body.markers, 1):
             position = self.outside(_moved(place.position, turned(place.attitude, marker)))
             yield LabeledMarker(
+                # Motive's identifier of a marker: the body in the high word, the marker in the low one.
                 body.id << 16 | number,
                 position,
                 MARKER_M,

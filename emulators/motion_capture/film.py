@@ -63,6 +63,7 @@ class Film:
         """Move on as the physics does, from exposure to exposure."""
         while self._next_at <= until:
             reached, woken = self._physics.advance(self._next_at)
+            # An event before the exposure: the next call goes on to the same exposure.
             if woken:
                 return reached, woken
             outputs = self._plant.outputs
@@ -73,6 +74,7 @@ class Film:
 
     def __call__(self, now: Nanoseconds) -> Attitude:
         """Return where the body was, by the newest picture of this instant or before, or by the oldest."""
+        # From the newest on: exposures lie only some ms back.
         for at, picture in reversed(self._pictures):
             if at <= now:
                 return self._place(picture)

@@ -101,6 +101,7 @@ class Server:
         try:
             message, payload = messages.split(datagram)
             if place in self._clients:
+                # Any packet of a client is a sign of life, not only a keep-alive.
                 self._clients[place].received_at = now
             answer = self._answers.get(message)
             return () if answer is None else answer(_Requested(place, payload, now, ticks))
@@ -113,6 +114,7 @@ class Server:
         version = self.version
         if wants is not None and any(wants):
             version = self._chosen(Version(*wants[:2]))
+        # A client that connects once more gets the version of its last request.
         self._clients[requested.place] = _Client(version, requested.now)
         return self._on_setting(requested)
 
@@ -159,6 +161,7 @@ class Server:
 
     def _chosen(self, version: Version) -> Version:
         """Return the version for a client that requests this one."""
+        # Only servers from 4.0 on can send an older stream, and none a newer one.
         return min(known(version), self.version) if self.version >= V4_0 else self.version
 
     def _choose(self, place: int, text: str) -> int:

@@ -54,6 +54,7 @@ class Timing:
 
     def exposed_at(self, number: int) -> Nanoseconds:
         """Return the middle of an exposure, counted from 0."""
+        # From the first exposure on: periods of 4.1667 ms, each cut to ns, would drift.
         return number * SECOND // self.rate_hz
 
 
@@ -120,6 +121,7 @@ class MotionCapture:
         self._normals = self._chance.normals(NORMALS * len(self.exposure.bodies) + 1)
         self._received = timing.exposed_at(number) + timing.received_after
         late = round(timing.jitter * self._normals[-1])
+        # Never before its image is in, nor before the frame in front of it.
         self._leaves_at = max(self._received, self._received + timing.sent_after + late, self._leaves_at)
 
     def _frame(self) -> Frame:
@@ -145,6 +147,7 @@ class MotionCapture:
         made: dict[Version, bytes] = {}
         sent: list[Packet] = []
         for place, version in self.server.clients(now).items():
+            # Encoded once for all clients of one version.
             if version not in made:
                 made[version] = messages.packet(MessageId.FRAMEOFDATA, frames.encoded(frame, version))
             sent.append(Packet(self._data_link, place, made[version]))

@@ -77,14 +77,17 @@ class Frames:
     def take(self, now: Nanoseconds, sender: str, packet: Packet) -> None:
         """Compare a frame with the next one of its sender."""
         expected = self._expected.get(sender)
+        # Behind its first difference a sender is not compared: all that follows may be its consequence.
         if expected is None or sender in self._found:
             return
         came = Carried(now, self._link, sender, Packet(self._link, packet.address, packet.payload))
         if not expected:
+            # Behind the end of the recording anything may come.
             if now < self._until:
                 self._found[sender] = Difference(None, came)
             return
         wanted = expected.popleft()
+        # Recorded instants are cut to the resolution: less than that is no difference.
         if came.packet != wanted.entry.packet or abs(now - wanted.entry.at) >= self._slack:
             self._found[sender] = Difference(wanted, came)
         else:
@@ -133,6 +136,7 @@ class Messages:
     def _newest(self, sequence: int, before: Nanoseconds) -> Carried | None:
         """Return the last message with this number that was sent before an instant."""
         sent = self._sent[sequence]
+        # Sequence numbers repeat after 256 messages: of those sent in time the last one counts.
         while len(sent) > 1 and sent[1].at < before:
             sent.popleft()
         return sent[0] if sent and sent[0].at < before else None

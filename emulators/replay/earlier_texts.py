@@ -73,4 +73,5 @@ def _is_text(message: bytes) -> bool:
 def _content(message: bytes) -> tuple[int, bytes]:
     """Return a message's number and its payload; neither sequence number nor checksum."""
     number, head = (_V2_NUMBER, _V2_HEAD) if message[0] == MAVLINK_2 else (_V1_NUMBER, _V1_HEAD)
+    # Byte 1 is the payload's length in both versions of MAVLink.
     return int.from_bytes(message[number], "little"), message[head : head + message[1]]

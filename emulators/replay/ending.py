@@ -22,6 +22,7 @@ def end_requested_at(events: Path) -> Nanoseconds | None:
     ended = next((since for _, since, text in rows if text in ENDING), None)
     if ended is None:
         return None
+    # The clocks differ by a constant, and a late entry only adds to it: the smallest difference counts.
     return min(at - since for at, since, _ in rows) + ended - _ROUNDED - EPOCH
 
 

@@ -66,6 +66,7 @@ def inputs_of(order: ReplayOrder) -> Inputs:
     robot = order.robot
     found = _found(order)
     links = [name for name in found if name != OPERATOR]
+    # Files of two runs would be compared without a single match.
     _at_one_time(tuple(found.values()))
     virtual = all(one.virtual for one in found.values())
     begin = 0 if virtual else _begin_of(found, robot)
@@ -134,6 +135,7 @@ def _begin_of(found: Mapping[str, Recording], robot: AnyRobot) -> Nanoseconds:
     buses = {name: CanWire(link.bit_rate).bit_time for name, link in robot.epos2_links.items()}
     begin = min(one.start(buses.get(name, 0)) for name, one in found.items() if name != OPERATOR)
     sent = messages_of(found[OPERATOR], robot) if OPERATOR in found else []
+    # The bridge may have spoken to its operator before any device's packet was recorded.
     own = first_of(sent, BRIDGE)
     return begin if own is None else min(begin, own.entry.at)
 

@@ -58,6 +58,7 @@ def machine_of(order: ReplayOrder, *, timed: bool) -> Machine:
     robot = order.robot
     bridge = Bridge(robot, robot_type_of(robot), stands=order.stands, mode=order.mode)
     if order.recording.is_dir():
+        # The last positions, as that bridge read them at its start: they are in the run's folder.
         bridge.offer(LastPlaces(order.recording / RECORDED).read())
     node: Node = guarded(bridge, robot)
     lanes = {name: _untimed(name, kind) for name, kind in kinds_of(robot).items() if kind != CAN}
@@ -69,6 +70,7 @@ def machine_of(order: ReplayOrder, *, timed: bool) -> Machine:
                 lanes[fleet.name] = _as_it_was(lanes[fleet.name].kind, line)
     for name, link in robot.epos2_links.items():
         if name not in lanes:
+            # A frame in the folder of a real run has its departure, not its arrival.
             at_bridge = not timed and order.recording.is_dir()
             lanes[name] = _untimed(name, CAN) if at_bridge else _bus(link.bit_rate)
     return Machine(bridge, node, {**lanes, OPERATOR: _untimed(OPERATOR, OPERATOR)})

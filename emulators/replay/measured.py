@@ -56,7 +56,9 @@ class _Moving:
         (x_was, y_was, heading_was), before = self._was, self._at
         self._at, self._was = now, (x, y, heading)
         if before >= 0:
+            # The remainder, as the heading jumps by a turn at pi.
             seconds, turned = to_seconds(now - before), math.remainder(heading - heading_was, math.tau)
+            # The chord of an arc points to the mean of both headings.
             middle = heading_was + 0.5 * turned
             along, cosine, sine = (x - x_was, y - y_was), math.cos(middle), math.sin(middle)
             self.speeds = (
@@ -96,6 +98,7 @@ def measured(order: ReplayOrder, own: tuple[Column, ...], progress: Progress) ->
             samples.add(now - stage.lead, table.row(stage.bridge.seen))
             active_events.note(stage.bridge.interlock_events, now)
             progress(now, stage.end)
+            # Only the first one: whatever follows may be its consequence.
             differs = differs or first(stage.comparisons, now)
     finally:
         stage.finish()
@@ -155,6 +158,7 @@ def _of_axis(robot: AnyRobot, what: str, axis: Axis) -> Reads | None:
 
     if what == "current":
         return current
+    # The plant's speed is the motor's: the axis' one by its gear ratio and mounting direction.
     if what == "speed" and axis.name in electric(robot):
         return lambda seen: seen.facts.axes[axis.name].velocity * axis.direction * axis.ratio
     return (lambda seen: seen.facts.axes[axis.name].position) if what == "angle" else None

@@ -53,7 +53,9 @@ def on_all_links(order: ReplayOrder) -> ReplayStage:
     """Put the bridge on its links with the recorded traffic; RecordingFileError."""
     inputs = inputs_of(order)
     if inputs.ended is not None:
+        # Behind the request to end, packets follow from what is in no packet.
         order = replace(order, until=min(inputs.ended, NEVER if order.until is None else order.until))
+    # The bench's own recording begins with the run, and so with the bridge.
     lead, start = (0, 0) if inputs.virtual else _switched_on(order, inputs)
     sent = {name: not_after(order, inputs.on(name, lead), lead) for name in inputs.links}
     world, machine = World(), machine_of(order, timed=inputs.virtual)
@@ -65,6 +67,7 @@ def on_all_links(order: ReplayOrder) -> ReplayStage:
     # At one instant the operator, whose file is the last, speaks last: he may be answering.
     script.sort(key=lambda one: one[0])
     world.attach(RECORDING, Player(script), machine.wires)
+    # A real machine woke its bridge a little late each time; the bench never does.
     bridge = machine.node if inputs.virtual else _woken(machine, sent, order, start)
     call_at(world, start, partial(world.attach, BRIDGE, bridge, machine.wires))
     end = end_of(order, *sent.values())
@@ -78,6 +81,7 @@ def on_all_links(order: ReplayOrder) -> ReplayStage:
 
 def _woken(machine: Machine, sent: Mapping[str, list[Sent]], order: ReplayOrder, start: Nanoseconds) -> Woken:
     """Return the bridge as its machine woke it; the instants on a timed bus are not its own."""
+    # On a timed bus a frame leaves when the bus is idle, which is not when the bridge was woken.
     untimed = [name for name, lane in machine.lanes.items() if not isinstance(lane.wire, CanWire)]
     all_ = [one for name in untimed for one in sent.get(name, ())]
     spoke = [one.entry.at for one in all_ if one.sender == BRIDGE]
@@ -95,6 +99,7 @@ def _compared(
     """Compare what the bridge sends on a link with what it is recorded to have sent there."""
     wire, kind = machine.lanes[name].wire, machine.lanes[name].kind
     if kind == OPERATOR:
+        # This link delays, loses and overtakes: messages are found by their sequence numbers.
         answers = answers_of(sent, BRIDGE)
         wire.observe(answers.take)
         return answers
@@ -138,6 +143,7 @@ def _switched_on(order: ReplayOrder, inputs: Inputs) -> tuple[Nanoseconds, Nanos
             raise RecordingFileError(
                 f"{inputs.name}: no one knows when the bridge of {order.robot.name} began"
             )
+        # In steps: how long a bridge without input is silent depends on its robot file.
         world.run(world.now + LOOK_EVERY)
     name, after = next(iter(spoken.items()))
     own = first_of(inputs.on(name), BRIDGE)

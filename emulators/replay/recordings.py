@@ -96,6 +96,7 @@ class Recording:
     def start(self, bit_time: Nanoseconds) -> Nanoseconds:
         """Return the instant from which its instants should count."""
         first = self.entries[0]
+        # Recorded when it had arrived: it began by its own length earlier.
         return 0 if self.virtual else first.at - duration_of(first.packet, bit_time)
 
     def since(self, origin: Nanoseconds) -> "Recording":
@@ -135,6 +136,7 @@ def _candump(path: Path) -> Iterator[Frame]:
             try:
                 yield where, *parse_candump(line)
             except RecordingError:
+                # The last line may be cut off, as after a loss of power: it is left out.
                 if not whole:
                     return
                 raise RecordingFileError(
@@ -186,6 +188,7 @@ def read_telemetry(path: Path) -> Recording:
             where = f"{path.name}, message {len(entries) + 1}"
             entries.append(RecordedPacket(at, Packet(OPERATOR, 0, message), where))
     except RecordingError as error:
+        # A log that was cut off is good up to its last whole message.
         if not (entries and isinstance(error, CutOffError)):
             raise RecordingFileError(f"{path.name}: {error}") from None
     if not entries:
@@ -239,6 +242,7 @@ def _unpacked(path: Path) -> tuple[bytes, bool]:
     try:
         content = path.read_bytes()
         if path.suffix in _UNPACKERS:
+            # Not `gzip.open`: a stream that is cut off gives what it has, and no error.
             unpacker = _UNPACKERS[path.suffix]()
             content = unpacker.decompress(content)
             whole = unpacker.eof
@@ -248,6 +252,7 @@ def _unpacked(path: Path) -> tuple[bytes, bool]:
         raise RecordingFileError(f"{path}: cannot be read: {error.strerror}") from None
     if is_telemetry(path):
         return content, whole
+    # A loss of power leaves zeros at the end of a file that was not yet on the disk.
     kept = content.rstrip(b"\0")
     return kept, whole and len(kept) == len(content)
 
@@ -260,6 +265,7 @@ def _lines(path: Path) -> Iterator[tuple[int, str, bool]]:
     lines = _content(path).split(b"\n")
     for number, line in enumerate(lines, start=1):
         try:
+            # A whole file ends with a line feed, so that the last of these lines is empty.
             last = 1 < number == len(lines) and line.startswith(BEGIN)
             yield number, line.decode("ascii").rstrip("\r"), not last
         except UnicodeDecodeError:

@@ -37,6 +37,7 @@ def frames_of(recording: Recording, robot: AnyRobot, link: str) -> list[Sent]:
         node = reader.sender(entry.packet)
         sender = UNKNOWN if node is None else names.get(node, f"node {node}")
         named.append(Sent(entry, sender))
+        # Behind the naming: an SDO that moves a PDO's COB-ID counts from the next frame on.
         reader.read(sender, entry.packet)
     return named
 

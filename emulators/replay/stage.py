@@ -47,6 +47,7 @@ def not_after(order: ReplayOrder, sent: Sequence[Sent], lead: Nanoseconds = 0) -
 
 def end_of(order: ReplayOrder, *links: Sequence[Sent]) -> Nanoseconds:
     """Return the instant by which the last packet has come, or is missing."""
+    # One more: what is missing counts only strictly behind its time.
     return max(sent[-1].entry.at for sent in links if sent) + order.tolerance + RESOLUTION + 1
 
 
@@ -71,6 +72,7 @@ def script_of(sent: Sequence[Sent], duration: Duration) -> list[tuple[Nanosecond
     """Return when each packet is to begin."""
     begin, script = 0, []
     for one in sent:
+        # Not before the packet in front of it, whatever the recording's resolution has cut.
         begin = max(begin, begin_of(one, duration))
         script.append((begin, one.entry.packet))
     return script

@@ -77,6 +77,7 @@ def _drives(order: ReplayOrder) -> ReplayStage:
         start = begin_of(first, duration) if first and boots and not recording.virtual else 0
         call_at(world, start, partial(world.attach, name, emulated.drives[name], {CAN: bus}))
         if not boots:
+            # It was there before: its boot-up message is not in the recording, and must not come.
             world.silence(name, 0)
         if first and not boots:
             call_at(world, max(lead, 1), partial(world.silence, name, NEVER))

@@ -29,6 +29,7 @@ class Woken:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Deliver a packet; actions due by then come in the same turn."""
+        # Of several packets at one instant each is received before the node is woken.
         self._received[now] -= 1
         reaction = self._node.receive(packet, now)
         return reaction if reaction.wake_at <= now else self._later(reaction, reaction.wake_at)

@@ -48,6 +48,7 @@ def _same_items(thing: Any, copy: Any) -> bool:
 
 
 def _same_members(thing: dict[Any, Any], copy: dict[Any, Any]) -> bool:
+    # With their order: an iteration must go on as it did then.
     keys = list(thing) == list(copy)
     return keys and not any(map(is_not, thing.values(), copy.values()))
 
@@ -105,6 +106,7 @@ def _put_attributes(thing: dict[str, Any], copy: dict[str, Any]) -> None:
 
 
 def _put_bytes(thing: Any, copy: bytes) -> None:
+    # In place: the kernel in C holds the address.
     ctypes.memmove(ctypes.addressof(thing), copy, len(copy))
 
 
@@ -189,6 +191,7 @@ def slots_capture(cls: type) -> Capture:
 
     def put_back(thing: object, copy: tuple[object, ...]) -> None:
         for member, value in zip(members, copy, strict=True):
+            # A slot that was not assigned then must not be assigned now.
             if value is UNSET:
                 if _slot(member, thing) is not UNSET:
                     member.__delete__(thing)

@@ -104,6 +104,7 @@ class Rewind(NotCaptured):
             now = states[at] = copy(thing)
             moved = [value for value in _others(parts, now, before) if type(value) not in plain]
             if moved:
+                # What has only moved within the thing is known already.
                 seen = set(map(id, _others(parts, before, now)))
                 for value in moved:
                     if id(value) not in seen:
@@ -113,6 +114,7 @@ class Rewind(NotCaptured):
         """Take note of every thing that can change and that this value leads to."""
         ids, alive = self._ids, self._alive
         carriers: dict[int, object] = {}
+        # A stack of its own: object graphs are deeper than Python's recursion limit.
         stack = [(value, trail)]
         while stack:
             thing, trail = stack.pop()
@@ -127,6 +129,7 @@ class Rewind(NotCaptured):
                 raise RewindError(_refusal(thing, trail))
             here = (thing, trail)
             if treatment.parts is not None:
+                # Alive for the time of the walk, so that no other object gets its id.
                 carriers[id(thing)] = thing
                 stack += [(part, here) for part in treatment.parts(thing)]
                 continue

@@ -225,6 +225,7 @@ class ServoAxis(ServoRecord, ctypes.Structure):
         self.regulator = IDLE
         self.profile = DIRECT
         self.current_demand_ma = 0
+        # The integrator takes over the open winding's voltage: no step in the current when the stage closes.
         self.current_integral = self.voltage_mv << 8
         self.switched_on_at = self.encoder
         self.clear_demand()

@@ -67,6 +67,7 @@ class ServoBank:
         for axis, angle, scale in zip(axes, plant.outputs[count : 2 * count], scales, strict=True):
             if not -WIDEST_ANGLE <= angle * scale <= WIDEST_ANGLE:
                 no_measurement("angle", axis.name, angle, 0)
+            # Not int(): rounding towards zero would make the count around 0 twice as wide.
             axis.encoder = floor(angle * scale)
         wiring = Wiring(tuple(scales), supply, tuple(dividers), tuple(input_lines), tuple(output_lines))
         found = choose() if servo is None else servo

@@ -22,6 +22,7 @@ from emulators.servo.signals import HALF, WRAP
 def regulate_velocity(axis: ServoAxis) -> None:
     """Let the velocity regulator take over at the present speed and current."""
     if axis.regulator == POSITION:
+        # Both integrators hold a current in mA: they differ in their binary places only.
         axis.velocity_integral = axis.position_integral >> (POSITION_I_PLACES - VELOCITY_PLACES)
     elif axis.regulator != VELOCITY:
         axis.velocity_integral = axis.current_demand_ma << VELOCITY_PLACES
@@ -46,6 +47,7 @@ def regulate_position(axis: ServoAxis) -> None:
 def brake(axis: ServoAxis, rpm_per_second: int) -> None:
     """Ramp the present demand to standstill, then hold the position if it was regulated, else no speed."""
     if axis.regulator in (IDLE, CURRENT):
+        # Without a speed demand the ramp begins at the speed that the shaft has.
         axis.clear_demand()
         regulate_velocity(axis)
     elif axis.profile == DIRECT and axis.regulator == POSITION:
@@ -61,6 +63,7 @@ def displace(axis: ServoAxis, distance: int) -> None:
     before = axis.position
     axis.position = _wrapped(before + distance)
     axis.index_position = _wrapped(axis.index_position + distance)
+    # By the wrapped difference: the regulator must see no step.
     moved = (axis.position - before) << axis.fraction
     axis.position_demand += moved
     axis.target_position += moved

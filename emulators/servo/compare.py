@@ -31,6 +31,7 @@ def _met(axis: ServoAxis) -> bool:
     step, after = axis.step, axis.position - axis.compare_reference
     if step == 0 or not axis.compare_direction & (UPWARDS if step > 0 else DOWNWARDS):
         return False
+    # The step's end counts and its start does not: a position is met once, in either direction.
     low, high = (after - step, after) if step > 0 else (after - 1, after - step - 1)
     width = axis.compare_width
     if width <= 0:

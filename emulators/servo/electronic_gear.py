@@ -19,6 +19,7 @@ def electronic_gear(axis: ServoAxis) -> bool:
     steps = max(-FASTEST_INPUT, min(FASTEST_INPUT, axis.master - axis.gear_counted))
     axis.gear_counted = axis.master
     counted = axis.gear_rest + steps * axis.gear_numerator
+    # Floor division with its rest: no count is lost, forwards or backwards.
     whole = counted // axis.gear_denominator
     axis.gear_rest = counted - whole * axis.gear_denominator
     fastest = FASTEST_INPUT >> axis.fraction
@@ -26,6 +27,7 @@ def electronic_gear(axis: ServoAxis) -> bool:
     axis.target_position += max(-fastest, min(fastest, whole)) << axis.fraction
     target = max(axis.lowest, min(axis.highest, axis.target_position))
     ahead = target - before
+    # The input's own step is fed forward: only what is behind it is closed up by a ramp.
     command = ahead + closing_speed(axis, before - axis.position_demand)
     command = max(-axis.cruise, min(axis.cruise, command))
     speed = axis.velocity_demand
@@ -46,5 +48,6 @@ def closing_speed(axis: ServoAxis, behind: int) -> int:
     elif way <= slowing:
         speed = way
     else:
+        # v^2/(2 d) + v/2 = way, solved for v: see `emulators.servo.profile.move`.
         speed = (isqrt(8 * slowing * way + slowing * slowing) - slowing) >> 1
     return speed if behind >= 0 else -speed

@@ -110,6 +110,7 @@ def _lines() -> Iterator[str]:
     ):
         yield ""
         yield "typedef struct {"
+        # The order of the fields is the layout: C and ctypes read the same memory.
         for field in record._fields_:
             yield f"    {_TYPES[field[1]]}{field[0]};"
         yield f"}} {title};"

@@ -146,6 +146,7 @@ def load(path: Path) -> KernelLibrary:
     """Load a library; one that was built from other sources, and so for other records, is not used."""
     try:
         library = ctypes.CDLL(str(path))
+        # ctypes takes an int of 32 bits otherwise, and half of the digest would be lost.
         library.servo_source.restype = ctypes.c_uint64
         built_from = library.servo_source()
         for run in (library.servo_run, library.servo_turn):

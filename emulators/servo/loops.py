@@ -94,6 +94,7 @@ def millisecond(axis: ServoAxis, encoder: int) -> bool:
         raised = compare(axis) or raised
     flags |= supervise(axis) | bounds(axis)
     axis.flags = flags
+    # Requested by a mode or a spline: the drive is called although no flag has changed.
     if axis.call:
         axis.call = 0
         return True
@@ -218,6 +219,7 @@ def position(axis: ServoAxis) -> int:
     away = error >> fraction
     limit = axis.following_limit_qc
     flags = FOLLOWING_ERROR if limit >= 0 and (away > limit or -away > limit) else 0
+    # Behind the check of the following error: products with the gains must stay within 63 bits.
     error = within(error, WIDEST_WAY)
     difference = within(demand - (axis.step << fraction), WIDEST_SPEED)
     derivative = axis.derivative
@@ -255,6 +257,7 @@ def arrival(axis: ServoAxis, flags: int) -> int:
         window = axis.velocity_window
         needed = axis.velocity_window_ms
         away = axis.target_velocity - (axis.step << axis.fraction)
+    # 0xFFFFFFFF is no window: then the end of the profile counts.
     if window < 0 or axis.profile != (MOVE if axis.regulator == POSITION else RAMP):
         return TARGET_REACHED if flags & PROFILE_DONE else 0
     if away > window or -away > window:

@@ -66,12 +66,14 @@ class DcMotors:
             if speed == 0.0:
                 stuck = abs(drive) <= motor.friction
                 torque = -drive if stuck else load - copysign(motor.friction, drive)
+                # The matrix adds the motor's own torque: at a stuck shaft the sum has to be 0.
                 torque = -motor.torque_constant * current if stuck else torque
             else:
                 stuck = False
                 torque = load - copysign(motor.friction, speed)
             row_i, row_w, row_a = self._solutions[k]
             after = row_w[0] * current + row_w[1] * speed + row_w[2] * volts + row_w[3] * torque
+            # Friction stops a shaft; it does not turn it back.
             if stuck or (motor.friction > 0.0 and after * speed < 0.0):
                 after = 0.0
             outputs[k] = row_i[0] * current + row_i[1] * speed + row_i[2] * volts + row_i[3] * torque
@@ -93,6 +95,7 @@ def _solution(motor: DcMotor, step: float) -> list[tuple[float, ...]]:
         [0.0] * 5,
         [0.0] * 5,
     ]
+    # Scaling and squaring: for 1/64 of the step 24 terms of the series are plenty.
     part = step / 2**_HALVINGS
     total = [[float(i == j) for j in range(5)] for i in range(5)]
     term = total

@@ -58,6 +58,7 @@ def output_lines(inputs: Sequence[str], axes: Sequence[str]) -> tuple[PinWire, .
 
 
 def _input_masks(axis: str, switches: Mapping[str, int] = SWITCHES) -> dict[str, int]:
+    # Bit 0 is pin 1.
     numbered = {f"pin_{pin}_{axis}": 1 << pin - 1 for pin in range(1, INPUT_PINS + 1)}
     return numbered | {f"{switch}_{axis}": 1 << pin - 1 for switch, pin in switches.items()}
 

@@ -50,6 +50,7 @@ def move(axis: ServoAxis) -> bool:
     elif way <= slowing:
         command = min(way, axis.cruise)
     else:
+        # The positive root of v^2 + d v - 2 d way, in integers: isqrt rounds down, to the safe side.
         command = min((isqrt(8 * slowing * way + slowing * slowing) - slowing) >> 1, axis.cruise)
     if speed < 0:
         following = min(speed + slowing, 0)

@@ -71,6 +71,7 @@ class Recorder(ctypes.Structure):
         """Let the recording come to its end: what happens from now on, after the preceding samples."""
         if not self.triggered:
             self.triggered = 1
+            # At least the sample of the trigger itself.
             self.remaining = max(1, self.capacity - self.preceding)
 
     def samples(self) -> list[tuple[int, ...]]:

@@ -106,6 +106,7 @@ def configure(axis: ServoAxis, raw: Settings) -> None:
     if (resolution, fraction) != (axis.resolution, axis.fraction):
         axis.resolution = resolution
         axis.fraction = fraction
+        # An average in the former unit means nothing in the new one.
         axis.velocity_average = axis.step << fraction
         axis.index_before, axis.index_known = axis.encoder + axis.slipped, 0
         axis.clear_demand()

@@ -26,6 +26,7 @@ def sensor_outputs(axes: Sequence[str]) -> tuple[str, ...]:
 def sensor_lines(outputs: Sequence[str], axes: Sequence[str]) -> tuple[PinWire, ...]:
     """Return the wires from a plant with these outputs to the sensors' inputs of the axes."""
     return tuple(
+        # One table with the pins: the kernel in C distinguishes sensors by marks above the pins' bits.
         PinWire(number, mask, outputs.index(f"{sensor}_{axis}"))
         for number, axis in enumerate(axes)
         for sensor, mask in SENSORS.items()

@@ -58,10 +58,12 @@ def counted(axis: ServoAxis, turned: int) -> int:
     if faults & BROKEN:
         step = 0
     elif axis.encoder_loss:
+        # The part of a count is carried: any rate of loss comes out exactly in the long run.
         rest = axis.loss_rest + (step if step >= 0 else -step) * axis.encoder_loss
         lost = rest // PER_MILLE
         axis.loss_rest = rest - lost * PER_MILLE
         step = max(0, step - lost) if step >= 0 else min(0, step + lost)
+    # An inverted polarity (0x2210:4) undoes exchanged channels.
     if bool(faults & SWAPPED) != bool(axis.encoder_reversed):
         step = -step
     axis.turned = turned
@@ -82,6 +84,7 @@ def hall_pattern(axis: ServoAxis) -> int:
     if not axis.hall_pole_pairs:
         return 0
     turn = axis.encoder_resolution
+    # The sixth of an electrical turn: the mechanical angle times the pole pairs.
     sector = axis.encoder % turn * SECTORS * pairs // turn % SECTORS
     pattern = HALL_SEQUENCE >> 3 * (SECTORS - 1 - sector) & HALL_LINES
     faults = axis.sensor_faults
@@ -93,6 +96,7 @@ def electrical_angle(axis: ServoAxis, pattern: int) -> int:
     sector = 0
     while sector < SECTORS and HALL_SEQUENCE >> 3 * (SECTORS - 1 - sector) & HALL_LINES != pattern:
         sector += 1
+    # With the configured resolution: a wrong 0x2210:1 makes the angle drift against the hall sensors.
     counts = (axis.encoder + axis.slipped) % axis.resolution
     return counts * 2 * SECTORS * axis.hall_pole_pairs - (2 * sector + 1) * axis.resolution
 
@@ -137,6 +141,7 @@ def _index(axis: ServoAxis) -> int:
     axis.index_before, axis.index_known = axis.index_count, 1
     way = axis.index_count - before if axis.index_count >= before else before - axis.index_count
     tolerance = turn >> INDEX_TOLERANCE
+    # A reversal passes the same index twice: a distance near 0 is sound.
     if not known or way <= tolerance or -tolerance <= way - turn <= tolerance:
         return 0
     return INDEX_LOST if way <= turn >> INDEX_SOONEST else INDEX_DISTANCE_WRONG
@@ -145,6 +150,7 @@ def _index(axis: ServoAxis) -> int:
 def _hall(axis: ServoAxis) -> int:
     """Judge the hall pattern, and for a sinus commutation its angle: a quarter of a turn is too far."""
     pattern = hall_pattern(axis)
+    # Three sensors 120 degrees apart never show the same level.
     if pattern in (0, HALL_LINES):
         return HALL_IMPOSSIBLE
     if not axis.hall_angle_supervised:
@@ -166,6 +172,7 @@ def _direction(axis: ServoAxis) -> int:
     if voltage < 0:
         voltage, step, average = -voltage, -step, -average
     contrary = voltage >= limit and step < 0 and -average > axis.rest_window
+    # A shaft that slows down may have been driven by its load.
     if not contrary or ((1 - step) << axis.fraction) < -average:
         axis.contrary_ms = 0
         return 0

@@ -28,6 +28,7 @@ def take(axis: ServoAxis) -> None:
         axis.current_setting_ma = value
     elif axis.regulator == VELOCITY:
         rpm = max(-FASTEST_RPM, min(FASTEST_RPM, value))
+        # To nearest in integers, halves up, as `emulators.servo.scaling.nearest`.
         units = (2 * rpm * axis.resolution << axis.fraction) + MILLISECONDS_PER_MINUTE
         speed = units // (2 * MILLISECONDS_PER_MINUTE)
         axis.velocity_demand = axis.target_velocity = max(-axis.cruise, min(axis.cruise, speed))

@@ -45,6 +45,7 @@ def _pulse(axis: ServoAxis, behind: int) -> bool:
     away = mark - axis.encoder
     if bool(axis.sensor_faults & SWAPPED) != bool(axis.encoder_reversed):
         away = -away
+    # INT32, as 0x6064: the latched position wraps with it.
     axis.index_position = ((axis.position + away + HALF) & (WRAP - 1)) - HALF
     axis.index_count = axis.encoder + axis.slipped + away
     axis.index_passes += 1

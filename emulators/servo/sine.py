@@ -68,6 +68,7 @@ class ProfileLimits:
 
 def duration(change: int, acceleration: int) -> int:
     """Return the ms of a leg that changes the velocity so much with this peak acceleration: an odd number."""
+    # The peak of a sin2 ramp is pi/2 times its mean: in fixed point, rounded up, made odd by `| 1`.
     usable = max(1, acceleration - ROUNDING) << _HALF_PI_PLACES
     return max(1, -(-abs(change) * _HALF_PI // usable)) | 1
 
@@ -132,6 +133,7 @@ def _fastest(way: int, speed: int, top: int, limits: ProfileLimits) -> int:
         middle = (low + high + 1) // 2
         rise = duration(middle - speed, limits.acceleration)
         fall = duration(middle, limits.deceleration)
+        # A leg of 2 n + 1 ms covers n times the sum of its end velocities, and its end itself.
         if rise // 2 * (speed + middle) + middle + fall // 2 * middle <= way:
             low = middle
         else:
@@ -143,6 +145,7 @@ def _fitted(way: int, speed: int, top: int, limits: ProfileLimits) -> Plan | Non
     """Lower the cruise from `top` until rise, cruise and fall pass the way by less than one unit per ms."""
     height, rise, fall = top, 1, 1
     for _ in range(_ATTEMPTS):
+        # Legs only grow from one attempt to the next, or two lengths could alternate for ever.
         rise = max(
             rise,
             duration(height - speed, limits.acceleration if height > speed else limits.deceleration),

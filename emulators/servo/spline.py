@@ -93,5 +93,6 @@ def spline(axis: ServoAxis) -> bool:
         axis.spline_cube, axis.spline_ms = axis.next_cube, axis.next_ms
         axis.next_ms = 0
         axis.splines_done += 1
+        # Each end of a segment is an event: the mode drops its record, and prepares the next one.
         axis.call = 1
     return False

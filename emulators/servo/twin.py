@@ -42,6 +42,7 @@ class Twin:
             phase = self.tick % TICKS_PER_MILLISECOND
             if phase == 0:
                 event = self._millisecond()
+            # An event ends the run with this tick: the drive acts before the next one.
             ticks = 1 if event else min(last - self.tick, TICKS_PER_MILLISECOND - phase)
             self._current_loops(ticks)
         for axis in self._axes:
@@ -114,6 +115,7 @@ class Twin:
                 if (integral > loop.integral) != (voltage > 0):
                     loop.integral = integral
             loop.voltage = voltage
+            # Multiplied as in C: a division by 1000 may differ in the last bit.
             inputs[at] = voltage * 0.001
 
     def _keep_up(self, opened: Sequence[Winding], currents: Sequence[float]) -> None:
@@ -184,4 +186,5 @@ class Twin:
         thousandths = value * 1000.0
         if not -WIDEST_READING <= thousandths <= WIDEST_READING:
             no_measurement(quantity, axis.name if axis is not None else "", value, self.tick)
+        # int() rounds towards zero, as the cast in C does.
         return int(thousandths)

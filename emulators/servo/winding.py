@@ -93,6 +93,7 @@ def set_winding(axis: ServoAxis, constant: float, resistance: float = 0.0, induc
     axis.ending = axis.balance_voltage = 0
     if resistance > 0.0 and inductance > 0.0:
         exponent = min(resistance * to_seconds(TICK) / inductance, _LONGEST_EXPONENT)
+        # x / (exp(x) - 1) is 0/0 for x = 0: its limit is 1, where the inductance alone counts.
         ending = inductance / to_seconds(TICK) * (exponent / expm1(exponent) if exponent > 0.0 else 1.0)
         axis.ending = min(round(ending * (1 << RESISTANCE_PLACES)), WIDEST_RESISTANCE)
         axis.balance_voltage = min(

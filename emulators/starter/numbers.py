@@ -155,6 +155,7 @@ def _must_be_possible(given: Specification, fastest: float) -> None:
             f"wheel, {given.motor.title} behind {gear:g}:1 gives {usable:.3g}: take a smaller --gear, or "
             "less --speed"
         )
+    # A ratio that was given as its reciprocal would pass every other check.
     if fastest < LEAST_OF_THE_MOTOR * usable:
         raise SpecificationError(
             f"--gear {gear:g}: at the speed limit the motor turns with {fastest * gear * RPM:.2g} rpm, it "

@@ -33,6 +33,7 @@ def velocity_gains(motor: Motor, inertia_kg_m2: float, voltage_v: float) -> Gain
 
     The position regulator keeps the drive's defaults: nothing uses it.
     """
+    # The winding's pole over one step of the current loop, on which the regulator's zero is put.
     kept = math.exp(-motor.resistance_ohm * CURRENT_STEP_S / motor.inductance_h)
     gain = HALVED * motor.resistance_ohm / (1.0 - kept)
     proportional = VELOCITY_BANDWIDTH_RAD_S * inertia_kg_m2 / motor.torque_constant_nm_a
@@ -52,4 +53,5 @@ def velocity_gains(motor: Motor, inertia_kg_m2: float, voltage_v: float) -> Gain
 
 
 def _raw(value: float) -> int:
+    # 0 would switch the gain off; INT16 bounds it.
     return min(max(round(value), 1), LARGEST)

@@ -82,6 +82,7 @@ class RollCall:
             for node in sorted(self._missing):
                 self._port.write(SDO_REQUEST + node, encode_upload(DEVICE_TYPE), 0)
         self._looks += 1
+        # Emptied at each look: on a busy bus the answer lies behind other frames.
         while select.select([self._port.fileno()], [], [], 0)[0]:
             received = self._port.read(0)
             if not received:
@@ -134,12 +135,14 @@ class LineCall(_Line):
         self._looks += 1
         outcome = self._host.receive(self._line.read(ROOM), 0)
         self._line.write(self._host.taken())
+        # The first four bytes are the error code; 0 is success.
         if isinstance(outcome, MaxonAnswer) and outcome.body[:4] == NO_ERROR:
             self._missing.pop(0)
             self._looks = 0
         return not self._missing
 
     def _ask(self) -> None:
+        # A new protocol end: an answer that was cut off must not spoil the next one.
         self._host = host_end(self._spoken, 0)
         index = DEVICE_TYPE.index.to_bytes(2, "little")
         self._host.ask(Frame(READ_OBJECT, index + bytes((DEVICE_TYPE.subindex, self._missing[0]))), 0)
@@ -159,9 +162,11 @@ class BoardCall(_Line):
     def complete(self) -> bool:
         """Look once; return True if it has answered completely."""
         more = self._line.read(ROOM)
+        # First after the boot loader's time: a byte within it would keep the loader for another 9 s.
         if self._looks % BOOTS_AGAIN == 0:
             self._line.write(self._question)
             self._received = b""
         self._looks += 1
         self._received += more
+        # Not while bytes still come: the rest of the answer would be the test's first input.
         return self._looks > 0 and self._answer in self._received and not more

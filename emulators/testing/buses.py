@@ -86,4 +86,5 @@ def _lock(file: IO[bytes], *, waits: bool) -> None:
     with suppress(ImportError):
         import fcntl  # noqa: PLC0415 - not on Windows
 
+        # An advisory lock of the kernel: it ends with the process, however that ends.
         fcntl.flock(file, fcntl.LOCK_EX | (0 if waits else fcntl.LOCK_NB))

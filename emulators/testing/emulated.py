@@ -46,6 +46,7 @@ class Drives:
     def _on_a_line(self, nodes: str, more: Sequence[str]) -> str:
         port = self._folder / f"drives-{nodes}.tty"
         program = self._started(nodes, "--serial", "pty", "--serial-link", str(port), *more)
+        # The line does not exist before that.
         program.prints(GREETING, READY_WITHIN_S)
         with LineCall(str(port), nodes, Generation.V2 if "v2" in more else Generation.V1) as call:
             program.waits(call.complete, f"all of {nodes} answering", READY_WITHIN_S)
@@ -53,6 +54,7 @@ class Drives:
 
     def _on_a_bus(self, nodes: str, more: Sequence[str], bus: Bus) -> str:
         with RollCall(bus, nodes) as call:
+            # A drive that is there already would answer in the place of the one that is started here.
             there = call.answering()
         if there:
             who = ", ".join(f"node {node}" for node in there)
@@ -92,6 +94,7 @@ def _command(what: str, protocol: str | None) -> tuple[tuple[str, ...], str]:
         _speaks_one(what, protocol, what)
         return ("board", "--firmware", what), what
     robot = find(what)
+    # One serial line, one board.
     if len(robot.shield_links) + len(robot.ar2_links) != 1:
         known = ", ".join(FIRMWARES)
         raise RigError(f"{what} has not one board; say a robot that has, or a firmware: {known}")

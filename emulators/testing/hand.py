@@ -79,6 +79,7 @@ class TestOperator:
             **values,
         }
         try:
+            # The mission's own model: a test can do no more than a mission file.
             step = self._step.model_validate(table)
         except ValidationError as error:
             problems = "; ".join(f"{key}: {what}" for key, what in problems_of(error, self._step))

@@ -21,6 +21,7 @@ class Kept:
         """Return a robot armed and at rest, for one test at a time; RobotFileError where there is none."""
         name = (robot, seed)
         known = self._rigs.pop(name, None)
+        # A run that broke off within an instant has no valid state to go back from.
         if known is not None and not known[0].whole:
             known[0].finish()
             known = None

@@ -43,6 +43,7 @@ class VirtualPlant:
 
     def sets(self, **values: float) -> None:
         """Set inputs, each in its unit, from now on; RigError for one that there is not, and none is set."""
+        # All names first: a wrong one leaves every input as it was.
         for name in values:
             self._one_of(name, self.inputs)
         for name, value in values.items():

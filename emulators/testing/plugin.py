@@ -133,6 +133,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
         metafunc.parametrize("rig_robot", robots.args)
     seeds = metafunc.definition.get_closest_marker("seeds")
     if seeds is not None and "rig_seed" in metafunc.fixturenames:
+        # A failing seed is run alone by --seed and seeds(1).
         first = metafunc.config.getoption("--seed")
         metafunc.parametrize("rig_seed", range(first, first + seeds.args[0]), ids="seed{}".format)
 
@@ -276,6 +277,7 @@ def under_test(
         return started[-1]
 
     yield start
+    # In reverse order: a master ends before the devices that it speaks to.
     for process in reversed(started):
         process.stop()
 

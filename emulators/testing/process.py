@@ -25,6 +25,7 @@ SHOWN: Final = 4000
 def _ends_with(parent: int) -> None:
     """Let the system end this process when its parent is gone: a killed one leaves no process behind."""
     ctypes.CDLL(None).prctl(SET_DEATH_SIGNAL, signal.SIGTERM)
+    # The parent may have ended before `prctl`: no signal comes for that.
     if os.getppid() != parent:
         os.kill(os.getpid(), signal.SIGTERM)
 
@@ -73,6 +74,7 @@ class Process:
             if what():
                 return
             try:
+                # Not a sleep: the end of the program is noticed at once.
                 self._process.wait(LOOK_EVERY_S)
             except subprocess.TimeoutExpired:
                 continue
@@ -96,6 +98,7 @@ class Process:
     def stop(self) -> None:
         """End it where it still runs: first by a request to terminate."""
         if self.status is None:
+            # SIGTERM first: a bridge stops its robot in order before it ends.
             self._process.terminate()
             try:
                 self._process.wait(KILLED_AFTER_S)

@@ -56,6 +56,7 @@ class RealDrives:
 
     def finish(self) -> None:
         """Stop those that may have been commanded, and then switch their power off."""
+        # All are stopped before the first one is waited for: a quick stop is one command.
         failures = [*self._each(self._stop), *self._each(self._let_go)] if self._moved else []
         self._taken.clear()
         if failures:
@@ -64,6 +65,7 @@ class RealDrives:
     def _each(self, does: Callable[[tuple[str, ...]], None]) -> Iterator[AssertionError]:
         for one in self._taken:
             try:
+                # A drive that fails must not keep the others from being stopped.
                 does(one)
             except AssertionError as failure:
                 yield failure
@@ -74,6 +76,7 @@ class RealDrives:
     def _let_go(self, one: tuple[str, ...]) -> None:
         for _ in range(LOOKS):
             program = self._requested("read", VELOCITY, "--json", *one)
+            # Stop category 1 (EN 60204-1): power off at standstill; a shaft that turns keeps its power.
             if abs(json.loads(program.printed)["objects"][0]["value"]) <= AT_REST_RPM:
                 self._requested("state", "disable", *one)
                 return

@@ -58,6 +58,7 @@ class Recording:
 
     def cut(self, mark: int) -> None:
         """Forget what came after."""
+        # In place: the observers hold this list's `append`.
         self._carried[mark:] = []
 
     def _noting(self, number: int) -> Observer:

@@ -71,6 +71,7 @@ class VirtualRig:
         step = self.bench_setup.step
         arms = step(at_s=ARM_S, title="arms", arm=True)
         stands = self.bench_setup.stands
+        # Without them the robot is not armed: these positions are read off the robot by a person.
         zero = {axis.role: stands.get(axis.role, 0.0) for axis in robot.axes if axis.zero_confirmed}
         confirmed = (step(at_s=0.0, title="confirms where it stands", zero=zero),) if zero else ()
         story = Mission(title=f"a test of {robot.name}", duration_s=FOR_GOOD_S, step=(*confirmed, arms))
@@ -128,6 +129,7 @@ class VirtualRig:
 
     def runs(self, seconds: float) -> None:
         """Let so much virtual time pass."""
+        # An exception while time runs leaves it so: such an instant cannot be gone back from.
         self.whole = False
         self.bench.run(self.bench.world.now + from_seconds(seconds))
         self.whole = True
@@ -138,6 +140,7 @@ class VirtualRig:
         AssertionError where it is not so within that many seconds.
         """
         began = self.bench.world.now
+        # Checked at 10 ms, the interval of the samples.
         while not what():
             if self.bench.world.now - began >= from_seconds(within):
                 raise AssertionError(f"not so within {within:g} s of virtual time, at {self.now:.2f} s")

@@ -93,11 +93,13 @@ class CanWire(Observed):
             queue = controller.queue
             if not queue:
                 continue
+            # A node that is cut off offers nothing, and its frames must not win the bus for ever.
             if now >= controller.station.silent_from:
                 queue.clear()
                 continue
             rank = queue[0][2]
             if winner is None or rank < best:
+                # Dominant bits overwrite recessive ones: the lowest identifier goes on, the others wait.
                 winner, best = controller, rank
             elif rank == best:
                 self.clashes += 1
@@ -110,6 +112,7 @@ class CanWire(Observed):
     def _finish(self, controller: Controller) -> None:
         now = controller.world.now
         packet, bits, _ = controller.queue.popleft()
+        # Intermission: no node may begin before these bits have passed.
         self._idle_from = now + INTERFRAME_BITS * self.bit_time
         self.frames += 1
         self.bits += bits

@@ -41,11 +41,13 @@ class Confinement:
 
     def sent(self) -> bool:
         """Count a frame that went well; whether the condition has changed."""
+        # Bosch CAN 2.0 B, section 8, rule 7.
         self.transmit -= self.transmit > 0
         return self._judge()
 
     def received(self) -> bool:
         """Count a frame that was received well; return True if the condition has changed."""
+        # Rule 8: one good frame brings a passive receiver back below the limit.
         if self.receive >= PASSIVE_FROM:
             self.receive = BACK_FROM_PASSIVE
         else:
@@ -54,6 +56,7 @@ class Confinement:
 
     def failed_to_send(self) -> bool:
         """Count a damaged frame of its own; whether the condition has changed."""
+        # Rule 3: 8 for a sender, so that a node that spoils its own frames is off the bus after 32 of them.
         self.transmit += SENDING_FAILED
         return self._judge()
 

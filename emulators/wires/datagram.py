@@ -79,6 +79,7 @@ class DatagramWire(Observed):
         self.sent += 1
         delay, generator = self.delay, self._generator
         if generator is not None:
+            # The order of the draws is part of a run: loss first, and jitter only for what arrives.
             if self.loss and generator.random() < self.loss:
                 self.lost += 1
                 return
@@ -94,6 +95,7 @@ class DatagramWire(Observed):
         world = self._ends.world
         now = world.now
         self._impairments = [one for one in self._impairments if now < one.end]
+        # Each draws, whatever the others have drawn: its own sequence stays the same.
         met = [one for one in self._impairments if one.meets(sender.name, now)]
         if any(one.lost for one in met):
             self.lost += 1

@@ -52,8 +52,10 @@ class Standing:
         what = self.what
         if what.sender not in (None, sender) or not what.begin <= now < what.end or self.left == 0:
             return False
+        # A node does not receive its own frames: a bad plug there does not concern them.
         if what.receiver == sender:
             return False
+        # Last: a frame that could not be met takes no random number.
         if what.share < 1.0 and what.generator is not None and what.generator.random() >= what.share:
             return False
         if self.left is not None:

@@ -55,6 +55,7 @@ class Ends:
     def hand_over(self, sender: WorldNode, packet: Packet) -> None:
         """Give a packet that has wholly arrived to observers, trace and everybody but its sender."""
         world, not_receiving, sent_on = self.world, self.not_receiving, packet.link
+        # Before any station reacts: an answer comes behind its cause in trace and recordings.
         for observer in self.observers:
             observer(world.now, sender.name, packet)
         world.note(self.wire, sender.name, packet)
@@ -62,6 +63,7 @@ class Ends:
             station, link = end.station, end.link
             if station is sender or (not_receiving and station in not_receiving):
                 continue
+            # Each station has its own name for the wire.
             received = packet if link == sent_on else Packet(link, packet.address, packet.payload)
             listens = station.listens
             if listens is None or listens(received):

@@ -177,6 +177,7 @@ class FaultyCanWire(CanWire):
 
     def _finish(self, controller: Controller) -> None:
         sender = controller.station
+        # The sender may have left the wire while its frame was under way.
         if self._sound or sender not in self._counters or controller.world.now >= sender.silent_from:
             super()._finish(controller)
             return
@@ -250,6 +251,8 @@ class FaultyCanWire(CanWire):
         sender = controller.station
         self._idle_after_flag(controller)
         counters = self._counters[sender]
+        # Bosch CAN 2.0 B, section 8, rule 3, exception 1: a passive sender does not count a missing
+        # acknowledge, so that a node alone on its bus never goes bus off.
         if counters.condition is Condition.ACTIVE:
             self._on_counters(sender, changed=counters.failed_to_send())
         else:
@@ -259,6 +262,7 @@ class FaultyCanWire(CanWire):
 
     def _idle_after_flag(self, controller: Controller) -> None:
         world, bits = controller.world, controller.queue[0][1]
+        # The error flag comes in place of the end of frame, which the frame's length includes.
         taken = (FLAG_BITS - UNSENT_BITS + INTERFRAME_BITS) * self.bit_time
         self._idle_from = world.now + taken
         self._measure(world.now, bits * self.bit_time + taken)
@@ -285,9 +289,11 @@ class FaultyCanWire(CanWire):
             self._parked[station] = deque()
             world = self._ends.world
             back = world.now + RECOVERY_BITS * self.bit_time
+            # A controller counts 128 x 11 recessive bits; a fault may keep it off for longer.
             world.call_at(max(back, self._thrown_off.pop(station.name, 0)), self._return, station)
             self._report(station, BUS_OFF)
         elif counters.condition is Condition.PASSIVE:
+            # The larger of the two counters has made it passive.
             receiving = counters.receive > counters.transmit
             self._report(station, CONTROLLER, RECEIVE_PASSIVE if receiving else TRANSMIT_PASSIVE)
         else:

@@ -32,6 +32,7 @@ def received_as(byte: int, sent_at: int, received_at: int) -> int | None:
     for place in range(1, STOP + 1):
         # The bit that is on the line place + 1/2 of the receiver's bit times after the edge.
         on_line = (2 * place + 1) * sent_at // (2 * received_at)
+        # Start bit 0, then the data from the lowest bit; stop bit and idle line are 1.
         level = 1 if on_line >= STOP else 0 if on_line == 0 else byte >> (on_line - 1) & 1
         read |= level << place
     return read >> 1 & 0xFF if read >> STOP else None
@@ -131,6 +132,7 @@ class SerialWire(Observed):
         self._ends.world.call_at(end, self._arrive, uart)
 
     def _arrive(self, uart: _Uart) -> None:
+        # Emptied by `leave` while a byte was under way.
         if not uart.queue:
             uart.sending = False
             return
@@ -159,6 +161,7 @@ class SerialWire(Observed):
         if not receiver.reading:
             receiver.reading = True
             world = self._ends.world
+            # Up to the next turn of the owner's main loop.
             next_read = -(-world.now // inbox.read_every) * inbox.read_every
             world.call_at(next_read, self._read, (sender, receiver))
 

@@ -106,8 +106,11 @@ class Arm:
             left = axis.cross(along)
             along = lines(line(sp.cos(angle)) * along + line(sp.sin(angle)) * left)
             way = lines(a * along + d * axis)
+            # `turned` is the angular acceleration that the speeds
+            # alone make, before this joint's own turn rate is added.
             turned = lines(turned + turning.cross(axis * speed))
             turning = lines(turning + axis * speed)
+            # Euler's and the centripetal part; the joints' own accelerations come in by the mass matrix.
             bent = lines(turned.cross(way) + turning.cross(turning.cross(way)))
             self.points.append(lines(self.origins[-1] + way / 2))
             self.swings.append(lines(swing + bent / 2))
@@ -123,6 +126,7 @@ class Arm:
         Of the ground there is only what the arm makes of it.
         """
         found = []
+        # A rotor's inertia counts behind its gear by the square of the ratio.
         rotors = [P[f"rotor_inertia_{axis}"] * P[f"gear_{axis}"] ** 2 for axis in AXES]
         for one, rotor in enumerate([sp.S.Zero] * self.first + rotors):
             row = [
@@ -177,6 +181,7 @@ def solved(lower: Sequence[Sequence[Expression]], right: Sequence[Expression]) -
         for column in range(row):
             taken = sum(factors[row][k] * factors[column][k] * pivots[k] for k in range(column))
             factors[row][column] = line((lower[row][column] - taken) / pivots[column])
+        # No pivoting: a mass matrix is positive definite.
         pivots.append(line(lower[row][row] - sum(factors[row][k] ** 2 * pivots[k] for k in range(row))))
     found: list[Expression] = []
     for row in range(count):
@@ -196,6 +201,7 @@ def driven(axis: str) -> Expression:
     """Return the motor's torque behind its gear, N m: the field's pull, less with the speed, and damping."""
     gear, speed = P[f"gear_{axis}"], symbol(f"speed_{axis}")
     left = positive_part(1 - gear * size(speed) / P["fading_speed"])
+    # A stepper's torque is a sine over the lag: largest a full step behind, and 0 again after two.
     pull = symbol("current_on") * P[f"holding_{axis}"] * left * sp.sin(P["pole_pairs"] * lag(axis))
     rate = 1 / P["damping_time"] + symbol("current_on") / P["driver_damping_time"]
     return P["efficiency"] * gear * pull - P[f"rotor_inertia_{axis}"] * gear**2 * rate * speed

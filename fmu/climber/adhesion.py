@@ -48,6 +48,7 @@ class Hold:
         across = kept(plus((1, force), (self.pull, contact.normal)))
         self.across = named(sp.sqrt(dot(across, across) + TRACE))
         """The force along the surface in N."""
+        # The excess over friction lets the wheel slide, by its damping: no state for sticking is needed.
         self.excess = positive_part(self.across - around.friction * self.load)
         self.slide = kept(plus((-self.excess / (around.damping * self.across), across)))
         """The velocity of the wheel's material in m/s: against the force, as fast as it is too large."""
@@ -55,6 +56,7 @@ class Hold:
     def state(self) -> StateVariable:
         """Return the gap; what is lost stays lost."""
         opening = PEELING * (self.pull - self.magnet)
+        # Beyond the reach the rate is 0: a magnet that has let go does not catch again.
         held = 1 - passed(self.gap - self._around.reach)
         return StateVariable(f"gap_{self.name}", "m", sp.S.Zero, held * larger(opening, -CLOSING * self.gap))
 

@@ -109,6 +109,7 @@ class Chassis:
         W x e = h - sigma' g. Its part along e gives sigma', its part across e all of W but the pitch about e;
         that follows from the caster.
         """
+        # W x e has no part along e: that of h is the joint's alone.
         e, h = self._between, kept(across)
         joint = named(dot(h, e) / self._leverage)
         turning = plus((self._per_size, cross(e, plus((1, h), (-joint, self._joint_arm)))))
@@ -141,9 +142,11 @@ class Chassis:
         """
         e = self._between
         moment = cross(plus((1, place), (-1, self.left.point)), weight)
+        # Moment about the line through both wheels' contacts: the caster alone can bear it.
         caster = kept(plus((-dot(e, moment) / self._tipping, self._hindered)))
         moment = kept(plus((1, moment), (1, cross(self._to_caster, caster))))
         right = kept(plus((self._per_size, cross(e, moment))))
+        # The joint transmits only its own torque: that fixes the part along e.
         along = named(-(joint + dot(self._joint_arm, right)) / self._leverage)
         right = kept(plus((1, right), (along, e)))
         left = kept(plus((-1, weight), (-1, right), (-1, caster)))

@@ -38,6 +38,7 @@ class Contact:
         lean, upright = named(sp.sin(tube)), named(sp.cos(tube))
         self.left = kept(plus((self._cosine, place.along_s), (self._sine, place.along_z)))
         self.ahead = kept(plus((self._sine, place.along_s), (-self._cosine, place.along_z)))
+        # The tube's angle leans the axle against the surface.
         self.axle = kept(plus((upright, self.left), (-lean, self.normal)))
         # Wheel's middle to contact: down the spoke, then down the cross-section.
         down = wheel.ring * upright + wheel.crown
@@ -60,6 +61,7 @@ class Contact:
         t12 = (ss - zz) * sine * cosine + sz * (sine**2 - cosine**2)
         t22 = ss * sine**2 - 2 * sz * sine * cosine + zz * cosine**2
         k1, k2 = self._curvature
+        # K_W + K~ is positive unless a hollow is sharper than the wheel, which would touch it twice.
         determinant = named((k1 + t11) * (k2 + t22) - t12**2)
         across, rolling = dot(turning, self.left), dot(turning, self.ahead)
         spin = -dot(turning, self.normal)

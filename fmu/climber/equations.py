@@ -54,6 +54,7 @@ class Climber:
         self.joint = symbol("joint")
         self._rolling = self.chassis.rolling(*self.spins)
         self.over, self.under = self.joint - P["joint_stop"], -P["joint_stop"] - self.joint
+        # The tank's axis is tilted: at pi/2 it is upright, and the weight is along it.
         across = P["mass"] * P["gravity"] * sp.cos(P["axis_tilt"])
         self._weight: Vector = (-across, sp.S.Zero, -P["mass"] * P["gravity"] * sp.sin(P["axis_tilt"]))
         self._mass = self.chassis.at(-P["mass_behind"], P["mass_height"] - P["wheel_radius"])
@@ -69,6 +70,8 @@ class Climber:
         ]
         left_gap, right_gap, caster_gap = (hold.gap for hold in self.holds)
         self.past_hold = larger(larger(left_gap, right_gap), caster_gap) - P["magnet_reach"]
+        # One magnet beyond its reach is enough: the rates of
+        # the contacts are 0 from then on, and the robot falls.
         self.fallen = named(passed(self.past_hold))
 
     def _joint_torque(self) -> Expression:
@@ -83,6 +86,7 @@ class Climber:
         The surface pushes at the rim; where magnets have let go, a wheel turns alone.
         """
         same, other = self._inertia()
+        # Off the wall a wheel accelerates itself only.
         alone = P["wheel_inertia"] + self._rotor()
         gear = P["gear_wheel"]
         on_wall = 1 - self.fallen
@@ -96,6 +100,7 @@ class Climber:
         ]
         mean = named((torques[0] + torques[1]) * HALF)
         half = named((torques[0] - torques[1]) * HALF * (1 - P["coupled"]))
+        # The 2 x 2 inertia of both wheels has the same diagonal: sum and difference are its own directions.
         common = gear * mean * (on_wall / (same + other) + self.fallen / alone)
         apart = gear * half * (on_wall / (same - other) + self.fallen / alone)
         return common + apart, common - apart
@@ -116,6 +121,7 @@ class Climber:
                 StateVariable(name, UNITS[name.partition("_")[0]], starts[name], on_wall * rates[what])
                 for what, name in ((what, f"{what}_{side}") for what in CONTACTS)
             ]
+            # The wheel's spin against its half, less what it rolls on the surface, is the half's own pitch.
             if side == "left":
                 pitching = on_wall * (self.spins[0] - rates["wheel"])
             if side != "caster":
@@ -175,6 +181,7 @@ def in_space(arc: Expression, height: Expression, heading: Expression) -> tuple[
     out -= symbol("fall") * sp.cos(P["axis_tilt"])
     along -= symbol("fall") * sp.sin(P["axis_tilt"])
     position = zip("xyz", (out, across, along), strict=True)
+    # Half angles, as quaternions have them.
     half_round, half_up, half_turn = (
         angle * HALF
         for angle in (arc / P["tank_radius"], -height / (P["ring_radius"] + P["tank_radius"]), heading)

@@ -138,8 +138,10 @@ class Start:
             )
             for (ahead, left), wheel in zip(guesses, wheels, strict=True)
         ]
+        # Newton's steps, unrolled into the equations: a start value has no loop in an FMU.
         for count in range(ROUNDS):
             body = self._meet(pose, feet)
+            # The joint first comes to its angle with all four unknowns, and is left there afterwards.
             pose = self._stepped(pose, body, feet, 4 if count < LEANING else 3)
             self._meet(pose, feet)
             feet = [foot.moved() for foot in feet]
@@ -237,6 +239,7 @@ def _solved(rows: Sequence[Sequence[Expression]], right: Sequence[Expression]) -
     count = len(matrix)
     for pivot in range(count):
         for row in range(pivot + 1, count):
+            # No row exchange: symbols have no size to choose a pivot by.
             factor = named(matrix[row][pivot] / matrix[pivot][pivot])
             matrix[row] = [
                 named(value - factor * above) for value, above in zip(matrix[row], matrix[pivot], strict=True)

@@ -78,6 +78,7 @@ def torus(radius: Expression, ring: Expression) -> Surface:
     def place(s: Expression, z: Expression) -> SurfacePoint:
         inward, across, cosine = _turned(s / radius)
         bent, ahead, straight = _turned(z / (ring + radius))
+        # The radius of the circle on which z runs at this s.
         width = named(ring + radius * cosine)
         one, none = sp.S.One, sp.S.Zero
         return SurfacePoint(
@@ -101,5 +102,6 @@ def sphere(radius: Expression) -> Surface:
 def _turned(angle: Expression) -> tuple[Expression, Expression, Expression]:
     """Return 1 - cos, sin and cos of an angle, without a difference of large numbers."""
     sine, cosine = named(sp.sin(angle / 2)), named(sp.cos(angle / 2))
+    # 1 - cos(a) = 2 sin^2(a / 2): exact where a large ring makes the angle tiny.
     inward = named(2 * sine**2)
     return inward, named(2 * sine * cosine), named(1 - inward)

@@ -132,6 +132,7 @@ class _Hoister:
         if self._is_fixed(expression):
             return self._named(expression)
         if expression.is_Add or expression.is_Mul:
+            # Sums and products are split: the fixed factors of a moving term become one constant.
             fixed = [part for part in expression.args if self._is_fixed(part)]
             moving = [self.hoist(part) for part in expression.args if not self._is_fixed(part)]
             group = expression.func(*fixed)
@@ -176,6 +177,7 @@ def _block(
     placed = dict(names)
     apart: dict[Expression, Expression] = {}
     whole = [_placed(e, placed, apart) for e in expressions]
+    # Named lines stand in front of the results, so that they take part in the same search.
     shared, reduced = sp.cse([*apart.values(), *whole], sp.numbered_symbols("t", real=True))
     count = len(apart)
     known = [*shared, *zip(apart, reduced[:count], strict=True)]
@@ -215,6 +217,7 @@ def _in_order(lines: Sequence[tuple[Expression, Expression]]) -> Lines:
         waiting = [symbol]
         while waiting:
             needed = [each for each in values[waiting[-1]].free_symbols if each in values]
+            # Sorted: sets have another order in each process, and the code must be the same bytes.
             missing = sorted((each for each in needed if each not in ordered), key=str)
             if missing:
                 waiting += missing

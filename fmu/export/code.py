@@ -67,6 +67,7 @@ def c_text(expression: Expression) -> str:
 
 
 def _number(number: Expression) -> str:
+    # repr() below is the shortest text that reads back as the same double.
     value = math.pi if number is sp.pi else float(number)
     return repr(value)
 
@@ -78,6 +79,7 @@ def _call(name: str, arguments: Sequence[Expression]) -> str:
 def _sum(expression: Expression) -> str:
     text = ""
     for term in expression.args:
+        # A subtraction in place of a sum with a negated term: the same bits, and readable.
         negative = term.could_extract_minus_sign()
         part = c_text(-term if negative else term)
         text += (" - " if negative else " + ") + part if text else ("-" if negative else "") + part
@@ -95,6 +97,7 @@ def _product(expression: Expression) -> str:
             under.append(_power(factor.base, -factor.exp))
         else:
             over.append(c_text(factor))
+    # One division by the product of all divisors: a division costs as much as five multiplications.
     top = " * ".join(over) or "1.0"
     bottom = f" / {under[0]}" if len(under) == 1 else f" / ({' * '.join(under)})" if under else ""
     return f"({sign}{top}{bottom})"
@@ -111,6 +114,7 @@ def _power(base: Expression, exponent: Expression) -> str:
         return _call(_POWERS[int(exponent)], (base,))
     if exponent == _HIGHEST_POWER:
         return f"({_call('fb_fourth', (base,))} * {c_text(base)})"
+    # sqrt times a whole power: pow() gives other bits in other C libraries, and sqrt is exact in all of them.
     if exponent.is_Rational and exponent.q == 2:  # noqa: PLR2004 - a half
         rest = _power(base, exponent - sp.Rational(1, 2))
         return f"({_call('sqrt', (base,))} * {rest})"
@@ -137,6 +141,7 @@ def generate(program: ModelCode, token: str, core: str) -> dict[str, str]:
         "FB_INNER_STEP": repr(model.inner_step),
         "FB_TOKEN": f'"{token}"',
     }
+    # In the order of the text, each once: the generated header must be the same bytes each time.
     outside = dict.fromkeys(re.findall(r"\bfb_\w+(?=[\[(])", core))
     sizes |= {name: f"{model.name}_{name}" for name in outside}
     rows = variables(program)

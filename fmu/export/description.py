@@ -170,6 +170,7 @@ def _variable2(row: Variable) -> str:
         initial=row.initial,
         description=row.description,
     )
+    # FMI 2.0 gives the index of the variable, counted from 1; FMI 3.0 its value reference.
     state = None if row.rate_of is None else row.rate_of + 1
     inner = _attributes(
         declaredType=row.type,

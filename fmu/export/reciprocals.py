@@ -22,6 +22,7 @@ def with_reciprocals(shared: Lines, results: Sequence[Expression]) -> tuple[Line
         for power in expression.atoms(sp.Pow):
             if power.base.is_Symbol and power.exp.is_Integer and power.exp.is_negative:
                 powers.setdefault(power.base, set()).add(power)
+    # By name: a set's order is not the same in each process.
     often = sorted((base for base, found in powers.items() if len(found) > 1), key=lambda base: base.name)
     reciprocals = {base: sp.Symbol(f"r{n}", real=True) for n, base in enumerate(often)}
     products = {power: reciprocals[base] ** -power.exp for base in often for power in powers[base]}

@@ -91,6 +91,7 @@ def _initial(
             continue
         seen.add(row.reference)
         free = _symbols(sp.sympify(expression), memory)
+        # A derived start may be made of other derived starts: down to what a user can set.
         while more := free & derived.keys():
             free = (free - more).union(*(_symbols(derived[symbol], memory) for symbol in more))
         yield Unknown(
@@ -123,6 +124,7 @@ def _kinds(
     parts = [_kinds(part, known, memory) for part in expression.args]
     moving = [part for part in parts if part]
     found: dict[Expression, DependencyKind] = {}
+    # Any function but a sum, or a product with what does not move, has a slope that changes.
     least = DependencyKind.dependent
     if expression.is_Add:
         least = DependencyKind.constant

@@ -40,6 +40,7 @@ def tangents(block: Block) -> TangentBlock:
     results = tuple((place, _tangent(value, slopes)) for place, value in block.results)
     needed: set[Expression] = set().union(*(slope.free_symbols for _, slope in results))
     kept = []
+    # Backwards: a line counts only if a later one, or a result, needs it.
     for symbol, value in reversed(lines):
         if symbol in needed:
             needed |= value.free_symbols

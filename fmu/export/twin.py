@@ -60,6 +60,7 @@ class Twin:
 
     def step(self) -> None:
         """Take one communication step of `length` seconds, as step.c does."""
+        # Rounded up but for rounding errors, as in step.c: 100 us are two inner steps of 50 us, not three.
         count = max(1, int(self.length / self._inner_step + 0.999999))
         for _ in range(count):
             self._integrate(self.length / float(count))
@@ -77,6 +78,7 @@ class Twin:
         total = rate[:]
         for part in (0.5, 0.5, 1.0):
             self._rate([s[i] + part * h * rate[i] for i in places], rate)
+            # Runge-Kutta of fourth order, weights 1, 2, 2, 1, summed in the order of step.c.
             weight = 1.0 if part == 1.0 else 2.0
             total = [total[i] + weight * rate[i] for i in places]
         s[:] = [s[i] + h / 6.0 * total[i] for i in places]
@@ -114,6 +116,7 @@ def _compiled(block: Block) -> Callable[..., None]:
 def _series(coefficients: Sequence[float], z: float) -> float:
     """Add up in pairs, fours and eights: the number of coefficients is a multiple of four."""
     y = z * z
+    # Estrin's scheme, as in C: the order of the additions is part of the result.
     pairs = [z * odd + even for even, odd in zip(coefficients[::2], coefficients[1::2], strict=True)]
     fours = [y * odd + even for even, odd in zip(pairs[::2], pairs[1::2], strict=True)]
     total = fours[-1]
@@ -133,8 +136,10 @@ def _cosine_core(x: float) -> float:
 
 
 def _reduce(x: float) -> tuple[float, int]:
+    # Adding and taking off 1.5 * 2^52 rounds to an integer without a call into libm.
     count = (x * 0.63661977236758134 + _MAGIC) - _MAGIC
     scaled = count - 4.0 * ((count * 0.25 + _MAGIC) - _MAGIC)
+    # Cody and Waite: pi/2 in three parts, so that the first products are exact.
     high, middle, low = _PARTS
     return ((x - count * high) - count * middle) - count * low, int(scaled) & 3
 

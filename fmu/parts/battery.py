@@ -14,5 +14,6 @@ def terminal_voltage(shafts: Iterable[Shaft], parameters: Mapping[str, Expressio
     """Return the terminal voltage V with V = E - R I and V I = the motors' power; E / 2 where none fits."""
     power = sum((shaft.voltage * shaft.current for shaft in shafts), sp.S.Zero)
     emf = parameters["battery_emf"]
+    # V^2 - E V + R P = 0: of both roots the upper one is the working point, the lower one the collapse.
     root = emf**2 - 4 * parameters["battery_resistance"] * power
     return (emf + sp.sqrt(positive_part(root))) * HALF

@@ -53,6 +53,7 @@ class Castor:
     def push(self) -> Push:
         """Return what the floor does to the body; with the swivel's own torque it takes out power only."""
         torque = self._friction.swivel * self._swivelled
+        # Massless: the side force is what balances the swivel's friction about the pivot.
         along, across = -self._friction.rolling * self._rolled, -torque / self._trail
         ahead = along * self._cosine - across * self._sine
         left = along * self._sine + across * self._cosine

@@ -89,8 +89,10 @@ def bristle(speed: Expression, state: Expression, presliding: Expression) -> Exp
     """
     per_angle = 1 / presliding
     fast = size(speed)
+    # Stribeck: the bristle bears 1.25 times as much at rest, down to Coulomb's law at higher speed.
     lean = state * (1 - (1 - 1 / STICTION) * positive_part(1 - fast * per_angle / STICKING_RATE) ** 2)
     held = clamped(lean, HELD)
+    # 0 while it is a spring, 1 where it slides.
     share = clamped(size(lean - held) / (LOOSE - HELD), sp.S.One)
     # Without a kink, for solvers that choose their steps; this half of it and twice the way onward.
     sliding = share**2 * (sp.Rational(3, 2) - share)

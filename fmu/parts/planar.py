@@ -46,11 +46,13 @@ class PlanarBody:
         m (u' - q W) - m a W2 = F_u, m (q' + u W) + m a W' = F_q, I W' + m a (q' + u W) = F_W.
         """
         sine, cosine = sp.sin(self.heading), sp.cos(self.heading)
+        # In the body's own frame: the slope's force and the centrifugal one of the offset mass.
         ahead = self.offset_mass * self.yaw_rate**2 - self.mass * self.downhill * cosine
         left = self.mass * self.downhill * sine
         around = self.offset_mass * self.downhill * sine
         for push in pushes:
             ahead, left, around = ahead + push.ahead, left + push.left, around + push.moment
+        # The 2 x 2 mass matrix of q' and W', which the offset of the centre of mass couples.
         determinant = self.mass * self.inertia - self.offset_mass**2
         return (
             ahead / self.mass + self.drift * self.yaw_rate,
@@ -89,6 +91,7 @@ class PlanarBody:
     def energy(self) -> Expression:
         """Return the energy of motion and height in J."""
         kinetic = self.mass * (self.speed**2 + self.drift**2) + self.inertia * self.yaw_rate**2
+        # The origin is not the centre of mass: speeds and yaw rate share this term.
         kinetic += 2 * self.offset_mass * self.drift * self.yaw_rate
         climb = self.mass * symbol("x") + self.offset_mass * sp.cos(self.heading)
         return HALF * kinetic + self.downhill * climb

@@ -26,7 +26,9 @@ def rows(
         for until, *values in course:
             for i, value in enumerate(values):
                 plant.inputs[i] = value
+            # In steps of 100 us: times are compared as integers.
             while plant.steps_done < round(until * 10_000):
+                # Before the step: a row has the outputs that the inputs until then have made.
                 if plant.steps_done % STEPS_A_ROW == 0:
                     table.append([plant.steps_done / 10_000, *plant.outputs])
                 plant.step()

@@ -154,11 +154,13 @@ class Tyre:
         speed = self._both(self._slipping, way)
         slip = self._both((self._slipping[0], shared(self._angle * over)), way)  # lambda, times `over`
         beyond = positive_part(slip - peak * over)
+        # (3.83) beyond the peak; adhesion does not fall further than at a slip of 1.
         share = larger(over - FALL / (1 - peak) * beyond, (1 - FALL) * over)
         return speed * larger(peak * self._rolling * share, slip * over), slip * self._grip * share
 
     def _both(self, ways: tuple[Expression, Expression], way: int) -> Expression:
         """Return the size of both together on a friction circle, else that of this way; above 0."""
+        # A parameter, not a branch: both laws are in the same equations, and no event is needed between them.
         circle = self._p["friction_circle"]
         together = sp.sqrt(ways[0] ** 2 + ways[1] ** 2)
         return shared(circle * together + (1 - circle) * size(ways[way]) + REST)

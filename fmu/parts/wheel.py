@@ -34,6 +34,7 @@ class DrivenWheel:
     def acceleration(self) -> Expression:
         """Return the motor's acceleration: I_w w' = tau - r F_s."""
         shaft = self.shaft
+        # The rolling resistance uses the shaft's bristle: both stop and turn round together.
         at_wheel = self._resistance * shaft.friction + self.radius * self.tyre.force_ahead()
         return (shaft.torque - at_wheel / shaft.gear) / (shaft.inertia + self._spin_inertia / shaft.gear**2)
 

@@ -33,6 +33,7 @@ def model() -> Model:
     steering = Steering(steer)
     platform = Platform(left, right, steering)
     lift = Lift(lift_motor)
+    # The order is that of the FMU's states: importers and the reference trajectories count on it.
     states = (
         *left.states(platform.shaft_acceleration("left"), platform.friction_start("left")),
         *right.states(platform.shaft_acceleration("right"), platform.friction_start("right")),

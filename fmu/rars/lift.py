@@ -27,6 +27,7 @@ class Lift:
         self.load = self.mass * P["gravity"] * self.gain  # F = W N / tan(theta) (2.17)
         middle = HALF * link * (sp.cos(P["lift_collapsed_angle"]) - sp.cos(P["lift_extended_angle"]))
         from_middle, free = self.travel - middle, middle + P["lift_clearance"]
+        # One expression for both stops: 0 between them, with the sign of the one that is met.
         self.pressed = from_middle - clamped(from_middle, free)
         self._past = (-from_middle - free, from_middle - free)
         self._thread = P["screw_friction"] / sp.cos(P["thread_angle"])  # mu sec(alpha)
@@ -52,6 +53,8 @@ class Lift:
         """Return the torque on the screw: (2.18) at friction +1, lowering at -1, sticking between."""
         diameter, pitch = P["screw_diameter"], P["screw_pitch"]
         thread = self._thread * self.motor.friction
+        # tan(lead angle + friction angle), without a tangent;
+        # the sign of the bristle turns raising into lowering.
         slope = (pitch + sp.pi * thread * diameter) / (sp.pi * diameter - thread * pitch)
         return self.load * diameter / 2 * slope
 
@@ -59,6 +62,7 @@ class Lift:
         """Return the motor's acceleration; friction comes from the static load (ASSUME)."""
         motor = self.motor
         bend = -P["lift_stages"] * P["lift_link_length"] ** 2 * self.per_rise**3  # d2h/dx2
+        # The gain changes with the travel: the load is accelerated also at a constant speed of the screw.
         convection = self.mass * self.gain * bend * self.speed**2
         damping = P["lift_stop_damping"] * self.speed
         stop = P["lift_stop_stiffness"] * (self.pressed + damping * size(self.pressed))

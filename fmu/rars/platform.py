@@ -126,6 +126,7 @@ class Platform:
         )
         resistance = self._resistance(self.front_load)
         uphill, left_front, left_rear = self._hold()
+        # On a slope the rear wheels carry more from the start.
         shift = P["cg_height"] / P["wheelbase"] * uphill
         pushes = [wheel.push() for wheel in self.rears.values()]
         pushes += [front.push() for front in self.fronts.values()]

@@ -65,6 +65,7 @@ class Steering:
         convection = self._wheel_inertia() * (self.bend_right + self.bend_left)
         damping = P["rack_stop_damping"] * self.speed
         stop = P["rack_stop_stiffness"] * (self.pressed + damping * size(self.pressed))
+        # The tyres' resistance at the kingpins uses the motor's bristle: both stop and turn round together.
         dry = (motor.coulomb + self.tyre_level()) * motor.friction
         torque = motor.free_torque - dry - self.ratio * (convection * self.speed**2 + stop)
         return torque / (motor.inertia + self.ratio**2 * self._mass())

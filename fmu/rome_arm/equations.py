@@ -28,6 +28,7 @@ class Rome:
 
     def __init__(self) -> None:
         self.base: Final = Base(bases.shafts(), carried=sum(LINKS))
+        # Lines of their own first: every link uses them, and SymPy would write them out each time.
         self.base.velocity = lines(self.base.velocity)
         self.arm: Final = Arm(Ground(*self.base.velocity))
         self.links: Final = self.arm.inertia()
@@ -40,6 +41,8 @@ class Rome:
         """Return the lower half of the mass matrix: of the base, and of what stands on it."""
         own, found = self.base.inertia(), [list(row) for row in self.links]
         for row in range(self.arm.first):
+            # The arm's matrix begins with the ground's three
+            # speeds, the base's own: both inertias add up there.
             for column in range(row + 1):
                 found[row][column] = line(found[row][column] + own[row, column])
         return found

@@ -50,8 +50,10 @@ class Base:
         rolled = sp.Matrix([P["wheel_radius"] * shaft.speed / shaft.gear for shaft in shafts])
         self.creep = sp.Matrix([symbol(f"creep_{shaft.axis}") for shaft in shafts])
         self.rests = [1 - symbol(f"lifted_{shaft.axis}") for shaft in shafts]
+        # A rim in the air runs ahead of the floor by its creep.
         self.velocity = inverse(sp.S.Zero, P["wheel_distance"]) * (rolled - self.creep)
         gear, rotor = P["gear_wheel"], P["rotor_inertia_wheel"]
+        # Wheel and rotor as a mass at the rim: their inertia over the radius squared.
         self.rim_mass = (P["wheel_inertia"] + rotor * gear**2) / P["wheel_radius"] ** 2
         self.load = (P["mass"] + carried) * P["gravity"] / 3 * P["roller_friction"]
         self.drive = sp.Matrix([shaft.torque * shaft.gear / P["wheel_radius"] for shaft in shafts])
@@ -92,6 +94,7 @@ class Base:
         u, q, yaw_rate = self.velocity
         pulls = self.drive + self.rim_mass * sp.Matrix(self.slowing())
         pulls = sp.Matrix([down * pull for down, pull in zip(self.rests, pulls, strict=True)])
+        # The last term: u and q are those of a frame that turns with the body.
         force = self.rims.T * pulls + P["mass"] * yaw_rate * sp.Matrix([q, -u, 0])
         for wheel, angle in enumerate(ANGLES):
             force += self.rubbing(wheel) * sp.Matrix([sp.cos(angle), sp.sin(angle), 0])
@@ -105,6 +108,7 @@ class Base:
         rows = [self.rims.row(wheel) for wheel in range(3)]
         found = [sp.Matrix([it[0] / mass, it[1] / mass, it[2] / turning]) for it in (force, *rows)]
         for wheel, row in enumerate(rows):
+            # The wheel's share of the mass is taken out again, as far as it is in the air.
             less = (1 - self.rests[wheel]) * self.rim_mass
             share = less / (1 - less * (row * found[wheel + 1])[0])
             way = found[wheel + 1]

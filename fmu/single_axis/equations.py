@@ -33,6 +33,7 @@ class GearLoad:
     def gear_torque(self) -> Expression:
         """Return what the gear gives to the load: nothing while the teeth cross the backlash."""
         stiffness, damping = P["flank_stiffness"], P["flank_damping"]
+        # Two flanks, each a stop that only pushes: between them the load is free.
         ahead = push(self.ahead, self.twisting, stiffness, damping)
         return ahead - push(self.behind, -self.twisting, stiffness, damping)
 
@@ -50,6 +51,7 @@ class GearLoad:
     def switches(self) -> tuple[Output, ...]:
         """Return the switches: 1 where one is closed, else 0."""
         low, high = P["limit_low"] - self.angle, self.angle - P["limit_high"]
+        # A cam between two angles: closed only between its edges.
         cam = passed(self.angle - P["home_low"]) * passed(P["home_high"] - self.angle)
         return (
             Output("negative_limit_axis", "1", "negative limit switch, 1 closed", passed(low), switch=True),
@@ -99,6 +101,7 @@ class Brake:
     def __init__(self, motor: Shaft) -> None:
         self.closed, self.grip = symbol("brake_axis"), symbol("brake_grip")
         self.torque = P["brake_torque"] * self.grip
+        # Closed it is a dry friction; open, the grip fades with the opening time.
         gripping = self.closed * bristle(motor.speed, self.grip, P["brake_presliding"])
         self.state = StateVariable(
             "brake_grip", "1", sp.S.Zero, gripping - (1 - self.closed) * self.grip / P["brake_opening"]

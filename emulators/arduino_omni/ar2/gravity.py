@@ -42,6 +42,7 @@ def weight(angles_deg: Sequence[float]) -> tuple[float, ...]:
         origins.append(_plus(before, _sum(a, along, d, axis)))
         axes.append(_sum(math.cos(twist), axis, math.sin(twist), _cross(along, axis)))
     middles = [_sum(0.5, one, 0.5, two) for one, two in pairwise(origins)]
+    # Each joint carries the links behind it only.
     return tuple(
         sum(
             LINKS[link][4] * GRAVITY * _rise(axes[joint], origins[joint], middles[link])

@@ -73,12 +73,14 @@ class Joints(Shafts):
         row = AXES[axis]
         ahead = 1 if level == row.ahead_level else -1
         pulsed_at = self._pulsed_at[axis]
+        # Full steps a second, mean of the last eight half steps.
         speed = len(pulsed_at) * SECOND / HALF_STEPS / max(at - pulsed_at[0], 1)
         pulsed_at.append(at)
         self.pulses[axis] += 1
         if self._on_count is not None:
             self._on_count(axis, ahead, at)
         place = self.places[axis] + ahead
+        # The switches lie 21 steps before the stops.
         if self._moves(axis, ahead, speed) and -OVERDRIVE <= place <= row.steps + OVERDRIVE:
             self.places[axis] = place
         else:

@@ -64,6 +64,7 @@ class MoveRequest:
 def waited(microseconds: int) -> int:
     """Return how long delayMicroseconds() takes for what is put into its 16 bits."""
     word = microseconds % (1 << 16)
+    # The loop counts 4 times the us down in 16 bits: from 0 it takes the whole range, 16384 us.
     return (word - 1) % LONGEST_US + 1 if word else 0
 
 
@@ -128,12 +129,14 @@ class Thinned:
         """Return whether it steps in this turn of the loop."""
         if self.over:
             return False
+        # 0 is "no second thinning": a counter of 1 never meets it.
         if self._second == 0:
             self._second_count = 1
         if self._second_count == self._second:
             self._second_count = 0
             return False
         self._second_count += 1
+        # Likewise for the first one.
         if self._first == 0:
             self._first_count = 1
         if self._first_count == self._first:

@@ -148,6 +148,7 @@ class Ar2Sketch:
         servo, value = number(line, "V", "P"), number(line, "P")
         least, most = SERVO_US
         if 0 <= servo < SERVOS:
+            # Servo.write(): below 544 it is an angle in degrees, from there on a pulse in us.
             if value < least:
                 value = least + min(max(value, 0), LARGEST_ANGLE) * (most - least) // LARGEST_ANGLE
             self.servos[servo] = min(value, most)
@@ -188,6 +189,7 @@ class Ar2Sketch:
         if self._mega.pins.read(pin) == level:
             self._say(words.DONE)
         else:
+            # The sketch polls: in the meantime received bytes only enter its ring.
             self._mega.do(Delay(POLL), Call(self._look))
 
     def _echo(self, line: bytes) -> None:
@@ -232,6 +234,7 @@ class Ar2Sketch:
 
     def _go_on(self, at: Nanoseconds) -> None:
         """Let the pins rise that are due, and wait for the next ones."""
+        # A pulse is LOW for its width: the pins that fell with the last beat rise now.
         for axis in self._rising:
             self._write(AXES[axis].step_pin, 1, at)
         self._rising = ()
@@ -276,6 +279,7 @@ class Ar2Sketch:
     def _next_point(self, _: Nanoseconds) -> None:
         """Go to the next of n + 1 points; the last one's text stays in front of the next line."""
         self._point += 1
+        # `<=` in the sketch's loop: it moves once more than it has points.
         if self._point > self._last_point or self._point >= POINTS:
             return
         line = self._points[self._point]

@@ -57,6 +57,7 @@ def atoi(text: bytes) -> int:
     for byte in text[1:] if text[:1] in {b"-", b"+"} else text:
         if byte not in _DIGITS:
             break
+        # Wrapped at each digit, as the 16-bit sum of avr-libc is.
         value = int16(10 * value + byte - 0x30)
     return int16(-value if negative else value)
 

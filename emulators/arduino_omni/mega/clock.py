@@ -38,6 +38,7 @@ class Clock:
         ahead = (value - total) % WORD
         if ahead == 0 or ahead >= WORD // 2:
             return now
+        # An overflow is 128/125 ms: the first one at which the total is there, rounded up.
         overflows = -(-WHOLE * (total + ahead) // (WHOLE + FRACTION))
         return self.started_at + overflows * OVERFLOW
 

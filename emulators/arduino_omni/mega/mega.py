@@ -177,9 +177,11 @@ class Mega:
         self.advance(now)
         if self._sketch is not None:
             self.serial.arrived(byte)
+            # The sketch may have been idle for long: it reads the byte now, not then.
             self._free_at = max(self._free_at, now)
             self.advance(now)
         elif self._powered and not self._held:
+            # A host that sends too early keeps the loader for another 9 s: its board seems dead.
             self._starts_at = now + KEPT
             self.kept()
 
@@ -192,6 +194,7 @@ class Mega:
             return self.bus.due
         if self._jobs or self.serial.available:
             return self._free_at
+        # Requested once for each idle time: `due` is read at every event of the world.
         if self._wakes_at == _NOT_REQUESTED:
             self._wakes_at = self._sketch.due(self._free_at)
         return max(self._free_at, self._wakes_at)
@@ -208,7 +211,9 @@ class Mega:
                     " there, and it wants to go on; its `due` must be later than its last `loop`"
                 )
             begun = max(begun, at)
+            # The motors first: the sketch reads the counts of this instant.
             self.shafts.reach(at)
+            # Whatever happens now may change when the sketch has to be called.
             self._wakes_at = _NOT_REQUESTED
             if self._sketch is None:
                 self._start(at)
@@ -257,6 +262,7 @@ class Mega:
             self._call(job, at)
 
     def _call(self, job: Call, at: Nanoseconds) -> None:
+        # As after a transfer: what the action requests comes before what waits already.
         waiting = list(self._jobs)
         self._jobs.clear()
         job.action(at)

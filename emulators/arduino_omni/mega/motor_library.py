@@ -56,6 +56,7 @@ def pre_scale(frequency: int) -> int:
     """
     if frequency == 0:
         return 0
+    # 25 MHz / 4096 / (f * 0.9) - 1, rounded: 1600 Hz give 3, and a true 1525.88 Hz.
     divider = float32(float32(OSCILLATOR_HZ / PERIOD_COUNTS) / float32(frequency * CORRECTION))
     return floor(float32(float32(divider - 1) + 0.5)) & BYTE
 
@@ -72,6 +73,7 @@ def set_pin(channel: int, *, high: bool) -> bytes:
 
 def set_speed(port: Port, speed: int) -> bytes:
     """Return the write of setSpeed(); speed 0 to 255."""
+    # 255 * 16 is 4080 of 4096: 99.6 %, never fully on.
     return pwm(port.pwm, 0, (speed & BYTE) * COUNTS_PER_STEP)
 
 
@@ -83,6 +85,7 @@ def set_speed_fine(port: Port, speed: int) -> bytes:
 def run(port: Port, command: int) -> tuple[bytes, ...]:
     """Return the writes of a run command; nothing for what the library has no case for."""
     if command == RunArgument.FORWARD:
+        # LOW before HIGH, as in the library: both HIGH in between would be a short brake.
         return set_pin(port.in2, high=False), set_pin(port.in1, high=True)
     if command == RunArgument.BACKWARD:
         return set_pin(port.in1, high=False), set_pin(port.in2, high=True)
@@ -109,6 +112,7 @@ def begin(address: int, frequency: int = DEFAULT_HZ, *, repeated_start: bool = F
     else:
         yield OnBus(write(address, bytes((MODE1,))))
         yield OnBus(read(address, 1))
+    # PRE_SCALE is writable only while SLEEP is set.
     yield OnBus(write(address, bytes((MODE1, SLEEP))))
     yield OnBus(write(address, bytes((PRE_SCALE, pre_scale(frequency)))))
     yield OnBus(write(address, bytes((MODE1, 0))))

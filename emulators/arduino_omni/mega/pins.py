@@ -80,6 +80,7 @@ class Pins:
         """Read a pin as digitalRead() does."""
         if pin >= PINS:
             return 0
+        # The core's digitalRead() ends a PWM on that pin, too.
         self.duties.pop(pin, None)
         if self.modes[pin] == OUTPUT:
             return self._latches[pin]
@@ -140,6 +141,7 @@ class Counter:
     def total(self) -> int:
         """Return the count before it wraps."""
         motor, sign = self.shafts.motor(self.pin_a, self.pin_b)
+        # Both channels need an interrupt: on 10 and 11, the third encoder, that is a pin-change one.
         if not sign or not (self.any_pin or {self.pin_a, self.pin_b} <= EXTERNAL_INTERRUPTS):
             return self._zero
         return self._zero + sign * self.shafts.edges[motor]
@@ -151,4 +153,5 @@ class Counter:
 
     def set(self, count: int) -> None:
         """Set the present count."""
+        # An offset: the shaft's edges stay as they are, and so do other counters.
         self._zero += count - self.total()

@@ -37,6 +37,7 @@ class Divider:
 
 def divider(baud: int) -> Divider:
     """Return what Serial.begin(baud) sets; integer divisions as in the core."""
+    # With U2X a bit is 8 * (UBRR + 1) clocks: 115200 Bd becomes 117647, 2.1 % fast.
     ubrr = (CLOCK_HZ // 4 // baud - 1) // 2
     if baud == WITHOUT_DOUBLE_SPEED or ubrr > LARGEST_DIVIDER:
         return Divider((CLOCK_HZ // 8 // baud - 1) // 2, double_speed=False)
@@ -85,11 +86,13 @@ class Uart:
 
     def write(self, data: bytes, now: Nanoseconds) -> Nanoseconds:
         """Send bytes; return when the call comes back, which is when the last one has found room."""
+        # The former burst has left: a new grid of byte times begins now.
         if self._leaves(self._burst) <= now:
             self._burst_at, self._burst = now, 0
         for byte in data:
             self._burst += 1
             self._sent.append((self._leaves(self._burst), byte))
+        # 63 bytes fit in the ring, and 2 are on their way: the call waits until the others have gone.
         return max(now, self._leaves(max(0, self._burst - RING - ON_ITS_WAY)))
 
     def taken(self, now: Nanoseconds, most: int | None = None) -> bytes:

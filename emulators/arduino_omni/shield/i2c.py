@@ -124,12 +124,14 @@ class I2cBus:
         if self.stuck:
             self._next_at = self._stop_at = NEVER
             return
+        # START, then the address and its acknowledge.
         self._next_at = now + self.bit + BITS_PER_BYTE * self.bit
         self._stop_at = now + self.duration(transfer)
         self._fine = self._shows_each_byte(transfer)
 
     def duration(self, transfer: Transfer) -> Nanoseconds:
         """Return the time from START to STOP where everything is acknowledged."""
+        # One bit time for each START, and one for the STOP.
         bits = sum([1 + BITS_PER_BYTE * segment.length for segment in transfer.segments]) + 1
         return bits * self.bit
 
@@ -177,6 +179,7 @@ class I2cBus:
         while at <= now:
             self.bytes += 1
             if not self._byte(segment, place, at):
+                # Wire ends a transfer at the first byte without acknowledge, and still sends STOP.
                 self._acknowledged = False
                 self._end(at)
                 return
@@ -202,6 +205,7 @@ class I2cBus:
         if segment.to_read:
             byte = NO_ANSWER
             for chip in self._addressed:
+                # Open drain: where several chips answer, a 0 wins.
                 byte &= chip.read(at)
             self._read.append(byte)
             return True

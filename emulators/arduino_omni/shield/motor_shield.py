@@ -36,6 +36,7 @@ def share(pwm: Wave, in1: Wave, in2: Wave) -> BridgeDuty:
     waves = (pwm, in1, in2)
     edges = {0, PERIOD_COUNTS}
     for it in waves:
+        # The bridge changes only where one of its inputs does: one look for each piece between two edges.
         edges |= {it.rises, (it.rises + it.high) % PERIOD_COUNTS}
     counts = dict.fromkeys(Bridge, 0)
     cuts = sorted(edges)

@@ -120,6 +120,7 @@ class Pca9685:
         for register, value in POWER_ON.items():
             self._registers[register] = value
         for channel in range(CHANNELS):
+            # Power-on value of each LEDn_OFF_H, 0x10: fully off.
             self._registers[LED0 + 4 * channel + 3] = FULL
         self._held = self._channel_written = self._reset_due = False
         self._awake_at = NEVER
@@ -182,6 +183,7 @@ class Pca9685:
 
     def _groups(self) -> set[int]:
         mode1 = self._registers[MODE1]
+        # The registers hold addresses of 8 bits, of which the lowest is not used.
         own = {self._registers[ALLCALLADR] >> 1} if mode1 & ALLCALL else set[int]()
         return own | {self._registers[SUBADR1 + n] >> 1 for n in range(3) if mode1 & SUB1 >> n}
 
@@ -197,6 +199,7 @@ class Pca9685:
         """Take a byte: the register's number, or what goes into it."""
         if self._general:
             self._calls += 1
+            # SWRST is one byte 06 to the general call; any further one cancels it, and it counts at the STOP.
             self._reset_due = self._calls == 1 and byte == SOFTWARE_RESET
             return self._reset_due
         if self._selecting:
@@ -233,6 +236,7 @@ class Pca9685:
             self.changes += 1
             self._latched[:] = taken
         if self._channel_written:
+            # Data sheet: a write to a channel, with its STOP, clears RESTART as well.
             self._channel_written = False
             if self._held:
                 self.changes += 1
@@ -251,9 +255,11 @@ class Pca9685:
         elif SUBADR1 <= number <= ALLCALLADR:
             self._registers[number] = byte & 0xFE
         elif ALL_LED <= number < PRE_SCALE:
+            # ALL_LED writes through to all 16 channels, and itself reads 0.
             for channel in range(CHANNELS):
                 self._set_channel(LED0 + 4 * channel + number - ALL_LED, byte)
         elif number == PRE_SCALE and self._registers[MODE1] & SLEEP:
+            # A value below 3 behaves as 3 (data sheet).
             self._registers[PRE_SCALE] = max(byte, LOWEST_PRE_SCALE)
 
     def _set_channel(self, number: int, byte: int) -> None:
@@ -264,16 +270,19 @@ class Pca9685:
     def _set_mode1(self, byte: int, at: Nanoseconds) -> None:
         self.changes += 1
         before = self._registers[MODE1]
+        # EXTCLK is taken with SLEEP set before and now, and is cleared by a reset only.
         sticky = before & EXTCLK or (byte & EXTCLK if before & SLEEP and byte & SLEEP else 0)
         self._registers[MODE1] = byte & ~(RESTART | EXTCLK) | sticky
         if byte & SLEEP:
             if not before & SLEEP:
+                # RESTART reads 1 only if SLEEP has stopped a channel that ran.
                 self._held = self._held or self._pwm_runs()
             self._awake_at = NEVER
             return
         if before & SLEEP:
             self._awake_at = NEVER if sticky else at
         elif byte & RESTART and self._awake_at != NEVER and at >= self._awake_at + STARTS_IN:
+            # RESTART resumes the channels, 500 us after SLEEP at the earliest, and clears itself.
             self._held = False
 
     def _pwm_runs(self) -> bool:

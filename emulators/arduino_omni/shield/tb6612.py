@@ -71,6 +71,7 @@ class BridgeDuty:
 
         None of it holds while all is open: then the motor has its own voltage, and no current.
         """
+        # Slow decay: in a short brake the current flows through both transistors, too.
         conducts = self.cw + self.ccw + self.brake
         return ((self.cw - self.ccw) * supply - conducts * current * resistance) / COUNTS
 
@@ -117,6 +118,7 @@ class Thermal:
         """Advance to `now` with these currents, in A, since the last call."""
         watts = sum(ON_RESISTANCE * current * current for current in currents)
         settled = AMBIENT_C + KELVIN_PER_WATT * watts
+        # Exact for a constant power, whatever the time since the last call.
         left = math.exp(-to_seconds(now - self._at) / WARMS_IN_S)
         self.celsius = settled + (self.celsius - settled) * left
         self._at = now

@@ -48,8 +48,10 @@ class MotorPid:
     def update(self, encoder: int) -> int:
         """Take the count at a frame's end; return the PWM, -255 to 255."""
         gains = self.gains
+        # int has 16 bits: more than 32767 counts a frame wrap, as on the AVR.
         moved = int16(encoder - self._before)
         error = int32(self.target - moved)
+        # Derivative on the measurement: a new target gives no kick.
         damped = int16(gains.kd * int16(moved - self._input_before))
         wanted = quotient(int32(int32(gains.kp * error) - damped + self._integral), gains.ko)
         wanted = int32(wanted + self.output)
@@ -58,6 +60,7 @@ class MotorPid:
         elif wanted <= -MAX_PWM:
             wanted = -MAX_PWM
         else:
+            # Anti-windup of the original: the integral grows only while the output is not clamped.
             self._integral = int16(self._integral + int32(gains.ki * error))
         self.encoder = self._before = encoder
         self.output = wanted

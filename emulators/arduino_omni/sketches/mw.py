@@ -92,6 +92,7 @@ class MwSketch:
     def loop(self, now: Nanoseconds) -> None:
         """Read up to the end of a frame, and obey it."""
         self._now = now
+        # readBytes() waits 1 s for each byte: a frame that the host has cut off is forgotten then.
         if self._late_at <= now:
             self._requests.forget()
             self._late_at = NEVER
@@ -112,6 +113,7 @@ class MwSketch:
         return True
 
     def _answer(self, data: bytes = b"") -> None:
+        # The sketch flushes its input behind each answer: a host that sends ahead loses frames.
         self._mega.do(Say(mw.encode_answer(self._code, data)), Call(self._flush))
 
     def _flush(self, _now: Nanoseconds) -> None:
@@ -124,6 +126,7 @@ class MwSketch:
 
     def _info(self, request: messages.GetServerInfo) -> None:
         names = tuple(name.encode() for name in self._libraries)
+        # GET_SERVER_INFO lights pin 13, as the original does.
         self._mega.pins.configure(LED, OUTPUT)
         self._mega.pins.write(LED, 1)
         self._answer(mw.row_of(request).answer.encode(messages.ServerInfo(*VERSION, BOARD, 0, names)))
@@ -167,6 +170,7 @@ class MwSketch:
         self._answer()
 
     def _create_motor(self, request: messages.CreateMotor) -> None:
+        # MATLAB counts motors from 0, getMotor() from 1.
         port = library.motor(request.motor + 1)
         if port is not None and request.shield in self._shields:
             self._motors[request.shield, request.motor] = port
@@ -197,6 +201,7 @@ class MwSketch:
     def _attach(self, request: messages.AttachEncoder) -> None:
         if request.encoder < self._encoders:
             stock = self._encoders <= STOCK_ENCODERS
+            # The stock library counts two encoders, by external interrupts only.
             counter = Counter(self._mega.shafts, request.pin_a, request.pin_b, 64, any_pin=not stock)
             self._counters[request.encoder] = counter
         self._answer()
@@ -212,18 +217,22 @@ class MwSketch:
     def _read_count(self, request: messages.ReadCount) -> None:
         total = self._total(request.encoder)
         count = wrapped(total, 32)
+        # What is beyond the INT32 of the count, in an INT8.
         overflow = wrapped((total - count) >> 32, 8)
         answer = messages.Count(count, self._mega.clock.millis(self._now), overflow)
         if request.reset and request.encoder in self._counters:
+            # Behind the reading: the answer has the count up to here.
             self._counters[request.encoder].set(0)
         self._answer(mw.row_of(request).answer.encode(answer))
 
     def _read_speed(self, request: messages.ReadSpeed) -> None:
         self._counts_before = [(it, self._total(it)) for it in request.encoders]
+        # Counted over 20 ms, in which the sketch reads no byte.
         self._mega.do(Delay(SPEED_TIME), Call(self._speeds_now))
 
     def _speeds_now(self, _now: Nanoseconds) -> None:
         pairs = [(self._total(it) - before) for it, before in self._counts_before]
+        # For each encoder an overflow flag, and the difference as INT16, low byte first.
         self._answer(b"".join(_SPEED.pack(int(it != int16(it)), int16(it)) for it in pairs))
 
     def _write_count(self, request: messages.WriteCount) -> None:

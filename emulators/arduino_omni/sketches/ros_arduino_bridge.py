@@ -82,6 +82,7 @@ class RosSketch:
         for pins in ENCODER_PINS[: self._motors]:
             for pin in pins:
                 self._mega.pins.configure(pin, INPUT_PULLUP)
+        # First of all: after a reset of the board alone the shield still drives its motors.
         self._mega.do(library.release_all(self._address))
         self._mega.do_all(library.begin(self._address))
 
@@ -92,6 +93,7 @@ class RosSketch:
     def due(self, now: Nanoseconds) -> Nanoseconds:
         """Return when millis() has passed the next frame, or the auto-stop's time."""
         clock = self._mega.clock
+        # The sketch compares with "later than": a frame is due 1 ms behind its number.
         frame = clock.shows((self._next_frame + 1) % CLOCK_WORD, now)
         if not self._driven:
             return frame
@@ -106,6 +108,7 @@ class RosSketch:
                 return  # until that is done
         self._obeyed = False
         millis = self._mega.clock.millis(now)
+        # millis() wraps after 49.7 days: the signed difference decides, not the value.
         if 0 < (millis - self._next_frame) % CLOCK_WORD < CLOCK_WORD // 2:
             self._frame()
             self._next_frame = (self._next_frame + PID_INTERVAL) % CLOCK_WORD
@@ -183,6 +186,7 @@ class RosSketch:
         targets = [self._number(motor) for motor in range(self._motors)]
         if any(targets):
             if not self._moving:
+                # From the present counts: what was turned since the last loop is no speed.
                 self._reset_pids()
             self._moving = self._driven = True
         else:
@@ -199,6 +203,7 @@ class RosSketch:
         self._reset_pids()
         self._moving = False
         speeds = [self._number(motor) for motor in range(self._motors)]
+        # Raw PWM has an auto-stop, too.
         self._driven = any(speeds)
         self._drive(speeds)
         self._say(words.OK)
@@ -214,6 +219,7 @@ class RosSketch:
     def reset_encoders(self) -> None:
         """Obey `r`."""
         for counter in self._counters:
+            # The loops must begin again, too: the jump of the counts would be taken for a speed.
             counter.set(0)
         self._reset_pids()
         self._say(words.OK)
@@ -245,6 +251,7 @@ class RosSketch:
         if self._moving:
             counts = [counter.count for counter in self._counters]
             self._drive([pid.update(count) for pid, count in zip(self.pids, counts, strict=True)])
+        # Once after the loop has ended, as in the original's updatePID().
         elif any(pid.turned for pid in self.pids):
             self._reset_pids()
 

@@ -160,6 +160,7 @@ class BoardChatters(_OfBoards, Lasting):
         if now < self.end:
             for name in self.on(site.robot):
                 site.boards[name].mega.print(PRINTED, now)
+                # The board has bytes to send now, and no packet would wake it.
                 site.world.rouse(name)
             site.world.call_at(now + self.every_ms * MILLISECOND, self._print, site)
 
@@ -187,6 +188,7 @@ class ShieldAbsent(_BusStuck):
         """Take it off; the board's pull-ups went with it."""
         super().put_on(site, chance)
         for name in self.on(site.robot):
+            # Up to now the motors have turned by the outputs that the chip had.
             site.shield(name).advance(site.world.now)
             site.shield(name).mega.shield.chip.power_on()
 

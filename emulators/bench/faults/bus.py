@@ -161,6 +161,7 @@ class CanCut(OnBus, Lasting):
         yield from found
         if found:
             return
+        # The bridge is at one end, the drives follow in the order of the robot file.
         cable = self.among.of(robot)
         one, other = sorted(cable.index(named(robot, node) or "") for node in self.between)
         if other != one + 1:
@@ -170,6 +171,7 @@ class CanCut(OnBus, Lasting):
         """Cut it."""
         del chance
         cable = self.among.of(site.robot)
+        # The cable is a line: from the farther neighbor on, every node is beyond the cut.
         far = max(cable.index(named(site.robot, node) or "") for node in self.between)
         site.cans[self.on(site.robot)].cut(cable[far:])
 
@@ -196,6 +198,7 @@ class BabblingNode(OnBus, Lasting):
     def _babble(self, site: Site) -> None:
         world = site.world
         if world.now < self.end:
+            # No more than that: a queue that grew would go on after the fault's end.
             if site.waiting(self.on(site.robot)) < _AHEAD:
                 site.send(self.on(site.robot), self.identifier, bytes(8))
             world.call_at(world.now + self.every_us * MICROSECOND, self._babble, site)
@@ -215,6 +218,7 @@ class NmtForeignNode(OnBus):
         """Send it."""
         del chance
         name = None if self.node is None else named(site.robot, self.node)
+        # Node-ID 0 is a broadcast (CiA 301).
         number = next((axis.epos2.node for axis in site.robot.axes if axis.name == name), canopen.ALL_NODES)
         site.send(self.on(site.robot), canopen.NMT, canopen.encode_nmt(_COMMANDS[self.command], number))
 

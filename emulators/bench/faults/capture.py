@@ -50,6 +50,7 @@ class MarkersSwapped(_Seen):
         turn = math.radians(self.turn_deg)
         for system in site.captures.values():
             for body in system.exposure.bodies:
+                # In the body's own axes: ahead of where it truly is, wherever it looks.
                 aside = (self.aside_m, 0.0, 0.0)
                 system.hide(Swapped(body.id, self.begin, self.end, aside, turn))
 

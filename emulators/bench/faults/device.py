@@ -85,6 +85,7 @@ class _Supply(_OnAxes):
 
     def begin_at(self, axis: ServoAxis) -> None:
         """Put the voltage on."""
+        # 0 in the record means "not forced".
         axis.forced_supply_mv = max(1, round(self.to_v * MILLI))
 
     def end_at(self, axis: ServoAxis) -> None:
@@ -208,6 +209,7 @@ class EncoderSwapped(Lasting):
     def _exchange(self, site: Site, *, swapped: bool) -> None:
         for name in self.targets(site.robot):
             if name in site.axes:
+                # One bit of several: a missing index at the same time stays.
                 wrong = site.axes[name].sensor_faults & ~SWAPPED
                 site.axes[name].sensor_faults = wrong | SWAPPED if swapped else wrong
             else:
@@ -254,6 +256,7 @@ class EncoderFrozen(_OnAxes):
 
     def begin_at(self, axis: ServoAxis) -> None:
         """Let go of the disc: no count and no index any more."""
+        # All counts lost, but not the cable: the drive must not report a sensor breach (FF0A).
         axis.encoder_loss = MILLI
         axis.sensor_faults |= INDEX_MISSING
 

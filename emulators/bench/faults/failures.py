@@ -40,6 +40,7 @@ def failures_of(robot: AnyRobot) -> tuple[Failure, ...]:
         for how in SEVERE.get(kind.name, ({},)):
             for place, keys in _places(kind, robot):
                 failure = Failure(kind.name, place, {**how, **keys}, kind.lasts)
+                # A fault that this robot cannot have is no row: the fault's own check decides.
                 if not tuple(read({"kind": kind.name, "at_s": 0.0, **failure.keys}).problems(robot)):
                     found.append(failure)
     return tuple(found)

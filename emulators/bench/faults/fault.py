@@ -40,6 +40,7 @@ class Stations(Enum):
             return []
         if self is Stations.MOTORS:
             return [axis.name for axis in robot.axes if axis.link in robot.shield_links]
+        # An arm's steppers have none: its board counts pulses.
         if self is Stations.ENCODERS:
             links = {*robot.epos2_links, *robot.shield_links}
             return [axis.name for axis in robot.axes if axis.link in links]
@@ -73,6 +74,7 @@ class Fault(Table, ABC):
     def targets(self, robot: AnyRobot) -> frozenset[str]:
         """Return the names of those that it meets; all of them where it names none."""
         node = getattr(self, "node", None)
+        # A node that the robot lacks stays as it is named: `problems` reports it.
         everybody = self.among.of(robot)
         return frozenset(everybody if node is None else [named(robot, node) or str(node)])
 

@@ -40,6 +40,7 @@ class BridgeEnds(Lasting):
         """Request its end, or kill it."""
         del chance
         if self.how == "killed":
+            # Killed: what it had not wholly sent is lost, and no stop stage follows.
             site.world.detach(BRIDGE)
             return
         self._ask(site)

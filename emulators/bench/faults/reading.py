@@ -84,5 +84,6 @@ def _text_of(kind: FaultKind, error: ErrorDetails) -> InitErrorDetails:
 
 
 def _error(location: tuple[int | str, ...], problem: str) -> InitErrorDetails:
+    # pydantic formats the message: braces in a value would be taken for fields.
     message = problem.replace("{", "{{").replace("}", "}}")
     return InitErrorDetails(type=PydanticCustomError(WRONG, message), loc=location, input=None)

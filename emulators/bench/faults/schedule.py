@@ -41,6 +41,7 @@ class Faults:
         """Plan these faults, beside those that were planned before; FaultError for any that cannot happen."""
         now, first = self._site.world.now, len(self._planned)
         everything = [*self._planned, *faults]
+        # In the messages faults count from the first one of this call, as in its mission file.
         problems = [
             (key.replace(f"fault[{number}]", f"fault[{number - first}]", 1), problem)
             for key, problem in misfits(everything, self._site.robot)
@@ -69,6 +70,7 @@ class Faults:
         targets = tuple(sorted(fault.targets(self._site.robot)))
         ended = None if lasts else world.now
         self.records.append(FaultRecord(fault.kind, fault.title, targets, world.now, ended))
+        # A generator for each: another fault that is planned behind it changes none of its draws.
         fault.put_on(self._site, np.random.default_rng([self._seed, FAULT_STREAM, number]))
 
     def _end(self, number: int) -> None:

@@ -109,6 +109,7 @@ class Site:
         )
 
     def _foreign_node(self, link: str, name: str, wires: Mapping[str, Wire]) -> WorldNode:
+        # Attached with its first frame: a silent node on the bus would already acknowledge others' frames.
         found = self._foreign_nodes.get(link)
         if found is None:
             found = self._foreign_nodes[link] = self.world.attach(name, ForeignNode(), wires)
@@ -122,6 +123,7 @@ class Site:
     def switch_off(self, name: str) -> None:
         """Take the supply from a drive, logic included: it is off its wires, its motor without power."""
         self._unplugged[name] = self.world.links(name)
+        # Off the wires first: a frame that is under way is destroyed with the supply.
         self.world.detach(name)
         self.drives[name].switch_off()
 

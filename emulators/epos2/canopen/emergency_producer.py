@@ -80,12 +80,14 @@ class EmergencyProducer:
 
     def _remember(self, code: int) -> None:
         store = self._store
+        # Newest first (CiA 301, 0x1003): the oldest of five is dropped.
         older = [store.get(address) for address in HISTORY[:-1]]
         for address, value in zip(HISTORY, (code, *older), strict=True):
             store.set(address, value)
         store.set(at.ERROR_HISTORY_COUNT, min(store.get(at.ERROR_HISTORY_COUNT) + 1, DEPTH))
 
     def _clear_history(self, value: int) -> None:
+        # CiA 301: only 0 may be written to 0x1003:00, and clears the history.
         if value != 0:
             raise SdoAbort(AbortCode.RANGE, at.ERROR_HISTORY_COUNT)
         for address in HISTORY:

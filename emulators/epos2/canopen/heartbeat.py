@@ -48,6 +48,7 @@ class Producer:
 
     def produce(self, state: NmtState, now: Nanoseconds) -> bytes:
         """Return the payload that is due, and move on to the next instant of the same grid."""
+        # A late wake-up must not shift the grid; `due` 0 is "at once", and starts a grid now.
         since = now - self.due if self.due else 0
         self.due = now - since % self._period + self._period
         word = state | self._flip
@@ -169,6 +170,7 @@ class ErrorControl:
         return bool(silent)
 
     def _take_guarding(self, address: Address, value: int) -> None:
+        # A hook runs before the store takes its value: only the other object is read from there.
         time_ms, factor = (
             value if each == address else self._store.get(each) for each in (GUARD_TIME, LIFE_TIME_FACTOR)
         )
@@ -188,8 +190,10 @@ class ErrorControl:
         node, elsewhere = word >> 16, self._store.get(other)
         if node > LAST_NODE:
             raise SdoAbort(AbortCode.RANGE, address)
+        # CiA 301: two monitors for one node are refused with 0x06040043.
         if node and word & TIME_MASK and elsewhere & TIME_MASK and node == elsewhere >> 16:
             raise SdoAbort(AbortCode.PARAMETER_CLASH, address)
+        # Written once more as it is, it must not end a monitor that waits.
         if word != self._store.get(address):
             self.consumers[place].configure(word)
             self._touched = True

@@ -25,9 +25,11 @@ class HighResolutionClock:
 
     def latch(self, now: Nanoseconds) -> None:
         """Note the time of a SYNC."""
+        # The sum binds before the mask: 32 bits of microseconds wrap after 71.6 minutes.
         self._latched = now // MICROSECOND + self._correction & 0xFFFF_FFFF
 
     def _correct(self, master: int) -> None:
         """Take the master's time at the last SYNC; from now on the clock agrees with it."""
+        # It may be negative, and is not masked: `latch` masks the sum.
         self._correction += master - self._latched
         self._latched = master

@@ -36,6 +36,7 @@ class Identity:
         """Begin as after power-on: number and bit rate from switch, copy or default, and all objects."""
         lss.pending_node = None
         store.node_id = self.dip_switch or FIRST_NUMBER
+        # The number before the objects: the defaults of the COB-IDs contain it.
         self.node = store.node_id = self.dip_switch or memory.saved(NODE_NUMBER)
         memory.load()
         self._take(store, memory.saved(BIT_RATE))
@@ -47,6 +48,7 @@ class Identity:
 
     def switch(self, code: int, delay: Nanoseconds, now: Nanoseconds) -> None:
         """Change the bit rate after a delay, and be quiet for another one."""
+        # CiA 305: the delay counts twice, up to the change and from there to the first frame.
         self._next, self._delay, self._quiet = code, delay, True
         self.due = now + delay
 
@@ -55,6 +57,7 @@ class Identity:
         if now < self.due:
             return False
         if self._next is not None:
+            # Noted first: `_take` ends the silence.
             ends = self.due + self._delay
             self._take(store, self._next)
             self._quiet, self.due = True, ends

@@ -82,6 +82,7 @@ class LssSlave:
         except ValueError:
             return None
         if command is LssCommand.SWITCH_GLOBAL:
+            # Not answered (CiA 305): it is for all slaves at once.
             self._configuring = payload[1] == CONFIGURATION
             return None
         value = int.from_bytes(payload[1:5], "little")
@@ -101,6 +102,7 @@ class LssSlave:
     def _select(self, place: int, value: int) -> bytes | None:
         """Follow the four questions, which must come in their order and all fit."""
         fits = value == self._store.get(IDENTITY[place])
+        # A frame out of order spoils the sequence; the vendor, place 0, always begins a new one.
         self._selected = place + 1 if fits and place in (0, self._selected) else 0
         if self._selected < len(IDENTITY):
             return None
@@ -110,6 +112,7 @@ class LssSlave:
 
     def _identify(self, place: int, value: int) -> bytes | None:
         revision, serial = self._store.get(at.REVISION), self._store.get(at.SERIAL_NUMBER)
+        # CiA 305: vendor, product, then lower and upper bound of revision and of serial number.
         fits = (
             value == self._store.get(at.VENDOR_ID),
             value == self._store.get(at.PRODUCT_CODE),
@@ -140,6 +143,7 @@ class LssSlave:
         return encode_lss(LssCommand.SET_BIT_TIMING, LssError.NONE)
 
     def _activate(self, payload: bytes) -> None:
+        # Not answered (CiA 305): the rate at which an answer would be received is about to end.
         self._switch(self._store.get(BIT_RATE), int.from_bytes(payload[1:3], "little") * MILLISECOND)
 
     def _keep(self, _payload: bytes) -> bytes:

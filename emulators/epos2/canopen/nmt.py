@@ -44,6 +44,7 @@ TARGETS: Final[Mapping[NmtCommand, NmtState]] = MappingProxyType(
 def command_for(node_id: int, payload: bytes) -> NmtCommand | None:
     """Return the command in a frame if it is for this node or for all; surplus bytes do not count."""
     decoded = decode_nmt(payload)
+    # Node-ID 0 addresses all nodes (CiA 301).
     if decoded is None or decoded[1] not in (ALL_NODES, node_id):
         return None
     return decoded[0]

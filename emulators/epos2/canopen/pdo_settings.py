@@ -133,6 +133,7 @@ class PdoSettings:
 
     def _take_cob_id(self, word: int) -> None:
         number = word & ~(COB_ID_INVALID | COB_ID_NO_REMOTE)
+        # COB-ID 0 is accepted together with bit 31 only.
         absent = number == 0 and word & COB_ID_INVALID
         if not absent and not FIRST_COB_ID <= number <= LAST_COB_ID:
             raise SdoAbort(AbortCode.RANGE, self._cob_id)
@@ -153,12 +154,14 @@ class PdoSettings:
         self._check_mappable(address)
         if self._store.get(self._count):
             raise SdoAbort(AbortCode.UNSUPPORTED_ACCESS, address)
+        # 0 empties a place of the mapping.
         if word and not self._carries(word):
             raise SdoAbort(AbortCode.NOT_MAPPABLE, address)
         self._touched()
 
     def _take_count(self, count: int) -> None:
         self._check_mappable(self._count)
+        # The sum is judged here: entries may be written in any order while the count is 0.
         words = [self._store.get(address) for address in self._entries[:count]]
         if not all(self._carries(word) for word in words):
             raise SdoAbort(AbortCode.NOT_MAPPABLE, self._count)

@@ -50,6 +50,7 @@ class ReceivePdo:
 
     def sync(self) -> None:
         """Take over what waits for SYNC."""
+        # Taken once: without a new frame the next SYNC changes nothing.
         values, self._pending = self._pending, ()
         if values:
             self._apply(values)
@@ -77,6 +78,7 @@ class TransmitPdo:
         self.on_change = settings.transmission == ON_CHANGE
         self._inhibit = settings.inhibit
         self._moving = any(cell.row.address not in EVENT_DRIVEN for cell in cells)
+        # Such values raise no event: they are compared at intervals, no shorter than they may be sent.
         self._poll = max(poll, self._inhibit) if self._moving else NEVER
         self._pack = settings.layout().pack
         self._reads = tuple(cell.live for cell in cells)
@@ -105,6 +107,7 @@ class TransmitPdo:
 
         `changes` is the store's count of them.
         """
+        # The usual case, with every frame on the bus: nothing has changed.
         if changes == self._known and self.due == NEVER:
             return None
         if not self._moving:
@@ -112,6 +115,7 @@ class TransmitPdo:
         payload = self.payload()
         if payload != self._last:
             if now < self._allowed:
+                # Inhibited: what is sent then are the values of that instant, not these.
                 self.due = self._allowed
                 return None
             self._last = payload
@@ -198,6 +202,7 @@ class ProcessData:
         if not settings.valid or not settings.cells():
             return None
         pdo = TransmitPdo(settings, self._profile.poll)
+        # A PDO that becomes valid in Operational begins as if the node had just entered it.
         if self._state() is NmtState.OPERATIONAL:
             pdo.begin(sends=self._profile.sends_on_start)
         return pdo
@@ -211,10 +216,12 @@ class ProcessData:
         """Return the identifiers that count in Operational, with their handlers; PDOs may share one."""
         routes: dict[int, FrameHandler] = {}
         for sent in self.transmit:
+            # A data frame with the drive's own transmit COB-ID has another sender: EMCY 8150.
             routes[sent.address] = collision
             if sent.answers_remote:
                 routes[sent.address | REMOTE] = partial(request, sent)
         for pdo in self.receive:
+            # Two PDOs with one COB-ID both take the frame.
             sharing = tuple(other for other in self.receive if other.address == pdo.address)
             routes[pdo.address] = partial(received, sharing)
         return routes

@@ -66,6 +66,7 @@ class SdoServer:
         except SdoAbort as abort:
             self._transfer = None
             if isinstance(request, _WITHOUT_ADDRESS):
+                # A segment carries no address: the abort names the object of the transfer.
                 return sdo.encode_abort(sdo.NOWHERE if running is None else running.address, abort.code)
             return sdo.encode_abort(request.address, abort.code)
 
@@ -78,6 +79,7 @@ class SdoServer:
     def _start_upload(self, request: sdo.UploadRequest) -> bytes:
         self._transfer = None
         raw = self._store.read(request.address)
+        # An expedited response can code 1 to 4 bytes, so that an empty domain goes by segments.
         if not 0 < len(raw) <= sdo.EXPEDITED:
             self._transfer = _Upload(request.address, raw)
         return sdo.encode_upload_response(request.address, raw)
@@ -98,9 +100,11 @@ class SdoServer:
     def _start_download(self, request: sdo.DownloadRequest) -> bytes:
         self._transfer = None
         address, raw, size = request.address, request.raw, request.size
+        # The usual case, expedited with its size: the store checks everything.
         if raw is not None and len(raw) == size:
             self._store.write(address, raw)
             return sdo.encode_download_response(address)
+        # Refused at the announcement, not after the last segment.
         self._store.check_writable(address, size)
         if raw is None:
             self._transfer = _Download(address, size)
@@ -124,6 +128,7 @@ class SdoServer:
             raise SdoAbort(AbortCode.TOGGLE, transfer.address)
         transfer.toggle = not transfer.toggle
         transfer.taken += segment.raw
+        # CiA 301 permits a download without an announced size: only the domain's capacity bounds it.
         most = LARGEST_DOMAIN if transfer.size is None else transfer.size
         if len(transfer.taken) > most:
             code = AbortCode.OUT_OF_MEMORY if transfer.size is None else AbortCode.TOO_LONG

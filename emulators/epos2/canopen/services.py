@@ -64,6 +64,7 @@ class Services:
             self._sdo.reset()
             self._transmit.drop_answers()
         self.motion.nmt_changed(state is NmtState.OPERATIONAL)
+        # A start command in Operational is no transition: PDOs of type 255 are not sent a second time.
         if before is not state:
             if state is NmtState.OPERATIONAL:
                 self.pdo.begin()
@@ -84,6 +85,7 @@ class Services:
         if errors.producer.due <= now:
             heartbeat = errors.producer.produce(self.state, now)
             self._send(canopen.ERROR_CONTROL + self._identity.node, heartbeat)
+        # Not `or`: both must be called, or a change in error control would wait for the next time.
         others = pdo.renew() | errors.renew()
         if self.state is NmtState.OPERATIONAL:
             for address, payload in pdo.changes(now):
@@ -117,6 +119,7 @@ class Services:
     def _receive_pdo(self, sharing: tuple[ReceivePdo, ...], payload: bytes, now: Nanoseconds) -> None:
         for pdo in sharing:
             if len(payload) < pdo.size:
+                # EMCY 8210: nothing of the frame is taken, also no controlword that was complete.
                 self.motion.communication_fault(emergency.PDO_TOO_SHORT)
             else:
                 pdo.take(payload)
@@ -127,6 +130,7 @@ class Services:
         if self.state is NmtState.OPERATIONAL:
             for address, payload in self.pdo.sync():
                 self._send(address, payload)
+            # Without synchronous receive PDOs a SYNC changes nothing that the axis would have to take in.
             if self.pdo.waits_for_sync:
                 self.motion.refresh(now)
 
@@ -163,6 +167,7 @@ class Services:
         """Record an error of motion control, or with code 0 the end of all, and send it on the bus."""
         message = self.emergency.message(code)
         address = self.emergency.cob_id
+        # CiA 301: no emergency is sent in Stopped; the error is in register and history all the same.
         allowed = NodeService.EMERGENCY in SERVICES[self.state]
         if message is not None and address is not None and allowed:
             self._send(address, message)

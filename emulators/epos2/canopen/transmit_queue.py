@@ -52,6 +52,7 @@ class TransmitQueue:
             self.idle = Reaction((), wake_at)
         if not self._sent:
             return self.idle
+        # The list is used again: the reaction must have a copy of its own.
         sent = tuple(self._sent)
         self._sent.clear()
         return Reaction(sent, wake_at)

@@ -63,9 +63,11 @@ class DeviceControl:
             for code in self.errors.found(power.state):  # each is reported once until it is reset
                 self.fail(code)
         self._heed()
+        # Power states before modes: a timed state that ends now may make the drive free in this same ms.
         self._advance()
         if power.free:
             modes.advance(power.controlword)
+            # A set-point taken just now may be impossible: that is a fault of this ms, not of the next one.
             self._heed()
         if inputs.executed:
             self._heed_limits()
@@ -79,13 +81,19 @@ class DeviceControl:
         writes, whatever stood there before.
         """
         power = self._power
+        # The controlword is noted in every state: an edge counts against the one before, carried out or not.
         before, power.controlword = power.controlword, word
         if written and self._modes.mode.goes_by_writes:
+            # maxon's library writes 0x3F for every move and never lowers
+            # bit 4: by the edge alone, only the first would start.
             before &= ~_NEW_SETPOINT
         if power.state is PowerState.FAULT:
+            # CiA 402 transition 15 takes the rising edge: by level,
+            # a master that never lowers bit 7 would work here only.
             if word & ~before & _FAULT_RESET:
                 self._reset_fault()
         elif power.releasing and command_of(word) is not ControlwordCommand.ENABLE_OPERATION:
+            # The brake is still opening: a command that disables does not wait for the rise time 0x2100:1.
             power.give_up_release()
             self._obey(word, before)
         elif power.under_way or power.state in TIMED:
@@ -96,9 +104,12 @@ class DeviceControl:
 
     def _obey(self, word: int, before: int) -> None:
         """Carry out a controlword's command, then its mode bits; with bit 7 up it holds neither."""
+        # Every other command of CiA 402 requires bit 7 = 0: 0x0086 is no shutdown.
         if word & _FAULT_RESET:
             return
         power = self._power
+        # The controlword that enables the drive is no set-point:
+        # the bits of the mode count from the next one on.
         was_free = power.free
         power.go(self._admitted(command_of(word)))
         if power.state is PowerState.REFRESH:  # just entered: in it every command waits
@@ -112,6 +123,8 @@ class DeviceControl:
 
     def _admitted(self, command: ControlwordCommand) -> ControlwordCommand:
         """Return a master's command, or the stronger one that the input pins give."""
+        # Disable voltage is the strongest command: no input may
+        # turn it into a quick stop, which keeps the power on.
         pins = self._inputs.restriction
         return command if pins is None or command is ControlwordCommand.DISABLE_VOLTAGE else pins
 
@@ -136,8 +149,11 @@ class DeviceControl:
     def _advance(self) -> None:
         """Heed the pins, and complete what is due; then the waiting command."""
         power = self._power
+        # The usual case, at each frame: enabled, nothing waits, no input restricts.
         if power.free and self._delayed is None and self._inputs.restriction is None:
             return
+        # By priority: an input that stops wins over a ramp
+        # that ends, and both over the controlword that waits.
         while self._obeys_pins() or power.complete_one() or self._obeys_delayed():
             pass
 
@@ -145,6 +161,7 @@ class DeviceControl:
 
     def fail(self, code: int, reaction: ErrorReaction | None = None) -> None:
         """Report an error and stop the motor; without a reaction given, as in the emergency table."""
+        # Reported before the reaction: a code without one (8150) is in the history 0x1003, too.
         self._report(code)
         if reaction is None:
             reaction = self.errors.reaction_to(code)
@@ -153,7 +170,9 @@ class DeviceControl:
         self.errors.note(code)
         if code in supervision.POSITION_LOST:
             self._modes.shaft.referenced = False
+        # Before the stop drops the moves: homing reports an error only if one was under way.
         self._modes.mode.fail()
+        # A controlword that has waited for a ramp must not enable the drive again after the fault.
         self._delayed = None
         self._power.fault(supervision.DECELERATIONS.get(reaction))
         self._advance()
@@ -167,15 +186,18 @@ class DeviceControl:
     def _heed_limits(self) -> None:
         """Stop at a limit switch; called with every new set-point, for it may lead into one."""
         inputs, modes = self._inputs, self._modes
+        # The ramp of a fault reaction still heads into the switch: that must not report it again.
         if not self._axis.powered or self._power.state is PowerState.FAULT_REACTION_ENABLED:
             return
         met = inputs.limits_met(modes.shaft.heading, modes.mode.sought)
         if met and not inputs.risen:
+            # The switch was closed before: the move that leads into it ends before the shaft has followed.
             modes.shaft.forget_demand()
         for code in met:
             self.fail(code)
 
     def _reset_fault(self) -> None:
+        # CiA 402 transition 15 needs the cause gone; else the drive stays in Fault, and reports nothing.
         if self.errors.curable:
             self.errors.clear()
             self._power.go(Happening.FAULT_RESET)

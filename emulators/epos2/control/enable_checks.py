@@ -27,6 +27,7 @@ def _no_ratio(store: ObjectStore) -> bool:
 def _gains_too_large(store: ObjectStore) -> bool:
     if not _dual(store) or _no_ratio(store):
         return False
+    # Compared as products of integers: a rounded ratio could pass a gain of 0x8000, one too many for INT16.
     largest = max(abs(store.get(gain)) for gain in (at.POSITION_P, at.POSITION_I, at.POSITION_D))
     return largest * store.get(GEAR_NUMERATOR) > WIDEST_GAIN * store.get(GEAR_DENOMINATOR)
 

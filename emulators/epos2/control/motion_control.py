@@ -72,6 +72,8 @@ class MotionControl:
         self._busy = (0, 0)
         """A ms, and how many new set values it has brought."""
         self._hook()
+        # After `_hook`: its refusal under power (0x08000022)
+        # must come before the sensors take the same write.
         self._sensing = Sensing(store, axis)
         self.reset()
 
@@ -102,6 +104,7 @@ class MotionControl:
 
     def refresh(self, now: Nanoseconds) -> None:
         """Take in what the axis found, what the time brought, and what a whole PDO has written."""
+        # The axis may have run beyond this frame's instant already; its clock does not go back.
         self._axis.now = max(self._axis.now, now)
         self._control.attend()
         self._publish()
@@ -121,6 +124,7 @@ class MotionControl:
         self.pins.reset()
         self._modes.restart(self._store.get(at.MODE))
         self._store.set(at.MODE_DISPLAY, self._modes.number)
+        # The power states last: Start ends at once (0 ms), and what follows looks at pins and modes.
         self._control.restart()
         self._publish()
 
@@ -139,6 +143,7 @@ class MotionControl:
         for row in PARAMETERS:
             store.on_write(row.address, partial(self._take_parameter, row))
         for address in ONLY_WITHOUT_POWER:
+            # A parameter refuses in its own hook: a second one would run after the axis had taken the value.
             if address not in shaping:
                 store.on_write(address, partial(self._refuse_with_power, address))
         store.on_write(at.CONTROLWORD, self._take_controlword)
@@ -165,6 +170,7 @@ class MotionControl:
         self._publish()
 
     def _take_mode(self, mode: int) -> None:
+        # Other drives accept the write and leave 0x6061 unchanged; the refusal shows a master at once.
         if mode not in MODES:
             raise SdoAbort(AbortCode.RANGE, at.MODE)
         self._modes.change(mode, enabled=self._power.free)
@@ -204,5 +210,6 @@ class MotionControl:
         if self._axis.flags & CURRENT_LIMITED:
             word |= _INTERNAL_LIMIT
         self.pins.refresh()
+        # Bit 13 follows the emergency 8611, not the present error: it stays until the fault reset.
         failed = emergency.FOLLOWING_ERROR_TOO_LARGE in self._control.errors.codes
         self._store.set(at.STATUSWORD, word | mode.status(failed=failed))

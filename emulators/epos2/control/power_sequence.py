@@ -89,6 +89,7 @@ class PowerSequence:
         row = self._ways_out.get(trigger)
         if row is None:
             return
+        # A fitted brake closes before a command removes the power; a fault with reaction D waits for nothing.
         held = (
             row.stage is PowerStageEffect.OFF
             and isinstance(trigger, ControlwordCommand)
@@ -96,6 +97,7 @@ class PowerSequence:
         )
         if held or self._slows_down(row.ramp):
             self._completing = row
+            # Transition 12: the ramp with 0x6085 is under way, and 0x6084 must not replace it.
             if self.state is not PowerState.QUICK_STOP_ACTIVE:
                 self._modes.shaft.brake()
             return
@@ -105,11 +107,13 @@ class PowerSequence:
 
     def fault(self, deceleration: at.Address | None) -> None:
         """Execute transitions 13 and 17: brake with the object's deceleration, or without one power off."""
+        # Transition 17 replaces a slow-down (605B, 605C) that is under way.
         self._completing = None
         self.give_up_release()
         self.go(Happening.FAULT)
         if self.state is PowerState.FAULT_REACTION_ENABLED:
             if deceleration is None:
+                # Reaction D of the emergency table: no ramp, transition 18 at once.
                 self.go(Happening.REACTED)
             else:
                 self._stop(deceleration)
@@ -121,6 +125,7 @@ class PowerSequence:
 
     def complete_one(self) -> bool:
         """Complete one thing that is due: a timed state, a release, a ramp; say whether there was one."""
+        # One step per call: each may make the next one due, and the caller looks at the inputs in between.
         if self.state in TIMED and self._axis.now >= self._due:
             self.go(TIMED[self.state])
         elif self.releasing and self._brake.released():
@@ -144,7 +149,10 @@ class PowerSequence:
         self._completing = None
         if row.stage is PowerStageEffect.ON:
             self._axis.switch_on()
+            # Transition 20: sinus commutation starts from the
+            # present hall pattern, before a current is demanded.
             align(self._axis)
+        # Most rows with OFF start from a stage that is off already: brake and modes stay as they are.
         elif row.stage is PowerStageEffect.OFF and self._axis.powered:
             self._brake.close()
             self.releasing = False
@@ -159,12 +167,14 @@ class PowerSequence:
         if state in TIMED:
             self._due = self._axis.now + self._delays.of(state, self._store.get(at.MOTOR_TYPE))
         elif state is PowerState.OPERATION_ENABLED:
+            # The motor holds the load by itself until the brake is open: set-points wait for 0x2100:1.
             self.releasing = self._brake.release()
             if self.releasing:
                 self._modes.hold()
             else:
                 self._modes.begin(self.controlword)
         elif state is PowerState.QUICK_STOP_ACTIVE:
+            # The EPOS2 has no 0x605A: a quick stop ramps with 0x6085 and stays in this state, powered.
             self._stop(at.QUICK_STOP_DECELERATION)
 
     def _stop(self, deceleration: at.Address) -> None:

@@ -73,10 +73,13 @@ TRANSITIONS: Final = (
     ),
     Transition(2, PowerState.SWITCH_ON_DISABLED, _SHUTDOWN, PowerState.READY_TO_SWITCH_ON),
     Transition(3, PowerState.READY_TO_SWITCH_ON, _SWITCH_ON, PowerState.SWITCHED_ON),
+    # 0x000F does 3 and then 4; maxon's library never sends 0x0007 on its way up.
     Transition(3, PowerState.READY_TO_SWITCH_ON, _ENABLE, PowerState.SWITCHED_ON, goes_on=True),
+    # maxon's own: 4 leads to Refresh, and only 20 and 21 to Operation enabled.
     Transition(4, PowerState.SWITCHED_ON, _ENABLE, PowerState.REFRESH),
     Transition(5, PowerState.OPERATION_ENABLED, _SWITCH_ON, PowerState.SWITCHED_ON, _OFF, RampOption.DISABLE),
     Transition(6, PowerState.SWITCHED_ON, _SHUTDOWN, PowerState.READY_TO_SWITCH_ON),
+    # Without power there is nothing to ramp: in 7 and 10 a quick stop acts as disable voltage.
     Transition(7, PowerState.READY_TO_SWITCH_ON, _QUICK, PowerState.SWITCH_ON_DISABLED),
     Transition(7, PowerState.READY_TO_SWITCH_ON, _DISABLE, PowerState.SWITCH_ON_DISABLED),
     Transition(
@@ -85,8 +88,10 @@ TRANSITIONS: Final = (
     Transition(9, PowerState.OPERATION_ENABLED, _DISABLE, PowerState.SWITCH_ON_DISABLED, _OFF),
     Transition(10, PowerState.SWITCHED_ON, _QUICK, PowerState.SWITCH_ON_DISABLED),
     Transition(10, PowerState.SWITCHED_ON, _DISABLE, PowerState.SWITCH_ON_DISABLED),
+    # The power stays on, and no row leaves Quick stop active by itself: only 12 and 16 do.
     Transition(11, PowerState.OPERATION_ENABLED, _QUICK, PowerState.QUICK_STOP_ACTIVE),
     Transition(12, PowerState.QUICK_STOP_ACTIVE, _DISABLE, PowerState.SWITCH_ON_DISABLED, _OFF),
+    # 13 for each state without motion: power off at once. 17 below is the one with a ramp.
     Transition(13, PowerState.START, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF),
     Transition(
         13, PowerState.NOT_READY_TO_SWITCH_ON, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF
@@ -97,6 +102,7 @@ TRANSITIONS: Final = (
     Transition(13, PowerState.REFRESH, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF),
     Transition(13, PowerState.MEASURE_INIT, Happening.FAULT, PowerState.FAULT_REACTION_DISABLED, _OFF),
     Transition(14, PowerState.FAULT_REACTION_DISABLED, Happening.REACTED, PowerState.FAULT, _OFF),
+    # Switch on disabled, not Ready: after a fault the whole sequence of commands is needed again.
     Transition(15, PowerState.FAULT, Happening.FAULT_RESET, PowerState.SWITCH_ON_DISABLED),
     Transition(16, PowerState.QUICK_STOP_ACTIVE, _ENABLE, PowerState.OPERATION_ENABLED),
     Transition(17, PowerState.OPERATION_ENABLED, Happening.FAULT, PowerState.FAULT_REACTION_ENABLED),

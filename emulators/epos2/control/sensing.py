@@ -69,12 +69,14 @@ class Sensing:
         inverted = value(SENSOR_POLARITY)
         supervised = not value(MISCELLANEOUS) & UNSUPERVISED
         axis.encoder_reversed = int(bool(inverted & ENCODER_INVERTED))
+        # Hall sensors alone (type 3) have no encoder cable that could be supervised.
         axis.encoder_supervised = int(supervised and kind != HALL_ONLY)
         axis.index_supervised = int(kind in WITH_INDEX)
         axis.hall_pole_pairs = max(1, value(POLE_PAIRS)) if motor in BRUSHLESS else 0
         axis.hall_angle_supervised = int(motor == SINUS and not inverted & HALL_INVERTED)
         axis.auxiliary_supervised = int(value(CONTROLLER_STRUCTURE) != 0)
         axis.lowest_qc, axis.highest_qc = value(at.MIN_POSITION_LIMIT), value(at.MAX_POSITION_LIMIT)
+        # 0x607D does not count in homing (Firmware Specification 9.3): the position has no reference yet.
         axis.position_limited = int(value(at.MODE) != Mode.HOMING)
 
     def _take(self, address: Address, value: int) -> None:

@@ -48,5 +48,6 @@ class StandingErrors:
     @property
     def curable(self) -> bool:
         """True if a fault reset succeeds: no cause is present any more."""
+        # A cause that still exists would be reported again within 1 ms: then the reset fails instead.
         contradicted = any(enable_checks.stands(self._store, code) for code in self.codes)
         return supervision.curable(self.codes) and not contradicted and not self._axis.flags & WATCHED

@@ -79,6 +79,7 @@ def findings(flags: int, state: PowerState, sensor_type: int, reported: Collecti
         for watch in WATCHES
         if flags & watch.flag
         and (code := watch.code_in(state, sensor_type)) not in reported
+        # FF04 is cured by a node reset only: the same three wires must not add FF01 to it.
         and watch.measuring not in reported
     )
 

@@ -94,6 +94,7 @@ class DataRecorder:
     # Objects
 
     def _command(self, word: int) -> None:
+        # Both bits while it records are the trigger by hand: a restart would drop the samples before it.
         if word & START and not (word & TRIGGER and self._axis.recording):
             self._start()
         elif not word & START and not word & TRIGGER:
@@ -107,6 +108,7 @@ class DataRecorder:
         if not capacity:
             raise SdoAbort(AbortCode.PARAMETER_CLASH, CONTROL)
         recorder = self._axis.recorder
+        # Objects are read at the start only: a change while it records counts for the next recording.
         recorder.triggers = store.get(CONFIGURATION)
         recorder.start(
             self._axis,
@@ -141,6 +143,7 @@ class DataRecorder:
         """Return the whole memory, every number as its object would have shown it; None before the start."""
         if not self._recorded:
             return None
+        # A sample holds the fields of all variables side by side, the memory one ring after the other.
         samples, begin, memory = self._axis.recorder.samples(), 0, bytearray()
         for address in self._recorded:
             fields = RECORDABLE[address]
@@ -152,6 +155,7 @@ class DataRecorder:
         return bytes(memory.ljust(MEMORY_WORDS * WORD_BYTES, b"\0"))
 
     def _value(self, address: Address, fields: tuple[str, ...], numbers: tuple[int, ...]) -> int:
+        # The object's own formula, with the scale of the recording: the encoder may be set otherwise since.
         shadow = ServoRecord()
         shadow.resolution, shadow.fraction = self._scale
         for field, number in zip(fields, numbers, strict=True):

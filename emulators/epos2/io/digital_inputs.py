@@ -75,6 +75,7 @@ class DigitalInputs:
         if self._stale:
             self._stale = False
             functions = [self._store.get(address) for address in INPUT_PINS]
+            # A set: two pins with one function are one bit.
             self.fitted = sum({1 << function for function in functions})
             axis.pins_watched = sum(1 << pin for pin, function in enumerate(functions) if function in WATCHED)
         self._pins = axis.pins
@@ -91,14 +92,17 @@ class DigitalInputs:
             fitted |= bit
             if self._axis.pins >> pin & 1:
                 closed |= bit
+        # The mask comes last: an inverted function without a pin would else be active for ever.
         return (closed ^ self._store.get(INPUT_POLARITY)) & fitted
 
     def _shown(self) -> int:
         return self._now_active() & self._store.get(INPUT_MASK)
 
     def _restricts(self, execution: int) -> ControlwordCommand | None:
+        # Device enable acts by its absence: a broken wire disables the drive.
         if execution & self.fitted & ~self.active & InputFunction.DEVICE_ENABLE.bit:
             return ControlwordCommand.DISABLE_VOLTAGE
+        # Disable above wins: it removes the power, and a quick stop keeps it.
         if self.executed & InputFunction.QUICK_STOP.bit:
             return ControlwordCommand.QUICK_STOP
         return None

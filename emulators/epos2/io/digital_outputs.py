@@ -67,6 +67,7 @@ class DigitalOutputs:
         outputs = 0
         for pin, address in enumerate(OUTPUT_PINS):
             outputs |= (levels >> self._store.get(address) & 1) << pin
+        # The plant's brake follows the function, not the level: the polarity describes the wiring to it.
         released = self.active & OutputFunction.HOLDING_BRAKE.bit
         if self.has(OutputFunction.HOLDING_BRAKE) and not released:
             outputs |= BRAKE_CLOSED

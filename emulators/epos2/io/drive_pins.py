@@ -33,4 +33,5 @@ class Pins:
         """Heed what the inputs and the axis have shown, and give the outputs their levels."""
         self._marker.refresh()
         self._compare.refresh()
+        # Last: position compare may have changed its pin in this ms.
         self.outputs.refresh()

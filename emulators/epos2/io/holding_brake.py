@@ -41,6 +41,7 @@ class HoldingBrake:
 
     def release(self) -> bool:
         """Release the brake; say whether it takes time, until `due`."""
+        # A closing that is under way is given up: the motor takes the load again.
         self._begun = NEVER
         if self._released or not self.fitted:
             return False
@@ -73,12 +74,14 @@ class HoldingBrake:
         now, begun = self._axis.now, self._begun
         bound = self._after(begun, TIMEOUT) if self._store.get(TIMEOUT) != UNBOUNDED else NEVER
         if self._released:
+            # Bounded: a shaft that the load keeps turning would otherwise keep the power on.
             rest_by = min(self._after(begun, STANDSTILL_TIMEOUT), bound)
             if not self._axis.flags & AT_REST and now < rest_by:
                 self.due = rest_by
                 return False
             self._show(released=False)
             self.due = NEVER
+        # Power stays until the fall time is over, or the load would drop before the brake has closed.
         if self.due == NEVER:
             self.due = min(self._after(now, FALL_TIME), bound)
         return self.due <= now

@@ -61,6 +61,7 @@ class PositionCompare:
             self._used = True
             repetitions = value(REPETITIONS)
             axis.compare_first, axis.compare_last = (end * repetitions for end in SIDES[side])
+        # Rounded up to whole ms: the plant sees the outputs no more often.
         axis.compare_pulse_ms = max(1, -(-value(PULSE_WIDTH) // MICROSECONDS))
 
     def refresh(self) -> None:

@@ -56,6 +56,7 @@ class PositionMarker:
         wanted = store.get(EDGE_TYPE)
         counts = wanted in (BOTH_EDGES, RISING if active else FALLING)
         executed = store.get(INPUT_EXECUTION) & _INPUT
+        # Continuous mode has no last edge: a 16-bit counter stays below 2^16.
         if counts and executed and store.get(COUNTER) < MOST.get(store.get(MODE), 1 << 16):
             self._capture()
 

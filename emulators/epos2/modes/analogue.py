@@ -74,6 +74,7 @@ class AnalogueSetpoint:
         return next((pin for pin, address in enumerate(FUNCTIONS, 1) if get(address) == self.function), 0)
 
     def _scale(self, get: Callable[[Address], int]) -> tuple[int, int]:
+        # A fraction of two integers: a negative notation loses no digit, and no float is involved.
         places = max(-_WIDEST_NOTATION, min(_WIDEST_NOTATION, get(self.notation)))
         return get(self.scaling) * 10 ** max(0, places), MILLIVOLTS * 10 ** max(0, -places)
 

@@ -54,6 +54,7 @@ class DigitalPosition(ModeOfOperation):
             return
         store, axis = self.shaft.store, self.shaft.axis
         if address == OFFSET:
+            # The store still has the former offset: hooks run before it takes a value.
             axis.target_position += value - store.get(OFFSET) << axis.fraction
         else:
             gear = {each: store.get(each) for each in (NUMERATOR, DENOMINATOR, POLARITY)} | {address: value}
@@ -61,6 +62,7 @@ class DigitalPosition(ModeOfOperation):
 
     def _follow(self) -> None:
         store, axis = self.shaft.store, self.shaft.axis
+        # Counts from before this mode must not move the shaft.
         axis.gear_counted, axis.gear_rest = axis.master, 0
         self._gear(store.get(NUMERATOR), store.get(DENOMINATOR), store.get(POLARITY))
         low, high = self.shaft.limits()

@@ -48,6 +48,7 @@ class DirectMode(ModeOfOperation, ABC):
         """Take a set value, or what makes one of the analogue input."""
         store = self.shaft.store
         if address != self.setting:
+            # The store still has the former value of this object: hooks run before it takes one.
             self._choose(lambda each: value if each == address else store.get(each))
         elif not self.shaft.axis.analogue_input:
             self.take(value)

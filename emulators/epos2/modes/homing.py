@@ -123,6 +123,7 @@ class HomingMode(ModeOfOperation):
             axis.index_watched, self._left = 1, axis.index_passes
         elif way.goal is Goal.STOP:
             axis.current_watched_ma = store.get(at.HOMING_CURRENT)
+            # Judged once a ms: the flag of the move before must not end this one.
             axis.flags &= ~CURRENT_REACHED
         else:
             self._left = self._closed(way)
@@ -131,6 +132,7 @@ class HomingMode(ModeOfOperation):
 
     def _go_offset(self) -> None:
         shaft, axis = self.shaft, self.shaft.axis
+        # From the latched reference: the ramp down from the search speed has led past it.
         target = self._reference + shaft.store.get(at.HOME_OFFSET)
         if not LOWEST <= target <= HIGHEST:
             self._fail()
@@ -142,6 +144,7 @@ class HomingMode(ModeOfOperation):
     def _reached(self, way: HomingWay) -> bool:
         """Return True if a move has come to its end, and note the position there."""
         axis = self.shaft.axis
+        # While the ramp of the move before runs out, the shaft goes the other way: an edge does not count.
         turned = axis.velocity_demand * way.direction > 0
         self._reference = axis.position
         if way.goal is Goal.CLOSED:
@@ -153,6 +156,7 @@ class HomingMode(ModeOfOperation):
                 return True
             return False
         if way.goal is Goal.INDEX:
+            # The latched count: at the end of the ms the shaft has passed the index already.
             self._reference = axis.index_position
             passed, self._left = axis.index_passes != self._left, axis.index_passes
             return passed and turned
@@ -175,6 +179,7 @@ class HomingMode(ModeOfOperation):
     @property
     def sought(self) -> int:
         """The switches of the method, while it is gone."""
+        # A limit switch that the method looks for is its reference, not the fault FF06 or FF07.
         bits = 0
         for way in self._ways:
             bits |= 0 if way.switch is None else way.switch.bit

@@ -86,6 +86,7 @@ class InterpolatedPosition(ModeOfOperation):
             self._next()
         if buffer.active and len(buffer.records) < _FEWEST:
             self._fail(BufferStatus.UNDERFLOW_ERROR)
+        # One segment in advance: the axis goes on within its ms, however late this code is called.
         if buffer.active and axis.next_ms == 0:
             self._prepare()
 
@@ -95,6 +96,7 @@ class InterpolatedPosition(ModeOfOperation):
             self._fail(BufferStatus.UNDERFLOW_ERROR)
             return
         first = self._knot(buffer.records[0])
+        # Velocity units are demand units per ms: the jump is the velocity of its 1 ms.
         jump = first.position - axis.position_demand
         if abs(jump) > self.shaft.fastest():
             self._fail(BufferStatus.VELOCITY_ERROR)
@@ -113,6 +115,7 @@ class InterpolatedPosition(ModeOfOperation):
             self._finish()
         elif len(buffer.records) >= _FEWEST:
             present = self._segment(0)
+            # A segment that was prepared has been begun by the axis; it must not start a second time.
             if self._admitted(present) and (axis.profile != SPLINE or axis.spline_ms == 0):
                 spline.begin(axis, present)
 
@@ -126,6 +129,7 @@ class InterpolatedPosition(ModeOfOperation):
     def _prepare(self) -> None:
         """Give the axis the segment after the present one, where there is one to which nothing objects."""
         records = self._buffer.records
+        # Time 0 marks the last record: no segment begins there.
         if not self._buffer.active or len(records) <= _FEWEST or records[1].ms == 0:
             return
         following = self._segment(1)
@@ -135,6 +139,7 @@ class InterpolatedPosition(ModeOfOperation):
     def _admitted(self, present: SplineSegment) -> bool:
         """Look at the segment that is to run now: fail with its error, or note its warnings."""
         if self._beyond(present):
+            # 0x20C4:1 has no bit for the position limits: the emergency FF09 alone gives the cause.
             self._buffer.fail(BufferStatus(0))
             self.shaft.error = emergency.POSITION_LIMIT
             return False
@@ -160,6 +165,7 @@ class InterpolatedPosition(ModeOfOperation):
     def _beyond(self, segment: SplineSegment) -> bool:
         """Return True if a segment ends outside the software position limits."""
         low, high = self.shaft.limits()
+        # The cubic at t = T, where each power of t/T is 1.
         end = segment.start + segment.linear + segment.square + segment.cube
         return not low <= end >> self.shaft.axis.fraction <= high
 

@@ -92,6 +92,7 @@ class InterpolationBuffer:
 
     def _set_access(self, enabled: int) -> None:
         self.enabled = bool(enabled)
+        # Either value of 0x60C4:06 clears the errors: a new access begins without the former ones.
         self.errors = BufferStatus(0)
         if not enabled:
             self.records.clear()

@@ -91,6 +91,7 @@ class ModeSelector:
     def begin(self, controlword: int) -> None:
         """Start from standstill or from where the shaft is: the drive has become enabled."""
         self.forget()
+        # maxon's library enables with 0x010F: the mode has to begin halted.
         self.shaft.halted = bool(controlword & _HALT)
         self.mode.begin()
 
@@ -101,6 +102,7 @@ class ModeSelector:
         """
         if number == self.number:
             return
+        # A set-point of the former mode must not start a move in this one.
         self._latching = False
         self.mode.forget()
         self.set(number)

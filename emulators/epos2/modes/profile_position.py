@@ -77,6 +77,7 @@ class ProfilePosition(ModeOfOperation):
             self._start(*setpoint)
         elif self._waiting is None:
             self._waiting = setpoint
+        # One set-point waits; a further one stays latched until there is room, without its acknowledge.
         else:
             return False
         self._acknowledged = True
@@ -105,8 +106,11 @@ class ProfilePosition(ModeOfOperation):
     def _start(self, target: int, relative: bool) -> None:  # noqa: FBT001 - the pair that waits, unpacked
         axis = self.shaft.axis
         if relative:
+            # Relative to the demand value, not to the actual
+            # one, so that errors do not add up; rounded to qc.
             target += (axis.position_demand + (1 << axis.fraction >> 1)) >> axis.fraction
         low, high = self.shaft.limits()
+        # Refused by EMCY FF09, not clipped: a clipped target would be reported as reached.
         if not max(low, LOWEST) <= target <= min(high, HIGHEST):
             self.shaft.error = emergency.POSITION_LIMIT
             return

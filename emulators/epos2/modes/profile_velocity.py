@@ -42,6 +42,7 @@ class ProfileVelocity(ModeOfOperation):
     def _go(self, rpm: int) -> None:
         """Ramp to a velocity within 0x607F and 0x6410:4; in a halt the ramp goes to 0."""
         shaft = self.shaft
+        # Halt keeps 0x60FF: without it the ramp goes back to that velocity.
         velocity = 0 if shaft.halted else shaft.bounded(rpm)
         shaft.ramp(velocity, at.PROFILE_ACCELERATION, at.PROFILE_DECELERATION)
 

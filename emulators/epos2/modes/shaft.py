@@ -72,6 +72,8 @@ class Shaft:
         elif axis.profile == MOVE:
             way = axis.target_position - axis.position_demand
         elif axis.profile == DIRECT and axis.regulator == POSITION:
+            # Position mode has no profile: its demand is at the
+            # target at once, only the shaft shows the direction.
             way = axis.target_position - (axis.position << axis.fraction)
         elif axis.profile in {SPLINE, ELECTRONIC_GEAR}:
             way = axis.velocity_demand
@@ -114,6 +116,7 @@ class Shaft:
         """
         axis = self.axis
         axis.cruise = min(cruise, self.fastest())
+        # `cruise` is in demand units per ms: the product is the distance of 24.9 days.
         if abs(axis.target_position - axis.position_demand) > axis.cruise * LONGEST_MOVE_MS:
             self.error = emergency.SOFTWARE_PARAMETER
             return

@@ -66,6 +66,7 @@ ONLY_WITHOUT_POWER: Final = (
 
 
 def _signed_16(value: int) -> int:
+    # 0x20F4 and 0x6078 are INT16: saturated, for a wrapped value would show the wrong sign.
     return max(-0x8000, min(0x7FFF, value))
 
 
@@ -78,6 +79,7 @@ def position_demand(axis: ServoRecord) -> int:
     """Return the position demand in qc; it follows the shaft where no position is regulated."""
     if axis.regulator != POSITION:
         return axis.position
+    # Half a count first: the arithmetic shift rounds towards minus infinity.
     return (axis.position_demand + (1 << axis.fraction >> 1)) >> axis.fraction
 
 
@@ -95,6 +97,7 @@ def desired_value(axis: ServoRecord) -> int:
 
 ACTUAL_VALUES: Final[tuple[tuple[Address, Callable[[ServoRecord], int]], ...]] = (
     (at.ENCODER_COUNTER, lambda axis: axis.encoder + axis.slipped & 0xFFFF_FFFF),
+    # The averaged current has 16 binary places.
     (at.CURRENT_AVERAGED, lambda axis: _signed_16((axis.current_average + 0x8000) >> 16)),
     (at.VELOCITY_AVERAGED, lambda axis: speed_rpm(axis, axis.velocity_average)),
     (SENSOR_RESOLUTION, lambda axis: axis.resolution),
@@ -106,6 +109,7 @@ ACTUAL_VALUES: Final[tuple[tuple[Address, Callable[[ServoRecord], int]], ...]] =
     (at.POSITION_DEMAND, position_demand),
     (at.POSITION_ACTUAL, lambda axis: axis.position),
     (at.VELOCITY_DEMAND, velocity_demand),
+    # Raw: 1 qc/ms is the resolution, and at 256 pulses 58.6 rpm, as recorded from an EPOS2.
     (at.VELOCITY_ACTUAL, raw_speed_rpm),
     (at.CURRENT_ACTUAL, lambda axis: _signed_16(axis.current_ma)),
 )

@@ -200,6 +200,7 @@ class DeviceProfile:
 
     def differing(self, dip_switch: int) -> Mapping[Address, int | bytes]:
         """Return the defaults in which this drive differs from the object table."""
+        # 0x1018:2 is the hardware version in the high word; 0 stands for one that no source gives.
         hardware = self.hardware_version or 0
         difference = DIFFERENCES.get(hardware)
         return MappingProxyType(

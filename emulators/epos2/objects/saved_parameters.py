@@ -117,6 +117,7 @@ class SavedParameters:
         try:
             self._storage.write(values)
         except StorageError:
+            # `_saved` stays as it was: so does the copy, by the contract of `Storage.write`.
             raise SdoAbort(AbortCode.HARDWARE, command) from None
         self._saved = dict(values)
 
@@ -126,6 +127,7 @@ class SavedParameters:
         Where the copy can no longer be read, it is given up (ASSUME: that is an internal software error).
         """
         try:
+            # The values are those of the last save; the read only shows whether the memory still works.
             self._storage.read()
         except StorageError:
             self.lost, self._saved = True, {}

@@ -88,6 +88,7 @@ class ObjectStore:
         if not kind.size:
             self._texts[address] = bytes(raw)
             return
+        # Reset even if a hook refuses: the next PDO must not count as a written controlword.
         self.requested = True
         try:
             self._accept(address, kind.decode(raw))
@@ -112,6 +113,7 @@ class ObjectStore:
         """Return an object's row; SdoAbort when there is none."""
         row = self.objects.get(address)
         if row is None:
+            # CiA 301 distinguishes a missing sub-index (0x06090011) from a missing object (0x06020000).
             missing = AbortCode.NO_SUBINDEX if address.index in self._indexes else AbortCode.NO_OBJECT
             raise SdoAbort(missing, address)
         return row
@@ -155,6 +157,7 @@ class ObjectStore:
             raise SdoAbort(AbortCode.TOO_LOW, address)
         if value > high:
             raise SdoAbort(AbortCode.TOO_HIGH, address)
+        # Hooks before the store: one that refuses leaves the former value.
         for sink in self._sinks.get(address, ()):
             sink(value)
         self._numbers[address] = value

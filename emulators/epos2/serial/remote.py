@@ -145,6 +145,7 @@ class Remote:
     def _send_segment(self, request: messages.SegmentWrite) -> NodeFrame:
         transfer = self._under_way(toggle=toggle_of(request))
         chunk = payload_of(request)
+        # 7 bytes fit in a CAN segment; 8, a PVT record, are divided for maxon's library.
         if len(chunk) > min(self._profile.gateway_segment, transfer.length):
             raise SdoAbort(AbortCode.TOO_LONG, transfer.address)
         transfer.rest = chunk
@@ -214,5 +215,6 @@ class Remote:
             return None
         self._transfer = None if transfer.length == 0 else transfer
         taken = messages.SegmentTaken(0, control(len(payload_of(request)), toggle=transfer.host_toggle))
+        # Once for each command; on the bus once for each frame, which may be two.
         transfer.host_toggle = not transfer.host_toggle
         return taken

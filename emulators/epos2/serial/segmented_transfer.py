@@ -56,6 +56,7 @@ class SegmentedTransfer:
 
     def begin_read(self, address: Address) -> None:
         """Take the object's bytes as they are now; SdoAbort."""
+        # An earlier transfer ends also where the new one is refused.
         self._under_way = None
         self._under_way = _SegmentedRead(address, self._store.read(address))
 

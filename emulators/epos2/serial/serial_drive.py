@@ -80,6 +80,7 @@ class SerialEpos2(Epos2):
         sent = self._port.taken()
         wake_at = min(reaction.wake_at, self._port.due)
         if wake_at != reaction.wake_at:
+            # The cached reaction must not wake the drive later than its port needs.
             self._transmit.idle = Reaction((), wake_at)
         if not sent:
             return Reaction(reaction.sent, wake_at)

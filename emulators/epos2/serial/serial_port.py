@@ -56,6 +56,7 @@ class SerialPort:
         self._next_baud = self.baud
         self._baud_due: Nanoseconds = NEVER
         self.restart(0)
+        # At power-on no byte is on the line: the rate counts at once.
         self.baud = self._next_baud
 
     def restart(self, now: Nanoseconds) -> None:
@@ -120,6 +121,7 @@ class SerialPort:
         self._serving = True
         while frame is not None:
             row = COMMANDS.get(frame.opcode)
+            # On V1 the library reads no response to 0x0E and 0x20: one would put it out of step.
             answered = row is None or self.generation in row.answered
             self._silent = not (answered and acknowledged(frame))
             body = self._server.begin(frame, now)
@@ -140,6 +142,7 @@ class SerialPort:
         """Give the line an answer that is there, now or when its time has come; return the next command."""
         if body is None:
             return None
+        # Held back with the answer, not before the command: its effect is at once.
         if self._latency:
             self._held, self._held_until = body, now + self._latency
             return None

@@ -89,6 +89,7 @@ class SerialServer:
         raw = self._store.read(address_of(request))
         if len(raw) > len(self._profile.beyond_size):
             raise SdoAbort(self._profile.too_long_to_read, address_of(request))
+        # Always four bytes of data: with fewer, maxon's library reports a framing error.
         return messages.ObjectRead(0, raw + self._profile.beyond_size[len(raw) :])
 
     def _write(self, request: messages.WriteObject, now: Nanoseconds) -> Result:
@@ -96,6 +97,7 @@ class SerialServer:
             return self.gateway.ask(request, now)
         address = address_of(request)
         size = self._store.row(address).type.size
+        # WriteObject carries four bytes, low byte first, whatever the object's size.
         self._store.write(address, request.raw[:size] if size else request.raw)
         self._drive.written()
         return Done(0)
@@ -142,6 +144,7 @@ class SerialServer:
         own = self._drive.node()
         if request.node != own:
             self._drive.send(canopen.NMT, payload)
+        # A CAN node does not receive its own frames: a command to all is delivered to this drive here.
         if request.node in {ALL_NODES, own}:
             self._drive.receive(canopen.NMT, payload)
         return Done(0)
@@ -159,5 +162,6 @@ class SerialServer:
 
     def _send_lss(self, request: messages.SendLssFrame, _now: Nanoseconds) -> Result:
         self.gateway.send_lss(request.raw)
+        # As with NMT: this drive is an LSS slave, too, and does not receive its own frame.
         self._drive.receive(canopen.LSS_REQUEST, request.raw)
         return Done(0)

@@ -122,6 +122,7 @@ def _remarks(robot: Ar2) -> Mapping[str, str]:
 
 def _lost(samples: Samples) -> float:
     """Return how many full steps the rotor that was furthest behind its field was behind."""
+    # The lag is the plant's own: the board counts pulses, and cannot know it.
     lags = [np.abs(samples.column(f"lag_j{joint}_rad")).max(initial=0.0) for joint in range(1, 7)]
     return float(max(lags)) / STEP_RAD
 

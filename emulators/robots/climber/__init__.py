@@ -80,6 +80,7 @@ def _corners(side: float, *degrees: float) -> Callable[[Climber], FollowedPath]:
 
     def path(robot: Climber) -> FollowedPath:
         length = side * (robot.geometry.paths.side_m if len(degrees) > 1 else robot.geometry.paths.length_m)
+        # Complex numbers: the real part is ahead, the imaginary part to the left of the start.
         turns = np.exp(1j * np.radians(degrees)) * length
         corners = np.concatenate([[0.0], np.cumsum(turns)])
         times = np.arange(len(corners)) * length / robot.geometry.control.speed_mps
@@ -118,6 +119,7 @@ def _closure(samples: Samples) -> float | None:
     guided = np.flatnonzero(np.isfinite(samples.column(OFFSET)))
     if not guided.size:
         return None
+    # Between the first and the last row under the guide: what the operator drives does not count.
     begin, end = (samples[int(row)] for row in (guided[0], guided[-1]))
     return math.dist(*((row["x_m"], row["y_m"]) for row in (begin, end)))
 

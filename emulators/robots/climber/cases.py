@@ -75,6 +75,7 @@ def _at_the_joint(robot: Robot[ClimberGeometry], side: float) -> Iterator[Case]:
 
 def _on_the_wall(robot: Robot[ClimberGeometry]) -> Iterator[Case]:
     del robot
+    # The neighboring double: the threshold itself must still be accepted.
     below = math.nextafter(ON_WALL, 0.0)
     for share, reason in (
         (None, "no sensor reports whether its magnets are on the wall"),
@@ -144,6 +145,7 @@ def _bounded(robot: Robot[ClimberGeometry]) -> Iterator[Case]:
 def _heavy(robot: Robot[ClimberGeometry]) -> tuple[str, Robot[ClimberGeometry], Pose, float, str]:
     """Return the case of a cable so heavy that the magnets end the climb below the other bounds."""
     geometry = robot.geometry
+    # A cable whose weight at half the height uses up what the magnets can hold more.
     spare = geometry.wall.heaviest_kg - geometry.wall.mass_kg
     wall = geometry.wall.model_copy(update={"cable_kg_per_m": spare / (0.5 * geometry.limits.highest_m)})
     machine = robot.model_copy(update={"geometry": geometry.model_copy(update={"wall": wall})})

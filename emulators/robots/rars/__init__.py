@@ -74,6 +74,7 @@ class RarsStep(Step):
 
 def _stick(values: Mapping[str, float], robot: Rars) -> StickAxes:
     limits = robot.geometry.limits
+    # Without its button the bridge takes no lift rate from z, so the button is held while the lift moves.
     rate = values["lift rate"] / limits.lift_rate_mps
     return StickAxes(
         x=values["speed"] / limits.speed_mps,
@@ -85,9 +86,11 @@ def _stick(values: Mapping[str, float], robot: Rars) -> StickAxes:
 
 def _twist(values: Mapping[str, float], robot: Rars) -> TwistAxes:
     speed, steer = values["speed"], values["steer"]
+    # Straight ahead has no finite radius.
     if steer == 0.0:
         return TwistAxes(speed, yaw_rate=-speed * 0.0)
     base = robot.geometry.base
+    # The inner wheel turns about its kingpin, half the kingpins' distance nearer to the centre.
     radius = base.kingpin_distance_m / 2.0 + base.wheelbase_m / math.tan(abs(steer))
     return TwistAxes(speed, yaw_rate=-speed * math.copysign(1.0 / radius, steer))
 

@@ -136,6 +136,7 @@ def _limited(row: str, within: RarsMotion, beyond: RarsMotion, values: tuple[flo
 def _tipping(robot: Robot[RarsGeometry], steer_rad: float) -> Case:
     """Return the case of a robot that may drive fast enough to tip over, in its tightest turn."""
     top = tipping_speed(robot, steer_rad)
+    # With its own speed limit the robot could not reach the tipping speed.
     limits = robot.geometry.limits.model_copy(update={"speed_mps": 2.0 * top})
     turning = replace(WELL, steer_rad=steer_rad)
     within, beyond = RarsMotion(top), RarsMotion(JUST * top)

@@ -43,6 +43,7 @@ class RomeStep(Step):
 
 def _stick(values: Mapping[str, float], robot: Rome) -> StickAxes:
     limits = robot.geometry.limits
+    # MAVLink's y is to the right and its r clockwise; both are the other way here.
     return StickAxes(
         x=values["speed"] / limits.speed_mps,
         y=-values["left"] / limits.speed_mps,
@@ -75,6 +76,7 @@ def _line(metres: float) -> FollowedPath:
 
 def _points(robot: Rome) -> FollowedPath:
     """Return the path by points, straight in between."""
+    # Without points in the robot file a path that stays: `np.interp` needs one at least.
     times, x, y, _ = zip(*(robot.geometry.paths.points or ((0.0, 0.0, 0.0, 0.0),)), strict=True)
     return lambda seconds: (np.interp(seconds, times, x), np.interp(seconds, times, y))
 

@@ -80,7 +80,9 @@ def _orbit(robot: RomeArm) -> FollowedPath:
     table = robot.geometry.orbit
     place, speed = table.begin.place, table.begin.speed
     away = float(np.linalg.norm(place))
+    # Vis-viva: the semi-major axis from distance and speed.
     axis = 1.0 / (2.0 / away - float(speed @ speed))
+    # The eccentricity vector, which points to the pericenter.
     towards = float(speed @ speed) * place - float(place @ speed) * speed - place / away
     eccentricity = float(np.linalg.norm(towards))
     ahead = towards / eccentricity
@@ -95,6 +97,7 @@ def _orbit(robot: RomeArm) -> FollowedPath:
     def flown(times: Floats) -> Floats:
         anomaly = mean + n * times + eccentricity * np.sin(mean + n * times)
         for _ in range(NEWTONS):
+            # Newton's step on Kepler's equation, E - e sin E = M.
             late = anomaly - eccentricity * np.sin(anomaly) - mean - n * times
             anomaly = anomaly - late / (1.0 - eccentricity * np.cos(anomaly))
         across = math.sqrt(1.0 - eccentricity**2) * np.sin(anomaly)
@@ -103,6 +106,7 @@ def _orbit(robot: RomeArm) -> FollowedPath:
 
     sizes = np.array((table.m_per_du, table.m_per_du, table.height_per_du))[:, None]
     times = np.linspace(0.0, math.tau / n, INSTANTS)
+    # A robot that is too slow for the orbit's own time flies it more slowly, and in the same shape.
     seconds_per_tu = max(table.s_per_tu, _stretch(robot, sizes * flown(times), times[1]))
 
     def path(seconds: Floats) -> tuple[Floats, Floats, Floats]:
@@ -117,6 +121,7 @@ def _stretch(robot: RomeArm, places: Floats, apart: float) -> float:
     """Return how many times its time a way takes at least, from places on the floor and above it."""
     limits, tool = robot.geometry.base.limits, robot.geometry.arm.limits
     speeds = np.gradient(places, apart, axis=1)
+    # Without the ends: there `gradient` has one-sided differences, which are less exact.
     bends = np.gradient(speeds[:2], apart, axis=1)[:, 2:-2]
     fastest, hardest = (float(np.linalg.norm(it, axis=0).max()) for it in (speeds[:2, 1:-1], bends))
     rises = float(np.abs(speeds[2, 1:-1]).max())
@@ -155,6 +160,7 @@ def _least_load(samples: Samples) -> float | None:
     loads = np.array([samples.column(f"load_{wheel}_n") for wheel in WHEELS])
     if loads.shape[1] < SHAKEN:
         return None
+    # Over 100 ms: a joint's step shakes the rigid plant for an instant, and tips nothing.
     means = np.array([np.convolve(row, np.ones(SHAKEN), "valid") for row in loads])
     return float((3.0 * means / means.sum(axis=0)).min())
 

@@ -118,6 +118,7 @@ class Paper:
             self.axes[name] = replace(axis, received_at=self.now, sampled_at=self.now)
         situation: AnySituation = Situation(command=command, demanded=self.demanded)
         known = seen(self.robot, self.now, situation, self.axes, **facts)
+        # The order is that of the bridge's pipeline: evaluate, ramp, then set-points from the ramp's result.
         decision = self.gate.rule(known)
         self.demanded = self.rules.body.ramped(self.demanded, decision.allowed, known.body, self.robot.cycle)
         self.demands = self.rules.body.demands(self.demanded, known.body)
@@ -133,6 +134,7 @@ class Paper:
             if isinstance(demand, Speed):
                 velocity = demand.value
             elif isinstance(demand, Position):
+                # Bounded, so that a set-point that jumps shows as a speed, and not as a jump of the axis.
                 reach = axis.top_speed * seconds
                 way = min(max(demand.value - before.position, -reach), reach)
                 velocity = way / seconds

@@ -32,6 +32,7 @@ def scripted(
     script = mission_of(robot, mission) if isinstance(mission, str) else mission
     bench_setup = bench_setup_of(robot)
     operator = ScriptedOperator(robot, bench_setup, script, np.random.default_rng(stream))
+    # The mission's own faults and floor, unless the test gives others.
     rig = Rig(script.on(robot), bench_setup, operator, **{"faults": script.fault, **options})
     try:
         yield rig

@@ -50,6 +50,7 @@ FULL: Final = 100
 
 def examples(count: int) -> int:
     """Return how many of a test's examples this run draws, as Hypothesis's profile has them."""
+    # Rounded up: a short profile still draws one example.
     return -(-count * settings().max_examples // FULL)
 
 
@@ -183,6 +184,7 @@ def test_the_common_rows_stop_all_of_it_whatever_it_is_requested(name: str) -> N
                 assert decision.stopped == frozenset(kind.groups), event
             assert not decision.requested & decision.stopped, event
         tripped.add(event.split(":")[0])
+    # Only an axis whose zero a person confirms can lose it.
     unsent = set() if any(axis.zero_confirmed for axis in robot.axes) else {"reference lost"}
     assert {row.name for row in AXIS_INTERLOCKS} - unsent <= tripped
 
@@ -248,6 +250,7 @@ def test_wheels_that_turn_against_each_other_do_not_rest(name: str) -> None:
     rules = robot_type_of(robot).rules(robot)[""]
     first, *others = (axis for axis in robot.axes if axis.name in rules.body.rolling)
     spins = axes_of(robot, START)
+    # The sum of the speeds is 0: a mean over the wheels would take that for a standstill.
     share = first.top_speed / max(len(others), 1)
     for axis, speed in ((first, first.top_speed), *((other, -share) for other in others)):
         spins[axis.name] = replace(spins[axis.name], velocity=speed)
