@@ -39,7 +39,7 @@ TESTED = @begun=$$(date +%s); \
 	$(TESTER) -m pytest -n $(JOBS) --dist worksteal -q $(LANE); status=$$?; \
 	$(ALSO) echo "$@: $$(( $$(date +%s) - begun )) s"; exit $$status
 
-# Where a container says that no bytecode is to be written, each process would compile all sources anew.
+# In a container that forbids bytecode each process would compile all sources again.
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
@@ -68,7 +68,7 @@ $(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch] $(BES
 	@echo "setup: 3 of 4, the program, the libraries that it needs, and those that its tests need"
 	@set -o pipefail; $(BIN)/python -m pip install --disable-pip-version-check --progress-bar off \
 		--editable ".[plants,plots]" $(BESIDE:%=--editable %) --group dev 2>&1 | tee .venv/pip.log | $(FETCHED) || \
-		{ echo "setup: pip could not do it; it says:" >&2; cat .venv/pip.log >&2; exit 1; }
+		{ echo "setup: pip failed; its output:" >&2; cat .venv/pip.log >&2; exit 1; }
 	@echo "setup: 4 of 4, the plants: from their equations to C, and compiled, for FMI 2.0 and 3.0"
 	@printf '%s\n' 2 3 | xargs -n 1 -P 2 $(BIN)/python -c "$$PLANTS" && echo
 	@echo "setup: done"
@@ -91,14 +91,14 @@ $(COMPILED)/.ready: $(READY) $(shell find firmware_bridge emulators fmu -name '*
 	@touch $@
 
 # What may come out otherwise where the core is compiled: what is on the wires, states put back, sessions played again.
-same: $(COMPILED)/.ready ## test that the compiled core does the same to the bit
+same: $(COMPILED)/.ready ## test that the compiled core gives the same bits
 	@$(COMPILED)/bin/python -P -m pytest -n $(JOBS) --dist worksteal -q -m 'not interpreted and not long' \
 		hil_tests/golden hil_tests/scenarios/test_golden_traces.py hil_tests/scenarios/test_re*.py hil_tests/wire \
 		hil_tests/unit/epos2_serial hil_tests/unit/rewind hil_tests/unit/world
 
 compiled: $(COMPILED)/.ready ## install the program with its core compiled, in .venv/compiled
 
-# What somebody has who installs the wheel, and pytest.
+# The installation of a user: the wheel, and pytest.
 $(INSTALLED)/.ready: $(COMPILED)/.ready
 	@rm -rf $(INSTALLED)
 	@$(BIN)/python -m venv $(INSTALLED)
@@ -107,7 +107,7 @@ $(INSTALLED)/.ready: $(COMPILED)/.ready
 
 installed: $(INSTALLED)/.ready ## install this machine's wheel in an environment of its own, .venv/installed
 
-wheels: ## make what is published, in dist/: a wheel for this machine, one for any, sources, SBOM
+wheels: ## make the release, in dist/: a wheel for this machine, one for any, sources, SBOM
 	@echo "wheels: this takes seven minutes; the core is translated to C, once"
 	@$(MAKE) --no-print-directory $(RELEASE) $(COMPILED)/.ready
 	@rm -rf dist/*.whl dist/any dist/*.tar.gz dist/*.json .venv/bare
@@ -130,14 +130,14 @@ demo: $(READY) ## drive the shipped missions in virtual time; results in out/
 	done; \
 	echo "demo: $(MISSIONS) driven in $$(( $$(date +%s) - begun )) s; tables, plots and recordings are in $(OUT)/rars-*/"
 
-studies: $(READY) ## make the sources' figures and numbers anew; one page, in out/studies
+studies: $(READY) ## reproduce the sources' figures and numbers; one page, in out/studies
 	@$(BRIDGE) study all --out $(OUT)/studies
 
-# Two lanes, which between them lose nothing: a test says so. Each leaves out what this machine's kernel cannot do.
+# Two lanes that together contain all tests: a test checks it. Each skips what this machine's kernel lacks.
 # Of Hypothesis's tests the first draws a tenth of the examples, and the second all of them again.
 test: LANE := -m 'not long' --hypothesis-profile=first-lane --ignore=hil_tests/architecture
 test: TESTER := $(BIN)/python
-test: $(READY) ## run the tests, every behaviour once; `make check` judges the sources
+test: $(READY) ## run the tests, each behavior once; `make check` checks the sources
 	$(TESTED)
 
 # Three times as fast there, and the compiled core is what `make same` shows to be the same.
@@ -145,11 +145,11 @@ long: LANE = -m '(long or hypothesis) and not interpreted' --ignore=hil_tests/ar
 long: TESTER := $(COMPILED)/bin/python -P
 long: ALSO = $(BIN)/python -m pytest -n $(JOBS) --dist worksteal -q -m '(long or hypothesis) and interpreted' \
 	--ignore=hil_tests/architecture $(SHARE:%=-p hil_tests.lanes --share %) || test $$? = 5 || status=1;
-long: $(COMPILED)/.ready ## run what `make test` has no time for, or a share of it: make long SHARE=3/20
+long: $(COMPILED)/.ready ## run the long tests, or a share of them: make long SHARE=3/20
 	$(TESTED)
 
-# What takes hours: all of it on one commit, a step after the other; who ends it goes on later where it was.
-nightly: $(COMPILED)/.ready ## run everything that .ci/run leaves out; hours, may be ended; docs/nightly.md has the results
+# Takes hours: all on one commit, step by step; an interrupted run continues where it was.
+nightly: $(COMPILED)/.ready ## run everything that .ci/run omits; hours, can be interrupted; docs/nightly.md has the results
 	@$(BIN)/python tools/nightly.py
 
 test-all: test long ## run every test
@@ -161,10 +161,10 @@ check: $(READY) ## lint, format, types, import contracts, documents in step
 	@$(BIN)/lint-imports
 	@$(BIN)/python -m pytest -q -p no:xdist hil_tests/architecture
 
-docs: $(READY) ## write the pages of docs/ that are made from the code's tables
+docs: $(READY) ## write the pages of docs/ that are generated from the code's tables
 	@$(BIN)/python tools/make_docs.py
 
-golden: $(READY) ## renew the golden traces, after a change that is meant to change what is on the wires
+golden: $(READY) ## renew the reference traces, after an intended change of the bytes on the wires
 	@$(BIN)/python tools/golden_traces.py --renew
 
 $(RELEASE): $(READY)
@@ -182,20 +182,20 @@ bench: $(MEASURED) $(COMPILED)/.ready ## measure how fast the bench is, what it 
 
 ROBOT ?= rars
 HOURS ?= 1
-NATURES ?= honest
+PROFILES ?= honest
 SEED ?= 0
-adversary: $(COMPILED)/.ready ## look for HOURS simulated hours for what breaks a rule of ROBOT; finds in out/adversary
-	@$(COMPILED)/bin/python -P -m hil_tests.adversary $(ROBOT) --hours $(HOURS) --natures $(NATURES) --seed $(SEED)
+adversary: $(COMPILED)/.ready ## search HOURS simulated hours for violations of a rule of ROBOT; results in out/adversary
+	@$(COMPILED)/bin/python -P -m hil_tests.adversary $(ROBOT) --hours $(HOURS) --profiles $(PROFILES) --seed $(SEED)
 
 FRAMES ?= 1000000
-fuzz: $(COMPILED)/.ready ## let a stranger send a drive FRAMES frames of any kind, its winding watched
+fuzz: $(COMPILED)/.ready ## let a foreign node send a drive FRAMES random frames, its winding's current monitored
 	@FOREIGN_FRAMES=$(FRAMES) $(COMPILED)/bin/python -P -m pytest -q -p no:xdist -m long hil_tests/unit/epos2/test_foreign_node_bursts.py
 
 LINES ?= 100000
-twins: $(READY) ## say LINES lines to the sketch's binary in simavr and to the emulated board, and compare
+twins: $(READY) ## send LINES lines to the sketch's binary in simavr and to the emulated board, and compare
 	@$(BIN)/python -m hil_tests.interop.simavr $(LINES)
 
-mutants: $(READY) ## break the program in one place at a time, where that is not known yet; hours, may be ended
+mutants: $(READY) ## break the program in one place at a time, for new results; hours, can be interrupted
 	@$(BIN)/python tools/mutate.py -j $(JOBS)
 
 hour: $(READY) ## drive a simulated hour and watch the memory, and another and look for false alarms

@@ -296,7 +296,7 @@ def _beyond_stops(robot: AnyRobot, plant: Plant, given: Mapping[str, float]) -> 
             # The sign makes one test of both ends: further out than the stop.
             if sign * end > sign * values[stop]:
                 problem = f"goes to {end:.5g} {axis.unit}, the plant's stop is at {values[stop]:.5g}"
-                say = f"narrow it, or say plant.parameters = {{ {stop} = {end:.5g} }}"
+                say = f"narrow it, or use plant.parameters = {{ {stop} = {end:.5g} }}"
                 yield Problem(f"axes[{index}].travel", f"{problem}; {say}")
 
 

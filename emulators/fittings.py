@@ -62,7 +62,7 @@ def encoder(text: str) -> Encoder:
     pulses, _, rest = text.partition(",")
     if not pulses.isdecimal() or int(pulses) not in PULSES or rest not in {"", "no-index"}:
         raise FittingError(
-            f"--encoder {text}: say PULSES[,no-index], {PULSES.start} to {PULSES.stop - 1} in a turn, "
+            f"--encoder {text}: give PULSES[,no-index], {PULSES.start} to {PULSES.stop - 1} in a turn, "
             f"or one of {', '.join(ENCODERS)}"
         )
     return Encoder(int(pulses), not rest)
@@ -102,7 +102,7 @@ def gear(text: str) -> Gear:
         return orders[text]
     if not 0.0 < ratio < float("inf"):
         raise FittingError(
-            f"--gear {text}: say how often the motor turns for one turn of the load, as 26 or 57/13, or a "
+            f"--gear {text}: give the motor's turns for one turn of the load, as 26 or 57/13, or a "
             "gear by name or order number, as 'GP 32 C 23:1'"
         )
     return Gear(ratio)

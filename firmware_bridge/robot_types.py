@@ -276,7 +276,7 @@ def loose_sums(robot: AnyRobot, kind: AnyRobotType) -> Iterator[Problem]:
         yield Problem(
             f"guard.sums[{index}]",
             f"with this geometry '{total.name}' reaches its bound of {total.bound:g} at "
-            f"{total.bound * right:.3g}, the robot's limit is {limit:.4g}; say {say}",
+            f"{total.bound * right:.3g}, the robot's limit is {limit:.4g}; use {say}",
         )
 
 

@@ -1,5 +1,5 @@
 # ruff: noqa: INP001 - a script's neighbor, not a package
-"""`docs/nightly.md`: what came of the commands of a night, and of the mutation campaign by package."""
+"""`docs/nightly.md`: the results of the nightly commands, and of the mutation campaign by package."""
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
@@ -13,20 +13,20 @@ from rooms import targets
 
 PAGE: Final = ROOT / "docs" / "nightly.md"
 HEAD: Final = """\
-# What runs at night
+# Nightly tests
 
-`.ci/run` checks each change in less than a quarter of an hour. `make nightly` runs the rest: hours of a
-processor, step by step. Who ends it goes on later where it was; what has passed on the same sources does not
-run again. `.ci/packages nightly` installs what it needs on Debian. The table says what came of each step, and
-on which commit; `tools/nightly.py` writes it.
+`.ci/run` checks each change in less than a quarter of an hour. `make nightly` runs the remaining tests: hours
+of processor time, step by step. An interrupted run continues where it was; a command that has passed on the
+same sources is not repeated. `.ci/packages nightly` installs the required packages on Debian. The table lists
+the result and the commit of each step; `tools/nightly.py` writes it.
 """
 MUTATION: Final = """
 ## Mutation, by package
 
-The program broken in one place at a time ([how](decisions/test-methods.md#mutation-testing)): a test has to
-fail. *Known* are mutants that no test can notice, each with its reason in `tools/mutate_survivors.toml`;
-*alive* are those that no test notices and that have no reason there. In `safety` and `motion` such a one
-fails the step; those of the other packages are listed in `tools/mutate_results.toml`.
+The program is changed in one place at a time ([method](decisions/test-methods.md#mutation-testing)); a test
+has to fail. *Known* mutants are equivalent to the original, each with its reason in
+`tools/mutate_survivors.toml`; *alive* mutants are not detected by any test and not explained. In `safety` and
+`motion` such a mutant fails the step; those of the other packages are listed in `tools/mutate_results.toml`.
 """
 
 
@@ -45,7 +45,7 @@ def _table(rows: Sequence[Sequence[object]]) -> Iterator[str]:
 
 def _steps() -> Iterator[Sequence[object]]:
     outcomes = read_outcomes()
-    yield "step", "what", "commands passed", "on", "commit", "minutes", "result"
+    yield "step", "description", "commands passed", "on", "commit", "minutes", "result"
     for step in STEPS:
         done = [outcomes[command] for command in step.commands if command in outcomes]
         yield step.name, step.what, *_outcome(step, done)

@@ -29,10 +29,10 @@ class Step:
     commands: tuple[str, ...]
 
 
-def _adversary(robot: str, natures: str, hours: float) -> str:
+def _adversary(robot: str, profiles: str, hours: float) -> str:
     # Other evenings with each commit.
     seed = "$((0x$(git rev-parse --short=6 HEAD)))"
-    return f"make adversary ROBOT='{robot}' NATURES='{natures}' HOURS={hours} SEED={seed}"
+    return f"make adversary ROBOT='{robot}' PROFILES='{profiles}' HOURS={hours} SEED={seed}"
 
 
 STEPS: Final = (

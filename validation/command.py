@@ -48,7 +48,7 @@ def study(
         ),
     ] = None,
 ) -> None:
-    """Make a source's figures and numbers again: printed, independent, ours, and why they differ.
+    """Reproduce a source's figures and numbers: printed, independent, ours, and why they differ.
 
     Ends with status 1 where one of our numbers is not within its bound of the independent one.
     """

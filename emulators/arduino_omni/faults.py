@@ -84,7 +84,7 @@ def _cut(_: Change) -> None:
 
 UNPLUGGED: Final = BoardFault(
     "serial_unplugged",
-    "the USB cable is out: the port is gone, and comes back under its --serial-link; the sketch lives on",
+    "the USB cable is out: the port is gone, and returns as its --serial-link; the sketch keeps running",
     _cut,
 )
 ROWS: Final[tuple[BoardFault, ...]] = (
@@ -94,27 +94,27 @@ ROWS: Final[tuple[BoardFault, ...]] = (
         "the half bridges warm up, and shut down at 175 degrees C",
         lambda it: it.board.motors.follow_heat(followed=it.on),
     ),
-    BoardFault("board_hangs", "the firmware does nothing more until a reset; the shield goes on", _hang),
+    BoardFault("board_hangs", "the firmware hangs until a reset; the shield continues", _hang),
     BoardFault(
         "board_brown_out",
-        "the processor is held in reset; the shield goes on with its last command",
+        "the processor is held in reset; the shield continues with its last command",
         lambda it: it.board.mega.brown_out(it.now, low=it.on),
     ),
     BoardFault(
         "board_reset",
-        "someone presses the button",
+        "the reset button is pressed",
         lambda it: it.board.reset(it.now) if it.on else None,
     ),
     UNPLUGGED,
     BoardFault("shield_absent", "no shield is on the board: the sketch hangs in AFMS.begin()", _absent),
     BoardFault(
         "i2c_stuck",
-        "the I2C bus is stuck: the sketch hangs, the shield goes on as it was set",
+        "the I2C bus is stuck: the sketch hangs, the shield keeps its settings",
         lambda it: it.board.mega.jam_bus(it.now, stuck=it.on),
     ),
     BoardFault(
         "board_unpowered",
-        "processor and shield lose their 5 V, and begin again",
+        "processor and shield lose their 5 V, and restart",
         lambda it: it.board.unpower(it.now, off=it.on),
     ),
     BoardFault(
@@ -133,7 +133,7 @@ ROWS: Final[tuple[BoardFault, ...]] = (
     ),
     BoardFault(
         "load_lifted",
-        "what the motor turns is in the air",
+        "the motor's load is off the floor",
         lambda it: it.board.motors.hoist(it.motor, lifted=it.on),
         MOTORS,
     ),
@@ -150,7 +150,7 @@ ROWS: Final[tuple[BoardFault, ...]] = (
         ENCODERS,
     ),
     BoardFault(
-        "encoder_cable_off", "the motor's encoder is dead", _in(lambda it: it.motors.faults.dead), ENCODERS
+        "encoder_cable_off", "the motor's encoder fails", _in(lambda it: it.motors.faults.dead), ENCODERS
     ),
 )
 FAULTS: Final[Mapping[str, BoardFault]] = MappingProxyType({row.name: row for row in ROWS})

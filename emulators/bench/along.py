@@ -1,4 +1,4 @@
-"""A mission along a path of someone's own: arm, let the path follower drive, take over behind its end."""
+"""A mission along a path of someone's own: arm, start the path follower, take over behind its end."""
 
 from typing import Final
 
@@ -16,11 +16,11 @@ title = "arm"
 arm = true
 [[step]]
 at_s = {begins}
-title = "let the path follower drive"
+title = "start the path follower"
 path_follower = "points"
 [[step]]
 at_s = {over}
-title = "take over, at rest"
+title = "take over, at standstill"
 path_follower = ""
 """
 

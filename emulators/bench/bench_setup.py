@@ -108,7 +108,7 @@ def _entries() -> EntryPoints:
 
 
 def bench_setups() -> dict[str, BenchSetup]:
-    """Return every installed robot's rehearsal by its kind, in the order of the kinds' names.
+    """Return every installed robot's bench setup by its kind, in the order of the kinds' names.
 
     One that cannot be loaded is excluded: `bench_setup_of` gives the reason.
     """
@@ -125,10 +125,10 @@ def mission_names() -> list[str]:
 
 
 def bench_setup_of(robot: AnyRobot) -> BenchSetup:
-    """Return the rehearsal of a robot's kind; LookupError where its package brings none."""
+    """Return the bench setup of a robot's kind; LookupError where its package brings none."""
     for entry in _entries().select(name=robot.kind):
         return _loaded(entry)
-    raise LookupError(f"the package of the robot '{robot.kind}' brings no rehearsal (entry point {GROUP})")
+    raise LookupError(f"the package of the robot '{robot.kind}' brings no bench setup (entry point {GROUP})")
 
 
 def _loaded(entry: EntryPoint) -> BenchSetup:
@@ -137,5 +137,5 @@ def _loaded(entry: EntryPoint) -> BenchSetup:
     except Exception as error:
         # Any error of another's package: the other robots must still be usable.
         why = f"{type(error).__name__}: {error} ({entry.value})"
-        raise LookupError(f"the rehearsal of '{entry.name}' cannot be loaded: {why}") from error
+        raise LookupError(f"the bench setup of '{entry.name}' cannot be loaded: {why}") from error
     return bench_setup

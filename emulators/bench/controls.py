@@ -1,6 +1,6 @@
 """The ground station's sticks and buttons, as the mission's steps move them, and what they say to the robot.
 
-Signs and scales are those of the robot's rehearsal, written again, not taken from the bridge.
+Signs and scales are those of the robot's bench setup, written again, not taken from the bridge.
 """
 
 from typing import Final
@@ -37,7 +37,7 @@ class Controls:
         self.released_at: Nanoseconds = NEVER
         """Release time of the button that is down."""
         self._robot = robot
-        self._rehearsal = bench_setup
+        self._bench_setup = bench_setup
         self._input = mission.input
         self._ramps = {channel.name: Ramp() for channel in bench_setup.channels}
         self._full = {channel.name: channel.full(robot) for channel in bench_setup.channels}
@@ -82,11 +82,11 @@ class Controls:
             if still[self._trembles_with[name]] != 0.0:
                 values[name] += kick * self._full[name]
         if self._input is Input.TWIST:
-            twist = self._rehearsal.twist(values, self._robot)
+            twist = self._bench_setup.twist(values, self._robot)
             return velocity(
                 system, component, twist.vx, twist.yaw_rate, vy=twist.vy, at_ms=max(clock, 0) // MILLISECOND
             )
-        axes = self._rehearsal.stick(values, self._robot)
+        axes = self._bench_setup.stick(values, self._robot)
         return dialect.MAVLink_manual_control_message(
             system, _axis(axes.x), _axis(axes.y), _axis(axes.z), _axis(axes.r), self._buttons | axes.buttons
         )

@@ -120,7 +120,7 @@ class Step(Table):
             if isinstance(row, Holds) and getattr(self, key) is not None:
                 if row.channel in held:
                     both = " and ".join(sorted((held[row.channel], key), reverse=True))
-                    raise ValueError(f"{both} say the same thing: give one of them")
+                    raise ValueError(f"{both} set the same value: give one of them")
                 held[row.channel] = key
         for key, row in rows.items():
             if isinstance(row, Slope) and row.channel not in held:

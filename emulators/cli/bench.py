@@ -29,7 +29,7 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge bench rome --mission line --protocol arduinoio --encoders 3` drives over another firmware.
 
-`firmware-bridge bench rome --path my_path.csv` has the path follower drive along the points of a file.
+`firmware-bridge bench rome --path my_path.csv` lets the path follower drive along the points of a file.
 `firmware-bridge bench rars --mission line --link delay=0.6,jitter=0.1,up.loss=0.02` drives over a slow link.
 
 `firmware-bridge bench rars --mission pursuit --link delay=0.8 --predictor` follows a circle over the link.
@@ -41,12 +41,12 @@ EXAMPLES: Final = """Examples:
 class BenchOptions:
     """Drive a mission in virtual time: bridge, bus, drives and plant, all in this process.
 
-    Leaves `report.html`, which has it all on one page, `summary.json`, `samples.csv`, `can.log` (as candump),
-    `serial.log`, `operator.tlog`, `capture.log` where cameras see the robot, and plots in the results'
+    Writes `report.html` with all results on one page, `summary.json`, `samples.csv`, `can.log` (as candump),
+    `serial.log`, `operator.tlog`, `capture.log` with cameras, and plots in the results'
     folder, which `replay` plays again.
 
-    Exit status 0 after a run, whatever held the robot back in it; 1 where the bridge did not start; 2 for
-    what is wrong in the words, the robot file or the mission.
+    Exit status 0 after a run, whatever stopped the robot in it; 1 if the bridge did not start; 2 for a
+    wrong argument, robot file or mission.
     """
 
     robot: RobotArgument
@@ -62,12 +62,15 @@ class BenchOptions:
         ),
     ] = None
     seed: Annotated[
-        int, typer.Option("--seed", "-s", min=0, help="Chooses the noise; one seed, one run.")
+        int,
+        typer.Option(
+            "--seed", "-s", min=0, help="Seed of all random numbers; the same seed gives the same run."
+        ),
     ] = 0
     out: Annotated[
         Path | None,
         typer.Option(
-            "--out", "-o", metavar="DIR", help="Where the results go.", show_default="out/ROBOT-MISSION"
+            "--out", "-o", metavar="DIR", help="Folder of the results.", show_default="out/ROBOT-MISSION"
         ),
     ] = None
     plant: PlantOption = None
@@ -76,7 +79,7 @@ class BenchOptions:
     max_delay: MaxDelayOption = None
     predictor: Annotated[
         bool,
-        typer.Option("--predictor", help="Let the mission's pilot drive by where the robot will be."),
+        typer.Option("--predictor", help="Let the mission's pilot steer by the predicted pose."),
     ] = False
     protocol: FirmwareOption = None
     encoders: EncodersOption = None

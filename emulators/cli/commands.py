@@ -18,7 +18,7 @@ COMMANDS: Final[tuple[Row, ...]] = (
     CliCommand(
         "new",
         "emulators.cli.new:new",
-        "Write a package for a robot of your own: robot file, rules, plant, missions; it drives at once.",
+        "Write a package for a new robot: robot file, rules, plant, missions; it drives at once.",
     ),
     CliCommand(
         "bench",
@@ -33,40 +33,40 @@ COMMANDS: Final[tuple[Row, ...]] = (
     CliCommand(
         "report",
         "emulators.cli.report:report",
-        "Make the page, the pictures and the table of a recorded drive, as `bench` makes them of its runs.",
+        "Make the page, the plots and the table of a recorded run, as `bench` makes them.",
     ),
     CliCommand(
         "study",
         "emulators.cli.study:study",
-        "Make a source's figures and numbers again: printed, independent, ours, and why they differ.",
+        "Reproduce a source's figures and numbers: printed, independent, ours, and why they differ.",
     ),
     CliCommand(
         "fmea",
         "emulators.cli.fmea:fmea",
-        "Try every fault in every state of a robot, and say who notices, when, and how far it goes.",
+        "Inject every fault in every state of a robot; report its detection, the time and the distance.",
     ),
     CliCommand(
         "faults",
         "emulators.cli.faults:faults",
-        "List the faults that a mission or a test can name; of a robot those that it can have, and where.",
+        "List the faults of missions and tests; for a robot those that are possible on it, and where.",
     ),
     CliCommand(
         "doctor",
         "emulators.cli.doctor:doctor",
-        "Look at this machine: what is there, what is missing, what to be careful of, and how to fix it.",
+        "Check this machine: available, missing and critical items, and how to fix them.",
     ),
     Group(
         "emulate",
         """Put emulated devices on a real CAN bus or a serial line, in real time.
 
-`emulate epos2` brings drives alone, `emulate board` an Arduino with a motor shield, `emulate ar2` the board
-of an arm, `emulate capture` a motion capture system. `emulate ROBOT` brings the drives and the plant of a
+`emulate epos2` emulates drives alone, `emulate board` an Arduino with a motor shield, `emulate ar2` the board
+of an arm, `emulate capture` a motion capture system. `emulate ROBOT` emulates the drives and the plant of a
 robot; the word `robot` in front of the robot's name may be left out.""",
         """Examples:
 
 `firmware-bridge emulate rars -i socketcan -c vcan0`
 
-`firmware-bridge emulate epos2 --node 1-2 -i socketcan -c vcan0` brings two drives without a robot.""",
+`firmware-bridge emulate epos2 --node 1-2 -i socketcan -c vcan0` emulates two drives without a robot.""",
         kind=ByName,
         # An option in front of the robot's name is the robot's.
         context_settings={"ignore_unknown_options": True, "allow_interspersed_args": False},
@@ -94,7 +94,7 @@ robot; the word `robot` in front of the robot's name may be left out.""",
     CliCommand(
         "emulate capture",
         "emulators.cli.emulate_capture:emulate",
-        "Stream what an OptiTrack system would see as NatNet over UDP unicast, in real time.",
+        "Stream the frames of an OptiTrack system as NatNet over UDP unicast, in real time.",
     ),
     Group(
         "fmu",
@@ -115,12 +115,12 @@ robot; the word `robot` in front of the robot's name may be left out.""",
     CliCommand(
         "fmu check",
         "emulators.cli.plants:check",
-        "Check an FMU: whether it is valid, starts, computes the right bits, and which robots it fits.",
+        "Check an FMU: validity, start, bit-exact results, and the robots that it fits.",
     ),
     CliCommand(
         "epos2 objects",
         "emulators.cli.documents:objects",
-        "List every object: type, access, PDO, range, default, and how far it is known.",
+        "List every object: type, access, PDO, range, default, and provenance.",
     ),
     CliCommand(
         "epos2 eds",
@@ -135,6 +135,6 @@ robot; the word `robot` in front of the robot's name may be left out.""",
     CliCommand(
         "epos2 fidelity",
         "emulators.cli.documents:fidelity",
-        "Say what of the emulation is proven, documented, by analogy or assumed, and from where.",
+        "List proven, documented, analogous and assumed parts of the emulation, with their sources.",
     ),
 )

@@ -20,9 +20,12 @@ EXAMPLES: Final = """Examples:
 
 @command(EXAMPLES)
 def doctor(
-    *, as_json: Annotated[bool, typer.Option("--json", help="For programs, and for bug reports.")] = False
+    *,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Output for programs and bug reports, as JSON.")
+    ] = False,
 ) -> None:
-    """Look at this machine: what is there, what is missing, what to be careful of, and how to fix it.
+    """Check this machine: available, missing and critical items, and how to fix them.
 
     Python, libraries, compiler, plants, kernel, CAN interfaces, serial ports, clock, load. No bus and no port
     is opened. Exit status 1 where something is missing that nothing works without; what only some need, as a

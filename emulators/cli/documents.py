@@ -33,7 +33,7 @@ EXAMPLES: Final = """Examples:
 
 OutOption = Annotated[
     Path | None,
-    typer.Option("--out", "-o", metavar="FILE", help="Write there.", show_default="to the terminal"),
+    typer.Option("--out", "-o", metavar="FILE", help="Output file.", show_default="to the terminal"),
 ]
 NodeOption = Annotated[int, typer.Option("--node", "-n", min=FIRST_NODE, max=LAST_NODE, help="Its number.")]
 
@@ -43,9 +43,9 @@ def objects(
     *,
     profile: ProfileOption = "70/10",
     node: NodeOption = 1,
-    json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Output for programs, as JSON.")] = False,
 ) -> None:
-    """List every object: type, access, PDO, range, default, and how far it is known."""
+    """List every object: type, access, PDO, range, default, and provenance."""
     found = numbered(find_profile(profile), node)
     if json:
         say(dictionary.as_json(found, node))
@@ -90,9 +90,9 @@ def dcf(
 @command(EXAMPLES)
 def fidelity(
     *,
-    every: Annotated[bool, typer.Option("--all", help="What is proven, too.")] = False,
+    every: Annotated[bool, typer.Option("--all", help="Include proven items.")] = False,
 ) -> None:
-    """Say what of the emulation is proven, documented, by analogy or assumed, and from where."""
+    """List proven, documented, analogous and assumed parts of the emulation, with their sources."""
     counts = Table(title="how far the emulated EPOS2 is known")
     for heading in ("part", *(each.value for each in known.ORDER)):
         counts.add_column(heading)

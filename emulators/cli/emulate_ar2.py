@@ -37,7 +37,7 @@ class Ar2Options:
     it. Ends on Ctrl-C, and then prints the joints' true positions.
     """
 
-    firmware: Annotated[str, typer.Option(help="The generation of its sketch: 2.0 or 1.5.")] = "2.0"
+    firmware: Annotated[str, typer.Option(help="Version of its sketch: 2.0 or 1.5.")] = "2.0"
     serial: Annotated[
         str,
         typer.Option(

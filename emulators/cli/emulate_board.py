@@ -44,13 +44,13 @@ class BoardOptions:
 
     firmware: Annotated[
         str,
-        typer.Option(help="What is flashed: mw, ros-arduino-bridge, arduinoio or firmata."),
+        typer.Option(help="Firmware: mw, ros-arduino-bridge, arduinoio or firmata."),
     ]
     encoders: Annotated[
         int | None,
         typer.Option(
             metavar="N",
-            help="How many encoders it counts: 2 or 3; firmata 0 (StandardFirmata) or 2 "
+            help="Number of encoders that it counts: 2 or 3; firmata 0 (StandardFirmata) or 2 "
             "(ConfigurableFirmata).",
             show_default="3 with ros-arduino-bridge, 0 with firmata, else 2",
         ),
@@ -61,7 +61,7 @@ class BoardOptions:
             min=1,
             max=32_767,
             metavar="N",
-            help="With ros-arduino-bridge: after how long without a command it stops its motors.",
+            help="With ros-arduino-bridge: time without a command after which it stops its motors.",
             show_default="2000",
         ),
     ] = None
@@ -90,7 +90,7 @@ class BoardOptions:
         list[str] | None,
         typer.Option(
             metavar="KIND[,node=M1][@FROM[-TO]]",
-            help="What is wrong, from and to a time in s; again for each, by the names of a mission's "
+            help="A fault, from and to a time in s; may be repeated; by the names of a mission's "
             "faults: current_limit, over_temperature, board_hangs, board_reset, board_brown_out, "
             "board_unpowered, serial_unplugged, shield_absent, i2c_stuck, motor_supply_sag; of a motor, M1 "
             "to M4: motor_cable_off, shaft_blocked, load_lifted, motor_leads_swapped; of M1 to M3: "
@@ -104,7 +104,7 @@ class BoardOptions:
             min=0.0,
             max=15.0,
             metavar="VOLTS",
-            help="The motors' supply.",
+            help="Voltage of the motors' supply.",
             show_default="12, or the plant's battery_voltage",
         ),
     ] = None

@@ -27,7 +27,7 @@ EXAMPLES: Final = """Examples:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CaptureOptions:
-    """Stream what an OptiTrack system would see as NatNet over UDP unicast, in real time.
+    """Stream the frames of an OptiTrack system as NatNet over UDP unicast, in real time.
 
     For developers of a client without cameras at hand. A client connects at the command port, and receives a
     frame at every exposure until it has sent nothing for 10 s. Bodies go round circles about the room's
@@ -37,27 +37,27 @@ class CaptureOptions:
 
     natnet: Annotated[
         str,
-        typer.Option(metavar="VERSION", help="The version that it speaks: 2.9, 2.10, 3.0, 3.1, 4.0 to 4.4."),
+        typer.Option(metavar="VERSION", help="NatNet version: 2.9, 2.10, 3.0, 3.1, 4.0 to 4.4."),
     ] = "3.1"
-    host: Annotated[str, typer.Option(help="The address of this machine that clients connect to.")] = (
-        "127.0.0.1"
-    )
+    host: Annotated[str, typer.Option(help="Address of this machine for clients.")] = "127.0.0.1"
     command_port: Annotated[
-        int, typer.Option(min=0, max=0xFFFF, help="Where clients connect; 0 for any that is free.")
+        int, typer.Option(min=0, max=0xFFFF, help="Command port; 0 for any free port.")
     ] = COMMAND_PORT
-    data_port: Annotated[
-        int, typer.Option(min=0, max=0xFFFF, help="Where frames come from; 0 for any that is free.")
-    ] = DATA_PORT
+    data_port: Annotated[int, typer.Option(min=0, max=0xFFFF, help="Data port; 0 for any free port.")] = (
+        DATA_PORT
+    )
     body: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME", help="A rigid body; may be given more than once.", show_default="robot"),
     ] = None
-    rate: Annotated[int, typer.Option(min=20, max=1000, metavar="HZ", help="Frames a second.")] = 240
+    rate: Annotated[
+        int, typer.Option(min=20, max=1000, metavar="HZ", help="Frame rate, in frames a second.")
+    ] = 240
     noise_mm: Annotated[
-        float, typer.Option(min=0.0, max=100.0, help="The standard deviation of a position along each axis.")
+        float, typer.Option(min=0.0, max=100.0, help="Standard deviation of a position along each axis.")
     ] = 0.2
-    up: Annotated[Up, typer.Option(help="Which axis of the stream points upwards.")] = Up.Y
-    lost: Annotated[Lost, typer.Option(help="What is sent of a body that is hidden.")] = Lost.FREEZE
+    up: Annotated[Up, typer.Option(help="Axis of the stream that points upwards.")] = Up.Y
+    lost: Annotated[Lost, typer.Option(help="Data of a hidden body.")] = Lost.FREEZE
     hide: Annotated[
         list[str] | None,
         typer.Option(
@@ -70,12 +70,12 @@ class CaptureOptions:
         list[str] | None,
         typer.Option(
             metavar="NAME@FROM-TO",
-            help="Take a body's markers for others: it is seen 0.3 m aside, the other way round, and counts "
-            "as tracked; may be repeated.",
+            help="Confuse a body's markers: it appears 0.3 m aside, turned by 180 degrees, and counts as "
+            "tracked; may be repeated.",
             show_default=False,
         ),
     ] = None
-    seed: Annotated[int, typer.Option(min=0, help="Of all that is left to chance.")] = 0
+    seed: Annotated[int, typer.Option(min=0, help="Seed of all random numbers.")] = 0
     duration: DurationOption = None
 
 
@@ -127,7 +127,7 @@ def version_of(text: str) -> Version:
     """Read a version; what is none ends the program."""
     major, _, minor = text.partition(".")
     if not (major.isdecimal() and minor.isdecimal()):
-        raise refusal(f"--natnet {text}: say a version as 3.1")
+        raise refusal(f"--natnet {text}: give a version as 3.1")
     return Version(int(major), int(minor))
 
 
@@ -146,7 +146,9 @@ def _spans(
     for text in texts or ():
         match = _SPAN.fullmatch(text)
         if match is None or match["name"] not in numbers:
-            raise refusal(f"{option} {text}: say NAME@FROM-TO with one of {', '.join(numbers)}, as robot@5-7")
+            raise refusal(
+                f"{option} {text}: give NAME@FROM-TO with one of {', '.join(numbers)}, as robot@5-7"
+            )
         yield numbers[match["name"]], from_seconds(float(match["begin"])), from_seconds(float(match["end"]))
 
 

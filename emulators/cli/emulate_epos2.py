@@ -58,12 +58,12 @@ class DrivesOptions(Outside):
     """
 
     node: Annotated[
-        str, typer.Option("--node", "-n", metavar="NUMBERS", help="Which nodes: 1, or 1-8, or 1,3,5-7.")
+        str, typer.Option("--node", "-n", metavar="NUMBERS", help="Nodes: 1, or 1-8, or 1,3,5-7.")
     ] = "1"
     protocol: Annotated[
         Generation | None,
         typer.Option(
-            help="What the serial line speaks: v1 as on RS232, v2 as on USB.",
+            help="Protocol of the serial line: v1 as on RS232, v2 as on USB.",
             show_default="as its host does",
         ),
     ] = None
@@ -81,8 +81,8 @@ class DrivesOptions(Outside):
         str | None,
         typer.Option(
             metavar="NAME|ORDER-NUMBER|FILE.toml",
-            help="The motor at each drive, as `new --motor` takes it: one that is known, or a file with its "
-            "data. An EC motor is emulated as the DC motor that it is equivalent to.",
+            help="The motor at each drive, as in `new --motor`: a known one, or a file with its data. An "
+            "EC motor is emulated as its equivalent DC motor.",
             show_default="no particular one, with which any motor type 0x6402 is right",
             autocompletion=completing("emulators.motors:names"),
         ),
@@ -91,8 +91,8 @@ class DrivesOptions(Outside):
         str,
         typer.Option(
             metavar="PULSES[,no-index]|NAME|ORDER-NUMBER",
-            help="The encoder at each motor: pulses in one turn, and whether it lacks the index channel; or "
-            "one that is known.",
+            help="The encoder at each motor: pulses per turn, and no-index if it has no index channel; or "
+            "a known one.",
             autocompletion=completing("emulators.fittings:encoder_names"),
         ),
     ] = "500"
@@ -104,8 +104,8 @@ class DrivesOptions(Outside):
         str | None,
         typer.Option(
             metavar="RATIO|NAME|ORDER-NUMBER",
-            help="Turns of the motor for one of the load, as 26 or 57/13; or a gear that is known, as "
-            "'GP 32 C 23:1', with its inertia.",
+            help="Turns of the motor for one of the load, as 26 or 57/13; or a known gear, as 'GP 32 C "
+            "23:1', with its inertia.",
             show_default="1",
         ),
     ] = None
@@ -146,7 +146,7 @@ class DrivesOptions(Outside):
         ),
     ] = None
     supply: Annotated[
-        float, typer.Option(min=0.0, max=100.0, metavar="VOLTS", help="The supply of the power stages.")
+        float, typer.Option(min=0.0, max=100.0, metavar="VOLTS", help="Supply voltage of the power stages.")
     ] = SUPPLY_MV / 1000
     parameters: ParametersOption = None
     dip_off: Annotated[
@@ -166,8 +166,8 @@ class DrivesOptions(Outside):
         list[str] | None,
         typer.Option(
             metavar="NAME=VALUE",
-            help="What the sources leave open, otherwise than by default; may be given more than once. "
-            "`epos2 fidelity` lists every choice, its default and the evidence.",
+            help="A choice that the sources leave open, other than the default; may be repeated. `epos2 "
+            "fidelity` lists every choice, its default and the evidence.",
             show_default=False,
         ),
     ] = None
@@ -269,7 +269,7 @@ def _choices(given: DrivesOptions) -> list[str]:
     try:
         chosen(find_profile(given.profile), [choice])
     except ChoiceError:
-        raise refusal(f"--boot-time {given.boot_time}: say a time, as 262.5ms or 2s, 60s at most") from None
+        raise refusal(f"--boot-time {given.boot_time}: give a time, as 262.5ms or 2s, 60s at most") from None
     return [*(given.choice or ()), choice]
 
 
@@ -289,7 +289,7 @@ def _rs232(baud: int | None, serial: str | None, protocol: Generation | None) ->
     if baud is None:
         return len(BAUDS) - 1
     if serial is None or protocol is Generation.V2:
-        raise refusal(f"--baud {baud}: only a line of RS232 has a rate; say --serial pty --protocol v1")
+        raise refusal(f"--baud {baud}: only a line of RS232 has a rate; use --serial pty --protocol v1")
     if baud not in BAUDS:
         raise refusal(f"--baud {baud}: an EPOS2 knows {', '.join(map(str, BAUDS))}")
     return BAUDS.index(baud)
@@ -306,7 +306,7 @@ def _settings(values: Sequence[str], plant: Path | None) -> dict[str, float]:
         try:
             found[name] = float(number)
         except ValueError:
-            raise refusal(f"--set {text}: say NAME=VALUE, as stop_low=-1.0") from None
+            raise refusal(f"--set {text}: give NAME=VALUE, as stop_low=-1.0") from None
     return found
 
 
@@ -348,7 +348,7 @@ def _load(text: str, *, named: bool) -> "ShaftLoad":
     try:
         inertia, friction = (float(part) for part in text.split(","))
     except ValueError:
-        raise refusal(f"--load {text}: say INERTIA,FRICTION in kg m2 and N m, as 2e-5,0.001") from None
+        raise refusal(f"--load {text}: give INERTIA,FRICTION in kg m2 and N m, as 2e-5,0.001") from None
     least = inertia >= 0.0 if named else inertia > 0.0
     if not (least and inertia < float("inf") and 0.0 <= friction < float("inf")):
         than = "not less than" if named else "more than"

@@ -47,7 +47,7 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge emulate rome --serial pty --serial-link rome.tty` puts a board with a motor shield on a line.
 
-`firmware-bridge emulate epos2 --node 1-2 -i socketcan -c vcan0` brings two drives without a robot."""
+`firmware-bridge emulate epos2 --node 1-2 -i socketcan -c vcan0` emulates two drives without a robot."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,8 +66,8 @@ class RobotOptions(Outside):
     protocol: Annotated[
         Spoken | None,
         typer.Option(
-            help="What the serial line speaks: v1 as on RS232, v2 as on USB; of a board with a motor shield "
-            "what it was flashed with.",
+            help="Protocol of the serial line: v1 as on RS232, v2 as on USB; for a board with a motor "
+            "shield its firmware.",
             show_default="as its host does; of a board by the robot file",
         ),
     ] = None
@@ -76,13 +76,15 @@ class RobotOptions(Outside):
     plant: PlantOption = None
     silence: Annotated[
         list[str] | None,
-        typer.Option(metavar="NODE@SECONDS", help="Cut a drive off the bus at this time; may be repeated."),
+        typer.Option(
+            metavar="NODE@SECONDS", help="Disconnect a drive from the bus at this time; may be repeated."
+        ),
     ] = None
     factory: Annotated[
         bool,
         typer.Option(
             "--factory",
-            help="Drives as they come from the factory; without, they have the gains and limits of the robot "
+            help="Drives with factory settings; without it they have the gains and limits of the robot "
             "file, as after commissioning.",
         ),
     ] = False
@@ -168,7 +170,7 @@ def _line_of(machine: "AnyRobot", name: str, given: RobotOptions, *, alone: bool
     if alone:
         return open_serial(device, rate, link)
     if device != WORD:
-        raise PortError(f"--serial {device}: {machine.name} has several boards; say --serial {WORD}")
+        raise PortError(f"--serial {device}: {machine.name} has several boards; use --serial {WORD}")
     return open_serial(device, rate, None if link is None else link.with_name(f"{link.name}-{name}"))
 
 
@@ -272,7 +274,9 @@ def _opener(machine: "AnyRobot", name: str, place: "BusAddress") -> "Callable[[]
     from firmware_bridge.shell.ports import open_can
 
     if place.device is not None:
-        raise refusal(f"--link {name}: emulated drives of a robot are put on CAN here; say INTERFACE:CHANNEL")
+        raise refusal(
+            f"--link {name}: emulated drives of a robot are put on CAN here; give INTERFACE:CHANNEL"
+        )
     rate = machine.epos2_link(name).bit_rate
     return lambda: open_can(place.interface, place.channel, None, default_bit_rate=rate, say=say)
 
@@ -283,7 +287,7 @@ def _cut(robot: "AnyRobot", text: str) -> tuple[str, Nanoseconds]:
     for axis in robot.axes:
         if node in {str(axis.epos2.node), axis.name}:
             if not re.fullmatch(r"\d+(\.\d+)?", seconds):
-                raise refusal(f"--silence {text}: say NODE@SECONDS, as {axis.epos2.node}@10")
+                raise refusal(f"--silence {text}: give NODE@SECONDS, as {axis.epos2.node}@10")
             return axis.name, from_seconds(float(seconds))
     known = ", ".join(f"{axis.epos2.node} ({axis.name})" for axis in robot.axes)
     raise refusal(f"--silence {text}: {robot.name} has no node '{node}'; it has {known}")

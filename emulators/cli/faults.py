@@ -30,9 +30,9 @@ HEADINGS: Final = ("fault", "where", "keys", "what happens")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FaultsOptions:
-    """List the faults that a mission or a test can name; of a robot those that it can have, and where.
+    """List the faults of missions and tests; for a robot those that are possible on it, and where.
 
-    docs/faults.md has what the emulated device makes of each, and the values of the keys.
+    docs/faults.md has the reaction of the emulated device to each, and the values of the keys.
     """
 
     robot: Annotated[

@@ -31,27 +31,29 @@ EXAMPLES: Final = """Examples:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FmeaOptions:
-    """Try every fault in every state of a robot, and say who notices, when, and how far it goes.
+    """Inject every fault in every state of a robot; report its detection, the time and the distance.
 
     In virtual time, on all processors: minutes. Ends with status 1 where the robot moves uncommanded, this is
-    not noticed within half a second, and no reason is known. With `--out` it leaves `fmea.csv` and
+    not noticed within half a second, and no reason is known. With `--out` it writes `fmea.csv` and
     `fmea.html`, the matrix on one page. The severity of each fault is in the page's titles.
     """
 
     robot: RobotArgument
     faults: Annotated[
         list[str] | None,
-        typer.Option("--fault", metavar="KIND", help="This kind; may be repeated.", show_default="all"),
+        typer.Option("--fault", metavar="KIND", help="Only this kind; may be repeated.", show_default="all"),
     ] = None
     states: Annotated[
         list[str] | None,
-        typer.Option("--state", metavar="STATE", help="This state; may be repeated.", show_default="all"),
+        typer.Option(
+            "--state", metavar="STATE", help="Only this state; may be repeated.", show_default="all"
+        ),
     ] = None
     out: Annotated[
         Path | None,
-        typer.Option("--out", "-o", metavar="DIR", help="Where the matrix goes.", show_default="nowhere"),
+        typer.Option("--out", "-o", metavar="DIR", help="Folder of the matrix.", show_default="nowhere"),
     ] = None
-    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, help="How many processes share the work.")] = (
+    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, help="Number of processes.")] = (
         os.cpu_count() or 1
     )
     serial: Annotated[
@@ -146,7 +148,9 @@ def _show(cells: "Sequence[Cell]", failures: int) -> None:
         table.add_row(state, *(str(of[it]) for it in verdicts))
     terminal().print(table)
     excused = Counter(
-        cell.why for cell in cells if cell.why and cell.effect.verdict in {Assessment.MISSED, Assessment.LATE}
+        cell.why
+        for cell in cells
+        if cell.why and cell.effect.verdict in {Assessment.NOT_NOTICED, Assessment.LATE}
     )
     for why, count in excused.items():
         say(f"  {count}: {why}")

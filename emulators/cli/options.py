@@ -40,8 +40,8 @@ LatencyOption = Annotated[
     bool,
     typer.Option(
         "--realistic-latency/--no-latency",
-        help="Answer SDO requests after the time that maxon has published and start 262.5 ms after a reset, "
-        "as recorded, or do both at once.",
+        help="Delays: answer SDO requests after the time published by maxon and start 262.5 ms after a "
+        "reset, as recorded; or both at once.",
     ),
 ]
 

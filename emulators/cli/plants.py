@@ -138,10 +138,10 @@ def build_model(
         ),
     ],
     *,
-    fmi: Annotated[int, typer.Option("--fmi", min=2, max=3, help="The version of FMI: 2 or 3.")] = 3,
+    fmi: Annotated[int, typer.Option("--fmi", min=2, max=3, help="FMI version: 2 or 3.")] = 3,
     out: Annotated[
         Path | None,
-        typer.Option("--out", "-o", metavar="FILE", help="Where it goes.", show_default="MODEL.fmu"),
+        typer.Option("--out", "-o", metavar="FILE", help="Output file.", show_default="MODEL.fmu"),
     ] = None,
 ) -> None:
     """Build a robot's plant, or a model, as an FMU, with its sources inside.
@@ -178,10 +178,10 @@ def check(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="An FMU of any tool.")],
     robot: Annotated[
         str | None,
-        typer.Option("--robot", help="The robot under whose bench it has to fit.", show_default=False),
+        typer.Option("--robot", help="Robot whose bench it has to fit.", show_default=False),
     ] = None,
 ) -> None:
-    """Check an FMU: whether it is valid, starts, computes the right bits, and which robots it fits.
+    """Check an FMU: validity, start, bit-exact results, and the robots that it fits.
 
     Exit status 0: it is, and fits the robot that was named; 1: it has problems; 2: it cannot be read.
     """

@@ -33,23 +33,23 @@ from fmu.errors import PlantError
 
 EXAMPLES: Final = """Examples:
 
-`firmware-bridge replay out/rars-line/can.log rars` plays what the bridge has sent into emulated drives.
+`firmware-bridge replay out/rars-line/can.log rars` plays the bridge's frames into emulated drives.
 
-`firmware-bridge replay out/rars-line/can.log rars --operator out/rars-line/operator.tlog` plays what drives
-and operator have sent into the bridge.
+`firmware-bridge replay out/rars-line/can.log rars --operator out/rars-line/operator.tlog` plays the
+frames of drives and operator into the bridge.
 
-`firmware-bridge replay out/rome-circle rome` plays all that a run's folder holds into the bridge: CAN log,
-serial lines, cameras, operator.
+`firmware-bridge replay out/rome-circle rome` plays all recordings of a run's folder into the bridge: CAN
+log, serial lines, cameras, operator.
 
-`firmware-bridge replay out/rome-circle rome --protocol mw --encoders 3` plays it as the run was driven.
+`firmware-bridge replay out/rome-circle rome --protocol mw --encoders 3` plays it with the options of the run.
 
 `firmware-bridge replay out/rars-line/operator.tlog rars` plays the operator's messages into the whole bench.
 
-`firmware-bridge replay robot.log rars --without pdo --tolerance-us 5000` suits what candump saw on a bus.
+`firmware-bridge replay robot.log rars --without pdo --tolerance-us 5000` suits a candump log of a bus.
 
 `--zero`, `--home`, `--max-delay`, `--serial`, `--protocol`, `--encoders` and `--path` are those of `bench` or
-`drive`. A real run is played until it was asked to end, as its folder's events.log says; without that file
-`--until` leaves out what came of it."""
+`drive`. A real run is played until its end was requested, by its folder's events.log; without that file use
+`--until` to omit the shutdown."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,7 +63,7 @@ class ReplayOptions:
         Path,
         typer.Argument(
             metavar="RECORDING",
-            help="The folder of a run, as `bench` and `drive --record` leave it; or a CAN log as "
+            help="The folder of a run, as `bench` and `drive --record` write it; or a CAN log as "
             "`candump -l` writes it, what lines have carried (serial.log), or a telemetry log (.tlog); "
             "also .gz, .xz.",
             show_default=False,
@@ -73,7 +73,7 @@ class ReplayOptions:
     into: Annotated[
         Into | None,
         typer.Option(
-            help="What the recording is played into: the drives, the bridge, or both of them on the bench.",
+            help="Target of the replay: the drives, the bridge, or both on the bench.",
             show_default="drives for a CAN log, bridge with --operator, for lines and for a folder, "
             "bench for a telemetry log",
         ),
@@ -88,17 +88,13 @@ class ReplayOptions:
     ] = None
     channel: Annotated[
         str | None,
-        typer.Option("--channel", "-c", help="Which bus, where a CAN log holds several.", show_default=False),
+        typer.Option("--channel", "-c", help="Bus of a CAN log with several buses.", show_default=False),
     ] = None
     until: Annotated[
         float | None,
-        typer.Option(
-            min=0.0, metavar="SECONDS", help="Leave out what was recorded later.", show_default="the end"
-        ),
+        typer.Option(min=0.0, metavar="SECONDS", help="Omit packets recorded later.", show_default="the end"),
     ] = None
-    tolerance_us: Annotated[
-        float, typer.Option(min=0.0, help="So far may a frame be from its recorded instant.")
-    ] = 0.0
+    tolerance_us: Annotated[float, typer.Option(min=0.0, help="Tolerance of a frame's time.")] = 0.0
     without: Annotated[
         list[str] | None,
         typer.Option(metavar="SERVICE", help=f"Do not compare: {', '.join(SERVICE_NAMES)}; may be repeated."),

@@ -29,10 +29,10 @@ SOON_S: Final = 1.0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReportOptions:
-    """Make the page, the pictures and the table of a recorded drive, as `bench` makes them of its runs.
+    """Make the page, the plots and the table of a recorded run, as `bench` makes them.
 
-    Leaves `report.html`, `samples.csv` and pictures in the folder: the devices' measurements and the bridge's
-    state, every 10 ms, in the place of a plant's values. The recording is played into the bridge once more.
+    Writes `report.html`, `samples.csv` and plots to the folder: the devices' measurements and the bridge's
+    state, every 10 ms, in place of a plant's values. The recording is replayed into the bridge.
 
     Exit status 0 where all was written; 2 for a folder that cannot be used.
     """
@@ -58,7 +58,7 @@ class ReportOptions:
     ] = False
     out: Annotated[
         Path | None,
-        typer.Option("--out", "-o", metavar="DIR", help="Where it goes.", show_default="FOLDER"),
+        typer.Option("--out", "-o", metavar="DIR", help="Folder of the output.", show_default="FOLDER"),
     ] = None
 
 
@@ -78,7 +78,7 @@ def run(given: ReportOptions) -> None:
     if not folder.is_dir():
         raise refusal(f"{folder}: is no folder; name that of a run, as `drive --record` leaves it")
     if out == folder and (folder / "summary.json").exists():
-        raise refusal(f"{folder}: `bench` has made its page already; say --out DIR for one without its plant")
+        raise refusal(f"{folder}: `bench` has made its page already; use --out DIR for one without its plant")
     if not installed("plots"):
         say(f"no pictures this time: {remedy_of('plots')}", err=True)
     with one_message(RobotFileError, RecordingFileError, LookupError), written_by("--out"):

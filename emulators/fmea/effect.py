@@ -23,12 +23,12 @@ LETS_GO_S: Final = 1.0
 WATCHED_S: Final = 3.5
 """Time of observation: the end of the failure, and the robot's motion then."""
 STANDS_WITHIN_S: Final = 12.0
-"""... and so long where it still moves then: who has not come to rest never does."""
+"""... and so long where it still moves then: a robot that moves after it counts as never stopping."""
 ASIDE: Final[Mapping[str, float]] = {"m": 0.02, "rad": 0.05}
-"""Further than this from where it would be without the failure it does something else. ASSUME; the first is
-what docs/safety.md allows a robot that was let go at rest."""
+"""Limits of a deviation from the run without the failure. ASSUME; the first is what docs/safety.md allows a
+robot at standstill without power."""
 SHARE: Final = 0.05
-"""... and by so much of the way that it would have gone: as far as a robot that is well may stray. ASSUME."""
+"""... and this share of the distance without the failure: tolerance of a robot without a fault. ASSUME."""
 STILL: Final[Mapping[str, float]] = {"m": 0.001, "rad": 0.003}
 """Limits of motion below which a robot is at standstill."""
 RESTS_S: Final = 0.3
@@ -44,16 +44,16 @@ class Assessment(StrEnum):
     """Assessment of a cell."""
 
     NOTICED = "noticed"
-    """An interlock holds."""
+    """An interlock is active."""
     REPORTED = "reported"
-    """The operator was informed, and nothing holds."""
+    """The operator was informed, and no interlock is active."""
     TOLERATED = "tolerated"
     """The failure was not reported, and the robot does what it would do without it."""
     STOPPED = "stopped"
-    """The failure was not reported, and the robot came to standstill where it would have gone on."""
+    """The failure was not reported, and the robot came to standstill where it would have moved on."""
     LATE = "NOTICED LATE"
     """The failure was noticed when the robot had deviated for a while."""
-    MISSED = "NOT NOTICED"
+    NOT_NOTICED = "NOT NOTICED"
     """The failure was not reported, and the robot deviates; or it never stops, reported or not."""
 
 
@@ -79,7 +79,7 @@ class Effect:
 
     verdict: Assessment
     noticed_by: str
-    """The interlock that held first, or the first words."""
+    """The first active interlock, or the first text."""
     after_ms: float | None
     stands_after_ms: float | None
     """Time of the final standstill, counted from the failure; None where it still moves at the end."""
@@ -138,11 +138,11 @@ def effect(well: Course, ill: Course) -> Effect:
         # Who stands does no harm, and need not say why.
         due_ms = float(other[0]) * EACH_MS + LATE_MS
         if moved_ms > due_ms and (noticed_ms is None or noticed_ms > due_ms):
-            verdict = Assessment.MISSED if noticed_ms is None else Assessment.LATE
+            verdict = Assessment.NOT_NOTICED if noticed_ms is None else Assessment.LATE
     stands = _stands(ill.places, ill.units)
     # A robot that never stops is worse than any report makes up for.
     if stands is None and _stands(well.places, well.units) is not None:
-        verdict = Assessment.MISSED
+        verdict = Assessment.NOT_NOTICED
     return Effect(
         verdict,
         by,

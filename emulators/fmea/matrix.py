@@ -27,7 +27,7 @@ class Cell:
     @property
     def late(self) -> bool:
         """True if its motion is uncommanded, and is not noticed in time."""
-        return self.effect.verdict in {Assessment.MISSED, Assessment.LATE}
+        return self.effect.verdict in {Assessment.NOT_NOTICED, Assessment.LATE}
 
     @property
     def wrong(self) -> bool:

@@ -10,12 +10,12 @@ from firmware_bridge.drivers.fleets import reports_of
 from firmware_bridge.robot import AnyRobot
 
 ALONE: Final = frozenset({"bridge_ends"})
-"""Failures after which no bridge is left to notice anything."""
+"""Failures that end the bridge, so that it detects nothing."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reason:
-    """One kind of fault that someone has thought about."""
+    """One examined kind of fault."""
 
     kind: str
     why: str
@@ -38,21 +38,25 @@ class Reason:
 
 
 REASONS: Final = (
-    Reason("bridge_ends", "no one is left to say so: each device stops by its own watchdog", watched=True),
+    Reason(
+        "bridge_ends", "no bridge is left to report it: each device stops by its own watchdog", watched=True
+    ),
     Reason(
         "load_lifted",
-        "a motor whose load is off the floor turns as commanded: cameras alone see it, and only when the"
-        " base is further from where its motors say than `base slips` allows",
+        "a motor whose load is off the floor turns as commanded: only cameras detect it, and only when the"
+        " base deviates from its motors' odometry by more than `base slips` allows",
     ),
-    Reason("grip_lost", "off the wall it falls, whatever is done: its tether alone holds it"),
+    Reason("grip_lost", "off the wall it falls in any case: only its tether holds it"),
     *(
-        Reason(kind, "the firmware does not read this motor's encoder: cameras alone see it", unmeasured=True)
+        Reason(
+            kind, "the firmware does not read this motor's encoder: only cameras detect it", unmeasured=True
+        )
         for kind in ("motor_cable_off", "motor_leads_swapped", "shaft_blocked")
     ),
-    Reason("motor_supply_sag", "it turns slower by less than an axis may stray"),
+    Reason("motor_supply_sag", "it turns slower, within the plausibility limits of the axis"),
     Reason(
         "encoder_frozen",
-        "at small speeds it takes half a second until its backlog is more than it may creep",
+        "at small speeds it takes half a second until its backlog exceeds the limit",
         state="stopping",
     ),
 )

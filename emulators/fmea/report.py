@@ -1,4 +1,4 @@
-"""The matrix as tables: lines of CSV, and one page of HTML on which someone finds what he looks for."""
+"""The matrix as tables: lines of CSV, and one page of HTML."""
 
 import csv
 import html
@@ -18,15 +18,16 @@ DEGREES: Final = 57.29577951308232
 LOOK: Final = """
 body { max-width: none; margin: 2em } th, td { border: 1px solid #ddd; padding: .2em .5em }
 thead th { position: sticky; top: 0; background: #fff }
-.noticed { background: #e3f1ea } .told { background: #e4eef8 } .tolerated { background: #fff; color: #888 }
-.stands { background: #f3f3e2 } .why { background: #fbeccb } .wrong { background: #f6c6bd; font-weight: bold }
+.noticed { background: #e3f1ea } .reported { background: #e4eef8 }
+.tolerated { background: #fff; color: #888 } .stopped { background: #f3f3e2 } .why { background: #fbeccb }
+.wrong { background: #f6c6bd; font-weight: bold }
 small { color: #666; display: block }
 """
 LEGEND: Final = (
     (Assessment.NOTICED, "an interlock is active: which, and after how long"),
     (Assessment.REPORTED, "the operator was informed, and no interlock is active"),
-    (Assessment.TOLERATED, "the robot does what it would have done"),
-    (Assessment.STOPPED, "nothing was reported, and the robot came to rest"),
+    (Assessment.TOLERATED, "the robot moves as without the failure"),
+    (Assessment.STOPPED, "nothing was reported, and the robot came to standstill"),
 )
 
 
@@ -63,11 +64,11 @@ def as_page(robot: str, cells: Sequence[Cell]) -> str:
     legend = "".join(f'<li><span class="{it.value}">{it.value}</span>: {words}</li>' for it, words in LEGEND)
     return document(
         f"{robot}: failures",
-        f"<h1>What comes of each failure of {html.escape(robot)}</h1><p>Each was put on in each state and "
-        f"taken off after two seconds, on the bench. By the plant's truth: when the robot stood for good, "
-        f"how far it went and turned, whatever was commanded.</p><ul>{legend}"
+        f"<h1>Effects of each failure of {html.escape(robot)}</h1><p>Each failure was injected in each state "
+        f"for two seconds, on the bench. Measured in the plant: the time of the final standstill, the "
+        f"distance and the angle, including the commanded motion.</p><ul>{legend}"
         f'<li><span class="why">late or never, with a reason</span></li>'
-        f'<li><span class="wrong">late or never, and no one knows why</span></li></ul>'
+        f'<li><span class="wrong">late or never, without a known reason</span></li></ul>'
         f"<table><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table>",
         LOOK,
     )
@@ -90,7 +91,7 @@ def _cell(cell: Cell) -> str:
     kind = "wrong" if cell.wrong else "why" if cell.late else found.verdict.value
     who = found.noticed_by or found.verdict.value
     when = "" if found.after_ms is None else f" {found.after_ms:.0f} ms"
-    rests = "moves on" if found.stands_after_ms is None else f"stands {found.stands_after_ms:.0f} ms"
+    rests = "keeps moving" if found.stands_after_ms is None else f"stopped {found.stands_after_ms:.0f} ms"
     way = f"{rests}, {1e3 * found.goes_m:.0f} mm, {DEGREES * found.turns_rad:.0f}°"
     why = f"<small>{html.escape(cell.why)}</small>" if cell.late and cell.why else ""
     return f'<td class="{kind}">{html.escape(who)}{when}<small>{way}</small>{why}</td>'

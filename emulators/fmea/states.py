@@ -9,7 +9,7 @@ from emulators.bench.step import Holds, inputs
 from emulators.testing.rig import VirtualRig
 
 SHARE: Final = 0.5
-"""Share of full stick, on each channel that a state drives. ASSUME: the command of an ordinary day."""
+"""Share of full stick, on each channel that a state drives. ASSUME: a usual command."""
 GOES_S: Final = 1.5
 """Time by which a robot has reached the commanded speed; ASSUME of those that will come."""
 STOPPING_S: Final = 0.1
@@ -18,14 +18,14 @@ STOPPED_S: Final = 2.0
 
 @dataclass(frozen=True, slots=True)
 class OperatingState:
-    """One state, and how an armed robot at rest is brought to it."""
+    """One state, and how an armed robot at standstill is brought to it."""
 
     name: str
     enter: Callable[[VirtualRig], None]
 
 
 def states_of(rig: VirtualRig) -> tuple[OperatingState, ...]:
-    """Return the states of a robot: without power, at rest, each thing that it can do, and its stops."""
+    """Return the states of a robot: without power, at standstill, each motion, and its stops."""
     channels = rig.bench_setup.channels
     whole = [channel for channel in channels if not channel.stick_only]
     requests = {f"{channel.name} {SHARE:.0%}": _command(rig, [channel]) for channel in channels}

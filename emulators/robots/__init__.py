@@ -1,1 +1,1 @@
-"""The bench's half of each robot that comes with the program: missions and rehearsal, a folder each."""
+"""The bench's half of each robot that comes with the program: missions and bench setup, a folder each."""

@@ -124,7 +124,7 @@ def choose(command: str | None = None) -> KernelLibrary:
     if command is None:
         command = os.environ.get(VARIABLE, "")
     if command not in {"", NATIVE, TWIN}:
-        raise ServoError(f"{VARIABLE}={command}: say '{NATIVE}', '{TWIN}', or nothing for the best there is")
+        raise ServoError(f"{VARIABLE}={command}: give '{NATIVE}', '{TWIN}', or nothing for the best there is")
     if command == TWIN:
         return KernelLibrary(None, "the reference was requested")
     found = find()

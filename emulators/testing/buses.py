@@ -45,9 +45,9 @@ def buses(kind: str | None) -> tuple[Bus, ...]:
         return groups
     interface, _, channel = kind.partition(":")
     if interface == "virtual":
-        raise RigError(f"a bus {kind} is inside one process, and drives are another; say {MULTICAST}")
+        raise RigError(f"a bus {kind} is inside one process, and drives are another; use {MULTICAST}")
     if not interface or not channel:
-        raise RigError(f"there is no bus '{kind}'; say {VCAN}, {MULTICAST} or INTERFACE:CHANNEL")
+        raise RigError(f"there is no bus '{kind}'; use {VCAN}, {MULTICAST} or INTERFACE:CHANNEL")
     return (Bus(interface, channel),)
 
 

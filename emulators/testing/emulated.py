@@ -97,7 +97,7 @@ def _command(what: str, protocol: str | None) -> tuple[tuple[str, ...], str]:
     # One serial line, one board.
     if len(robot.shield_links) + len(robot.ar2_links) != 1:
         known = ", ".join(FIRMWARES)
-        raise RigError(f"{what} has not one board; say a robot that has, or a firmware: {known}")
+        raise RigError(f"{what} has not one board; give a robot that has, or a firmware: {known}")
     if robot.ar2_links:
         _speaks_one(what, protocol, None)
         return (what,), ARM

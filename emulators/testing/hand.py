@@ -38,7 +38,7 @@ class TestOperator:
         clock: Callable[[], Nanoseconds],
     ) -> None:
         self._robot: Final = robot
-        self._rehearsal: Final = bench_setup
+        self._bench_setup: Final = bench_setup
         self._step: Final = bench_setup.step
         self._station: Final = station
         self._clock: Final = clock
@@ -131,7 +131,7 @@ class TestOperator:
 
     def _goes_on(self, step: Step) -> None:
         story = self.story.model_copy(update={"step": (*self.story.step, step)})
-        problems = "; ".join(one.problem for one in cannot_say(story, self._robot, self._rehearsal))
+        problems = "; ".join(one.problem for one in cannot_say(story, self._robot, self._bench_setup))
         if problems:
             raise RigError(f"{self._robot.name}: its operator cannot do that: {problems}")
         self.takes_over(story)

@@ -142,7 +142,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     """Skip a test that needs something missing here, or moves real hardware without --yes-move-it."""
     real = _is_real(item.config)
     if real and item.get_closest_marker("destructive") and not item.config.getoption("--yes-move-it"):
-        pytest.skip("it moves what is real: say --yes-move-it")
+        pytest.skip("it moves what is real: use --yes-move-it")
     for mark in item.iter_markers("needs"):
         for what in mark.args:
             if what not in NEEDS:

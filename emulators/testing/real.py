@@ -32,7 +32,7 @@ class RealDrives:
         self._taken: Final[list[tuple[str, ...]]] = []
         spoken, _, self._device = (line or LINE).partition(":")
         if not self._device or spoken not in {one.value for one in Generation}:
-            raise RigError(f"--serial-line {line}: say PROTOCOL:DEVICE, as {LINE} or v2:/dev/ttyUSB0")
+            raise RigError(f"--serial-line {line}: give PROTOCOL:DEVICE, as {LINE} or v2:/dev/ttyUSB0")
         self._line: Final = None if line is None else ("--serial", self._device, "--protocol", spoken)
 
     def __call__(self, nodes: str = "1", *more: str, on: Bus | None = None) -> str:

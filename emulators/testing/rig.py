@@ -64,7 +64,7 @@ class VirtualRig:
     """One robot with its operator, in virtual time, on a link without noise; the seed decides all."""
 
     def __init__(self, robot: AnyRobot, seed: int = 0) -> None:
-        """Build it, switched off; LookupError where the robot has no rehearsal, PlantError for no plant."""
+        """Build it, switched off; LookupError where the robot has no bench setup, PlantError for no plant."""
         self.robot: Final = robot
         self.seed: Final = seed
         self.bench_setup: Final = bench_setup_of(robot)

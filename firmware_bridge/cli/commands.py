@@ -19,8 +19,8 @@ from firmware_bridge.cli.console import refusal, say
 COMMAND_GROUP: Final = "firmware_bridge.commands"
 """Entry points of this group are tuples of rows."""
 MARKUP: Final = "markdown"
-STATUSES: Final = """Exit status 0 after an orderly end; 1 where it failed or could not start; 2 for
-what is wrong in the words, an option or a file."""
+STATUSES: Final = """Exit status 0 after an orderly end; 1 after a failure, or if it could not start; 2 for
+a wrong argument, option or file."""
 """Exit statuses of a command whose own help names none."""
 _NAMES_STATUSES: Final = re.compile(r"\bstatus\s+[012]\b")
 

@@ -63,12 +63,12 @@ EXAMPLES: Final = """Examples:
 class DriveOptions:
     """Run the bridge on a real CAN bus or serial line: find the drives, set them up, and obey the operator.
 
-    Ends on Ctrl-C, Ctrl-Z, or when its terminal is closed: the robot is brought to rest first, then its
-    drives are disabled, and a second Ctrl-C does not cut that short. A serial port that is unplugged is
-    waited for; the robot must be armed again then.
+    Ends on Ctrl-C, Ctrl-Z, or when its terminal is closed: the robot is brought to standstill first,
+    then its drives are disabled; a second Ctrl-C does not shorten this. If a serial port is unplugged, the
+    bridge waits for it; then the robot must be armed again.
 
     Exit status 0 after an orderly end, 1 where the run failed or could not start, 2 for a wrong option or a
-    missing bus, 3 where a drive has not confirmed at the end that it is without power.
+    missing bus, 3 if at the end a drive has not confirmed that its power stage is disabled.
     """
 
     robot: RobotArgument
@@ -79,9 +79,8 @@ class DriveOptions:
         str,
         typer.Option(
             metavar="LINK",
-            help="The operator's link: udpout:HOST:PORT calls a station, by default one that listens on this "
-            "machine; udpin:HOST:PORT waits for one. One that reaches beyond this machine needs --key or "
-            "--open.",
+            help="The operator's link: udpout:HOST:PORT connects to a station, by default on this machine; "
+            "udpin:HOST:PORT waits for one. A link beyond this machine needs --key or --open.",
         ),
     ] = "udpout:127.0.0.1:14550"
     bandwidth: Annotated[
@@ -89,7 +88,7 @@ class DriveOptions:
         typer.Option(
             min=4_800,
             metavar="BIT_S",
-            help="What the operator's link carries, as a telemetry radio's serial line, for instance 57600: "
+            help="Rate of the operator's link, as of a telemetry radio's serial line, for instance 57600: "
             "telemetry takes at most half of it.",
             show_default="the robot's",
         ),
@@ -98,8 +97,9 @@ class DriveOptions:
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Obey only what is signed with this key (MAVLink 2), and sign what is sent: 64 hexadecimal "
-            "digits, or the phrase that the station was given. An emergency stop is obeyed of anybody.",
+            help="Accept only messages signed with this key (MAVLink 2), and sign all messages: 64 "
+            "hexadecimal digits, or the phrase entered at the station. An emergency stop is accepted from "
+            "any station.",
             show_default=False,
         ),
     ] = None
@@ -107,12 +107,15 @@ class DriveOptions:
         list[str] | None,
         typer.Option(
             metavar="ADDRESS",
-            help="Listen only to this address, or network as 192.168.1.0/24; may be repeated.",
+            help="Accept messages only from this address, or network as 192.168.1.0/24; may be repeated.",
             show_default="all",
         ),
     ] = None
     openly: Annotated[
-        bool, typer.Option("--open", help="Without a key: let everyone who reaches the link drive the robot.")
+        bool,
+        typer.Option(
+            "--open", help="Without a key: let every station that reaches the link drive the robot."
+        ),
     ] = False
     serial: Annotated[
         str | None,
@@ -125,13 +128,18 @@ class DriveOptions:
     ] = None
     baud: Annotated[
         int | None,
-        typer.Option(min=9_600, max=1_000_000, help="Of the serial port.", show_default="the robot's"),
+        typer.Option(
+            min=9_600,
+            max=1_000_000,
+            help="Bit rate of the serial port, in bit/s.",
+            show_default="the robot's",
+        ),
     ] = None
     protocol: Annotated[
         Spoken | None,
         typer.Option(
-            help="What the serial port speaks: v1 as on RS232, v2 as on USB; of a board with a motor shield "
-            "what it was flashed with.",
+            help="Protocol of the serial port: v1 as on RS232, v2 as on USB; for a board with a motor "
+            "shield its firmware.",
             show_default="the robot's",
         ),
     ] = None
@@ -152,8 +160,8 @@ class DriveOptions:
         str | None,
         typer.Option(
             metavar="NAME",
-            help="Begin in this mode after a failed actuator: its device is left alone. A wrong name is "
-            "answered with those that there are.",
+            help="Begin in this mode after a failed actuator: its device is not used. A wrong name lists "
+            "the valid modes.",
             show_default="the whole robot",
         ),
     ] = None
@@ -163,7 +171,7 @@ class DriveOptions:
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Where the places of the axes are kept for the next run, which offers them.",
+            help="File of the axis positions for the next run, which offers them for confirmation.",
             show_default="~/.local/state/firmware-bridge/ROBOT.json",
         ),
     ] = None

@@ -31,7 +31,7 @@ def open_serial(
             return SeenOpening(link, rate, say, reports_dtr=False)
         return PseudoTerminal(link, rate, say)
     if link is not None:
-        raise PortError(f"--serial-link {link}: only a pseudo-terminal wants a link; say --serial {WORD}")
+        raise PortError(f"--serial-link {link}: only a pseudo-terminal wants a link; use --serial {WORD}")
     return SerialLine(device, baud)
 
 
@@ -39,7 +39,7 @@ def on_the_line(outside: Outside, nodes: Sequence[int]) -> int:
     """Return which of these nodes is on the serial line; one that is not there ends the program."""
     node = outside.serial_node
     if node is not None and outside.serial is None:
-        raise refusal(f"--serial-node {node}: there is no serial line; say --serial {WORD}, too")
+        raise refusal(f"--serial-node {node}: there is no serial line; use --serial {WORD}, too")
     if node is not None and node not in nodes:
         raise refusal(f"--serial-node {node}: there is no such node; there are {', '.join(map(str, nodes))}")
     return nodes[0] if node is None else node

@@ -41,19 +41,19 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge monitor --log out/rars-circles/can.log`
 
-`firmware-bridge monitor --log can.log --device epos2`, or `--dcf drive.dcf`, reads PDOs whose mapping no one
-was seen to write.
+`firmware-bridge monitor --log can.log --device epos2`, or `--dcf drive.dcf`, reads PDOs whose mapping was
+not seen to be written.
 
-`firmware-bridge monitor --log out/rome-circle/serial.log --robot rome --protocol mw` says line by line what a
-board was told and has answered."""
+`firmware-bridge monitor --log out/rome-circle/serial.log --robot rome --protocol mw` shows the commands and
+answers of a board line by line."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MonitorOptions:
-    """Show a CAN bus in words: who is there, PDOs, statuswords, emergencies, rates, load, the last error.
+    """Show a CAN bus decoded: nodes, PDOs, statuswords, emergencies, rates, load, the last error.
 
-    It sends nothing. On a terminal the picture is drawn again; elsewhere each change is a line, and the
-    picture comes at the end. A PDO is read by the robot file's mapping, or by one that was seen to be
+    It sends nothing. On a terminal the display is refreshed; elsewhere each change is a line, and the
+    display comes at the end. A PDO is read by the robot file's mapping, or by one that was seen to be
     written; the bytes of others are shown as they are. Ends on Ctrl-C. A recording of serial lines or of
     cameras is shown line by line, by the protocols of --robot.
     """
@@ -65,7 +65,7 @@ class MonitorOptions:
         str | None,
         typer.Option(
             metavar="ROBOT",
-            help="Whose drives are on the bus: a robot that `robots` lists, or the path of a robot file.",
+            help="Robot on the bus: a name that `robots` lists, or the path of a robot file.",
             show_default=False,
             autocompletion=completing("firmware_bridge.cli.robot_argument:names"),
         ),
@@ -74,7 +74,7 @@ class MonitorOptions:
         str | None,
         typer.Option(
             metavar="NAME",
-            help="Of a robot with several CAN buses: which one it is.",
+            help="The bus of a robot with several CAN buses.",
             show_default="the only one",
         ),
     ] = None
@@ -92,19 +92,20 @@ class MonitorOptions:
         str | None,
         typer.Option(
             metavar="epos2",
-            help="What every node is whose PDO mapping no one was seen to write: an EPOS2 with its defaults.",
+            help="Device type of nodes whose PDO mapping was not seen to be written: an EPOS2 with its "
+            "defaults.",
             show_default="an EPOS2 where a node reports maxon's vendor number (0x1018:1), else not known",
         ),
     ] = None
     eds: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="A data sheet whose defaults count so.", show_default=False),
+        typer.Option(metavar="FILE", help="Electronic data sheet with such defaults.", show_default=False),
     ] = None
     dcf: Annotated[
         list[Path] | None,
         typer.Option(
             metavar="FILE",
-            help="How the node is set up that a configuration file names; again for each node.",
+            help="Device configuration file of a node; may be repeated.",
             show_default=False,
         ),
     ] = None
@@ -190,7 +191,9 @@ def _show_lines(given: MonitorOptions, log: Path, lines: Iterator[tuple[int, str
     numbered = iter(lines)
     first = list(islice(numbered, 1))
     if given.robot is None and not _names_its_side(first):
-        raise refusal(f"{log}: holds the bytes of lines; say whose with --robot, as its protocols read them")
+        raise refusal(
+            f"{log}: holds the bytes of lines; name their robot with --robot, as its protocols read them"
+        )
     # With it come pydantic and every installed robot.
     from firmware_bridge.cli.monitor_lines import LinesOrder, show_lines
 
@@ -260,7 +263,7 @@ def _picture(given: MonitorOptions) -> "BusPicture":
 
     if given.robot is None:
         if given.link is not None:
-            raise refusal(f"--link {given.link}: only a robot has links; say --robot, too")
+            raise refusal(f"--link {given.link}: only a robot has links; use --robot, too")
         return BusPicture(given.bit_rate or BIT_RATE, _configured(given), _sheet(given), epos2=_device(given))
     # With them come pydantic and every installed robot.
     from firmware_bridge.cli.robot_argument import find_robot
@@ -272,7 +275,7 @@ def _picture(given: MonitorOptions) -> "BusPicture":
         raise refusal(f"--robot {given.robot}: {robot.name} has no drives on a CAN bus; leave --robot out")
     link = links[0] if given.link is None and len(links) == 1 else given.link
     if link not in links:
-        raise refusal(f"{robot.name} is on these buses: {', '.join(links)}; say which one with --link")
+        raise refusal(f"{robot.name} is on these buses: {', '.join(links)}; select one with --link")
     rate = given.bit_rate or robot.epos2_link(link).bit_rate
     expected = (*expected_on(robot, link), *_configured(given))
     return BusPicture(rate, expected, _sheet(given), epos2=_device(given))
@@ -280,7 +283,7 @@ def _picture(given: MonitorOptions) -> "BusPicture":
 
 def _device(given: MonitorOptions) -> bool:
     if given.device not in {None, EPOS2}:
-        raise refusal(f"--device {given.device}: there is {EPOS2}; of any other say --eds FILE")
+        raise refusal(f"--device {given.device}: there is {EPOS2}; for any other use --eds FILE")
     return given.device is not None
 
 

@@ -13,7 +13,7 @@ def numbers(text: str) -> tuple[int, ...]:
     for part in text.split(","):
         fits = re.fullmatch(r"(\d+)(?:-(\d+))?", part.strip())
         if fits is None:
-            raise refusal(f"--node {text}: say 1, or 1-8, or 1,3,5-7")
+            raise refusal(f"--node {text}: give 1, or 1-8, or 1,3,5-7")
         first, last = int(fits[1]), int(fits[2] or fits[1])
         if not FIRST_NODE <= first <= last <= LAST_NODE:
             raise refusal(f"--node {text}: nodes are numbered {FIRST_NODE} to {LAST_NODE}, upwards")

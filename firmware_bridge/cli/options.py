@@ -24,20 +24,22 @@ InterfaceOption = Annotated[
     typer.Option(
         "--interface",
         "-i",
-        help="python-can's name for the kind of bus: socketcan, slcan, pcan, loopback_multicast ... Without "
-        "it python-can's own configuration file decides.",
+        help="python-can's interface: socketcan, slcan, pcan, loopback_multicast ... Default: python-can's "
+        "own configuration file.",
         show_default=False,
     ),
 ]
 ChannelOption = Annotated[
     str | None,
-    typer.Option("--channel", "-c", help="The bus: can0, vcan0, /dev/ttyACM0 ...", show_default=False),
+    typer.Option(
+        "--channel", "-c", help="Channel of the bus: can0, vcan0, /dev/ttyACM0 ...", show_default=False
+    ),
 ]
 
 
 def _bit_rate(default: str) -> Any:
     return typer.Option(
-        "--bitrate", "-b", min=10_000, max=1_000_000, help="Bits a second.", show_default=default
+        "--bitrate", "-b", min=10_000, max=1_000_000, help="Bit rate, in bit/s.", show_default=default
     )
 
 
@@ -48,9 +50,9 @@ LinkOption = Annotated[
     typer.Option(
         "--link",
         metavar="NAME=PLACE|KEY=NUMBER,...",
-        help="Where one of several links is: INTERFACE:CHANNEL, or serial:DEVICE. Or, for training, how slow "
-        "the operator's link shall be, his emergency stop with it: delay=0.5,jitter=0.1,up.loss=0.02. May be "
-        "repeated.",
+        help="Place of one of several links: INTERFACE:CHANNEL, or serial:DEVICE. Or, for training, an "
+        "impairment of the operator's link, including the emergency stop: "
+        "delay=0.5,jitter=0.1,up.loss=0.02. May be repeated.",
         show_default=False,
     ),
 ]
@@ -59,9 +61,9 @@ ZeroOption = Annotated[
     typer.Option(
         "--zero",
         metavar="AXIS=VALUE",
-        help="Where an axis stands when the bridge starts, read off the robot; may be repeated. A wrong name "
-        "is answered with those that there are, and their units. Without it the station in control confirms "
-        "before the robot is armed.",
+        help="Position of an axis when the bridge starts, read off the robot; may be repeated. A wrong "
+        "name lists the valid names and their units. Without it the station in control confirms the "
+        "position before the robot is armed.",
         show_default=False,
     ),
 ]
@@ -70,8 +72,8 @@ HomeOption = Annotated[
     typer.Option(
         "--home",
         metavar="AXIS",
-        help="Home an axis once the drives are ready, by its robot file; may be repeated, one comes "
-        "after the other. IT MOVES: someone who drives must be speaking by then, and may stop it.",
+        help="Home an axis once the drives are ready, by its robot file; may be repeated, in this order. "
+        "IT MOVES: an operator must have sent commands by then, and may stop it.",
         show_default=False,
     ),
 ]
@@ -101,8 +103,7 @@ FirmwareOption = Annotated[
     typer.Option(
         "--protocol",
         metavar="NAME",
-        help="Of a robot on a motor shield: what its board speaks; mw, ros-arduino-bridge, arduinoio or "
-        "firmata.",
+        help="Firmware of the board of a motor shield: mw, ros-arduino-bridge, arduinoio or firmata.",
         show_default="the robot's",
     ),
 ]
@@ -112,8 +113,8 @@ EncodersOption = Annotated[
         min=0,
         max=4,
         metavar="N",
-        help="Of a robot on a motor shield: how many encoders its board reads; more than its firmware does "
-        "as published is not stock.",
+        help="Number of encoders that the board of a motor shield reads; more than the published firmware "
+        "reads needs a modified firmware.",
         show_default="the firmware's",
     ),
 ]
@@ -122,8 +123,8 @@ PathOption = Annotated[
     typer.Option(
         "--path",
         metavar="FILE.csv",
-        help="The path of the path follower `points`, a row each: t,x,y or t,x,y,psi (s, m, rad), or x,y "
-        "with --path-speed.",
+        help="CSV file for the robot's path follower `points`, one point a row: t,x,y or t,x,y,psi (s, m, "
+        "rad), or x,y with --path-speed.",
         show_default="the robot file's",
     ),
 ]
@@ -134,7 +135,7 @@ PathSpeedOption = Annotated[
         min=0.001,
         max=10.0,
         metavar="M/S",
-        help="How fast along a path whose points have no times.",
+        help="Speed along a path whose points have no times.",
         show_default=False,
     ),
 ]
@@ -153,15 +154,15 @@ MaxDelayOption = Annotated[
         "--max-delay",
         min=0.05,
         metavar="SECONDS",
-        help="Agree for this session that words may be so old when they are obeyed, up to the robot file's "
-        "ceiling. The longer, the slower the robot may be.",
+        help="Maximum age of commands agreed on for this session, up to the robot file's ceiling. The "
+        "larger it is, the slower the robot moves.",
         show_default="operator.max_age_ms",
     ),
 ]
 DurationOption = Annotated[
     float | None,
     typer.Option(
-        min=0.0, metavar="SECONDS", help="Stop in good order after this time.", show_default="until Ctrl-C"
+        min=0.0, metavar="SECONDS", help="End in good order after this time.", show_default="until Ctrl-C"
     ),
 ]
 

@@ -22,7 +22,7 @@ class Outside:
         typer.Option(
             "--serial",
             metavar="pty|DEVICE",
-            help="Put a drive on a serial line: on a pseudo-terminal of this machine, or on a device.",
+            help="Put a drive on a serial line: a pseudo-terminal of this machine, or a device.",
             show_default=False,
         ),
     ] = None
@@ -39,7 +39,7 @@ class Outside:
         typer.Option(
             min=FIRST_NODE,
             max=LAST_NODE,
-            help="With --serial: which node is on the line; the others are reached through it.",
+            help="With --serial: the node on the line; the others are reached through it.",
             show_default="the first",
         ),
     ] = None

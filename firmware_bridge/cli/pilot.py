@@ -40,13 +40,13 @@ class PilotOptions:
 
     Its bridge calls this machine, as `drive` does by default; received data are shown.
 
-    Ends on Ctrl-C: the controls go to neutral, and the robot is disarmed. Where the joystick is lost nothing
-    more is sent, and the bridge stops the robot on the timeout.
+    Ends on Ctrl-C: the controls go to neutral, and the robot is disarmed. If the joystick is lost,
+    nothing more is sent, and the bridge stops the robot on the operator link timeout.
     """
 
     robot: RobotArgument
     mavlink: Annotated[
-        str, typer.Option(metavar="LINK", help="Where the bridge is: udpin:HOST:PORT or udpout:HOST:PORT.")
+        str, typer.Option(metavar="LINK", help="Address of the bridge: udpin:HOST:PORT or udpout:HOST:PORT.")
     ] = "udpin:127.0.0.1:14550"
     joystick: Annotated[
         bool,
@@ -61,15 +61,15 @@ class PilotOptions:
         str | None,
         typer.Option(
             metavar="NAME",
-            help="What it is: pedals, with a helm, or gamepad. One that presents itself as a gamepad must be "
-            "called one.",
+            help="Type of the joystick: pedals, with a helm, or gamepad. One that presents itself as a "
+            "gamepad must be named so.",
             show_default="pedals",
         ),
     ] = None
     keyboard: Annotated[
         bool,
         typer.Option(
-            "--keyboard", help="Drive with this terminal's keys, which must be kept down; Enter stops."
+            "--keyboard", help="Drive with this terminal's keys, which must be held down; Enter stops."
         ),
     ] = False
     path: Annotated[
@@ -79,13 +79,20 @@ class PilotOptions:
             help="Follow a path by pure pursuit: line, circle, eight, or a .csv file of points (x,y).",
         ),
     ] = None
-    size: Annotated[float, typer.Option(min=0.1, metavar="M", help="The line's length, or the radius.")] = 5.0
-    speed: Annotated[float, typer.Option(min=0.01, metavar="M_S", help="Along the path, or by keys.")] = 0.3
+    size: Annotated[float, typer.Option(min=0.1, metavar="M", help="Length of the line, or the radius.")] = (
+        5.0
+    )
+    speed: Annotated[
+        float, typer.Option(min=0.01, metavar="M_S", help="Speed along the path, or by keys.")
+    ] = 0.3
     look_ahead: Annotated[
-        float, typer.Option("--look-ahead", min=0.05, metavar="M", help="To the goal on the path.")
+        float,
+        typer.Option(
+            "--look-ahead", min=0.05, metavar="M", help="Look-ahead distance to the goal on the path."
+        ),
     ] = 0.5
     predictor: Annotated[
-        bool, typer.Option("--predictor", help="Drive by where the robot will be when the word reaches it.")
+        bool, typer.Option("--predictor", help="Steer by the predicted pose at the arrival of the command.")
     ] = False
     arm: Annotated[
         bool,
@@ -97,14 +104,15 @@ class PilotOptions:
         str,
         typer.Option(
             metavar="NAME",
-            help="The orders that are sent: usual, or cycle, all 20 times a second.",
+            help="Messages that are sent: usual, or cycle, all 20 times a second.",
         ),
     ] = "usual"
     key: Annotated[
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Sign what is sent with the key in this file, as `drive --key`, and believe nothing else.",
+            help="Sign all messages with the key in this file, as `drive --key`, and accept only messages "
+            "signed with it.",
             show_default="unsigned",
         ),
     ] = None
@@ -171,7 +179,7 @@ def _driver(given: PilotOptions, robot: "AnyRobot", kind: "AnyRobotType") -> "Dr
     from firmware_bridge.pilot.predictor import Predictor
 
     if (given.joystick, given.keyboard, given.path is not None).count(True) != 1:
-        raise refusal("say who drives: --joystick, --keyboard, or --path NAME; one of them")
+        raise refusal("choose the controls: --joystick, --keyboard, or --path NAME; one of them")
     fastest = kind.station.largest(robot).forward_mps
     if given.path is None:
         station = kind.station
@@ -207,7 +215,7 @@ def _controls(given: PilotOptions) -> str:
             name, codes = identity(port.fileno())
         if is_gamepad(name, codes):
             other = f"--controls gamepad, or {USUAL} where it is none"
-            raise refusal(f"--device {given.device}: '{name}' is a gamepad; say {other}")
+            raise refusal(f"--device {given.device}: '{name}' is a gamepad; use {other}")
         return USUAL
     if given.controls not in DEVICES:
         raise refusal(f"--controls {given.controls}: no such device; {near(given.controls, list(DEVICES))}")

@@ -47,7 +47,7 @@ def places_of(robot: AnyRobot, texts: Sequence[str] | None, only: BusAddress) ->
     if not texts:
         if len(links) > 1:
             raise refusal(
-                f"{robot.name} has several links ({', '.join(links)}); say --link NAME=PLACE for each"
+                f"{robot.name} has several links ({', '.join(links)}); use --link NAME=PLACE for each"
             )
         return dict.fromkeys(links, only)
     if only != BusAddress():
@@ -57,12 +57,12 @@ def places_of(robot: AnyRobot, texts: Sequence[str] | None, only: BusAddress) ->
         name, sign, place = text.partition("=")
         interface, colon, channel = place.partition(":")
         if not sign or not colon or not interface or not channel:
-            raise refusal(f"--link {text}: say NAME=INTERFACE:CHANNEL or NAME=serial:DEVICE")
+            raise refusal(f"--link {text}: give NAME=INTERFACE:CHANNEL or NAME=serial:DEVICE")
         if name not in links:
             raise refusal(f"--link {text}: {robot.name} has no link '{name}'; {near(name, links)}")
         serial = interface == SERIAL_WORD
         places[name] = BusAddress(device=channel) if serial else BusAddress(interface, channel)
     missing = [name for name in links if name not in places]
     if missing:
-        raise refusal(f"{robot.name}: no place for {', '.join(missing)}; say --link {missing[0]}=PLACE, too")
+        raise refusal(f"{robot.name}: no place for {', '.join(missing)}; use --link {missing[0]}=PLACE, too")
     return places

@@ -28,7 +28,7 @@ COMMANDS: Final[tuple[Row, ...]] = (
     CliCommand(
         "monitor",
         "firmware_bridge.cli.monitor:monitor",
-        "Show a CAN bus in words: who is there, PDOs, statuswords, emergencies, rates, load, the last error.",
+        "Show a CAN bus decoded: nodes, PDOs, statuswords, emergencies, rates, load, the last error.",
     ),
     Group(
         "epos2",
@@ -44,12 +44,12 @@ COMMANDS: Final[tuple[Row, ...]] = (
     CliCommand(
         "epos2 scan",
         "firmware_bridge.cli.epos2.scan:scan",
-        "List who answers on a CAN bus, or behind a serial line: device, versions, serial number, states.",
+        "List the nodes on a CAN bus, or behind a serial line: device, versions, serial number, states.",
     ),
     CliCommand(
         "epos2 read",
         "firmware_bridge.cli.epos2.read:read",
-        "Read objects of a drive, with their names, units, and what their bits say.",
+        "Read objects of a drive, with their names, units, and decoded bits.",
     ),
     CliCommand(
         "epos2 write",
@@ -69,7 +69,7 @@ COMMANDS: Final[tuple[Row, ...]] = (
     CliCommand(
         "epos2 nmt",
         "firmware_bridge.cli.epos2.network:nmt",
-        "Send a network command, and see that one drive obeys it.",
+        "Send a network command, and check that one drive executes it.",
     ),
 )
 
@@ -94,7 +94,7 @@ program = typer.Typer(
 
 `firmware-bridge drive rars -i socketcan -c can0` runs the bridge on a real bus.
 
-`firmware-bridge COMMAND --help` says more about each; `--install-completion` teaches them to your shell.""",
+`firmware-bridge COMMAND --help` describes each; `--install-completion` adds completion to your shell.""",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=MARKUP,

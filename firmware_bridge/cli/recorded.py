@@ -17,8 +17,8 @@ RecordOption = Annotated[
     Path | None,
     typer.Option(
         metavar="FOLDER",
-        help="Record the run in a new folder there: can.log or serial.log, capture.log where cameras see the "
-        "robot, operator.tlog, and events.log, which records who armed, drove and stopped. A full disk ends "
+        help="Record the run in a new folder there: can.log or serial.log, capture.log with cameras, "
+        "operator.tlog, and events.log with the stations that armed, drove and stopped. A full disk ends "
         "the recording, never the run.",
         show_default=False,
     ),

@@ -25,9 +25,9 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge robots`
 
-`firmware-bridge robots rover` looks at one of them, `robots my_robot.toml` at a file of your own.
+`firmware-bridge robots rover` checks one of them, `robots my_robot.toml` at a file of your own.
 
-`firmware-bridge robots --schema rars > rars.schema.json` tells an editor every key of such a file."""
+`firmware-bridge robots --schema rars > rars.schema.json` gives an editor all keys of such a file."""
 
 
 @command(EXAMPLES)
@@ -36,7 +36,7 @@ def robots(
         list[str] | None,
         typer.Argument(
             metavar="ROBOT|FILE",
-            help="Only these: installed robots, or robot files of your own.",
+            help="Only these: installed robots, or robot files.",
             show_default=False,
             autocompletion=completing("firmware_bridge.cli.robot_argument:names"),
         ),

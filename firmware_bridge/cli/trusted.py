@@ -26,7 +26,7 @@ def trust_of(link: str, key: Path | None, allow: Sequence[str] | None, *, openly
         beyond = reaches_beyond(link)
     if beyond and key is None and not openly:
         raise refusal(
-            f"--mavlink {link}: others than this machine can reach it and drive the robot; say --key FILE, "
+            f"--mavlink {link}: others than this machine can reach it and drive the robot; use --key FILE, "
             "so that only who has the key can, or --open"
         )
     if key is not None and openly:
@@ -58,4 +58,6 @@ def _network(text: str) -> Network:
     try:
         return ipaddress.ip_network(text)
     except ValueError:
-        raise refusal(f"--allow {text}: say an address, 192.168.1.10, or a network, 192.168.1.0/24") from None
+        raise refusal(
+            f"--allow {text}: give an address, 192.168.1.10, or a network, 192.168.1.0/24"
+        ) from None

@@ -20,6 +20,6 @@ def watched(machine: AnyRobot, *, accepted: bool) -> AnyRobot:
         board = f"link '{name}': a board with {link.protocol.value} has no watchdog: {RUNS_ON}"
         if not (accepted or link.accept_no_watchdog):
             file = f"accept_no_watchdog = true in [links.{name}]"
-            raise refusal(f"{board}; {SKETCH}, or say --accept-no-watchdog ({file})")
+            raise refusal(f"{board}; {SKETCH}, or use --accept-no-watchdog ({file})")
         say(f"{board}; keep the switch of their supply within reach")
     return machine

@@ -20,7 +20,7 @@ def zeros_of(texts: Sequence[str] | None, homed: Sequence[str] | None = None) ->
         except ValueError:
             number = math.nan
         if not sign or not axis or math.isnan(number):
-            raise refusal(f"--zero {text}: say AXIS=VALUE")
+            raise refusal(f"--zero {text}: give AXIS=VALUE")
         if axis in positions:
             raise refusal(f"--zero {text}: {axis} is given twice")
         positions[axis] = number

@@ -19,7 +19,7 @@ REPEATS: Final[Nanoseconds] = SECOND // 5
 STEP: Final = 0.1
 """Of full lock, at a press."""
 HELP: Final = (
-    "keep w or s (arrows) down to drive, a and d turn the helm, x brings it back; p arms, space lets go, "
+    "keep w or s (arrows) down to drive, a and d turn the helm, x brings it back; p arms, space is neutral, "
     "Enter is the emergency stop; r and f go up and down, 1 to 9 switch"
 )
 _ARROWS: Final = MappingProxyType({b"A": b"w", b"B": b"s", b"C": b"d", b"D": b"a"})

@@ -48,7 +48,7 @@ class OperatorLink(Table):
     def _is_agreed_in_a_session(cls, given: int | None) -> int | None:
         if given is None:
             return None
-        raise ValueError("is agreed on for one session: say --max-delay, or max_delay_s in a mission")
+        raise ValueError("is agreed on for one session: use --max-delay, or max_delay_s in a mission")
 
     @property
     def age_limit_ms(self) -> int:

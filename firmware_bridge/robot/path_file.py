@@ -118,11 +118,11 @@ def _columns(
     known = "; ".join(", ".join(columns) for columns in COLUMNS)
     if any(cell.isalpha() for cell in first):
         if tuple(first) not in COLUMNS:
-            raise PathFileError(file, Problem(where, f"the columns are '{', '.join(first)}'; say {known}"))
+            raise PathFileError(file, Problem(where, f"the columns are '{', '.join(first)}'; give {known}"))
         return tuple(first), rows[1:]
     columns = next((it for it in COLUMNS if len(it) == len(first)), None)
     if columns is None:
-        raise PathFileError(file, Problem(where, f"{len(first)} columns; say {known}"))
+        raise PathFileError(file, Problem(where, f"{len(first)} columns; give {known}"))
     return columns, rows
 
 
@@ -144,7 +144,7 @@ def _numbers(cells: list[str], columns: tuple[str, ...], where: str, file: str) 
 def _timed(rows: list[tuple[str, tuple[float, ...]]], speed: float | None, file: str) -> tuple[Point, ...]:
     """Give points their times at a steady speed."""
     if speed is None:
-        problem = "its points have no times: say how fast, --path-speed M/S, or give a column t"
+        problem = "its points have no times: use --path-speed M/S, or add a column t"
         raise PathFileError(file, Problem("", problem))
     time, (_, (x, y)) = 0.0, rows[0]
     points: list[Point] = [(time, x, y, 0.0)]

@@ -109,7 +109,7 @@ def _expected(way: str, name: str, *, alone: bool, sign: bool) -> str:
     if alone and way not in WAYS:
         return f"there is no way '{way}'; {near(way, WAYS)}"
     if name in ROWS and not sign:
-        return f"say {name}=NUMBER"
+        return f"give {name}=NUMBER"
     return f"there is no key '{name}'; {near(name, list(ROWS))}"
 
 

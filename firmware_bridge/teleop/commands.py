@@ -299,7 +299,7 @@ ROWS: Final = (
     Entry(
         dialect.MAV_CMD_DO_PAUSE_CONTINUE,
         _pause,
-        "p1 0: come to rest and wait; 1: continue, the stick neutral",
+        "p1 0: stop and wait; 1: continue, with the stick neutral",
         stops=_zero,
     ),
     Entry(dialect.MAV_CMD_OVERRIDE_GOTO, _pause, "the same", stops=_zero),
@@ -323,17 +323,17 @@ ROWS: Final = (
     Entry(
         dialect.MAV_CMD_SET_MESSAGE_INTERVAL,
         _change_interval,
-        "how often a message is sent to this station",
+        "set the interval of a message to this station",
         anyone=True,
     ),
     Entry(
-        dialect.MAV_CMD_GET_MESSAGE_INTERVAL, _send_interval, "send how often a message is sent", anyone=True
+        dialect.MAV_CMD_GET_MESSAGE_INTERVAL, _send_interval, "send the interval of a message", anyone=True
     ),
     Entry(
         dialect.MAV_CMD_DO_SET_MODE,
         _set_mode,
-        "0 Manual: the whole robot, and on after a pause; 15 Guided; 4 Hold: pause; others after a failed "
-        "actuator; submode: the path follower, 0 none; PX4's numbers, too",
+        "0 Manual: the whole robot, and continue after a pause; 15 Guided; 4 Hold: pause; others after a "
+        "failed actuator; submode: the path follower, 0 none; also PX4's numbers",
         stops=_holds,
     ),
     Entry(
@@ -342,18 +342,22 @@ ROWS: Final = (
         "p1 1, position hold: pause",
         stops=lambda _: True,
     ),
-    Entry(dialect.MAV_CMD_DO_SET_HOME, _home, "p1 = 1: the present place is the origin; cameras count again"),
+    Entry(
+        dialect.MAV_CMD_DO_SET_HOME,
+        _home,
+        "p1 = 1: the present position is the origin; cameras are trusted again",
+    ),
     Entry(
         dialect.MAV_CMD_USER_1,
         _confirm_zero,
-        "p1: an axis by its place in the robot file, from 1; p2: where it stands, as read off the robot; "
+        "p1: an axis by its place in the robot file, from 1; p2: its position, read off the robot; "
         "NaN: home it",
     ),
-    Entry(dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, _reboot, "never from afar"),
+    Entry(dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, _reboot, "refused: never by remote command"),
     Entry(
         MAV_CMD_REQUEST_OPERATOR_CONTROL,
         _request_control,
-        "p1 1: drive, p2 1: and let others take over; p1 0: release control",
+        "p1 1: take control, p2 1: and allow others to take over; p1 0: release control",
         anyone=True,
     ),
 )

@@ -149,7 +149,9 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
         ),
         _stream(dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, SECOND // 20, position, "X, Y"),
         _stream(dialect.MAVLINK_MSG_ID_ATTITUDE, SECOND // 20, attitude, "heading"),
-        _stream(dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE, SECOND // 5, distances, "m, in the order of wheels"),
+        _stream(
+            dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE, SECOND // 5, distances, "m, in the order of the wheels"
+        ),
         *(_stream_of(value) for value in station.values),
         _stream(
             dialect.MAVLINK_MSG_ID_DEBUG_FLOAT_ARRAY,
@@ -185,7 +187,7 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
             dialect.MAVLINK_MSG_ID_EXTENDED_SYS_STATE,
             SECOND,
             landed,
-            "in the air while it is armed, as an armed rover of PX4 reports",
+            "in the air while armed, as an armed rover of PX4 reports",
             watched=lambda context: context.snapshot.facts.armed,
         ),
         _stream(dialect.MAVLINK_MSG_ID_BATTERY_STATUS, 2 * SECOND, battery, "voltage, sum of the currents"),
@@ -194,7 +196,7 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
             dialect.MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
             SECOND,
             global_position,
-            "heading and velocity; latitude and longitude 0: not known",
+            "heading and velocity; latitude and longitude 0: unknown",
         ),
         _stream(
             dialect.MAVLINK_MSG_ID_CURRENT_MODE,
@@ -207,10 +209,10 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
             dialect.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR,
             5 * SECOND,
             modes_monitor,
-            "they never change",
+            "modes never change",
         ),
-        _stream(dialect.MAVLINK_MSG_ID_GPS_RAW_INT, 5 * SECOND, no_gps, "that there is none"),
-        _stream(dialect.MAVLINK_MSG_ID_HOME_POSITION, 5 * SECOND, home, "where the odometry begins: 0, 0"),
+        _stream(dialect.MAVLINK_MSG_ID_GPS_RAW_INT, 5 * SECOND, no_gps, "no GPS"),
+        _stream(dialect.MAVLINK_MSG_ID_HOME_POSITION, 5 * SECOND, home, "origin of the odometry: 0, 0"),
     ]
     lacking = {
         dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE: station.metres_rolled is None,

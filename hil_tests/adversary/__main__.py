@@ -21,7 +21,7 @@ def main() -> int:
     """Search; exit status 1 where something was found."""
     words = argparse.ArgumentParser(prog="adversary", description=__doc__)
     options(words)
-    words.add_argument("--natures", nargs="+", choices=[it.value for it in FaultProfile], default=["honest"])
+    words.add_argument("--profiles", nargs="+", choices=[it.value for it in FaultProfile], default=["honest"])
     words.add_argument("--hours", type=float, default=1.0, help="simulated")
     words.add_argument("--seed", type=int, default=0, help="the first one")
     words.add_argument("--out", type=Path, default=Path("out/adversary"))

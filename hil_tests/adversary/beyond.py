@@ -45,7 +45,7 @@ SPEEDS_UP: Final = Beyond(
 )
 LOADER: Final = Beyond(
     frozenset({"rome", "rome_arm"}),
-    "a board in its boot loader, with its line cut, runs on",
+    "a board in its boot loader, with its line cut, keeps running",
     to_seconds(KEPT + BOOT),
     "s",
     3.47,
@@ -53,8 +53,8 @@ LOADER: Final = Beyond(
     "takes a board that hangs, a second reset just then, and a line that is cut",
 )
 ROWS: Final = (RIM, SPEEDS_UP, LOADER)
-HEADINGS: Final = ("rule", "bound", "worst measured", "why")
-TEXT: Final = "Nothing else was found to go beyond the limits above by more than its regulators' rounding."
+HEADINGS: Final = ("rule", "bound", "worst measured", "reason")
+TEXT: Final = "No other excess over the limits above by more than the regulators' rounding was found."
 
 
 def rows(robot: str) -> Iterator[tuple[str, ...]]:
@@ -67,4 +67,4 @@ def rows(robot: str) -> Iterator[tuple[str, ...]]:
 def sections(robot: str) -> tuple[str, ...]:
     """Return the part of the page on safety, in Markdown."""
     found = tuple(rows(robot))
-    return ("### Beyond a bound", TEXT, table(HEADINGS, found)) if found else ()
+    return ("### Known excesses", TEXT, table(HEADINGS, found)) if found else ()

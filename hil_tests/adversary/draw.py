@@ -61,7 +61,7 @@ class Draw:
         self, robot: AnyRobot, bench_setup: BenchSetup, chance: Generator, natures: frozenset[FaultProfile]
     ) -> None:
         self._robot: Final = robot
-        self._rehearsal: Final = bench_setup
+        self._bench_setup: Final = bench_setup
         self._chance: Final = chance
         kinds = [
             [
@@ -205,7 +205,7 @@ class Draw:
         return [it for it in links if not any(read({**stated, "link": it}).problems(self._robot))]
 
     def _stands(self) -> Iterator[Step]:
-        stands = self._rehearsal.stands
+        stands = self._bench_setup.stands
         zeros = {axis.role: stands.get(axis.role, 0.0) for axis in self._robot.axes if axis.zero_confirmed}
         if zeros:
             yield self._step(0.0, {"zero": zeros})
@@ -216,7 +216,9 @@ class Draw:
         if self._chance.random() < 0.03:
             return {"stray": str(self._chance.choice([it.value for it in Stray]))}
         does: dict[str, Any] = {}
-        rows = [(key, row) for key, row in inputs(self._rehearsal.step).items() if not isinstance(row, Slope)]
+        rows = [
+            (key, row) for key, row in inputs(self._bench_setup.step).items() if not isinstance(row, Slope)
+        ]
         held = set()
         for _ in range(int(self._chance.integers(1, 4))):
             key, row = rows[int(self._chance.integers(len(rows)))]
@@ -256,7 +258,7 @@ class Draw:
             return None  # the first ends the run; the second may be wrong, unnoticed
         stated = {
             get_args(one)[0] if get_origin(one) in {Annotated, Literal} else one
-            for one in get_args(self._rehearsal.step.model_fields[key].annotation)
+            for one in get_args(self._bench_setup.step.model_fields[key].annotation)
         }
         chance = self._chance
         drawn: dict[object, Callable[[], Any]] = {
@@ -273,7 +275,7 @@ class Draw:
         return None
 
     def _step(self, second: float, does: dict[str, Any]) -> Step:
-        return self._rehearsal.step.model_validate({"at_s": second, "title": f"at {second:g} s", **does})
+        return self._bench_setup.step.model_validate({"at_s": second, "title": f"at {second:g} s", **does})
 
 
 def _parameters(robot: AnyRobot) -> set[str]:

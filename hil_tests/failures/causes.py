@@ -111,9 +111,9 @@ class Cause:
 
 
 _RAMP: Final = "ramp"
-WATCH: Final = "each drive stops by its own watch, and has no power then"
-ON_A_SLOPE: Final = "on a slope it rolls then: brakes"
-_POWER_OFF: Final = "ramp, then no power where it stands by itself"
+WATCH: Final = "each drive stops by its heartbeat consumer; then no power"
+ON_A_SLOPE: Final = "on a slope the robot then rolls: brakes"
+_POWER_OFF: Final = "ramp, then no power if it does not roll"
 
 
 def _requested(
@@ -123,7 +123,7 @@ def _requested(
 
 
 REQUESTED: Final = (
-    _requested("stick let go", TestOperator.lets_go, 2, _RAMP, lines=EVERY),
+    _requested("stick to neutral", TestOperator.lets_go, 2, _RAMP, lines=EVERY),
     _requested("pause", lambda hand: hand.does(pause=True), 2, _RAMP, reports=("operation paused",)),
     _requested("disarm", TestOperator.disarms, 2, _RAMP, lines=EVERY, reports=("not armed",)),
     _requested(
@@ -138,14 +138,14 @@ REQUESTED: Final = (
         "termination",
         lambda hand: hand.does(terminate=True),
         1,
-        "as the emergency stop, and nothing clears it",
+        "as the emergency stop, cannot be cleared",
         reports=("emergency stop",),
     ),
     _requested(
         "forced disarm",
         lambda hand: hand.does(force_disarm=True),
         1,
-        "quick stop, then no power in any place",
+        "quick stop, then no power, also on a slope",
         lines=EVERY,
         reports=("not armed",),
         remains=ON_A_SLOPE,
@@ -155,7 +155,7 @@ REQUESTED: Final = (
 """Requested stops."""
 
 LINK_DEAD: Final = Cause(
-    name="operator's link dead",
+    name="operator link dead",
     fault=fault("datagram_loss"),
     lines=EVERY,
     worst_of=WORST_OF,

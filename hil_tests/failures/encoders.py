@@ -19,11 +19,11 @@ PHASES: Final = tuple(place * 0.0071 for place in range(8))
 WATCHED_S: Final = 4.0
 TURNING: Final = "while it drives"
 STARTING: Final = "before it starts"
-TEXT: Final = """A board's own loop drives a wheel harder and harder whose encoder shows nothing: at full
-power after 0.1 s. Worst of the wheels two and three and of eight instants between two samples, by the plant's
-truth. A wheel that turned as commanded and then shows not one bit of its way is released there: its
-board can do no more, and it coasts. From rest, a wheel whose encoder is off looks like one that has not begun
-to turn yet, for as long as the robot file lets it lag."""
+TEXT: Final = """A board's own speed regulator increases the output of a wheel whose encoder reports nothing:
+full power after 0.1 s. Worst of the wheels two and three and of eight instants between two samples, measured
+in the plant. A wheel that turned as commanded and then shows no count at all is released by the bridge:
+the board can do no more, and the wheel coasts. From standstill, a wheel whose encoder is off cannot be
+distinguished from one that has not begun to turn yet, for the lag that the robot file allows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +90,15 @@ def sections(robot: str) -> tuple[str, ...]:
     lines = LINES.get(robot, ())
     if not lines:
         return ()
-    headings = ("line", "encoder off", "commanded", "worst", "yaw rate", "above twice", "stands after")
+    headings = (
+        "line",
+        "encoder off",
+        "commanded",
+        "worst speed",
+        "yaw rate",
+        "above twice",
+        "standstill after",
+    )
     cells = (
         (
             row.line,

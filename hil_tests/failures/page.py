@@ -21,43 +21,44 @@ from hil_tests.safety.driving import ARM, SPEEDS, robot_of
 from validation.pages.pages import table
 
 Cells: TypeAlias = tuple[str, ...]
-EVERY_TEXT: Final = """Straight ahead at {speed}, on the flat, by the plant's truth: how far it goes on, for
-how long, and who stops it; with several steps of a stop, those that its axes needed. "Line cut" is the
-bridge's end of a bus, the adapter of a serial line, or a board's cable, for good; "reset" a board's button,
-or a drive's supply for 0.3 s. A test drives each row again, to the millimetre."""
-BOARDS_TEXT: Final = """No wire leads from the board's reset to the shield: the motors run on as they were
-commanded while a board boots, and to set it up releases them. The cycle's next question keeps the boot
-loader of a Mega that was reset, for as long as someone speaks; a board that hangs looks the same. So both
-are sent a release, are reset, and hear nothing until the firmware must run. The auto-stop of
-ros_arduino_bridge hangs with its sketch, and counts only where the line is cut; there a board without one
-**runs on** until the line is back: keep a hardware switch within reach."""
-REQUESTED_TEXT: Final = """Each stop that someone asks for, at the worst of {draws} ways to begin it:
-{motions}, at three instants of a cycle, on the flat, by the plant's truth. **Base** is how far the
-reference point goes, **lift** the platform, each until it stands. A test drives the worst again, to the
-millimetre."""
-FAILS_TEXT: Final = """The same of what fails, at one axis that moves or for all. **Noticed** is the time
-until the operator is informed. What the drives themselves notice, no one is left to report."""
-SHOWN_TEXT: Final = "What no distance can say:"
-REMAINS_TEXT: Final = """No program holds what has no power and no brake. With the user remain:
+EVERY_TEXT: Final = """Straight ahead at {speed}, on the flat, measured in the plant: stopping distance,
+stopping time, and what stops the robot; of several stop stages, those that its axes needed. "Line cut" is the
+bridge's end of a bus, the adapter of a serial line, or a board's cable, permanently; "reset" is a board's
+button, or an interruption of a drive's supply for 0.3 s. A test repeats each row, to the millimeter."""
+BOARDS_TEXT: Final = """No wire leads from the board's reset to the shield: the motors keep running as
+commanded while a board boots, and its set-up releases them. After a reset, the next request of the cycle
+keeps a Mega in its boot loader for as long as bytes arrive; a board that hangs cannot be distinguished from
+it. So both are sent a release, are reset, and are sent nothing until the firmware must run. The auto-stop of
+ros_arduino_bridge hangs with its sketch, and helps only if the line is cut; a board without an auto-stop then
+**keeps driving** until the line is back: keep a hardware switch within reach."""
+REQUESTED_TEXT: Final = """Each requested stop, the worst of {draws} initial conditions:
+{motions}, at three instants of a cycle, on the flat, measured in the plant. **Base** is the distance of the
+reference point, **lift** that of the platform, each until standstill. A test repeats the worst case, to the
+millimeter."""
+FAILS_TEXT: Final = """The same for failures, of one moving axis or of all. **Noticed** is the time until the
+operator is informed; "by the drives": only the drives detect it, without a report."""
+SHOWN_TEXT: Final = "Effects without a stopping distance:"
+REMAINS_TEXT: Final = """No program holds an axis without power and without a brake. The user has to provide
+for:
 
-* a **switch that takes the power** of all drives, within reach of someone who sees the robot: the bridge's
-  emergency stop needs a radio, a program and a drive that are sound;
-* **brakes** or blocked wheels wherever it may roll: without torque RARS rolls out over the ways above, and on
-  a slope on: with its bridge killed on 5 degrees it is at 1.9 m/s 4 s later;
-* the **ground**: the tipping limit is worked out for a plane. Steps, holes and slopes count against it.
-  Downhill the tyres slip, and the robot is faster than its wheels: 0.513 m/s on 5 degrees at 0.5 asked;
-* **an encoder that counts wrong** where no other sensor contradicts it: RARS has none of its yaw;
-* **where it stands** after a restart: a height that is said wrong is believed;
-* **people**: no row sees them."""
+* a **switch that disconnects the power** of all drives, within reach of a person who sees the robot: the
+  bridge's emergency stop needs a working radio, program and drive;
+* **brakes** or blocked wheels wherever the robot may roll: without torque RARS coasts over the distances
+  above, and on a slope it keeps rolling: with its bridge killed on 5 degrees it reaches 1.9 m/s 4 s later;
+* the **ground**: the tipping limit is computed for a plane. Steps, holes and slopes reduce the margin.
+  Downhill the tires slip, and the robot is faster than its wheels: 0.513 m/s on 5 degrees, commanded 0.5;
+* **an encoder that counts wrong** without another sensor that contradicts it: RARS has none for its yaw;
+* the **position** after a restart: a wrong height that is confirmed is accepted;
+* **people**: no interlock detects them."""
 REQUESTED_HEADINGS: Final = (
-    *("stop", "category", "what happens", "CAN: base", "CAN: lift", "serial: base", "serial: lift"),
-    "remains with the user",
+    *("stop", "category", "reaction", "CAN: base", "CAN: lift", "serial: base", "serial: lift"),
+    "measure by the user",
 )
 FAILS_HEADINGS: Final = (
-    *("failure", "what happens", "CAN: noticed", "CAN: base", "CAN: lift"),
-    *("serial: noticed", "serial: base", "serial: lift", "remains with the user"),
+    *("failure", "reaction", "CAN: noticed", "CAN: base", "CAN: lift"),
+    *("serial: noticed", "serial: base", "serial: lift", "measure by the user"),
 )
-SHOWN_HEADINGS: Final = ("what happens to it", "noticed as", "what comes of it", "test")
+SHOWN_HEADINGS: Final = ("event", "noticed as", "effect", "test")
 
 
 def sections(robot: str) -> tuple[str, ...]:
@@ -67,8 +68,8 @@ def sections(robot: str) -> tuple[str, ...]:
         return ()
     speed = f"{SPEEDS.get(robot, 0.3):g} m/s" if robot != ARM else "20 mm/s at the tool"
     boards = (BOARDS_TEXT,) if robot_of(lines[0]).shield_links else ()
-    headings = ("what happens", *map(_title, lines))
-    every = ("### What comes of it, measured", EVERY_TEXT.format(speed=speed), table(headings, _cells(lines)))
+    headings = ("cause", *map(_title, lines))
+    every = ("### Measured stops", EVERY_TEXT.format(speed=speed), table(headings, _cells(lines)))
     return (*every, *boards, *(_worst() if lines == RARS else ()))
 
 
@@ -77,15 +78,15 @@ def _worst() -> tuple[str, ...]:
     motions = ", ".join(motion.name for motion in WORST_OF)
     shown = ((row.name, row.noticed, row.answer, f"`{row.test}`") for row in SHOWN)
     return (
-        "### How far a stop goes on",
+        "### Stopping distances",
         REQUESTED_TEXT.format(draws=count, motions=motions),
         table(REQUESTED_HEADINGS, requested()),
-        "### What fails, and what comes of it",
+        "### Failures and their effects",
         FAILS_TEXT,
         table(FAILS_HEADINGS, fails()),
         SHOWN_TEXT,
         table(SHOWN_HEADINGS, shown),
-        "### What remains with the user",
+        "### Measures by the user",
         REMAINS_TEXT,
     )
 
@@ -107,7 +108,7 @@ def _cells(lines: Sequence[str]) -> Iterator[Cells]:
 
 def _cell(row: Outcome) -> str:
     if row.rest_ms < 0:
-        return f"**drives on**: {row.way_mm / 1000:.1f} m in {WATCHED_S:g} s"
+        return f"**keeps driving**: {row.way_mm / 1000:.1f} m in {WATCHED_S:g} s"
     return f"{row.way_mm} mm, {row.rest_ms / 1000:.2f} s, {row.by}"
 
 

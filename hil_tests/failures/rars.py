@@ -21,8 +21,8 @@ from hil_tests.failures.causes import (
 )
 
 _ONE_OFF: Final = "that drive has no power, the others ramp"
-_ESCALATES: Final = "the others ramp; that one by the next step, and the next"
-_ROLLS_OUT: Final = "that axis rolls out, or drops what it holds: brakes"
+_ESCALATES: Final = "the others ramp; that one by the next stop stages"
+_ROLLS_OUT: Final = "that axis coasts, or drops its load: brakes"
 _FAULT: Final = ("axis fault",)
 _SILENT: Final = ("axis timeout",)
 _SILENT_OR_FAULT: Final = ("axis timeout", "axis fault")
@@ -44,7 +44,7 @@ FAILS: Final = (
     _fails(
         "operator's messages late by 0.6 s",
         fault("datagram_late", by_ms=600.0),
-        "ramp; held while they are so old",
+        "ramp; `command stale` while they are too old",
         ("operator link timeout", "command stale"),
     ),
     KILLED,
@@ -68,7 +68,7 @@ FAILS: Final = (
     _fails(
         "cable cut behind one drive",
         fault("can_cut", between=["left", "right"]),
-        "the drives beyond it stop by their own watch, that one is stopped",
+        "the drives behind the cut stop by their heartbeat consumers, the first is stopped",
         _SILENT,
         remains=ON_A_SLOPE,
     ),
@@ -113,16 +113,16 @@ FAILS: Final = (
         fault("supply_sag", to_v=5.0),
         "no drive has power",
         _FAULT,
-        remains="the robot rolls out: brakes",
+        remains="the robot coasts: brakes",
     ),
     _rolls("one encoder's cable out", hits("encoder_cut"), _FAULT),
     _rolls("one encoder's channels swapped", hits("encoder_swapped"), _BELIEF),
     _rolls("one encoder loses half its counts", hits("encoder_counts_lost", share=0.5), _BELIEF),
     _rolls(
-        "one encoder stands",
+        "one encoder stuck",
         hits("encoder_frozen"),
         _BELIEF,
-        "that drive's power is taken, the others ramp",
+        "that drive's power stage is disabled, the others ramp",
     ),
 )
 """Each at the worst of RARS's motions."""
@@ -142,25 +142,25 @@ SHOWN: Final = (
     Shown(
         "a second controller drives the disarmed robot",
         "second controller; uncommanded motion",
-        "power taken within 0.5 s, and with each of the bridge's frames",
+        "power stage disabled within 0.5 s, and again with each of the bridge's frames",
         "test_another_master_does_not_drive_a_disarmed_robot_for_long",
     ),
     Shown(
         "a second bridge is started",
-        "its own: someone else sends",
-        "it sends nothing, and ends",
+        "by the second bridge: other traffic",
+        "it sends nothing, and exits",
         "test_a_second_bridge_refuses_to_start_and_states_why",
     ),
     Shown(
-        "a drive has lost its zero with the lift up",
+        "a drive has lost its reference with the lift up",
         "reference lost",
         "no arming before its position is confirmed",
         "test_a_raised_lift_that_restarts_is_believed_where_someone_saw_it",
     ),
     Shown(
-        "a wrong zero is confirmed",
-        "-: it is believed within the travel",
-        "none: look twice",
+        "a wrong position is confirmed",
+        "-: accepted within the travel",
+        "none: check before confirming",
         "test_a_raised_lift_that_restarts_is_believed_where_someone_saw_it",
     ),
     Shown(
@@ -172,17 +172,17 @@ SHOWN: Final = (
     Shown(
         "another station joins in",
         "control: reported",
-        "who does not drive is not listened to, but for an emergency stop",
+        "only its emergency stop is accepted",
         "test_a_second_station_takes_nothing_from_who_drives",
     ),
     Shown(
-        "someone forges an emergency stop",
+        "a forged emergency stop",
         "emergency stop",
-        "obeyed: the robot stands, and who drives clears it",
+        "accepted: the robot stops, and the station in control clears it",
         "test_anybodys_emergency_stop_is_obeyed_and_only_the_driver_clears_it",
     ),
     Shown(
-        "a crowd floods the operator's link",
+        "many stations flood the operator's link",
         "-",
         "the station in control is served first",
         "test_a_crowd_that_beats_does_not_starve_who_drives",
@@ -190,7 +190,7 @@ SHOWN: Final = (
     Shown(
         "an emergency stop on a slope",
         "held with power",
-        "power kept until it is ordered off",
+        "power kept until a power-off command",
         "test_an_emergency_stop_ends_without_power_where_the_robot_stands_by_itself",
     ),
     Shown(
@@ -200,7 +200,7 @@ SHOWN: Final = (
         "test_a_bridge_that_dies_on_a_slope_leaves_the_robot_to_roll",
     ),
     Shown(
-        "nothing reaches a drive any more",
+        "a drive receives nothing any more",
         "stop not acknowledged",
         "reported; the emergency stop switch of the robot",
         "test_where_nothing_helps_the_operator_and_the_program_say_so",
@@ -215,7 +215,7 @@ ELSEWHERE: Final = {
     ),
     **dict.fromkeys(
         ("board_brown_out", "board_unpowered", "line_garbage", "capture_late", "capture_loss"),
-        "the adversary's evenings",
+        "the adversary's random runs",
     ),
     **dict.fromkeys(("body_hidden", "body_shakes", "markers_swapped"), "tests of robots that cameras see"),
     "grip_lost": "a test of the climber",

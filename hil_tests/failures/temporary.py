@@ -33,7 +33,7 @@ def _all(*codes: int) -> Codes:
 
 
 def _commanded(command: str) -> Cause:
-    """Have another master command one drive."""
+    """Have a second controller command one drive."""
     events = ("axis not enabled: left", "second controller: drives", "not armed")
     # One that is only not operational is made so again before it counts as silent.
     silent = _silent("left") if command.startswith("reset") else ()
@@ -157,7 +157,7 @@ TEMPORARY: Final = (
     _one_drive("index pulses where there are none", "index_spurious", 0xFF03, 0xFF02),
     # The operator's link.
     _row(
-        "operator's link dead for 1 s",
+        "operator link dead for 1 s",
         fault("datagram_loss", for_s=1.0),
         "operator link timeout",
         "stick not neutral",

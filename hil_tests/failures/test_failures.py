@@ -17,9 +17,9 @@ HERE: Final = Path(__file__).parent
 
 @pytest.mark.long(
     keeps=[
-        "stick let go, rars, lifting at 0.1 m/s",
+        "stick to neutral, rars, lifting at 0.1 m/s",
         "bridge killed, rars, ahead at 0.5 m/s",
-        "one encoder stands, rars, ahead at 0.5 m/s",
+        "one encoder stuck, rars, ahead at 0.5 m/s",
         "encoder off, rars, straight ahead",
         "line cut, climber, straight ahead",
         "bridge killed, rome:ros-arduino-bridge, straight ahead",

@@ -28,32 +28,32 @@ from emulators.arduino_omni.ar2.board import Ar2Board
 from firmware_bridge.cli import main
 from firmware_bridge.packet import Packet, Reaction
 truth, *sys.argv[1:] = sys.argv[1:]
-def told(turned):
-    def tell():
+def writes(turned):
+    def write():
         with open(truth, "w", buffering=1) as file:
             while True:
                 file.write(f"{time.monotonic():.3f} " + " ".join(f"{one:.5f}" for one in turned()) + chr(10))
                 time.sleep(0.02)
-    threading.Thread(target=tell, daemon=True).start()
+    threading.Thread(target=write, daemon=True).start()
 made, begun = bench.devices, Ar2Board.__init__
 def devices(*names, **more):
     found = made(*names, **more)
     of_axes = [place for place, name in enumerate(found.plant.output_names) if name.startswith("angle_")]
-    told(lambda: [found.plant.outputs[place] for place in of_axes])
+    writes(lambda: [found.plant.outputs[place] for place in of_axes])
     return found
 def board(self, *given, **more):
     begun(self, *given, **more)
     if sys.argv[2] == "ar2":
-        told(lambda: [math.radians(angle) for angle in self.joints.angles])
+        writes(lambda: [math.radians(angle) for angle in self.joints.angles])
 class Chattering:
     def __init__(self, node):
         self.node, self.since, self.next = node, None, 0
     def receive(self, packet, now):
         dead = self.since is not None and now < self.since + 1_500_000_000
-        return self.said(self.node.wake(now) if dead else self.node.receive(packet, now), now)
+        return self.shown(self.node.wake(now) if dead else self.node.receive(packet, now), now)
     def wake(self, now):
-        return self.said(self.node.wake(now), now)
-    def said(self, reaction, now):
+        return self.shown(self.node.wake(now), now)
+    def shown(self, reaction, now):
         if self.since is None:
             self.since = now if os.path.exists(truth + ".chatters") else None
             return reaction

@@ -161,7 +161,7 @@ def test_a_path_by_points_goes_straight_and_rests_at_its_end() -> None:
         (
             "line = 0.5 ",
             "line = 1.0 ",
-            "the path line needs 1 m/s, .* is 0.58; say line = 0.58",
+            "the path line needs 1 m/s, .* is 0.58; use line = 0.58",
         ),
         ("ellipse = 1.0", "ellipse = 2.0", "the path ellipse needs 0.75 m/s"),
         ("rim_mps = 0.58", "rim_mps = 0.70", "the bound is 11.8 rad/s"),

@@ -242,7 +242,7 @@ def test_what_does_not_go_together_is_refused_with_what_to_give(tmp_path: Path) 
     for robot, recording, message in (
         (cameras, blind, "holds nothing of rome's link 'cameras'; give the folder of a run that has all"),
         (rome, seen, "capture.log, line 1: rome has no line 'cameras'; it has: 'board'"),
-        (find("rars"), folder_of("serial drives"), "line 1: rars has no line 'drives'.* say --serial"),
+        (find("rars"), folder_of("serial drives"), "line 1: rars has no line 'drives'.* use --serial"),
         (rome, tmp_path, "holds no"),
     ):
         with pytest.raises(RecordingFileError, match=message):

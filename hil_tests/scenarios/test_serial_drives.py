@@ -91,7 +91,7 @@ def test_a_robot_s_drive_is_chosen_by_its_node(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "reported"),
     [
-        (("epos2", "--serial-node", "1"), "--serial-node 1: there is no serial line; say --serial pty"),
+        (("epos2", "--serial-node", "1"), "--serial-node 1: there is no serial line; use --serial pty"),
         (("epos2", "--node", "1-2", "--serial", "pty", "--serial-node", "3"), "no such node; there are 1, 2"),
         (("rars", "--serial", "pty", "--serial-node", "9"), "no such node; there are 1, 2, 3, 4"),
         (("epos2", "--baud", "9600"), "--baud 9600: only a line of RS232 has a rate"),

@@ -192,7 +192,7 @@ def test_a_second_station_on_another_port_clears_and_arms_nothing_but_may_stop(
     assert bridge.ends() == 0, bridge.reported
 
 
-@pytest.mark.long(keeps=["words3---zero lift=up: say AXIS=VALUE"])
+@pytest.mark.long(keeps=["words3---zero lift=up: give AXIS=VALUE"])
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -204,8 +204,8 @@ def test_a_second_station_on_another_port_clears_and_arms_nothing_but_may_stop(
             ("--serial", "/dev/ttyS0", "--protocol", "v1"),
             "link 'drives': a cycle of 50 ms does not hold statusword of node 4",
         ),
-        (("--zero", "lift"), "--zero lift: say AXIS=VALUE"),
-        (("--zero", "lift=up"), "--zero lift=up: say AXIS=VALUE"),
+        (("--zero", "lift"), "--zero lift: give AXIS=VALUE"),
+        (("--zero", "lift=up"), "--zero lift=up: give AXIS=VALUE"),
         (("--zero", "lift=0", "--zero", "lift=1"), "--zero lift=1: lift is given twice"),
         (("--zero", "lift=2"), "zero: lift at 2 m is not within 0 to 1.116"),
         (

@@ -155,7 +155,7 @@ def test_a_drive_without_a_watch_that_receives_only_the_network_is_reset_at_last
     one.runs_until(14.0)
     assert one.fastest(13.5, 14.0) < 0.003, "it rolls out"
     assert f"{LEFT}: silence not acknowledged" in reported(one)
-    assert any("the drive's zero is lost" in reason for reason in one.held(f"{NOT_ACKNOWLEDGED}: left"))
+    assert any("the drive's reference is lost" in reason for reason in one.held(f"{NOT_ACKNOWLEDGED}: left"))
     assert one.rig.guard.refused == 0
 
 

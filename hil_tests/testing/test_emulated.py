@@ -54,7 +54,7 @@ def test_two_tests_at_once_are_on_two_buses_and_one_that_is_given_back_is_taken_
         (lambda _: buses.buses("virtual:x"), "inside one process"),
         (
             lambda _: buses.buses("can0"),
-            "there is no bus 'can0'; say vcan, loopback_multicast or INTERFACE:CHANNEL",
+            "there is no bus 'can0'; use vcan, loopback_multicast or INTERFACE:CHANNEL",
         ),
         (lambda folder: emulated.board(never, folder, "mw", (), "firmata"), "mw speaks one protocol"),
         (lambda folder: emulated.board(never, folder, "ar2", (), "mw"), "ar2 speaks one protocol"),

@@ -130,7 +130,7 @@ def test_what_no_one_can_do_to_them_is_left_out(program: Program) -> None:
     ):
         with pytest.raises(SkipTest, match=commands):
             wrong()
-    with pytest.raises(RigError, match="--serial-line /dev/ttyUSB0: say PROTOCOL:DEVICE"):
+    with pytest.raises(RigError, match="--serial-line /dev/ttyUSB0: give PROTOCOL:DEVICE"):
         RealDrives(program, "/dev/ttyUSB0", moved=True)
     assert program.commands == []
 
@@ -165,7 +165,7 @@ def test_the_same_tests_on_real_drives(pytester: pytest.Pytester, imported: Impo
     careful.stdout.fnmatch_lines(
         [
             "firmware-bridge: real drives on v1:*; what is marked destructive is left out",
-            "*it moves what is real: say --yes-move-it",
+            "*it moves what is real: use --yes-move-it",
             "*take no --load",
             "*needs the bus of real drives*",
         ]

@@ -11,11 +11,11 @@ from firmware_bridge.wire.arduino import arduinoio, mw, ros_arduino_bridge
 
 TEXT: Final = """Registers, libraries and protocols follow their sources, which the modules
 name: data sheets, the Arduino core, libraries and sketches. None of it was recorded from a board. The sketch
-for a real board, built by avr-gcc and run by simavr, says the same bytes on serial and on I2C as
-ros_arduino_bridge here (`pytest -m avr`). What stands here was found nowhere, and is a choice that may
-change."""
-FAULTS_TEXT: Final = """What can be wrong with a board: `emulate board --fault KIND,node=M1@FROM-TO`, times in
-s. The names are those of a mission's faults."""
+for a real board, built by avr-gcc and run by simavr, sends the same bytes on serial and on I2C as
+ros_arduino_bridge here (`pytest -m avr`). For the items on this page no source was found; they are
+assumptions that may change."""
+FAULTS_TEXT: Final = """Faults of a board: `emulate board --fault KIND,node=M1@FROM-TO`, times in s. The names
+are those of a mission's faults."""
 
 _ROOT: Final = Path(emulators.__file__).parent
 BOARD: Final = "arduino_omni"

@@ -9,7 +9,7 @@ from pydantic.fields import FieldInfo
 from emulators.bench.faults import KINDS, FaultKind
 from emulators.cli.faults import COMMON
 
-HEADINGS: Final = ("key", "what it reports", "values", "without it")
+HEADINGS: Final = ("key", "meaning", "values", "default")
 _SIGNS: Final = MappingProxyType({"ge": ">=", "gt": ">", "le": "<=", "lt": "<"})
 """Pydantic's names of a bound."""
 
@@ -18,8 +18,8 @@ def target(kind: FaultKind) -> str:
     """Return whom a fault of this kind meets, in words."""
     fields = kind.fault.model_fields
     if "node" not in fields:
-        return "see `between`" if "between" in fields else "the link or the bus as a whole"
-    return kind.fault.among.value + ("" if fields["node"].is_required() else "; without `node` all of them")
+        return "see `between`" if "between" in fields else "the whole link or bus"
+    return kind.fault.among.value + ("" if fields["node"].is_required() else "; without `node` all")
 
 
 def parameters(kind: FaultKind) -> Iterator[tuple[str, str, str, str]]:

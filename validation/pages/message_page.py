@@ -15,7 +15,7 @@ ORDER_TEXT: Final = """\
 A refused order is answered with COMMAND_ACK and a STATUSTEXT; nothing has changed then. Correct the order, or
 do first what the message names."""
 ERROR_TEXT: Final = """\
-These end a command with exit status 2, or 1 where the command's help says so. Options and arguments are
+These end a command with exit status 2, or 1 where the command's help names it. Options and arguments are
 checked before, and named with their value. Errors of a robot file or a mission come all at once, each with
 file and key."""
 

@@ -26,30 +26,39 @@ from firmware_bridge.units import MILLISECOND, SECOND
 
 Cells: TypeAlias = tuple[str, ...]
 HEADINGS: Final = (
-    "interlock", "stops", "severity", "disarms", "blocks arming", "latches", "clear for", "remedy"
+    "interlock", "stops", "severity", "disarms", "blocks arming", "latches", "release delay", "remedy"
 )  # fmt: skip
-LIMIT_HEADINGS: Final = ("limit", "severity", "clear for", "remedy")
+LIMIT_HEADINGS: Final = ("limit", "severity", "release delay", "remedy")
 AXIS_HEADINGS: Final = (
-    "interlock", "needs", "without it", "severity", "takes power", "clear for", "remedy"
+    "interlock", "needs", "without it", "severity", "disables power", "release delay", "remedy"
 )  # fmt: skip
 PLAUSIBILITY_HEADINGS: Final = (
-    "axis", "stands below", "speed", "position", "ramp", "cruise", "lag", "repeats", "holds with", "within"
+    "axis",
+    "standstill below",
+    "speed",
+    "position",
+    "ramp",
+    "cruise",
+    "lag",
+    "repeats",
+    "holding current",
+    "within",
 )  # fmt: skip
 AGE_HEADINGS: Final = ("from", "timestamped", "notes")
 UNPOWERED_HEADINGS: Final = ("axis", "without power", "friction")
 BOUND_HEADINGS: Final = (
-    "axis", "on the link", "silent after", "top speed", "travel", "zero", "on the wire", "rows"
+    "axis", "link", "timeout", "top speed", "travel", "reference", "on the wire", "interlocks"
 )  # fmt: skip
-SUM_HEADINGS: Final = ("sum", "of", "bound to both sides")
+SUM_HEADINGS: Final = ("sum", "of", "bound, both signs")
 EXCLUSIVE_HEADINGS: Final = ("never together", "one side", "other side")
 STOP_HEADINGS: Final = (
-    "step",
+    "stage",
     "of",
-    "what is sent",
+    "sent",
     "confirmed by",
     "within",
     "from top speed",
-    "beside that",
+    "notes",
 )
 
 
@@ -101,7 +110,7 @@ def axis_rows() -> Iterator[Cells]:
 def ages() -> Iterator[Cells]:
     """Yield the methods to determine the age of a command, the best first."""
     for row in AGES:
-        yield (row.name, _yes(row.timestamped), "its age" if row.timestamped else "how old it is at least")
+        yield (row.name, _yes(row.timestamped), "its age" if row.timestamped else "its least age")
 
 
 def bounds(robot: AnyRobot) -> Iterator[Cells]:
@@ -170,7 +179,7 @@ def stops(robot: AnyRobot, link: str) -> Iterator[Cells]:
             step.name,
             whom,
             step.sent,
-            "no torque" if step.ends_power else "rest, or no torque",
+            "no torque" if step.ends_power else "standstill, or no torque",
             _within(step),
             f"{longest // MILLISECOND} ms",
             step.note or "-",
@@ -183,7 +192,7 @@ def sums_of_stops(robot: AnyRobot, link: str) -> str:
     ways = [(way(STOP_STEPS[driver](robot, axis), off=False), axis.top_speed) for axis in axes]
     longest = [max(seconds) for seconds in zip(*(sums(*one) for one in ways), strict=True)]
     taken, whole = (f"{seconds / SECOND:.1f} s" for seconds in longest)
-    return f"From top speed the power is taken after {taken} at the latest, and all is tried after {whole}."
+    return f"From top speed the power stage is disabled after {taken} at most; all stages end after {whole}."
 
 
 def _within(step: StopStep) -> str:

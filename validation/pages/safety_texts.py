@@ -15,102 +15,108 @@ from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.robot.settings.shield import ShieldDriver, ShieldLink, ShieldProtocol
 from firmware_bridge.units import MILLISECOND, SECOND
 
-STOPS_TEXT: Final = """Whatever stops an axis, its device's own report must confirm it, newer than the stop:
-{confirmed}. A step that is not confirmed in its time gives way to the next one, the operator is informed, and
-the robot is disarmed. No step lasts longer than its row says, whatever the device reports meanwhile, and a
-stop waits for no start-up, no query and no quiet line; the bridge's own ramp down, {ramped} s at most,
-comes before the first. The first step that takes the power has ended {taken} s after the stop began, at the
-latest. A stop that was confirmed begins again where no report comes any more, or one says that the axis
-moves with power. **Of** says what the step belongs to: a stop, a power-off that was ordered (forced disarm,
-the end of the program), or both. **Within** counts beside the ramp: where the axis is not seen to slow
-down, and where it is; **from top speed** with the ramp. A step ends sooner where nothing is reported: after
-the link's `silent_ms`, or where the device says that it does not listen after the shorter time alone.
-{more}While a stop escalates, arming is refused. Where nothing is left to try, the last line of the program
-says so, its exit status is not 0, and an order that stops begins it all again."""
-EPOS2_STOPS_TEXT: Final = """The silence is left out for an axis that was at standstill when it last reported.
-The times stand in the robot file, `links.NAME.stop_confirmed_ms`. """
-SAFETY_TEXT: Final = """The robots that come with this package; `firmware-bridge robots` checks others.
+STOPS_TEXT: Final = """Each stop of an axis must be confirmed by a report of its device that is newer than the
+stop: {confirmed}. A stage that is not confirmed within its time is followed by the next one, the operator is
+informed, and the robot is disarmed. No stage lasts longer than stated, whatever the device reports meanwhile.
+A stop does not wait for a start-up, a query or a quiet line. The bridge's own ramp down, {ramped} s at most,
+comes before the first stage. The first stage that disables the power stage has ended {taken} s after the stop
+began, at the latest. A confirmed stop begins again if no more reports arrive, or if one shows the axis moving
+under power. **Of** is the purpose of the stage: a stop, a commanded power-off (forced disarm, end of the
+program), or both. **Within** does not include the ramp: without observed deceleration, and with it; **from
+top speed** includes the ramp. A stage ends earlier without reports: after the link's `silent_ms`, or after
+the shorter time alone if the device reports that it is not receiving. {more}While a stop escalates, arming is
+refused. If all stages have failed, the last line of the program reports it, its exit status is not 0, and the
+next stop command starts again with the first stage."""
+EPOS2_STOPS_TEXT: Final = """The stage `silence` is skipped for an axis that was at standstill in its last
+report. The times are set in the robot file, `links.NAME.stop_confirmed_ms`. """
+SAFETY_TEXT: Final = """\
+Interlocks, limits and stops of the robots in this package; `firmware-bridge robots` checks others.
 
-A hold stops the groups that it names, and lets go when its row has been clear for its time at every look.
-One that **disarms** takes the leave to move: to go on, arm again. While one that **blocks arming** holds, the
-robot cannot be armed. One that **latches** sets the emergency stop, which stays until an order clears it. On
-a link whose `stops` names groups, its own row and those of its axes stop these alone, and do not disarm.
+An active interlock stops the axis groups listed under **stops**. It clears after its condition has been
+absent for the **release delay** at every evaluation. An interlock that **disarms** withdraws the motion
+permission: to continue, arm again. While one that **blocks arming** is active, the robot cannot be armed. One
+that **latches** sets the emergency stop, which stays active until it is reset by command. On a link whose
+`stops` names groups, the interlock of the link and those of its axes stop these groups alone, and do not
+disarm.
 
-**Another master** is whoever else sends on a CAN link what only the master of its drives sends: network
-commands, SYNC, set-points to these drives, a heartbeat with the bridge's own node. Heard once, it counts for
-1 s. A starting bridge listens for `bridge_silent_ms` before it sends anything, and refuses to start where it
-hears one; ended until then, it leaves the drives as they are. Behind a gateway a serial line shows nothing of
-the bus, so that there no one notices; reading and writing objects, as an engineer does, is not held against
-anyone."""
-AXIS_TEXT: Final = """Each axis is judged by these rows; while one holds, everything stops, and the robot is
-disarmed. A row **needs** something that a driver's devices tell. Where they do not, the weaker row stands in
-for it; where there is none, the robot file is refused. One that **takes power** switches its axis off until
-the robot is armed again, for what is not believed cannot ramp. The last row is of an axis that the robot's
-mode does without."""
-BELIEF_TEXT: Final = """From what was sent to it each axis has a range in which it may be: of speeds
-where it is told a speed or a stop, else of positions. The range reaches to a new demand at once, and leaves
-an old one with **lag**, and no faster than with **ramp** or **cruise**. An axis that is beside its range by
-more than **speed**, and a 50th of what it was told, or **position** at every sample **within** this time
-deviates: it moves uncommanded where it moves further, faster or another way than commanded, else it does
-not follow. A position that repeats to the last bit for as long may be behind by no more than **repeats** of
-what was commanded; and it may stand with no more than **holds with** for twice as long. A robot rests when
-each axis that takes it from its place is slower than **stands below**. All of them are worked out from top
-speed, drive and link unless `[axes.belief]` in the robot file says otherwise."""
-LETTING_GO_TEXT: Final = """What ends without power, and what keeps it. Category 0 takes the power at once,
-1 at rest, 2 keeps it (EN 60204-1).
+A **second controller** is any other sender on a CAN link of what only the master of its drives sends: network
+commands, SYNC, set-points to these drives, a heartbeat with the bridge's own node number. One such frame
+counts for 1 s. A starting bridge listens for `bridge_silent_ms` before it sends anything, and refuses to
+start if it receives such a frame; if it is ended before that, it leaves the drives as they are. Behind a
+gateway a serial line shows no traffic of the bus, so a second controller is not detected there. Reading and
+writing objects, as an engineer does with a tool, does not count."""
+AXIS_TEXT: Final = """Each axis is judged by these interlocks. While one is active, everything stops, and the
+robot is disarmed. An interlock **needs** certain reports of a driver's devices. Without them, the weaker
+interlock named under **without it** replaces it; if there is none, the robot file is refused. One that
+**disables power** switches off the power stage of its axis until the robot is armed again, because an axis
+whose feedback is untrusted cannot be ramped down. The last row is for an axis that the robot's current mode
+does without."""
+BELIEF_TEXT: Final = """The plausibility limits give each axis a range that follows from what was sent to it:
+a range of speeds after a speed set-point or a stop, else of positions. The range extends to a new set-point
+at once. It leaves an old one after **lag**, and no faster than **ramp** or **cruise**. An axis deviates if it
+is outside its range by more than **speed**, and a 50th of the commanded speed, or by more than **position**,
+in every sample **within** this time. If it moves further, faster or in another direction than commanded, this
+is uncommanded motion, else a tracking error. A position that repeats to the last bit for as long may differ
+by no more than **repeats** from the commanded one, and an axis may stand at no more than **holding current**
+for twice as long. A robot is at standstill when each axis that moves it is slower than **standstill below**.
+All values are computed from top speed, drive and link unless `[axes.plausibility]` in the robot file sets
+them."""
+LETTING_GO_TEXT: Final = """Which stops end without power, and which keep it. Category 0 disables the power
+stage at once, category 1 at standstill, category 2 keeps it enabled (EN 60204-1).
 
 * **Disarmed**: category 2, on a slope and on the flat.
-* **Emergency stop, end of the program**: category 1 where the robot stands by itself. All axes keep their
-  torque until the base rests; for {looks} ms the current is looked at with which each
-  **free** axis stands. No more than **friction** explains, and all let go together; {watched} s
-  long a free axis that moves is given its power again. More, or a current that is not known: "on a slope:
-  held with power", category 2, until it is ordered off.
-* **Forced disarm**: category 1 in any place: quick stop, and at rest, or after {braked} s at
-  the latest, no power. It is the order that lets a held robot go. Where the program ends, asking it twice
-  within {again} s is that order, too.
+* **Emergency stop, end of the program**: category 1 if the robot does not roll without power. All axes keep
+  their torque until the base is at standstill. For {looks} ms the current is measured with which each
+  **free** axis stands. If **friction** explains it, all power stages are disabled together; for {watched} s a
+  free axis that moves is enabled again. If it does not, or if a current is not known, the bridge reports "on
+  a slope: held with power": category 2, until power off is commanded.
+* **Forced disarm**: category 1 in any place: quick stop, and no power at standstill, or after {braked} s at
+  the latest. This command also releases a robot that is held with power. At the end of the program, a second
+  request within {again} s has the same effect.
 {dead}
 
-An axis that **holds** by itself stands without power, by its gear; the file says so with
-`unpowered = "holds"`. Without `friction` in `[axes.belief]` friction counts as a 20th of the motor's
+An axis marked **holds** stands without power, by its gear; the robot file states it with
+`unpowered = "holds"`. Without `friction` in `[axes.plausibility]`, friction is taken as a 20th of the motor's
 continuous current."""
-GUARD_TEXT: Final = """The guard shares neither code nor state with the interlocks. It lets no set-point
-pass that lies beyond these bounds, no sum of speeds beyond its own, and no motion of one side while the
+GUARD_TEXT: Final = """The output guard shares neither code nor state with the interlocks. It passes no
+set-point beyond these bounds, no sum of speeds beyond its own bound, and no motion of one side while the
 other may move.{more}"""
 GUARDED: Final[Mapping[str, str]] = {
     **dict.fromkeys(
         Epos2Driver,
         " It ends a drive's watchdog over the bridge only after a statusword without power, and resets it"
-        " only when the word that takes the power has been in force for `by_object` and no statusword has"
-        " confirmed it.",
+        " only when the controlword that disables the power stage has been in force for `by_object` and no"
+        " statusword has confirmed it.",
     ),
-    ShieldDriver.MOTOR_SHIELD: " It lets no reset of a board pass while one of its motors may move.",
-    Ar2Driver.AR2: " It lets one move pass at a time, and none from a place that was not confirmed.",
+    ShieldDriver.MOTOR_SHIELD: " It passes no reset of a board while one of its motors may move.",
+    Ar2Driver.AR2: " It passes one move at a time, and none from a position that was not confirmed.",
 }
 """Further functions of a link's guard, by the link's driver."""
 AGE_TEXT: Final = """\
-No motion command is obeyed that was said longer ago than `operator.max_age_ms`, counted to the instant at
-which it is obeyed. It is as old as the oldest of these rows says; the first that dates it is off by half the
-shortest round trip at most, and dates nothing where another one says more by over `operator.max_age_ms`: the
-station's clocks disagree, which is told once. What no row dates is obeyed under the rule of
-silence, or moves nothing: `operator.unknown_age`. A stop command is obeyed however old, and nothing that was
-said before it undoes it. [Why](decisions/command-age.md). A session may agree on more, up to
-`operator.max_age_ceiling_ms`: the robot is [slower then](decisions/command-age.md), by the same factor."""
-STEPPER_POWER_TEXT: Final = """Nothing that the bridge says takes the motors' current: the board has no word
-for it, and their drivers keep it. So every stop is of category 2 (EN 60204-1), whatever asks for it:
-disarming, the emergency stop, a forced disarm, the end of the program, a bridge that is dead or cut off. No
-further move is sent, the one that is under way is driven to its end within {move_ms} ms, and the motors hold
+A motion command that is older than `operator.max_age_ms` when it would be executed is not executed. Its age
+is the largest that the methods below give. The first method that dates it is off by half the shortest round
+trip at most. It dates nothing if another method gives an age that is larger by more than
+`operator.max_age_ms`: the clocks of the station disagree, which is reported once. A command that no method
+dates is subject to the operator link timeout alone, or moves nothing: `operator.unknown_age`. A stop command
+is executed whatever its age, and no older command cancels it. [Why](decisions/command-age.md). A session may
+agree on a larger age, up to `operator.max_age_ceiling_ms`: the robot is then
+[slower](decisions/command-age.md) by the same factor."""
+STEPPER_POWER_TEXT: Final = """No command of the bridge removes the motors' current: the board has no command
+for it, and the motor drivers keep the current on. So every stop is of category 2 (EN 60204-1), whatever
+causes it: disarming, the emergency stop, a forced disarm, the end of the program, a bridge that is dead or
+cut off. No further move is sent, the one in progress is completed within {move_ms} ms, and the motors hold
 the arm where it is.
 
-The emergency stop that takes the power is a switch in the motors' supply, within reach of who drives.
+The emergency stop that removes the power is a switch in the motors' supply, within reach of the operator.
 **Without current the arm falls**: [how far and how fast](../fmu/ar2/README.md#how-it-falls). No one stands
 below it.
 
-What "takes power", "no torque" and "power off" mean in the tables for this robot is weaker: the board has
-echoed what was said after the last move, so nothing moves, and nothing further is sent."""
+"Disables power", "no torque" and "power off" in the tables have a weaker meaning for this robot: the board
+has echoed the request behind the last move, so nothing moves, and nothing further is sent."""
 
 NO_WATCHDOG_TEXT: Final = """\
-**No watchdog** on `{link}` with {without}: a bridge that ends, is killed or cut off leaves its motors running
-as commanded, for ever. `drive` starts on such a board only with `--accept-no-watchdog`, or with
+**No watchdog** on `{link}` with {without}: if the bridge ends, is killed or cut off, the motors keep running
+as commanded, without limit. `drive` starts on such a board only with `--accept-no-watchdog`, or with
 `accept_no_watchdog = true` in `[links.{link}]`. This project's sketch, `emulators/arduino_omni/sketch`
 (protocol ros-arduino-bridge), stops them by itself. Keep the switch of their supply within reach."""
 ARM_TEXT: Final = "Of the arm:"
@@ -155,7 +161,7 @@ def _drivers(robot: AnyRobot) -> list[str]:
 
 def dead_text(robot: AnyRobot) -> str:
     """Return the effect of a dead bridge, link by link, from the link's driver."""
-    lines = ["* **A bridge that is dead**, killed or cut off, stops nothing; what does, is:"]
+    lines = ["* **A bridge that is dead**, killed or cut off, stops nothing. What stops the axes then:"]
     for name, link in robot.links.items():
         if isinstance(link, ShieldLink):
             lines += [f"  * `{name}`, {_spoken(protocol)}" for protocol in _protocols(robot, name)]
@@ -184,4 +190,4 @@ def _over(robot: AnyRobot, name: str, protocol: ShieldProtocol) -> str:
 
 def _spoken(row: tuple[str, str]) -> str:
     protocol, states = row
-    return f"{protocol}: {states or '**nothing: the motors run on as commanded**'}."
+    return f"{protocol}: {states or '**nothing: the motors keep running as commanded**'}."

@@ -28,9 +28,9 @@ Cells: TypeAlias = tuple[str, ...]
 RADIO_BIT_S: Final = 57_600
 MODE_HEADINGS: Final = ("mode", "number", "in PX4's numbers: main, sub", "also requested by")
 STREAM_HEADINGS: Final = ("message", "on a network", f"on {RADIO_BIT_S} bit/s", "content")
-COMMAND_HEADINGS: Final = ("command", "number", "of whom", "does")
+COMMAND_HEADINGS: Final = ("command", "number", "accepted from", "effect")
 STICK_HEADINGS: Final = ("robot", *(name for name, _ in AXES.values()), "buttons")
-CHANNEL_HEADINGS: Final = ("channel", "is", "2000 us is")
+CHANNEL_HEADINGS: Final = ("channel", "axis", "2000 us is")
 
 
 def modes() -> Iterator[Cells]:
@@ -108,7 +108,7 @@ def lacking() -> str:
 
 
 def _of_whom(*, anyone: bool) -> str:
-    return "anybody *" if anyone else "who drives"
+    return "any station *" if anyone else "station in control"
 
 
 def _each(period: Nanoseconds) -> str:

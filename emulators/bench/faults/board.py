@@ -17,7 +17,7 @@ from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import near
 from firmware_bridge.units import MILLISECOND, NEVER
 
-One = Annotated[Node, Field(description="which motor")]
+One = Annotated[Node, Field(description="affected motor")]
 BURST: Final = 8
 """Length of a disturbance, in bytes."""
 PRINTED: Final = b"t=21\r\n"
@@ -28,9 +28,7 @@ class _OfBoards(Fault, ABC):
     """A fault of one board, or of every board that the robot has."""
 
     among: ClassVar = Stations.NONE
-    link: Annotated[
-        str | None, Field(description="of the board on which link; of each, where it is left out")
-    ] = None
+    link: Annotated[str | None, Field(description="link of the board; without it every board")] = None
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
         """Give what this robot lacks for it."""
@@ -101,7 +99,7 @@ class BoardSilent(_OfBoards, Lasting):
 
 
 class BoardReset(_OfBoards):
-    """Someone presses the board's button, or its supply has a dip: it starts again."""
+    """The board's reset button is pressed, or its supply dips: it restarts."""
 
     kind: ClassVar = "board_reset"
 
@@ -113,7 +111,7 @@ class BoardReset(_OfBoards):
 
 
 class BoardHangs(_OfBoards):
-    """The board's firmware does nothing more until a reset, as when I2C is stuck; the shield runs on."""
+    """The board's firmware hangs until a reset, as when I2C is stuck; the shield continues."""
 
     kind: ClassVar = "board_hangs"
 
@@ -125,7 +123,7 @@ class BoardHangs(_OfBoards):
 
 
 class BoardBrownOut(_Switched):
-    """The supply of the board's processor is too low: it is held in reset, and its shield goes on."""
+    """The supply of the board's processor is too low: it is held in reset, and its shield continues."""
 
     kind: ClassVar = "board_brown_out"
 
@@ -135,7 +133,7 @@ class BoardBrownOut(_Switched):
 
 
 class BoardUnpowered(_OfShields, _Switched):
-    """Processor and shield lose their 5 V: both begin again with it."""
+    """Processor and shield lose their 5 V: both restart with it."""
 
     kind: ClassVar = "board_unpowered"
 
@@ -148,7 +146,7 @@ class BoardChatters(_OfBoards, Lasting):
     """The sketch prints something by itself, again and again: a debug print that was left in."""
 
     kind: ClassVar = "board_chatters"
-    every_ms: Annotated[int, Field(ge=1, le=10_000, description="between two prints, in ms")] = 50
+    every_ms: Annotated[int, Field(ge=1, le=10_000, description="interval between two prints, in ms")] = 50
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Begin to print."""
@@ -166,7 +164,7 @@ class BoardChatters(_OfBoards, Lasting):
 
 
 class _BusStuck(_OfShields, _Switched):
-    """The I2C bus between board and shield takes nothing; a sketch that waits for it hangs until a reset."""
+    """The I2C bus between board and shield is blocked; a sketch that waits for it hangs until a reset."""
 
     def _have(self, site: Site, *, on: bool) -> None:
         for name in self.on(site.robot):
@@ -174,7 +172,7 @@ class _BusStuck(_OfShields, _Switched):
 
 
 class I2cStuck(_BusStuck):
-    """A line of the I2C bus is held low: the shield goes on as it was set, and the sketch hangs."""
+    """A line of the I2C bus is held low: the shield keeps its settings, and the sketch hangs."""
 
     kind: ClassVar = "i2c_stuck"
 
@@ -197,7 +195,7 @@ class LineGarbage(_OfBoards, Lasting):
     """Foreign bytes, sent by neither end, are on the line between bridge and board."""
 
     kind: ClassVar = "line_garbage"
-    every_ms: Annotated[int, Field(ge=1, le=10_000, description="between two bursts, in ms")] = 20
+    every_ms: Annotated[int, Field(ge=1, le=10_000, description="interval between two bursts, in ms")] = 20
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Begin to disturb."""
@@ -239,7 +237,7 @@ class ShaftBlocked(_OnMotor):
 
 
 class LoadLifted(_OnMotor):
-    """The load of a motor is in the air: it spins free, and moves nothing."""
+    """The load of a motor is off the floor: it turns freely."""
 
     kind: ClassVar = "load_lifted"
 
@@ -256,11 +254,11 @@ class LoadLifted(_OnMotor):
 
 
 class MotorSupplySag(_OfShields, Lasting):
-    """The motors' own supply sags, so far that the half bridges lock their outputs, or not so far."""
+    """The motors' own supply sags; below a limit the half bridges switch their outputs off."""
 
     kind: ClassVar = "motor_supply_sag"
 
-    to_v: Annotated[float, Field(ge=0, le=15, description="of the motors' supply, in V")]
+    to_v: Annotated[float, Field(ge=0, le=15, description="voltage of the motors' supply, in V")]
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Let it sag."""
@@ -277,7 +275,7 @@ class MotorSupplySag(_OfShields, Lasting):
 
 
 class CurrentLimit(_OfShields, _Switched):
-    """The half bridges cut a current that reaches their peak, which the emulation leaves out else."""
+    """The half bridges cut a current that reaches their peak, which the emulation omits otherwise."""
 
     kind: ClassVar = "current_limit"
 
@@ -287,7 +285,7 @@ class CurrentLimit(_OfShields, _Switched):
 
 
 class OverTemperature(_OfShields, _Switched):
-    """The half bridges warm up, and shut down where they are too hot, which the emulation leaves out else."""
+    """The half bridges warm up, and shut down where they are too hot, which the emulation omits otherwise."""
 
     kind: ClassVar = "over_temperature"
 

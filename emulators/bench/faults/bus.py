@@ -34,8 +34,8 @@ _COMMANDS: Final = {
 }
 _AHEAD: Final = 2
 """Frames in a babbler's queue: with one under way and one behind it the bus is never idle."""
-Sender = Annotated[Node | None, Field(description="whose frames; without it everybody's")]
-Receiver = Annotated[Node, Field(description="who sees them wrongly")]
+Sender = Annotated[Node | None, Field(description="sender of the frames; without it all nodes")]
+Receiver = Annotated[Node, Field(description="node that receives them with errors")]
 
 
 class FrameError(OnBus, Lasting):
@@ -45,7 +45,7 @@ class FrameError(OnBus, Lasting):
     among: ClassVar = Stations.ON_THE_BUS
     node: Sender = None
     share: Share = 1.0
-    count: Annotated[int | None, Field(ge=1, description="at most so many frames")] = None
+    count: Annotated[int | None, Field(ge=1, description="greatest number of damaged frames")] = None
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Damage frames."""
@@ -56,7 +56,7 @@ class FrameError(OnBus, Lasting):
 
 
 class ReceptionError(OnBus, Lasting):
-    """One node sees frames wrongly."""
+    """Frames are damaged for one receiver."""
 
     kind: ClassVar = "reception_error"
     among: ClassVar = Stations.ON_THE_BUS
@@ -92,7 +92,7 @@ class ReceiveOverrun(OnBus, Lasting):
 
     kind: ClassVar = "receive_overrun"
     among: ClassVar = Stations.ON_THE_BUS
-    node: Annotated[Node, Field(description="whose controller is too slow")]
+    node: Annotated[Node, Field(description="node with the slow controller")]
     share: Share = 1.0
 
     def put_on(self, site: Site, chance: Generator) -> None:
@@ -107,7 +107,7 @@ class _Station(OnBus, Lasting, ABC):
     """A fault of one named node on the bus."""
 
     among: ClassVar = Stations.ON_THE_BUS
-    node: Annotated[Node, Field(description="at which node")]
+    node: Annotated[Node, Field(description="affected node")]
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Let it begin at the node."""
@@ -139,7 +139,7 @@ class CanSwapped(_Station):
         site.cans[self.on(site.robot)].swap([name])
 
     def take_off(self, site: Site) -> None:
-        """Put them right, and send what waited."""
+        """Correct the wiring, and send what waited."""
         site.cans[self.on(site.robot)].repair()
 
 
@@ -150,9 +150,7 @@ class CanCut(OnBus, Lasting):
     among: ClassVar = Stations.ON_THE_BUS
     between: Annotated[
         tuple[Node, Node],
-        Field(
-            strict=False, description=f"two neighbors on the cable, which are in this order: {CABLE_ORDER}"
-        ),
+        Field(strict=False, description=f"two neighbors on the cable; order on the cable: {CABLE_ORDER}"),
     ]
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
@@ -185,9 +183,11 @@ class BabblingNode(OnBus, Lasting):
 
     kind: ClassVar = "babbling_node"
     among: ClassVar = Stations.NONE
-    identifier: Annotated[int, Field(ge=1, le=0x7FF, description="of its frames; the lowest goes first")] = 1
+    identifier: Annotated[
+        int, Field(ge=1, le=0x7FF, description="identifier of its frames; the lowest wins")
+    ] = 1
     every_us: Annotated[
-        int, Field(ge=50, le=1_000_000, description="between two frames of 8 bytes, in us")
+        int, Field(ge=50, le=1_000_000, description="interval between two frames of 8 bytes, in us")
     ] = 200
 
     def put_on(self, site: Site, chance: Generator) -> None:
@@ -212,7 +212,7 @@ class NmtForeignNode(OnBus):
         Literal["start", "stop", "enter_pre_operational", "reset_node", "reset_communication"],
         Field(description="network command of CiA 301"),
     ]
-    node: Annotated[Node | None, Field(description="to whom; without it to all nodes")] = None
+    node: Annotated[Node | None, Field(description="addressed node; without it all nodes")] = None
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Send it."""
@@ -228,11 +228,11 @@ class StrayFrames(OnBus, Lasting):
 
     kind: ClassVar = "stray_frames"
     among: ClassVar = Stations.NONE
-    identifier: Annotated[int, Field(ge=0, le=0x7FF, description="of its frame")]
+    identifier: Annotated[int, Field(ge=0, le=0x7FF, description="identifier of its frame")]
     data: Annotated[
-        str, Field(pattern="^([0-9A-Fa-f]{2}){0,8}$", description="its bytes, in hexadecimal digits")
+        str, Field(pattern="^([0-9A-Fa-f]{2}){0,8}$", description="its data bytes, in hexadecimal digits")
     ] = ""
-    every_ms: Annotated[int, Field(ge=1, le=10_000, description="between two frames, in ms")] = 50
+    every_ms: Annotated[int, Field(ge=1, le=10_000, description="interval between two frames, in ms")] = 50
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Begin to send."""
@@ -252,7 +252,7 @@ class NodeSilent(Lasting):
 
     kind: ClassVar = "node_silent"
     among: ClassVar = Stations.ALL
-    node: Annotated[Node, Field(description="who; the bridge is off the operator's link, too")]
+    node: Annotated[Node, Field(description="silent node; the bridge is off the operator's link, too")]
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Cut it off."""

@@ -41,8 +41,8 @@ class MarkersSwapped(_Seen):
     """The robot's markers are taken for others."""
 
     kind: ClassVar = "markers_swapped"
-    aside_m: Annotated[float, Field(ge=-10, le=10, description="so far ahead it is seen, in m")] = 0.3
-    turn_deg: Annotated[float, Field(ge=-180, le=180, description="and so far turned to the left")] = 180.0
+    aside_m: Annotated[float, Field(ge=-10, le=10, description="error of the pose ahead, in m")] = 0.3
+    turn_deg: Annotated[float, Field(ge=-180, le=180, description="error of the heading to the left")] = 180.0
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Let all bodies of all systems be seen elsewhere."""
@@ -73,7 +73,7 @@ class CaptureLate(_Seen):
     """Frames of the capture system come late."""
 
     kind: ClassVar = "capture_late"
-    by_ms: Annotated[Positive, Field(description="later than the network's own delay, in ms")]
+    by_ms: Annotated[Positive, Field(description="delay beyond the network's own, in ms")]
     share: Share = 1.0
 
     def put_on(self, site: Site, chance: Generator) -> None:

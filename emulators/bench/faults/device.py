@@ -14,8 +14,8 @@ from emulators.servo.sensors import BROKEN, INDEX_MISSING, INDEX_SPURIOUS, SWAPP
 from firmware_bridge.robot import AnyRobot
 
 MILLI = 1000
-One = Annotated[Node, Field(description="which drive")]
-Any = Annotated[Node | None, Field(description="which drive; without it all of them")]
+One = Annotated[Node, Field(description="affected drive")]
+Any = Annotated[Node | None, Field(description="affected drive; without it all drives")]
 
 
 class DriveRestart(Lasting):
@@ -37,7 +37,7 @@ class DriveRestart(Lasting):
 
 
 class SetPointsIgnored(Lasting):
-    """A drive goes on as commanded last."""
+    """A drive continues with its last command and takes no new one."""
 
     kind: ClassVar = "set_points_ignored"
     node: One
@@ -122,7 +122,7 @@ class LogicSupplySag(_OnAxes):
 
     kind: ClassVar = "logic_supply_sag"
     node: One
-    to_v: Annotated[float, Field(ge=0, lt=LOGIC_MV / MILLI, description="of 5 V so many are left, in V")]
+    to_v: Annotated[float, Field(ge=0, lt=LOGIC_MV / MILLI, description="remaining voltage of 5 V, in V")]
 
     def begin_at(self, axis: ServoAxis) -> None:
         """Pull it down."""
@@ -138,7 +138,7 @@ class GateSupplySag(_OnAxes):
 
     kind: ClassVar = "gate_supply_sag"
     node: One
-    to_v: Annotated[float, Field(ge=0, lt=GATE_MV / MILLI, description="of 12 V so many are left, in V")]
+    to_v: Annotated[float, Field(ge=0, lt=GATE_MV / MILLI, description="remaining voltage of 12 V, in V")]
 
     def begin_at(self, axis: ServoAxis) -> None:
         """Pull it down."""
@@ -155,7 +155,10 @@ class Overheating(_OnAxes):
     kind: ClassVar = "overheating"
     node: Any = None
     to_celsius: Annotated[
-        float, Field(gt=AMBIENT_MC / MILLI, le=500, description="air at the heat sink, in degree Celsius")
+        float,
+        Field(
+            gt=AMBIENT_MC / MILLI, le=500, description="air temperature at the heat sink, in degrees Celsius"
+        ),
     ]
 
     def begin_at(self, axis: ServoAxis) -> None:
@@ -195,7 +198,7 @@ class EncoderSwapped(Lasting):
 
     kind: ClassVar = "encoder_swapped"
     among: ClassVar = Stations.ENCODERS
-    node: Annotated[Node, Field(description="which drive or motor")]
+    node: Annotated[Node, Field(description="affected drive or motor")]
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Exchange them."""
@@ -237,7 +240,9 @@ class EncoderCountsLost(_OnAxes):
 
     kind: ClassVar = "encoder_counts_lost"
     node: One
-    share: Annotated[Positive, Field(ge=0.001, le=1, description="of the quadcounts, in steps of 0.001")]
+    share: Annotated[
+        Positive, Field(ge=0.001, le=1, description="share of the quadcounts, in steps of 0.001")
+    ]
 
     def begin_at(self, axis: ServoAxis) -> None:
         """Lose counts."""
@@ -249,13 +254,13 @@ class EncoderCountsLost(_OnAxes):
 
 
 class EncoderFrozen(_OnAxes):
-    """The encoder's disc stands while the shaft turns."""
+    """The encoder's disc does not turn with the shaft."""
 
     kind: ClassVar = "encoder_frozen"
     node: One
 
     def begin_at(self, axis: ServoAxis) -> None:
-        """Let go of the disc: no count and no index any more."""
+        """Free the disc: no count and no index any more."""
         # All counts lost, but not the cable: the drive must not report a sensor breach (FF0A).
         axis.encoder_loss = MILLI
         axis.sensor_faults |= INDEX_MISSING

@@ -17,7 +17,7 @@ from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Share = Annotated[float, Field(gt=0, le=1, description="of the frames or datagrams it meets so many")]
+Share = Annotated[float, Field(gt=0, le=1, description="affected share of the frames or datagrams")]
 Node: TypeAlias = Annotated[str, Field(min_length=1)] | Annotated[int, Field(ge=1, le=127)]
 
 Problem: TypeAlias = tuple[str, str]
@@ -32,7 +32,7 @@ class Stations(Enum):
     ALL = "a drive or the bridge"
     MOTORS = "a motor at a shield"
     ENCODERS = "a drive or a motor at a shield"
-    NONE = "no one"
+    NONE = "none"
 
     def of(self, robot: AnyRobot) -> list[str]:
         """Return their names; on the bus in the order in which they lie on the cable."""
@@ -96,15 +96,13 @@ class Fault(Table, ABC):
 class Lasting(Fault, ABC):
     """A fault that has an end: given as `until_s` or `for_s`; with neither it stays."""
 
-    until_s: Annotated[Positive | None, Field(description="when it ends")] = None
-    for_s: Annotated[
-        Positive | None, Field(description="how long it lasts; another way to say `until_s`")
-    ] = None
+    until_s: Annotated[Positive | None, Field(description="time of its end")] = None
+    for_s: Annotated[Positive | None, Field(description="duration, instead of `until_s`")] = None
 
     @model_validator(mode="after")
     def _ends_after_it_begins(self) -> Self:
         if self.until_s is not None and self.for_s is not None:
-            raise ValueError("until_s and for_s say the same thing: give one of them")
+            raise ValueError("until_s and for_s are alternatives: give one of them")
         if self.until_s is not None and self.until_s <= self.at_s:
             raise ValueError(f"until_s = {self.until_s:g} is not after at_s = {self.at_s:g}")
         return self
@@ -121,7 +119,7 @@ class OnBus(Fault, ABC):
     """A fault on the bus of one link."""
 
     link: Annotated[
-        str | None, Field(description="on which link; needed where there are several, and no axis implies it")
+        str | None, Field(description="affected link; required with several links where no axis implies it")
     ] = None
 
     def on(self, robot: AnyRobot) -> str:
@@ -164,4 +162,4 @@ def absent(key: str, node: str | int, among: Stations, robot: AnyRobot) -> Itera
 
 
 CABLE_ORDER: Final = "the bridge, then the axes as the robot file lists them"
-"""Order of the stations along the CAN cable (ASSUME)."""
+"""Order of the stations along the CAN cable (assumed, to be verified)."""

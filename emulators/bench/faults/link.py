@@ -16,7 +16,8 @@ from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.units import MILLISECOND
 
 Sender = Annotated[
-    Literal["operator", "bridge"] | None, Field(description="whose datagrams; without it both ways")
+    Literal["operator", "bridge"] | None,
+    Field(description="sender of the datagrams; without it both directions"),
 ]
 
 
@@ -48,7 +49,7 @@ class DatagramLate(_Datagrams):
     """Datagrams come late."""
 
     kind: ClassVar = "datagram_late"
-    by_ms: Annotated[Positive, Field(description="later than the link's own delay, in ms")]
+    by_ms: Annotated[Positive, Field(description="delay beyond the link's own, in ms")]
 
     def impairment(self, chance: Generator) -> Impairment:
         """Delay them."""
@@ -60,7 +61,7 @@ class DatagramDoubled(_Datagrams):
     """Datagrams come twice."""
 
     kind: ClassVar = "datagram_doubled"
-    after_ms: Annotated[NonNegative, Field(description="between the two, in ms")] = 0.0
+    after_ms: Annotated[NonNegative, Field(description="interval between the two, in ms")] = 0.0
 
     def impairment(self, chance: Generator) -> Impairment:
         """Double them."""

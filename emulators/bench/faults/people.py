@@ -18,11 +18,11 @@ class BridgeEnds(Lasting):
 
     kind: ClassVar = "bridge_ends"
     among: ClassVar = Stations.NONE
-    how: Annotated[
-        Literal["interrupted", "killed"], Field(description="ended as by Ctrl-C, or killed in mid-sentence")
-    ] = "interrupted"
+    how: Annotated[Literal["interrupted", "killed"], Field(description="ended as by Ctrl-C, or killed")] = (
+        "interrupted"
+    )
     again_after_s: Annotated[
-        float | None, Field(gt=0, le=60, description="ended once more after so long")
+        float | None, Field(gt=0, le=60, description="time until a second Ctrl-C, in s")
     ] = None
 
     @model_validator(mode="after")
@@ -82,12 +82,12 @@ class SecondStation(Lasting):
 
     kind: ClassVar = "second_station"
     among: ClassVar = Stations.NONE
-    stick: Annotated[float, Field(ge=-1, le=1, description="how far it holds its stick forward")] = 0.0
+    stick: Annotated[float, Field(ge=-1, le=1, description="deflection of its stick, forward positive")] = 0.0
     order: Annotated[
         Literal["", "take", "give up", "arm", "disarm", "emergency stop", "clear", "hold", "garbage"],
-        Field(description="what it requests twice a second, or what it sends that is no MAVLink"),
+        Field(description="its request, twice a second, or other data than MAVLink"),
     ] = ""
-    system: Annotated[int, Field(ge=1, le=255, description="its system; the first station's is 255")] = 254
+    system: Annotated[int, Field(ge=1, le=255, description="its system ID; the first station's is 255")] = 254
 
     def put_on(self, site: Site, chance: Generator) -> None:
         """Let it join."""

@@ -18,7 +18,7 @@ class GripLost(Lasting):
     """An axis loses its grip on the surface: of a magnet, or a sucker."""
 
     kind: ClassVar = "grip_lost"
-    node: Annotated[Node, Field(description="whose")]
+    node: Annotated[Node, Field(description="axis that loses adhesion")]
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
         """Give the parts that this robot lacks for it; the check of a plant waits until it is installed."""

@@ -1,4 +1,4 @@
-"""Every kind of fault, one row each: what happens physically, what the emulated device makes of it."""
+"""Every kind of fault, one row each: the physical cause, and the reaction of the emulated device."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -20,25 +20,25 @@ _ROWS: Final = (
         " nine the counters climb: with every frame of a node damaged its controller is passive after 16"
         " and off the bus after 32.",
         "Counts 8 for each frame of its own, 1 for each of others, by ISO 11898-1. EMCY 0x8120 when it"
-        " grows passive, 0x81FD when it is back from bus off; both stop the motor, and 0x8120 is cured by"
-        " NMT reset communication only.",
+        " grows passive, 0x81FD when it is back from bus off; both stop the motor, and only NMT"
+        " reset communication clears 0x8120.",
     ),
     FaultKind(
         bus.ReceptionError,
-        "A bad plug or termination at one node: it alone sees frames wrongly, and its error flag"
-        " destroys them for all, until it is passive after some 15; from then on it misses them alone.",
+        "A bad plug or termination at one node: this node alone sees errors in frames, and its error flag"
+        " destroys them for all, until it is passive after some 15; from then on it alone misses them.",
         "As with `frame_error`: EMCY 0x8120 when it is passive. It receives no set-point and no heartbeat"
         " any more, so EMCY 0x8130 follows after 0x1016.",
     ),
     FaultKind(
         bus.FrameLoss,
-        "A driver, an adapter or a full queue between a node's program and its controller swallows"
-        " frames: nothing is on the cable, no one notices.",
-        "Sends as ever and is not received. It misses nothing itself.",
+        "A driver, an adapter or a full queue between a node's program and its controller drops"
+        " frames: nothing is on the cable, and no node detects it.",
+        "Sends as before, but is not received. It receives everything.",
     ),
     FaultKind(
         bus.ReceiveOverrun,
-        "The bus is right, but a node's program does not fetch frames from its controller in time.",
+        "The bus works, but a node's program does not fetch frames from its controller in time.",
         "Does not get them, and reports EMCY 0x8110 (object lost), which stops its motor.",
     ),
     FaultKind(
@@ -53,7 +53,7 @@ _ROWS: Final = (
     ),
     FaultKind(
         bus.CanCut,
-        "The bus falls into two that receive nothing of each other. A node that is alone on its part gets"
+        "The bus is cut in two segments that receive nothing of each other. A node alone on its segment gets"
         " no acknowledgement, repeats its frame until it is passive, and sends it when the cable is whole"
         f" again, with up to {WAITING} frames that have waited. Reflections at the open ends are not"
         " emulated.",
@@ -64,38 +64,38 @@ _ROWS: Final = (
     FaultKind(
         bus.CanSwapped,
         "The node receives nothing and is not understood. As soon as it has a frame to send no one"
-        " acknowledges it, and its repetitions pull the bus the wrong way: they destroy everybody's"
+        " acknowledges it, and its repetitions pull the bus the wrong way: they destroy all nodes'"
         " frames, until all controllers are off the bus, again and again.",
-        "Everybody: EMCY 0x8120 and 0x81FD, and 0x8130 as no one receives the bridge. Nothing is received of"
-        " these before the wires are right.",
+        "All nodes: EMCY 0x8120 and 0x81FD, and 0x8130 as no one receives the bridge. None of these is"
+        " received before the wires are corrected.",
         _CONNECTION,
     ),
     FaultKind(
         bus.BabblingNode,
-        "A node that no one knows sends without end. Lower identifiers win the bus, so frames of others"
+        "An unknown node sends without end. Lower identifiers win the bus, so frames of others"
         " come late or not at all.",
-        "Its frames wait; heartbeats may come too late for those who watch them (EMCY 0x8130).",
+        "Its frames wait; heartbeats may come too late for their consumers (EMCY 0x8130).",
         "the foreign node",
     ),
     FaultKind(
         bus.NmtForeignNode,
-        "Another master, or a tool that someone has plugged in, sends a network command. An instant: no end.",
+        "A second controller, or a tool that was plugged in, sends a network command. Instantaneous: no end.",
         "Obeys. Stopped or pre-operational it takes no set-point and sends no process data, and by"
-        " itself stops no motion (ASSUME); a reset takes the power off, and the position counter begins"
-        " at 0.",
+        " itself stops no motion (assumed, to be verified); a reset disables the power stage, and the"
+        " position counter begins at 0.",
     ),
     FaultKind(
         bus.StrayFrames,
-        "Another master, or a tool that replays a log, sends one frame again and again: a SYNC, a set-point,"
-        " the bridge's own heartbeat.",
+        "A second controller, or a tool that replays a log, sends one frame again and again: a SYNC, a"
+        " set-point, the bridge's own heartbeat.",
         "Obeys it as it would the bridge's.",
         "the foreign node",
     ),
     FaultKind(
         bus.NodeSilent,
-        "All cables of a node are out, or its transceiver is dead; it lives on.",
+        "All cables of a node are out, or its transceiver is dead; it keeps running.",
         "Misses the bridge's heartbeat: EMCY 0x8130, which no one receives, and it stops by 0x6007."
-        " Was it the bridge, all drives do so.",
+        " If it is the bridge, all drives do so.",
         _CONNECTION,
     ),
     FaultKind(
@@ -109,18 +109,18 @@ _ROWS: Final = (
     FaultKind(
         device.SetPointsIgnored,
         "The program part of a drive that takes set-points hangs; its regulators, its communication and its"
-        " watch over the bridge live on.",
+        " heartbeat consumer keep running.",
         "Takes every controlword and every target, by PDO, SDO or serial line, carries out none, and goes on"
-        " with its last command. It reports enabled all the time. A lost heartbeat, a fault of its own"
-        " and a reset still stop it (ASSUME).",
+        " with its last command. It reports Operation enabled all the time. A lost heartbeat, a fault"
+        " of its own and a reset still stop it (assumed, to be verified).",
         "the drive's set-points",
     ),
     FaultKind(
         device.SupplySag,
-        "A weak battery, a long cable or a bad contact: so many volts are left at the drives. The logic"
-        " lives on.",
-        "Below its limit (10 V, ASSUME): EMCY 0x3220, power stage off at once; the motor rolls out."
-        " Above it: less voltage for the winding.",
+        "A weak battery, a long cable or a bad contact: only `to_v` is left at the drives. The logic"
+        " keeps running.",
+        "Below its limit (10 V, assumed, to be verified): EMCY 0x3220, power stage off at once; the motor"
+        " rolls out. Above it: less voltage for the winding.",
         _SUPPLY,
     ),
     FaultKind(
@@ -143,23 +143,23 @@ _ROWS: Final = (
     ),
     FaultKind(
         device.Overheating,
-        "The air at the heat sink is hot: a fan has stopped, the sun shines on the box.",
+        "The air at the heat sink is hot: a fan has stopped, or the sun shines on the housing.",
         "The current's own heat is added; too hot: EMCY 0x4210, power stage off at once.",
         "the air",
     ),
     FaultKind(
         device.EncoderCut,
         "The encoder's cable is out: no count, no index.",
-        "EMCY 0xFF0A, power stage off at once; the position is not referenced any more. When the cable"
-        " is back, the first index comes at a wrong count: 0xFF03 where 0x2210 has it watch the index.",
+        "EMCY 0xFF0A, power stage off at once; the position is no longer referenced. When the cable is"
+        " back, the first index comes at a wrong count: 0xFF03 where 0x2210 enables monitoring of the index.",
         "the encoder's cable",
     ),
     FaultKind(
         device.EncoderSwapped,
         "Channels A and B are exchanged: the count runs against the motor, and the regulator drives it"
-        " away. At rest nothing shows.",
-        "A board: notices nothing, and its motor runs away at full speed (`uncommanded motion`"
-        " in the bridge). A drive: EMCY 0xFF02 or 0xFF03 within a turn where 0x2210 has it watch the"
+        " away. At standstill it has no effect.",
+        "A board: notices nothing, and its motor runs away at full speed (`uncommanded motion` in the"
+        " bridge). A drive: EMCY 0xFF02 or 0xFF03 within a turn where 0x2210 enables monitoring of the"
         " index; else 0xFF11, at full voltage with the count running the other way, or 0x8611, when the"
         " following error is too large.",
         "the encoder's channels",
@@ -168,27 +168,28 @@ _ROWS: Final = (
         device.EncoderCountsLost,
         "Disturbed lines or a dirty disc: of the quadcounts a share does not arrive, so the shaft turns"
         " further than the drive counts.",
-        "Counts less. It notices only where 0x2210 has it watch the index (EMCY 0xFF02, 0xFF03).",
+        "Counts less. It detects this only where 0x2210 enables monitoring of the index (EMCY 0xFF02,"
+        " 0xFF03).",
         "the encoder's counts",
     ),
     FaultKind(
         device.EncoderFrozen,
-        "The coupling between shaft and encoder is loose: the disc stands while the shaft turns. All lines"
-        " have their levels, and neither counts nor indexes come.",
-        "Sees an axis that stands, and drives it harder and harder: 0x8611 in position mode, when the"
-        " following error is too large; no error in velocity mode.",
+        "The coupling between shaft and encoder is loose: the disc does not turn with the shaft. All lines"
+        " have valid levels, and there are neither counts nor index pulses.",
+        "Measures an axis at standstill, and increases its output up to the limit: 0x8611 in position mode,"
+        " when the following error is too large; no error in velocity mode.",
         "the encoder's counts",
     ),
     FaultKind(
         device.IndexMissing,
         "The index line of the encoder is broken.",
-        "EMCY 0xFF02 after some turns where 0x2210 has it watch the index; else nothing.",
+        "EMCY 0xFF02 after some turns where 0x2210 enables monitoring of the index; else nothing.",
         "the index",
     ),
     FaultKind(
         device.IndexSpurious,
         "A disturbance on the index line: a second pulse an eighth of a turn after the first.",
-        "EMCY 0xFF02 or 0xFF03 where 0x2210 has it watch the index; else nothing.",
+        "EMCY 0xFF02 or 0xFF03 where 0x2210 enables monitoring of the index; else nothing.",
         "the index",
     ),
     *BOARD_ROWS,
@@ -199,9 +200,9 @@ _ROWS: Final = (
     ),
     FaultKind(
         link.DatagramLate,
-        "Datagrams queue up somewhere and come late. At the end later ones overtake them.",
-        "No device: when it begins the bridge receives nothing for so long, and then old commands as if they"
-        " were new: MANUAL_CONTROL carries no time.",
+        "Datagrams queue up on the way and arrive late. When the fault ends, later ones overtake them.",
+        "No device: at the beginning the bridge receives nothing for the delay, and then old commands as if"
+        " they were new: MANUAL_CONTROL carries no time.",
     ),
     FaultKind(
         link.DatagramDoubled,
@@ -211,66 +212,67 @@ _ROWS: Final = (
     FaultKind(
         link.SerialUnplugged,
         "The USB or RS232 adapter of a bridge on a serial line is pulled out.",
-        "The gateway misses its host; its own watch over another drive stops the motors. The bridge"
-        " holds `link lost`.",
+        "The gateway misses its host; its heartbeat consumer for another drive stops the motors. In the"
+        " bridge the interlock `link lost` is active.",
         "the serial line",
     ),
     FaultKind(
         plant.GripLost,
-        "What holds the robot on a wall lets go at one axis: a magnet over paint or rust. Where the others"
+        "The adhesion of the robot on a wall is lost at one axis: a magnet over paint or rust. If the others"
         " cannot hold it, it falls.",
-        "No device notices; the motor turns on, without load where the robot has fallen.",
+        "No device detects it; the motor keeps turning, without load if the robot has fallen.",
         "the grip",
     ),
     FaultKind(
         capture.BodyHidden,
-        "Someone stands before the cameras, or the robot is where none of them looks.",
+        "A person stands in front of the cameras, or the robot is outside their view.",
         "The capture system sends the last pose again and reports the body as not tracked.",
         "what the cameras see",
     ),
     FaultKind(
         capture.BodyShakes,
-        "The body trembles: bumps from roller to roller, a floor that is not even, loose markers. ASSUME 1 mm"
-        ": the thesis names vibration without a number.",
-        "A capture system: sees each frame's place with that error, and its own beside it. The bridge's pose"
+        "The rigid body vibrates: steps between rollers, an uneven floor, loose markers. 1 mm is assumed,"
+        " to be verified: the thesis names vibration without a number.",
+        "A capture system: each frame's pose has that error besides the system's own. The bridge's pose"
         " follows a share of it.",
     ),
     FaultKind(
         capture.MarkersSwapped,
-        "A reflection, or another body with markers alike: markers are taken for others.",
-        "The capture system sends a pose elsewhere, as one that is tracked.",
+        "A reflection, or another body with similar markers: markers are confused.",
+        "The capture system sends a wrong pose, reported as tracked.",
         "what the cameras see",
     ),
     FaultKind(
         capture.CaptureLate,
         "The network between the capture system and the bridge is busy: frames queue up, and come late.",
-        "Frames come late, with the times at which they were taken.",
+        "Frames arrive late, with the times of their exposure.",
     ),
     FaultKind(
         capture.CaptureLoss,
         "The network between the capture system and the bridge loses frames.",
-        "Frames do not come.",
+        "Frames do not arrive.",
     ),
     FaultKind(
         people.BridgeEnds,
-        "Someone presses Ctrl-C, once or twice, or the bridge's process is killed: what it had queued is"
-        " not sent. With the end of the fault a bridge is started, which knows of the one before what that"
-        " has left in its file: the places of the axes, as an offer.",
-        "On an orderly end the bridge brings it to rest, takes its power and its watch. Killed: it misses the"
-        " bridge's heartbeat, EMCY 0x8130, and stops by 0x6007.",
+        "Ctrl-C is pressed, once or twice, or the bridge's process is killed: queued messages are not sent."
+        " When the fault ends, a bridge is started. From the one before it knows only the file of axis"
+        " positions, which it offers for confirmation.",
+        "On an orderly end the bridge brings it to standstill, disables its power stage and its heartbeat"
+        " consumer. Killed: it misses the bridge's heartbeat, EMCY 0x8130, and stops by 0x6007.",
         _CONNECTION,
     ),
     FaultKind(
         people.SecondBridge,
-        "Someone starts a second bridge on the same bus, and ends it by Ctrl-C with the end of the fault.",
+        "A second bridge is started on the same bus, and ended by Ctrl-C when the fault ends.",
         "No device: the second bridge receives the first one, reports it and sends nothing.",
         "the second bridge",
     ),
     FaultKind(
         people.SecondStation,
-        "A second ground station joins: it holds a stick, and may ask for something twice a second.",
-        "No device: who drives goes on to drive. The other's stick and orders are refused, but an emergency"
-        " stop is obeyed from anyone; it may take control where no one drives, or once it is given up.",
+        "A second ground station joins: it holds a stick, and may send a request twice a second.",
+        "No device: the station in control stays in control. The other's stick and commands are refused,"
+        " but an emergency stop is accepted from any station; it may take control if no station has it, or"
+        " once it is released.",
         "the second station",
     ),
 )

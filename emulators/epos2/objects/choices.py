@@ -146,5 +146,5 @@ def chosen(profile: DeviceProfile, texts: Iterable[str]) -> DeviceProfile:
             changes[choice.field] = choice.read(value)
         except (ValueError, KeyError):
             form = "a time, as 300ms" if choice.field in TIMES else FORMS[choice.kind]
-            raise ChoiceError(f"--choice {text}: say {form}; it is {choice.text} by default") from None
+            raise ChoiceError(f"--choice {text}: give {form}; it is {choice.text} by default") from None
     return replace(profile, **changes)

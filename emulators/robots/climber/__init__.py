@@ -119,7 +119,7 @@ def _closure(samples: Samples) -> float | None:
     guided = np.flatnonzero(np.isfinite(samples.column(OFFSET)))
     if not guided.size:
         return None
-    # Between the first and the last row under the guide: what the operator drives does not count.
+    # Between the first and the last row under the path follower: the operator does not count.
     begin, end = (samples[int(row)] for row in (guided[0], guided[-1]))
     return math.dist(*((row["x_m"], row["y_m"]) for row in (begin, end)))
 

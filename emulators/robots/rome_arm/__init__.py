@@ -1,4 +1,4 @@
-"""ROME whole on the bench: its base's and its arm's rehearsals, and where base and tool together shall be.
+"""ROME whole on the bench: its base's and its arm's bench setups, and where base and tool together shall be.
 
 Signs, scales and paths are written again, not taken from the bridge, so that a mistake there is not repeated:
 an orbit goes by Kepler's equation here, and by F and G there.

@@ -12,6 +12,6 @@ def confirm(what: str, why: str, *, yes: bool) -> None:
     if yes:
         return
     if not sys.stdin.isatty():
-        raise refusal(f"{what}: {why}; say --yes where that is safe")
+        raise refusal(f"{what}: {why}; use --yes where that is safe")
     if not typer.confirm(f"{what}: {why}. Is everybody out of the way?", default=False, err=True):
         raise refusal("nothing was done", FAILED)

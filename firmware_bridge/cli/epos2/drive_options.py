@@ -38,25 +38,30 @@ SerialPortOption = Annotated[
 BaudOption = Annotated[
     int | None,
     typer.Option(
-        min=1200, max=4_000_000, help="Bits a second on the line.", show_default="115200; 1000000 with v2"
+        min=1200,
+        max=4_000_000,
+        help="Bit rate of the line, in bit/s.",
+        show_default="115200; 1000000 with v2",
     ),
 ]
 LineProtocolOption = Annotated[
     Generation | None,
-    typer.Option(help="What the line speaks: v1 as on RS232, v2 as on USB.", show_default="v1"),
+    typer.Option(help="Protocol of the line: v1 as on RS232, v2 as on USB.", show_default="v1"),
 ]
 GatewayOption = Annotated[
     int | None,
     typer.Option(
         min=FIRST_NODE,
         max=LAST_NODE,
-        help="The drive on the line is this node. It is queried first; where it is another, nothing is done.",
+        help="Expected node number of the drive on the line. It is queried first; if it differs, nothing "
+        "is done.",
         show_default=False,
     ),
 ]
-JsonOption = Annotated[bool, typer.Option("--json", help="For programs.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Output for programs, as JSON.")]
 YesOption = Annotated[
-    bool, typer.Option("--yes", "-y", help="Do not ask, even where something may start to move.")
+    bool,
+    typer.Option("--yes", "-y", help="Do not ask for confirmation, even if something may start to move."),
 ]
 
 

@@ -40,7 +40,7 @@ def nmt(
     *,
     as_json: JsonOption = False,
 ) -> None:
-    """Send a network command, and see that one drive obeys it; --node 0 means all, and looks at none.
+    """Send a network command, and check that one drive executes it; --node 0 addresses all, unchecked.
 
     A reset switches the power stage off: a motor that turned runs out, and only a brake holds a load. In
     Stopped a drive answers nothing but network commands. The drive is left in the state that it was sent to.

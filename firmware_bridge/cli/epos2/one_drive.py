@@ -136,7 +136,7 @@ def _only(link: str, instead: str, given: dict[str, object]) -> None:
     """Refuse options of the link that is not in use."""
     wrong = [name for name, value in given.items() if value is not None]
     if wrong:
-        raise refusal(f"{', '.join(wrong)}: only {link} has that; say {instead}")
+        raise refusal(f"{', '.join(wrong)}: only {link} has that; use {instead}")
 
 
 DriveCommand = Callable[..., None]

@@ -44,7 +44,7 @@ WatchOption = Annotated[
         min=0.001,
         max=3600.0,
         metavar="[SECONDS]",
-        help="Read again and again, and show what has changed; alone it means every 0.2 s. Ctrl-C ends it.",
+        help="Read repeatedly, and show changes; without a value every 0.2 s. Ctrl-C ends it.",
         show_default=False,
     ),
 ]
@@ -60,7 +60,7 @@ def read(
     duration: DurationOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Read objects of a drive, with their names, units, and what their bits say.
+    """Read objects of a drive, with their names, units, and decoded bits.
 
     Exit status 1 where the drive refuses one of them. Reading changes nothing in the drive.
     """

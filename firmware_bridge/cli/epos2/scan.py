@@ -30,7 +30,7 @@ EXAMPLES: Final = """Examples:
 
 `firmware-bridge epos2 scan --node 1-8 --timeout 200 -i slcan -c /dev/ttyACM0`
 
-`firmware-bridge epos2 scan --node 1-4 --serial /dev/ttyUSB0` asks the drive there, and those behind it."""
+`firmware-bridge epos2 scan --node 1-4 --serial /dev/ttyUSB0` queries the drive there, and those behind it."""
 
 _HEADINGS: Final = ("node", "device", "version", "serial number", "network", "state")
 _GAP: Final = 2
@@ -44,7 +44,7 @@ def scan(
     drive: OneDrive,
     *,
     node: Annotated[
-        str, typer.Option("--node", "-n", metavar="NUMBERS", help="Whom to ask: 1, or 1-8, or 1,3,5-7.")
+        str, typer.Option("--node", "-n", metavar="NUMBERS", help="Nodes to query: 1, or 1-8, or 1,3,5-7.")
     ] = "1-127",
     timeout: Annotated[
         float,
@@ -52,7 +52,7 @@ def scan(
             min=1.0,
             max=10_000.0,
             metavar="MS",
-            help="How long to wait for an answer on the CAN bus. On a line the drive decides.",
+            help="Timeout of an answer on the CAN bus. On a line the drive decides.",
         ),
     ] = TIMEOUT / MILLISECOND,
     listen: Annotated[
@@ -63,7 +63,7 @@ def scan(
     ] = 1.0,
     as_json: JsonOption = False,
 ) -> None:
-    """List who answers on a CAN bus, or behind a serial line: device, versions, serial number, states.
+    """List the nodes on a CAN bus, or behind a serial line: device, versions, serial number, states.
 
     Nothing is written. Each node's identity is read by SDO, one after the other, so a bus without any takes
     127 timeouts, 7 s; a serial line waits as long as its drive does for each node that is not there. Beside a

@@ -24,7 +24,7 @@ def ar2_fleet(robot: AnyRobot, name: str) -> Fleet:
     if cycle < needed:
         problem = (
             f"a move of {table.move_ms} ms, and its messages, take {needed / MILLISECOND:.0f} ms, and "
-            f"the link's cycle is {cycle // MILLISECOND} ms; say a shorter move_ms, or every"
+            f"the link's cycle is {cycle // MILLISECOND} ms; give a shorter move_ms, or every"
         )
         raise RobotFileError(robot.name, Problem(f"links.{name}.move_ms", problem))
     board = Ar2Board(name, table)

@@ -25,7 +25,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
     return (
         StopStep(
             "no further move",
-            f"nothing; a move that was sent ends within {link.move_ms} ms",
+            f"nothing; the last move ends within {link.move_ms} ms",
             Stop.REST,
             within,
             at_once=True,
@@ -33,7 +33,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
         ),
         StopStep(
             "question",
-            "a question, which is answered when nothing moves",
+            "a request, which is answered when nothing moves",
             Stop.POWER_OFF,
             within + link.answers_within_ms * MILLISECOND,
             task=Task.DISABLE,
@@ -42,12 +42,12 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
         ),
         StopStep(
             "reset",
-            "DTR down and up: a move under way ends",
+            "DTR down and up: a move in progress ends",
             Stop.POWER_OFF,
             (link.boots_within_ms + link.answers_within_ms) * MILLISECOND,
             task=Task.RESET,
             ends_power=True,
-            note="no one knows then where the arm stands; the motors keep their current, and hold",
+            note="the arm's position is unknown then; the motors keep their current, and hold",
         ),
     )
 
@@ -55,4 +55,4 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
 def alone(robot: AnyRobot, link: str) -> str:
     """Return what stops the joints when the bridge falls silent."""
     move = robot.ar2_link(link).move_ms
-    return f"the end of the move that was sent, within {move} ms: no other follows, and the motors hold"
+    return f"the end of the last move, within {move} ms: no other follows, and the motors hold"

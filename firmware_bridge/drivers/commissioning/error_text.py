@@ -36,7 +36,7 @@ REMEDIES: Final[Mapping[int, str]] = MappingProxyType(
         AbortCode.LIMITS_CROSSED: "change the other limit first",
         AbortCode.DEVICE_STATE: "bring the drive into another state first, often `state disable`",
         AbortCode.CANNOT_STORE: "try again with the power stage off",
-        AbortCode.WRONG_NMT_STATE: "say `nmt pre-operational` first",
+        AbortCode.WRONG_NMT_STATE: "send `nmt pre-operational` first",
         AbortCode.WRONG_NODE: "nodes are numbered 1 to 127",
         AbortCode.WRONG_PASSWORD: "write `save` or `load`",
         AbortCode.ILLEGAL_COMMAND: "the line was disturbed, or the drive does not know the command",

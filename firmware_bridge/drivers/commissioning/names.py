@@ -57,12 +57,12 @@ def find(text: str) -> Address:
     if len(fitting) == 1:
         return fitting[0].address
     if fitting:
-        raise UnknownObjectError(f"'{text}' is the name of {_listed(fitting)}; say which by its index")
+        raise UnknownObjectError(f"'{text}' is the name of {_listed(fitting)}; use the index")
     near = _near(squashed(text))
     if near:
         raise UnknownObjectError(f"no object is called '{text}'; did you mean {_listed(near)}?")
     raise UnknownObjectError(
-        f"no object is called '{text}'; say a name of `firmware-bridge epos2 objects`, or an index as 0x6081 "
+        f"no object is called '{text}'; give a name of `firmware-bridge epos2 objects`, or an index, 0x6081 "
         "or 0x60F6:1"
     )
 

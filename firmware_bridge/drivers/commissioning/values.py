@@ -86,7 +86,7 @@ def _number(address: Address, text: str, row: ObjectRow | None) -> int:
     if found is None:
         named = ", ".join(_WORDS.get(address, {}))
         kinds = f"a number or one of: {named}" if named else "a number, as 500, 0x1F4 or with its unit"
-        raise ValueTextError(f"'{text}' is no value for {called(address)}; say {kinds}")
+        raise ValueTextError(f"'{text}' is no value for {called(address)}; give {kinds}")
     unit = (found["unit"] or "").strip()
     magnitude = Decimal(int(found["hex"], 16)) if found["hex"] else Decimal(found["number"])
     scaled = magnitude * _factor(address, text, unit, row)

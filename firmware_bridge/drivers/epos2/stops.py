@@ -45,7 +45,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
         ),
         StopStep(
             f"quick stop {how}",
-            f"NMT start, so that it listens; 0x6040 = 0x000B {how} in every cycle",
+            f"NMT start, so that it receives; 0x6040 = 0x000B {how} in every cycle",
             Stop.QUICK_STOP,
             max(CREEPS, times.quick_stop),
             quick,
@@ -65,7 +65,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
         ),
         StopStep(
             "quick stop by SDO",
-            "0x6040 = 0x000B by SDO, and 0x6028 until it stands",
+            "0x6040 = 0x000B by SDO, and 0x6028 until standstill",
             Stop.QUICK_STOP,
             times.by_object,
             quick,
@@ -92,7 +92,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             silent=True,
             takes_all=True,
             ends_power=True,
-            note="every drive on the link stops by its own watch, and is without power then",
+            note="every drive on the link stops by its heartbeat consumer; then no power",
         ),
         StopStep(
             "reset",
@@ -101,7 +101,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             times.reset,
             task=Task.RESET,
             ends_power=True,
-            note="no torque from then on, and the drive's zero is lost",
+            note="no torque from then on; the drive's reference is lost",
         ),
     )
     return (*gentle, *(over_can_alone if over_can else ()), *at_last)

@@ -83,7 +83,7 @@ def fitting_plan(robot: AnyRobot, name: str) -> ShieldPlan:
     needed = -(-plan.time // round(MOST * robot.cycle))
     raise ShieldPlanError(
         f"link '{name}': a reversal over {link.protocol.value} takes {plan.time / MILLISECOND:.1f} ms, which "
-        f"is more than {MOST:.0%} of its cycle of {plan.cycle // MILLISECOND} ms; say every = {needed} or a "
+        f"is more than {MOST:.0%} of its cycle of {plan.cycle // MILLISECOND} ms; use every = {needed} or a "
         "longer cycle_ms in the robot file"
     )
 

@@ -38,9 +38,9 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
     requested = link.answers_within_ms * MILLISECOND
     words = max(len(axes) * requested, lasts + requested)
     board = link.stops_itself
-    runs_on = "the motors run on while it boots: the shield has no wire to the board's reset"
+    runs_on = "the motors keep running while it boots: the shield has no wire to the board's reset"
     if board:
-        runs_on += f"; where it receives nothing it stops them {link.auto_stop_ms} ms after the last word"
+        runs_on += f"; without commands it stops them {link.auto_stop_ms} ms after the last one"
     return (
         StopStep(
             "speed 0",
@@ -61,7 +61,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
         ),
         StopStep(
             "release",
-            "speed 0 for all motors, and a question" if board else "release, and a question",
+            "speed 0 for all motors, and a request" if board else "release, and a request",
             Stop.POWER_OFF,
             words,
             task=Task.DISABLE,
@@ -70,7 +70,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
         ),
         StopStep(
             "reset",
-            "DTR down and up; the board is set up again, which begins by releasing",
+            "DTR down and up; the board is set up again, beginning with the release",
             Stop.POWER_OFF,
             link.boots_within_ms * MILLISECOND + SET_UP_WITHIN,
             task=Task.RESET,
@@ -85,4 +85,6 @@ def alone(robot: AnyRobot, link: str) -> str:
     table = robot.shield_link(link)
     if table.unwatched:
         return ""
-    return f"the firmware's auto-stop, {table.auto_stop_ms} ms after the last word: speed 0, which releases"
+    return (
+        f"the firmware's auto-stop, {table.auto_stop_ms} ms after the last command: speed 0, which releases"
+    )

@@ -82,7 +82,7 @@ class RomeGeometry(Table):
     def _paths_are_no_faster_than_the_base(self) -> Self:
         for name, speed in self.paths.fastest().items():
             if speed > SETTLES * self.limits.speed_mps:
-                scale = "" if name == "points" else f"; say {name} = {self.scale_of(name):.3g} or less"
+                scale = "" if name == "points" else f"; use {name} = {self.scale_of(name):.3g} or less"
                 raise ValueError(
                     f"the path {name} needs {speed:.3g} m/s, limits.speed_mps is "
                     f"{self.limits.speed_mps:.3g}{scale}"

@@ -46,5 +46,5 @@ def open_can(
     if interface != KERNEL:
         return python_can.PythonCanPort(name, found)
     if channel in {None, ""}:
-        raise PortError(f"cannot open {name}: say which channel, for example can0")
+        raise PortError(f"cannot open {name}: name the channel, for example can0")
     return SocketCanPort(str(channel), int(found["bitrate"]))

@@ -112,7 +112,7 @@ def _parsed(link: str) -> tuple[str, int, Any]:
     match = _FORM.fullmatch(link)
     if match is None or int(match["port"]) > 0xFFFF:  # noqa: PLR2004 - the largest port
         raise PortError(
-            f"cannot open {link!r}: say udpin:HOST:PORT or udpout:HOST:PORT, as udpin:127.0.0.1:14550"
+            f"cannot open {link!r}: give udpin:HOST:PORT or udpout:HOST:PORT, as udpin:127.0.0.1:14550"
         )
     host = match["host"].strip("[]") or "0.0.0.0"  # noqa: S104 - an empty host means all addresses
     try:

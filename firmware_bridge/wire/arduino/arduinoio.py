@@ -85,7 +85,7 @@ ROWS: Final[tuple[ArduinoIoCommand, ...]] = (
     ArduinoIoCommand("H", "set an encoder to 0", (ENCODER,)),
     ArduinoIoCommand("I", "an encoder's debounce", (ENCODER, DEBOUNCE), assumed="it changes nothing"),
     ArduinoIoCommand("R", "analog reference", (REFERENCE,), assumed="it changes nothing"),
-    ArduinoIoCommand("X", "say a byte as a number", (RAW,), answers=True),
+    ArduinoIoCommand("X", "print a byte as a number", (RAW,), answers=True),
 )
 COMMANDS: Final[Mapping[str, ArduinoIoCommand]] = MappingProxyType({row.letter: row for row in ROWS})
 

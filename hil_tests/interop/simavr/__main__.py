@@ -1,4 +1,4 @@
-"""As many lines as are asked for, to the sketch's binary and to the emulator; `make twins`."""
+"""As many lines as are requested, to the sketch's binary and to the emulator; `make twins`."""
 
 import sys
 from argparse import ArgumentParser

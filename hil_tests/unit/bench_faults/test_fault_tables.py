@@ -130,7 +130,10 @@ AT = "at_s = 2.0\n"
         (table("frame_loss", f"{AT}share = 1.1"), "fault[0].share: "),
         (table("frame_loss", f"{AT}for_s = 0"), "fault[0].for_s: "),
         (table("frame_loss", f"{AT}until_s = 2.0"), "fault[0]: until_s = 2 is not after at_s = 2"),
-        (table("frame_loss", f"{AT}until_s = 3.0\nfor_s = 1.0"), "fault[0]: until_s and for_s say the same"),
+        (
+            table("frame_loss", f"{AT}until_s = 3.0\nfor_s = 1.0"),
+            "fault[0]: until_s and for_s are alternatives",
+        ),
         (table("frame_error", f"{AT}count = 0"), "fault[0].count: "),
         (
             table("drive_restart", f'{AT}node = "bridge"'),

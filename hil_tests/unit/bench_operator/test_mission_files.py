@@ -92,7 +92,7 @@ def test_a_mission_is_a_few_lines() -> None:
         (HEAD + STEP + "arm = true\nramp_mps2 = 0.1", "step[0]: ramp_mps2 needs speed_mps"),
         (HEAD + STEP + "speed_mps = 0.1\nramp_mps2 = 0", "step[0].ramp_mps2: "),
         (HEAD + STEP + "steer_deg = 90.0", "step[0].steer_deg: "),
-        (HEAD + STEP + "steer_deg = 9.0\nradius_m = 1.0", "step[0]: steer_deg and radius_m say the same"),
+        (HEAD + STEP + "steer_deg = 9.0\nradius_m = 1.0", "step[0]: steer_deg and radius_m set the same"),
         (HEAD + STEP + "radius_m = 0.0", "step[0]: radius_m must not be 0"),
         (HEAD + STEP + "silent_s = 0", "step[0].silent_s: "),
         (HEAD + STEP + 'stray = "nonsense"', "step[0].stray: "),

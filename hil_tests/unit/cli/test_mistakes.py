@@ -136,7 +136,7 @@ def test_a_pilot_without_what_it_needs_is_reported_what(words: str, reported: st
         ("bench rars --mission line --predictor", "no one follows a path, who could predict?"),
         ("drive rars -i virtual -c mistakes --link up.lose=0.1", "there is no key 'lose'; perhaps 'loss'?"),
         ("drive rars --link drive=can:can0", "rars has no link 'drive'; perhaps 'drives'?"),
-        ("drive rars --link drives=can0 --link delay=1", "say NAME=INTERFACE:CHANNEL"),
+        ("drive rars --link drives=can0 --link delay=1", "give NAME=INTERFACE:CHANNEL"),
         ("drive rars -i virtual -c mistakes --max-delay 2.5", "operator.max_age_ceiling_ms"),
     ],
 )
@@ -186,9 +186,9 @@ def test_an_arms_firmware_that_there_is_not_is_answered_with_those_that_there_ar
 
 def test_a_robot_of_two_boards_wants_a_line_for_each() -> None:
     line = refused("emulate", "rome_arm", "--serial", "/dev/null")
-    assert line.endswith("--serial /dev/null: rome_arm has several boards; say --serial pty")
+    assert line.endswith("--serial /dev/null: rome_arm has several boards; use --serial pty")
     line = refused("drive", "rome_arm", "--serial", "/dev/null")
-    assert "rome_arm has several links (board, arm); say --link NAME=PLACE for each" in line
+    assert "rome_arm has several links (board, arm); use --link NAME=PLACE for each" in line
 
 
 @pytest.mark.parametrize("protocol", ["mw", "arduinoio"])

@@ -219,10 +219,10 @@ def test_what_a_device_has_recorded_states_its_side_and_needs_no_robot(
         (("--log", "LOG"), "\xff", "cannot be read"),
         (("--log", "LOG.nowhere"), "", "cannot be read"),
         (("--link", "can", "--log", "LOG"), LOG, "only a robot has links"),
-        (("--robot", "rars", "--link", "bus", "--log", "LOG"), LOG, "say which one with --link"),
+        (("--robot", "rars", "--link", "bus", "--log", "LOG"), LOG, "select one with --link"),
         (("--robot", "rome", "--log", "LOG"), LOG, "has no drives on a CAN bus"),
         (("--robot", "no one", "--log", "LOG"), LOG, "no one"),
-        (("--log", "LOG"), LINES, "can.log: holds the bytes of lines; say whose with --robot"),
+        (("--log", "LOG"), LINES, "can.log: holds the bytes of lines; name their robot with --robot"),
         (
             ("--robot", "rome", "--log", "LOG"),
             LINES + "(1.000000) board\n",
@@ -244,7 +244,7 @@ def test_what_a_device_has_recorded_states_its_side_and_needs_no_robot(
         (
             ("--log", "LOG", "--device", "epos4"),
             LOG,
-            "--device epos4: there is epos2; of any other say",
+            "--device epos4: there is epos2; for any other use",
         ),
         (("--log", "LOG", "--dcf", "LOG"), LOG, "cannot be read as a data sheet"),
         (("--log", "LOG", "--dcf", "LOG"), "[6402]\nParameterValue=1\n", "it names no node"),

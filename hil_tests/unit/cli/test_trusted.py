@@ -90,7 +90,7 @@ def test_a_list_names_addresses_and_networks(capsys: pytest.CaptureFixture[str])
     for wrong in ("robot", "10.0.0.1/24", "10.0.0.1:14550", ""):
         with pytest.raises(typer.Exit):
             trust_of(HERE, None, [wrong], openly=False)
-        assert f"--allow {wrong}: say an address" in capsys.readouterr().err
+        assert f"--allow {wrong}: give an address" in capsys.readouterr().err
 
 
 def test_a_key_and_open_contradict_each_other(key_file: Path) -> None:

@@ -108,7 +108,7 @@ ASIDE_AT_MS = 1e3 * ASIDE["m"] / (0.3 - 0.05 * 0.3)
         (course(GOES, held_ms=100.0), Assessment.NOTICED),
         (course(GOES, held_ms=200.0, reported_ms=100.0), Assessment.NOTICED),
         (course(GOES, reported_ms=100.0), Assessment.REPORTED),
-        (course(RUNS_ON), Assessment.MISSED),
+        (course(RUNS_ON), Assessment.NOT_NOTICED),
         (course(RUNS_ON, held_ms=ASIDE_AT_MS + LATE_MS - 20.0), Assessment.NOTICED),
         (course(RUNS_ON, held_ms=ASIDE_AT_MS + LATE_MS + 20.0), Assessment.LATE),
         (course(RUNS_ON, reported_ms=ASIDE_AT_MS + LATE_MS + 20.0), Assessment.LATE),
@@ -127,7 +127,7 @@ def test_what_is_stated_of_a_cell(ill: Course, verdict: Assessment) -> None:
 def test_who_never_stands_is_not_noticed_whatever_was_reported() -> None:
     """The same robot stands without the failure: the operator lets go."""
     stands = course(STANDS)
-    assert effect(stands, course(RUNS_ON, held_ms=100.0, reported_ms=50.0)).verdict is Assessment.MISSED
+    assert effect(stands, course(RUNS_ON, held_ms=100.0, reported_ms=50.0)).verdict is Assessment.NOT_NOTICED
     assert effect(stands, course(RUNS_ON, held_ms=100.0)).stands_after_ms is None
     assert effect(course(GOES), course(GOES, held_ms=100.0)).verdict is Assessment.NOTICED
 
@@ -155,7 +155,7 @@ def test_a_bridge_that_is_killed_is_excused_only_where_the_devices_stop_by_thems
     made = partial(over_protocol, find("rome"), protocol, 3)
     cells = of_state(made, all_failures(made(), ["bridge_ends"]), "speed 50%")
     killed = next(cell for cell in cells if "killed" in cell.failure.title)
-    assert killed.effect.verdict is Assessment.MISSED
+    assert killed.effect.verdict is Assessment.NOT_NOTICED
     assert killed.wrong is runs_on
     assert (killed.effect.stands_after_ms is None) is runs_on
     assert bool(killed.why) is not runs_on
@@ -218,7 +218,7 @@ def test_what_no_one_has_thought_about_is_wrong_and_ends_the_program(
     words = ["fmea", "rome", "--fault", "load_lifted", "--state", "left 50%", "--jobs", "1", "--out"]
     monkeypatch.setattr("sys.argv", ["firmware-bridge", *words, str(tmp_path)])
     assert ended() == 0
-    assert "cameras alone see it" in capsys.readouterr().out
+    assert "only cameras detect it" in capsys.readouterr().out
     monkeypatch.setattr(matrices, "reason", lambda *_: "")
     assert ended() == 1
     assert "left 50%: load_lifted one: NOT NOTICED; it goes" in " ".join(capsys.readouterr().err.split())

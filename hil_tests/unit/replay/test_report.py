@@ -127,7 +127,7 @@ def test_from_where_this_bridge_does_otherwise_is_stated(bench: Path, tmp_path: 
     ("words", "states"),
     [
         (("nowhere",), "is no folder"),
-        (("bench",), "`bench` has made its page already; say --out DIR"),
+        (("bench",), "`bench` has made its page already; use --out DIR"),
         (("bench", "rome", "--out", "page"), "holds no"),
         (("bench", "no one", "--out", "page"), "no such robot"),
     ],

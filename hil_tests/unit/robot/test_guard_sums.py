@@ -36,20 +36,20 @@ TRACK: Final = "track_m = 0.35"
             (RADIUS, "wheel_radius_m = 0.12"),
             [
                 "guard.sums[0]: with this geometry 'base speed' reaches its bound of 0.603 at 0.904,",
-                "the robot's limit is 0.6; say of = {left = 0.06, right = 0.06}",
+                "the robot's limit is 0.6; use of = {left = 0.06, right = 0.06}",
                 "guard.sums[1]: with this geometry 'turn rate' reaches its bound of 1.212 at 1.82,",
-                "the robot's limit is 1.2; say of = {left = -0.3429, right = 0.3429}",
+                "the robot's limit is 1.2; use of = {left = -0.3429, right = 0.3429}",
             ],
         ),
         (
             (RADIUS, "wheel_radius_m = 0.09"),
             ["0.678, the robot's limit is 0.6", "1.36, the robot's limit is 1.2"],
         ),
-        ((TRACK, "track_m = 0.25"), ["say of = {left = -0.32, right = 0.32}"]),
+        ((TRACK, "track_m = 0.25"), ["use of = {left = -0.32, right = 0.32}"]),
         ((RADIUS, "wheel_radius_m = 0.0805"), []),
         (("bound = 0.603", "bound = 0.77"), []),
-        (("bound = 0.603", "bound = 0.9"), ["at 0.9, the robot's limit is 0.6; say bound = 0.606"]),
-        (("bound = 0.603", "bound = 0.59"), ["at 0.59, the robot's limit is 0.6; say bound = 0.606"]),
+        (("bound = 0.603", "bound = 0.9"), ["at 0.9, the robot's limit is 0.6; use bound = 0.606"]),
+        (("bound = 0.603", "bound = 0.59"), ["at 0.59, the robot's limit is 0.6; use bound = 0.606"]),
     ],
 )
 def test_a_sum_of_another_geometry_is_reported_with_the_right_line(

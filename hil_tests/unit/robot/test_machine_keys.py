@@ -159,7 +159,7 @@ def test_a_way_beyond_the_plants_stop_is_refused_with_what_to_say(
     assert axis.travel is not None
     far = changed(robot, ("axes", str(number), "travel", str(place)), axis.travel[place] + beyond)
     with pytest.raises(
-        RobotFileError, match=rf"axes\[{number}\].travel.*the plant's stop.*say plant.parameters"
+        RobotFileError, match=rf"axes\[{number}\].travel.*the plant's stop.*use plant.parameters"
     ):
         devices(far)
 

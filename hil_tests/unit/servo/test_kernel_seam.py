@@ -93,7 +93,7 @@ def test_the_environment_chooses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(kernel.VARIABLE, "twin")
     assert kernel.choose() == kernel.KernelLibrary(None, "the reference was requested")
     monkeypatch.setenv(kernel.VARIABLE, "fast")
-    with pytest.raises(ServoError, match="FIRMWARE_BRIDGE_SERVO=fast: say 'native', 'twin'"):
+    with pytest.raises(ServoError, match="FIRMWARE_BRIDGE_SERVO=fast: give 'native', 'twin'"):
         kernel.choose()
     monkeypatch.delenv(kernel.VARIABLE)
     assert kernel.choose() == kernel.find()

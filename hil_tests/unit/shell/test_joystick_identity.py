@@ -41,4 +41,4 @@ def test_a_gamepad_must_be_called_one(
         run(PilotOptions(robot="rars", joystick=True, device=str(device)))
     assert ended.value.exit_code == 2
     reported = capsys.readouterr().err
-    assert "'Some X-Box pad' is a gamepad; say --controls gamepad, or pedals where it is none" in reported
+    assert "'Some X-Box pad' is a gamepad; use --controls gamepad, or pedals where it is none" in reported

@@ -98,7 +98,7 @@ def test_without_an_interface_the_known_ones_are_listed(monkeypatch: pytest.Monk
     ("interface", "channel", "message"),
     [
         ("socketkan", "can0", r"^cannot open CAN interface socketkan: Unknown interface.*slcan, socketcan"),
-        ("socketcan", None, r"channel None: say which channel"),
+        ("socketcan", None, r"channel None: name the channel"),
         (
             "socketcan",
             "nosuch0",
@@ -264,10 +264,10 @@ def test_a_port_in_use_states_so() -> None:
 @pytest.mark.parametrize(
     ("link", "message"),
     [
-        ("14550", "say udpin:HOST:PORT or udpout:HOST:PORT"),
-        ("udp:127.0.0.1:14550", "say udpin"),
-        ("udpin:127.0.0.1", "say udpin"),
-        ("udpin:127.0.0.1:70000", "say udpin"),
+        ("14550", "give udpin:HOST:PORT or udpout:HOST:PORT"),
+        ("udp:127.0.0.1:14550", "give udpin"),
+        ("udpin:127.0.0.1", "give udpin"),
+        ("udpin:127.0.0.1:70000", "give udpin"),
         ("udpin:192.0.2.1:14550", "not an address of this machine"),
         ("udpin:no such host:14550", "no such host"),
     ],

@@ -165,7 +165,7 @@ def test_what_does_not_fit_is_refused_with_its_time_and_the_remedy() -> None:
     assert shield_plan(tight, "board").share > MOST
     with pytest.raises(
         ShieldPlanError,
-        match=r"a reversal over mw takes 4\d\.\d ms, .* more than 80% of its cycle of 50 ms; say every = 2",
+        match=r"a reversal over mw takes 4\d\.\d ms, .* more than 80% of its cycle of 50 ms; use every = 2",
     ):
         fitting_plan(tight, "board")
 
@@ -197,7 +197,7 @@ def test_a_stop_ends_with_the_boards_reset_and_reports_of_its_own_stop_where_it_
         assert steps[0].demand is Stop.REST
         assert all(step.demand is Stop.POWER_OFF for step in steps if step.ends_power)
     assert names["ros-arduino-bridge"] == names["arduinoio"] == ["speed 0", "brake", "release", "reset"]
-    assert "it stops them 2000 ms after the last word" in notes["ros-arduino-bridge"]
+    assert "it stops them 2000 ms after the last one" in notes["ros-arduino-bridge"]
     assert "it stops" not in notes["arduinoio"]
 
 

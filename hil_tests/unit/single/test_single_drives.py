@@ -92,7 +92,7 @@ def test_mistakes_are_answered_with_what_there_is() -> None:
     assert "INERTIA,FRICTION" in refused("--load", "1")
     assert "more than 0" in refused("--load", "0,0.1")
     assert "did you mean boot-time" in refused("--choice", "boot-tme=1s")
-    assert "say yes or no" in refused("--choice", "reports-reset=perhaps")
+    assert "give yes or no" in refused("--choice", "reports-reset=perhaps")
     assert "one for each" in refused("--node", "1-2", "--axes", "left")
     assert "all begin as node 1" in refused("--node", "1-2", "--dip-off")
     assert "nowhere.fmu" in refused("--plant", "nowhere.fmu")
@@ -138,7 +138,7 @@ def test_parameters_of_the_plant_are_set_by_name() -> None:
 
 def test_a_parameter_needs_a_plant_and_a_value(tmp_path: Path) -> None:
     assert "--set a=1: there is no plant" in refused("--set", "a=1")
-    assert "--set a: say NAME=VALUE" in refused("--plant", "single_axis", "--set", "a")
+    assert "--set a: give NAME=VALUE" in refused("--plant", "single_axis", "--set", "a")
     assert f"{tmp_path}: it is a folder, not an FMU" in refused("--plant", str(tmp_path), "--set", "a=1")
 
 

@@ -65,7 +65,7 @@ def test_a_links_words_are_read(text: str, expected: Conditions) -> None:
     ("text", "reported"),
     [
         ("dealy=0.5", "there is no key 'dealy'; perhaps 'delay'?"),
-        ("delay", "say delay=NUMBER"),
+        ("delay", "give delay=NUMBER"),
         ("uq.delay=1", "there is no way 'uq'; there are: up, down"),
         ("up.lose=1", "there is no key 'lose'; perhaps 'loss'?"),
         ("loss=1.5", "must be from 0 to 1"),

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from hil_tests.unit.teleop.timestamped import BEAT, HERE, NOW, QUESTIONS, THERE, Station, age_of, driving
 
 from firmware_bridge.intent import Arm, ClearEmergencyStop, Disarm, EmergencyStop, Pause, Resume
 from firmware_bridge.robot import UnknownAge
@@ -16,6 +15,7 @@ from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.bench import CYCLE, rars, target_message
 from hil_tests.unit.teleop.received import texts
+from hil_tests.unit.teleop.timestamped import BEAT, HERE, NOW, QUESTIONS, THERE, Station, age_of, driving
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

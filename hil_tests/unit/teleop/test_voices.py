@@ -6,7 +6,6 @@ from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from hil_tests.unit.teleop.timestamped import NOW
 from pymavlink.dialects.v10 import all as mavlink_1
 
 from firmware_bridge.teleop.mavlink import WITHOUT_EXTENSIONS, Codec, dialect
@@ -16,6 +15,7 @@ from firmware_bridge.wire.internet import number_of
 from hil_tests.rows import every
 from hil_tests.unit.teleop.bench import CYCLE, rars
 from hil_tests.unit.teleop.stations import ARM, FORCE, INTERVAL, Hand
+from hil_tests.unit.teleop.timestamped import NOW
 
 if TYPE_CHECKING:
     from hil_tests.unit.teleop.bench import RarsBench
