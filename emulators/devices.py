@@ -238,7 +238,7 @@ def _have_switches(robot: AnyRobot, plant: FmuPlant) -> None:
 
 
 def _supply_input(robot: AnyRobot) -> tuple[str, float] | None:
-    """Return the axis whose first analogue input sees the supply, and the divider before that input."""
+    """Return the axis whose first analog input sees the supply, and the divider before that input."""
     if robot.battery is None:
         return None
     sensor = next(sensor for sensor in robot.sensors if sensor.name == robot.battery.sensor)

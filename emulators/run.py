@@ -17,7 +17,7 @@ from emulators.bench.page import page
 from emulators.bench.path_error import Followed, path_error
 from emulators.bench.piloted import PilotedMission
 from emulators.bench.radial_error import radial_error
-from emulators.bench.summary import LineRun, RunFigures, Summary, as_json, summarise
+from emulators.bench.summary import LineRun, RunFigures, Summary, as_json, summarize
 from emulators.extras import installed
 from emulators.line import AnyLine
 from emulators.recorded import recorded
@@ -100,7 +100,7 @@ def drive(order: RunOrder, progress: Progress) -> Summary:
     faults = rig.faults.records
     path = path_error(rig.samples, followed(order), order.mission.settled_after_s)
     swing = swings(order, rig.samples)
-    summary = summarise(
+    summary = summarize(
         run,
         axes,
         rig.samples,

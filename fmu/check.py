@@ -81,7 +81,7 @@ def examine(path: Path) -> Findings:
 
 
 def _started(path: Path) -> tuple[str, ComparisonResult]:
-    """Load, initialise and step an FMU; return what was wrong, and whose bits it gives."""
+    """Load, initialize and step an FMU; return what was wrong, and whose bits it gives."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", PlantWarning)

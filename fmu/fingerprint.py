@@ -51,7 +51,7 @@ class Fingerprint:
 
 
 def measure(plant: Stepped, nominals: Sequence[float]) -> str:
-    """Run a plant that has just been initialised; return the SHA-256 of its outputs' bits."""
+    """Run a plant that has just been initialized; return the SHA-256 of its outputs' bits."""
     digest = hashlib.sha256()
     fractions = _fractions()
     for step in range(STEPS):

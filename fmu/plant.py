@@ -69,7 +69,7 @@ class FmuPlant:
         optional_outputs: Sequence[str] = (),
         mirrored: Sequence[str] = (),
     ) -> None:
-        """Unzip, validate, instantiate, set `parameters` (SI), initialise; `step` in ns.
+        """Unzip, validate, instantiate, set `parameters` (SI), initialize; `step` in ns.
 
         `units` has the required units of the named variables; an FMU without units is taken at its word.
         Optional variables follow the others where the FMU has them: `input_names` and `output_names` list

@@ -162,7 +162,7 @@ def _entries_on(_path: tuple[str, ...]) -> metadata.EntryPoints:
 
 
 def _licence(distribution: metadata.Distribution) -> str:
-    """Return the text of a package's licence (Python packaging, PEP 639), empty where it brings none."""
+    """Return the text of a package's license (Python packaging, PEP 639), empty where it brings none."""
     for name in distribution.metadata.get_all("License-File") or ():
         if text := distribution.read_text(f"licenses/{name}"):
             return text

@@ -63,7 +63,7 @@ class ScriptedOperator:
             dialect.MAVLINK_MSG_ID_ODOMETRY: self._located,
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: self._valued,
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT: self._valued,
-            dialect.MAVLINK_MSG_ID_PARAM_VALUE: self._parametrised,
+            dialect.MAVLINK_MSG_ID_PARAM_VALUE: self._parametrized,
             dialect.MAVLINK_MSG_ID_TIMESYNC: self._on_timesync,
             dialect.MAVLINK_MSG_ID_PING: self._pinged,
         }  # all other messages are left packed
@@ -216,5 +216,5 @@ class ScriptedOperator:
     def _valued(self, message: Message, _: Nanoseconds) -> None:
         self.diary.values[text_of(message.name)] = message.value
 
-    def _parametrised(self, message: Message, _: Nanoseconds) -> None:
+    def _parametrized(self, message: Message, _: Nanoseconds) -> None:
         self.diary.parameters[text_of(message.param_id)] = message.param_value

@@ -26,7 +26,7 @@ def radial_error(samples: Samples, placed: Placed, settled_after_s: float) -> fl
     """Return half of what lies between the largest and the least distance to the path, its sides counted, m.
 
     Of a circle that is half of peak to peak of the radius. It counts from when the robot has driven for so
-    long; None where it has not driven a metre since.
+    long; None where it has not driven a meter since.
     """
     speed = samples.column("speed_mps")
     driving = np.flatnonzero(np.abs(speed) > DRIVING_MPS)

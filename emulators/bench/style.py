@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Final
 
-# Okabe and Ito's palette: distinguished with every common kind of color blindness, and in grey by lightness.
+# Okabe and Ito's palette: distinguished with every common kind of color blindness, and in gray by lightness.
 BLUE: Final = "#0072B2"
 ORANGE: Final = "#E69F00"
 GREEN: Final = "#009E73"

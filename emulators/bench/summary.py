@@ -138,7 +138,7 @@ class Summary:
         return tuple(replace(one, name=renamed.old_interlock(one.name)) for one in self.interlock_events)
 
 
-def summarise(
+def summarize(
     run: RunFigures,
     axes: Sequence[str],
     samples: Samples,
@@ -201,7 +201,7 @@ def mean_acceleration(speed_mps: Floats) -> Floats:
 
 
 def odometry_errors(samples: Samples) -> Floats:
-    """Return the distance in metres between the bridge's pose and the plant's, row by row.
+    """Return the distance in meters between the bridge's pose and the plant's, row by row.
 
     The bridge counts from where it began, the plant from its own origin: the first row in which it believes
     anything makes them agree. Rows without an estimate are left out.

@@ -132,7 +132,7 @@ def version_of(text: str) -> Version:
 
 
 def bodies_named(names: Sequence[str]) -> list[TrackedBody]:
-    """Return bodies on circles, each a metre wider than the last; a name given twice ends the program."""
+    """Return bodies on circles, each a meter wider than the last; a name given twice ends the program."""
     if len(set(names)) != len(names):
         raise refusal(f"--body: {', '.join(names)}: each needs a name of its own")
     return [TrackedBody(number, name, Circling(float(number))) for number, name in enumerate(names, 1)]

@@ -205,7 +205,7 @@ def check(
         "model": f"{found.model}, {found.variables} variables",
         "FMI": f"{found.version}, {' and '.join(found.interfaces) or 'no interface'}",
         "description": _count_of(len(found.description), "valid"),
-        "start": "fails" if found.start else "loads, initialises, takes a step",
+        "start": "fails" if found.start else "loads, initializes, takes a step",
         "bits": bits[found.fingerprint],
         **{name: _lacks(reasons) for name, reasons in lacking.items() if reasons and not named},
     }

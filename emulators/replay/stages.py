@@ -52,7 +52,7 @@ from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 from firmware_bridge.wire.canopen import ERROR_CONTROL, LSS_RESPONSE, NmtState, encode_heartbeat
 
 LEAD: Final[Nanoseconds] = SECOND
-"""A drive that was there before a recording has had this time to initialise."""
+"""A drive that was there before a recording has had this time to initialize."""
 SHARED: Final = LSS_RESPONSE
 """Identifier with which every drive answers, so the sender of an answer is ambiguous."""
 

@@ -53,7 +53,7 @@ class ServoBank:
         """Take a plant whose inputs and outputs begin as in `plant_inputs` and `plant_outputs`.
 
         `supply` is the output that holds the supply voltage in V (constant where it is None); `analogue` is
-        the axis whose first analogue input sees it, and the divider before that input. The lines wire pins to
+        the axis whose first analog input sees it, and the divider before that input. The lines wire pins to
         further outputs and inputs of the plant: see `emulators.servo.pins`. `servo` is the kernel to use, or
         none; without it `emulators.servo.kernel.choose` decides. Raises ServoError where a requested kernel
         is missing, or where the plant gives no angle.

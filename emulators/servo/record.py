@@ -116,7 +116,7 @@ class ServoRecord:
     gear_numerator: int
     gear_denominator: int
     gear_rest: int
-    # An analogue set-point: which input, 0 for none (`emulators.servo.setpoint`).
+    # An analog set-point: which input, 0 for none (`emulators.servo.setpoint`).
     analogue_input: int
     analogue_numerator: int
     analogue_denominator: int

@@ -54,7 +54,7 @@ class Wiring:
     supply: int | None
     """Index of the plant's output that is the supply voltage in V; None: it is constant."""
     dividers: tuple[float, ...]
-    """Dividers before the first analogue input of each axis that sees the supply; 0 where none does."""
+    """Dividers before the first analog input of each axis that sees the supply; 0 where none does."""
     input_lines: tuple[PinWire, ...] = ()
     """Lines from the plant's outputs to the drives' input pins."""
     output_lines: tuple[PinWire, ...] = ()

@@ -1,4 +1,4 @@
-"""Wiring of a plant's outputs to a drive's second encoder and analogue inputs: optional, as its pins.
+"""Wiring of a plant's outputs to a drive's second encoder and analog inputs: optional, as its pins.
 
 The names: `master_AXIS` is the count of the digital position input (a second encoder's quadcounts, or steps),
 `analogue_1_AXIS` and `analogue_2_AXIS` are volts. All are sampled every ms.

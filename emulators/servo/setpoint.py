@@ -1,4 +1,4 @@
-"""Analogue set-points, one millisecond at a time: the voltage at an input instead of a set value.
+"""Analog set-points, one millisecond at a time: the voltage at an input instead of a set value.
 
 Source: EPOS2 EDS (0x2301 to 0x2303). It refuses to know which object is which; `emulators.epos2.modes` does.
 """

@@ -28,7 +28,7 @@ FRICTION_MARGIN: Final = 1.15
 """Ratio of the current that friction may hold to the computed current of motor and floor."""
 GRAVITY: Final = 9.81
 INPUT_V: Final = 5.0
-"""Full scale of the drive's analogue input."""
+"""Full scale of the drive's analog input."""
 
 
 class SpecificationError(Exception):
@@ -146,7 +146,7 @@ def _must_be_possible(given: Specification, fastest: float) -> None:
     radius, track, gear = given.wheel_radius_m, given.track_m, given.gear
     if radius >= track:
         raise SpecificationError(
-            f"--wheel-radius {radius:g} is not below --track {track:g}: both are in metres"
+            f"--wheel-radius {radius:g} is not below --track {track:g}: both are in meters"
         )
     usable = USABLE_SPEED * given.motor.no_load_speed(given.voltage_v) / gear
     if fastest > usable:

@@ -108,7 +108,7 @@ class Bridge:
         """None before the first wake."""
         self._cycles = 0
         """Count of the cycles begun."""
-        self._synchronised_at: Nanoseconds = 0
+        self._synchronized_at: Nanoseconds = 0
         self._collect_until: Nanoseconds = NEVER
         self._release_at: Nanoseconds = NEVER
         self._rest_until: Nanoseconds = NEVER
@@ -236,7 +236,7 @@ class Bridge:
 
     def _begin_cycle(self, now: Nanoseconds) -> None:
         if self._task in (Task.START, Task.ENABLE):
-            self._synchronised_at = now
+            self._synchronized_at = now
             self._outbox += self._fleets.sample(self._cycles, now)
         self._cycles += 1
         if self.phase is Phase.RUNNING:
@@ -261,7 +261,7 @@ class Bridge:
         listened = self._cycle_at is not None and now >= self._listens_until
         if self.phase is Phase.STARTING and listened and not self._fleets.busy:
             self._start_up(now)
-        elif self._collect_until != NEVER and self._fleets.sampled(self._synchronised_at):
+        elif self._collect_until != NEVER and self._fleets.sampled(self._synchronized_at):
             self._collect_until = NEVER
             self._run(now)
         elif self.phase is Phase.LEAVING and self._left is None:

@@ -6,11 +6,11 @@ from firmware_bridge.robot import AnyRobot, RobotFileError
 
 
 def names() -> list[str]:
-    """Return what a shell completes where a robot is wanted."""
+    """Return the completions of a robot argument."""
     return list(robot_types.names())
 
 
 def find_robot(name: str) -> AnyRobot:
-    """Return the robot of this name or file; where there is none, say so and end the program."""
+    """Return the robot of this name or file; report a missing one and end the program."""
     with one_message(RobotFileError):
         return robot_types.find(name)

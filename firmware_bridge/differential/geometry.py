@@ -30,6 +30,6 @@ class Geometry(Table):
         radius, track = self.base.wheel_radius_m, self.base.track_m
         if radius >= track:
             raise ValueError(
-                f"wheel_radius_m = {radius:g} is not below track_m = {track:g}: both are in metres"
+                f"wheel_radius_m = {radius:g} is not below track_m = {track:g}: both are in meters"
             )
         return self

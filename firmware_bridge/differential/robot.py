@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Final, Generic
 
+from firmware_bridge import renamed
 from firmware_bridge.differential.body import LEFT, RIGHT, DifferentialBody, G, M, S, Sensors, Track, ramp_of
 from firmware_bridge.motion.differential import fastest_in_turn
 from firmware_bridge.robot import Robot
@@ -21,7 +22,7 @@ SPEED_TOLERANCE: Final = 1e-4
 
 
 class DifferentialRobot(Generic[G, M, S]):
-    """The common part of all robots of one type; a `Kind` is made of its attributes and methods."""
+    """The common part of all robots of one type; a `RobotType` is made of its attributes and methods."""
 
     def __init__(
         self,
@@ -75,7 +76,7 @@ class DifferentialRobot(Generic[G, M, S]):
         """Applied in this order; a later one sees what an earlier one left."""
         self.turn_value: Final[Value[M, S]] = Value("TURN", SECOND // 10, _turn_deg_s, "deg/s, left positive")
         self.parameters: Final[tuple[Fixed[G], ...]] = (
-            Fixed("WHEEL_R", self.metres_rolled, "m"),
+            Fixed("WHEEL_R", self.meters_rolled, "m"),
             Fixed("TRACK", lambda robot: robot.geometry.base.track_m, "m"),
             Fixed("SPD_MAX", lambda robot: robot.geometry.limits.speed_mps, "m/s"),
             Fixed("ACC_MAX", lambda robot: robot.geometry.limits.acceleration_mps2, "m/s2"),
@@ -125,9 +126,14 @@ class DifferentialRobot(Generic[G, M, S]):
         """Return the limits."""
         return Twist(robot.geometry.limits.speed_mps, 0.0, robot.geometry.limits.turn_rate_rad_s)
 
-    def metres_rolled(self, robot: Robot[G]) -> float:
+    def meters_rolled(self, robot: Robot[G]) -> float:
         """Return the wheels' radius."""
         return robot.geometry.base.wheel_radius_m
+
+    def metres_rolled(self, robot: Robot[G]) -> float:
+        """Return the same under its name of the release before."""
+        renamed.warn("metres_rolled", "meters_rolled", "DifferentialRobot")
+        return self.meters_rolled(robot)
 
     def _limit(
         self,

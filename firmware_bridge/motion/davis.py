@@ -11,7 +11,7 @@ from firmware_bridge.robot.table import Positive, Table
 
 
 class DavisBase(Table):
-    """Davis-steered platform, lengths in metres (thesis 2.4, Tab. 3.1)."""
+    """Davis-steered platform, lengths in meters (thesis 2.4, Tab. 3.1)."""
 
     wheel_radius_m: Positive
     rear_track_m: Positive

@@ -62,7 +62,7 @@ def period(of: OrbitState, mu: float = 1.0) -> float:
 
 
 def propagated(begin: OrbitState, time: float, mu: float = 1.0) -> OrbitState:
-    """Return the state after a time, which may be negative; ValueError at the centre itself."""
+    """Return the state after a time, which may be negative; ValueError at the center itself."""
     by = functions(begin, time, mu)
     return OrbitState(
         by.f * begin.place + by.g * begin.speed, by.f_rate * begin.place + by.g_rate * begin.speed
@@ -73,7 +73,7 @@ def functions(begin: OrbitState, time: float, mu: float = 1.0) -> Functions:
     """Return F and G and their rates after a time."""
     first = float(np.linalg.norm(begin.place))
     if not first > 0.0:
-        raise ValueError("an orbit's state is not at its centre: give a place that is not 0")
+        raise ValueError("an orbit's state is not at its center: give a place that is not 0")
     if time < 0.0:
         back = functions(OrbitState(begin.place, -begin.speed), -time, mu)
         return Functions(back.f, -back.g, -back.f_rate, back.g_rate)

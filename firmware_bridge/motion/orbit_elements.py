@@ -33,7 +33,7 @@ class Elements(NamedTuple):
 
 
 def elements(of: OrbitState, mu: float = 1.0) -> Elements:
-    """Return a state's elements; ValueError for a parabola and for a fall onto the centre."""
+    """Return a state's elements; ValueError for a parabola and for a fall onto the center."""
     momentum, energy = of.momentum, of.energy(mu)
     size = float(np.linalg.norm(momentum))
     if abs(energy) < NONE or size < NONE:

@@ -1,6 +1,6 @@
-"""An orbit on a laboratory's floor: metres for distances, seconds for times, and time that is stretched.
+"""An orbit on a laboratory's floor: meters for distances, seconds for times, and time that is stretched.
 
-Source: A. Seleit, MSc thesis, UCF, 2020, 2.4: 1 TU is 1 s there; how many metres 1 DU is, it does not say.
+Source: A. Seleit, MSc thesis, UCF, 2020, 2.4: 1 TU is 1 s there; how many meters 1 DU is, it does not say.
 
 ASSUME 0.4 m for 1 DU: the printed orbit then needs 2.9 by 3.5 m. Height has a scale of its own, because it
 is a fortieth of the rest.

@@ -26,7 +26,7 @@ AHEAD: Final = 4.0
 def critical_delay_s(speed_mps: float, look_ahead_m: float) -> float:
     """Return the dead time of the whole loop from which on it swings about a line, s.
 
-    Linearised, with n = v / L: s2 + (2 n s + 2 n2) e^(-s tau) = 0, (App. B) with the goal's own offset
+    Linearized, with n = v / L: s2 + (2 n s + 2 n2) e^(-s tau) = 0, (App. B) with the goal's own offset
     e + L theta; as printed it lacks the heading. On the imaginary axis w2 = (2 + 2 sqrt 2) n2, and
     tau = atan(w / n) / w.
     """

@@ -233,9 +233,9 @@ class Sensor(Table):
 
     @property
     def analogue(self) -> Epos2AnalogueInput:
-        """The table of its analogue input; TypeError where it is no such sensor."""
+        """The table of its analog input; TypeError where it is no such sensor."""
         if not isinstance(self.settings, Epos2AnalogueInput):
-            raise TypeError(f"the sensor '{self.name}' is at no analogue input")
+            raise TypeError(f"the sensor '{self.name}' is at no analog input")
         return self.settings
 
 

@@ -194,6 +194,7 @@ class Gauge(Generic[G]):
     """Return the axis's position for it."""
 
 
+@renamed.arguments(metres_rolled="meters_rolled")
 @dataclass(frozen=True, kw_only=True)
 class Station(Generic[G, M, S]):
     """One robot type's rows; ValueError where MAVLink could not carry them."""
@@ -207,7 +208,7 @@ class Station(Generic[G, M, S]):
     """Return what of a command outlives a change of state: a target that is kept would act later."""
     largest: Callable[[Robot[G]], Twist]
     """The robot's limits: what is ten times faster is absurd, and refused altogether."""
-    metres_rolled: Callable[[Robot[G]], float] | None = None
+    meters_rolled: Callable[[Robot[G]], float] | None = None
     """Meters rolled for each radian of a rolling axis, its radius; None: no distances are reported."""
     stop_button: int | None = None
     """The button of MANUAL_CONTROL that is the emergency stop, counted from 0; None for none."""

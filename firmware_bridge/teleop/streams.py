@@ -215,7 +215,7 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
         _stream(dialect.MAVLINK_MSG_ID_HOME_POSITION, 5 * SECOND, home, "origin of the odometry: 0, 0"),
     ]
     lacking = {
-        dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE: station.metres_rolled is None,
+        dialect.MAVLINK_MSG_ID_WHEEL_DISTANCE: station.meters_rolled is None,
         dialect.MAVLINK_MSG_ID_NAMED_VALUE_INT: not switched,
         dialect.MAVLINK_MSG_ID_BATTERY_STATUS: robot.battery is None,
     }

@@ -149,7 +149,7 @@ def speeds(context: TelemetryContext) -> Iterator[Message]:
 
 def distances(context: TelemetryContext) -> Iterator[Message]:
     """Report how far the wheels have rolled."""
-    find = context.station.metres_rolled
+    find = context.station.meters_rolled
     each = NAN if find is None else find(context.robot)
     rolled = [axis.position * each for axis in context.rolled][:_DISTANCES]
     yield dialect.MAVLink_wheel_distance_message(context.boot_us, len(rolled), _padded(rolled, _DISTANCES))
@@ -205,7 +205,7 @@ def global_position(context: TelemetryContext) -> Iterator[Message]:
     """Report the heading where stations look for it; a place of 0, 0 is not known, as ArduPilot sends it."""
     north, east = _over_ground(context)
     yield dialect.MAVLink_global_position_int_message(
-        context.boot_ms, 0, 0, 0, 0, _centimetres(north), _centimetres(east), 0, _compass(context)
+        context.boot_ms, 0, 0, 0, 0, _centimeters(north), _centimeters(east), 0, _compass(context)
     )
 
 
@@ -247,7 +247,7 @@ def _compass(context: TelemetryContext) -> int:
     return round(-math.degrees(context.snapshot.pose.heading_rad) * 100.0) % 36_000
 
 
-def _centimetres(metres: float) -> int:
+def _centimeters(metres: float) -> int:
     return round(max(min(metres * 100.0, _LARGEST_I16), -_LARGEST_I16))
 
 

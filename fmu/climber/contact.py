@@ -24,7 +24,7 @@ class Torus:
 
     @property
     def ring(self) -> Expression:
-        """The radius of the cross-section's centres."""
+        """The radius of the cross-section's centers."""
         return self.radius - self.crown
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """Version, author and licence of a plant's package, and the plant's page; empty where unknown."""
+    """Version, author and license of a plant's package, and the plant's page; empty where unknown."""
 
     version: str = ""
     author: str = ""
@@ -16,6 +16,6 @@ class About:
 
     @property
     def copyright(self) -> str:
-        """The licence's line of copyright."""
+        """The license's line of copyright."""
         lines = (line.strip() for line in self.licence_text.splitlines())
         return next((line for line in lines if line.lower().startswith("copyright")), "")

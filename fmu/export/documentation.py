@@ -1,4 +1,4 @@
-"""documentation/ of an FMU: a page with variables, parameters, events and equations, and the licence."""
+"""documentation/ of an FMU: a page with variables, parameters, events and equations, and the license."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from html import escape

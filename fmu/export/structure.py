@@ -32,7 +32,7 @@ class Unknown:
 
 @dataclass(frozen=True, slots=True)
 class Structure:
-    """Outputs, rates and event indicators while time runs; everything computed at initialisation."""
+    """Outputs, rates and event indicators while time runs; everything computed at initialization."""
 
     outputs: tuple[Unknown, ...]
     rates: tuple[Unknown, ...]
@@ -54,7 +54,7 @@ def structure(program: ModelCode) -> Structure:
         (rows[reference], event.expression)
         for reference, event in zip(event_references(program), model.events, strict=True)
     ]
-    # At initialisation parameters and free start values are known, and derived starts are not.
+    # At initialization parameters and free start values are known, and derived starts are not.
     fixed = {real(row.name): len(inputs) + 1 + i for i, row in enumerate(model.parameters)}
     derived = {real(s.name): sp.sympify(s.start) for s in model.states if not sp.sympify(s.start).is_number}
     starting = known | fixed

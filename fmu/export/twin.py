@@ -32,7 +32,7 @@ _ARC_TANGENT: Final = (
 
 
 class Twin:
-    """One instance with its default parameters, initialised."""
+    """One instance with its default parameters, initialized."""
 
     def __init__(self, program: ModelCode) -> None:
         model = program.model

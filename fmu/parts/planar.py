@@ -1,6 +1,6 @@
 """A rigid body on a floor, in its own frame: where it is, how it moves, what forces do to it.
 
-Its origin lies on its long axis, the centre of mass some way ahead of it. Refuses to know what it stands on.
+Its origin lies on its long axis, the center of mass some way ahead of it. Refuses to know what it stands on.
 """
 
 from collections.abc import Iterable
@@ -24,7 +24,7 @@ class Push:
 class PlanarBody:
     """u ahead and q to the left of the origin, W the yaw rate to the left; all wheels' masses included.
 
-    `mass` in kg, `offset_mass` = mass times way from the origin to the centre of mass in kg.m, `inertia`
+    `mass` in kg, `offset_mass` = mass times way from the origin to the center of mass in kg.m, `inertia`
     about the origin in kg.m2, `downhill` = g sin(slope) in m/s2, against x of the world.
     """
 
@@ -52,7 +52,7 @@ class PlanarBody:
         around = self.offset_mass * self.downhill * sine
         for push in pushes:
             ahead, left, around = ahead + push.ahead, left + push.left, around + push.moment
-        # The 2 x 2 mass matrix of q' and W', which the offset of the centre of mass couples.
+        # The 2 x 2 mass matrix of q' and W', which the offset of the center of mass couples.
         determinant = self.mass * self.inertia - self.offset_mass**2
         return (
             ahead / self.mass + self.drift * self.yaw_rate,
@@ -91,7 +91,7 @@ class PlanarBody:
     def energy(self) -> Expression:
         """Return the energy of motion and height in J."""
         kinetic = self.mass * (self.speed**2 + self.drift**2) + self.inertia * self.yaw_rate**2
-        # The origin is not the centre of mass: speeds and yaw rate share this term.
+        # The origin is not the center of mass: speeds and yaw rate share this term.
         kinetic += 2 * self.offset_mass * self.drift * self.yaw_rate
         climb = self.mass * symbol("x") + self.offset_mass * sp.cos(self.heading)
         return HALF * kinetic + self.downhill * climb

@@ -88,7 +88,7 @@ SETS: Final[Mapping[str, Mapping[str, float]]] = {
 """Named bases: the kit alone, and with an arm of 11.5 kg on it (ASSUME); light; with an arm of the weight of
 the AR2 (ASSUME); with faster gears for the source's own paths.
 
-The gear of 64:1 ends at 0.7 m/s at the rim, so paths have to be driven at less than a metre to the unit.
+The gear of 64:1 ends at 0.7 m/s at the rim, so paths have to be driven at less than a meter to the unit.
 The line (2.21) is 1 m/s, 0.87 m/s at two rims; the orbit (4.10) at 1 m/DU reaches 1.01 m/s, and some rim
 all of it. The same motor behind 30:1, another gear of the same size (ASSUME), runs 1.5 m/s without load."""
 

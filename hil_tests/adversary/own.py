@@ -53,7 +53,7 @@ MOVES: Final = 20
 COUNTED: Final = 1.2
 """Factor beside a speed limit of an arm that is moved in steps.
 
-A move may begin late, two fall into it, and rotors swing by a step, which is half a millimetre at the tool;
+A move may begin late, two fall into it, and rotors swing by a step, which is half a millimeter at the tool;
 1.164 is measured for an instant in an hour.
 """
 ONE_MOVE_M: Final = 0.004

@@ -33,7 +33,7 @@ def on_slope(degrees: float) -> AnyRobot:
 
 
 @pytest.mark.parametrize("degrees", [0.0, 10.0, -10.0])
-def test_at_rest_the_zero_moment_point_is_below_the_centre_of_mass(degrees: float) -> None:
+def test_at_rest_the_zero_moment_point_is_below_the_center_of_mass(degrees: float) -> None:
     robot = on_slope(degrees)
     one = ride(seconds=5, robot=robot)
     one.runs_until(1.5)

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from emulators.bench.records import InterlockEvent
-from emulators.bench.summary import as_json, summarise
+from emulators.bench.summary import as_json, summarize
 from emulators.testing.rig import VirtualRig
 from firmware_bridge import renamed
 from firmware_bridge.renamed import RenamedWarning
@@ -49,7 +49,7 @@ def test_interlocks_are_found_by_their_old_names(rig: VirtualRig) -> None:
 
 
 def test_a_summary_has_them_beside_those_of_today() -> None:
-    summary = summarise(RUN, AXES, table([]), [InterlockEvent("axis timeout: one", "", SECOND)])
+    summary = summarize(RUN, AXES, table([]), [InterlockEvent("axis timeout: one", "", SECOND)])
     read = json.loads(as_json(summary))
     assert [one["name"] for one in read["interlock_events"]] == ["axis timeout: one"]
     assert [one["name"] for one in read["holds"]] == ["axis silent: one"]

@@ -1,7 +1,7 @@
 """Each word of the release before: it does what the new one does, and a warning names that."""
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,7 @@ from firmware_bridge import renamed
 from firmware_bridge.renamed import RenamedWarning
 from firmware_bridge.robot_type import PathFollower, RobotType
 from firmware_bridge.robot_types import find, load, robot_type_of
+from firmware_bridge.robots.climber.body import CLIMBER
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.robots.rars.motion import RarsMotion
 from firmware_bridge.safety.gate import NO_GROUP
@@ -30,7 +31,7 @@ from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.safety.kinematic_model import KinematicModel
 from firmware_bridge.safety.snapshot import ActiveInterlock
 from firmware_bridge.shell.run_file import RUN_FILE, AsRun, read_run, run_file
-from firmware_bridge.teleop.station import Value
+from firmware_bridge.teleop.station import Station, Value
 from firmware_bridge.units import SECOND
 from fmu.export.model import StateVariable
 
@@ -171,3 +172,15 @@ def test_a_step_of_a_mission_has_its_old_keys() -> None:
     with pytest.warns(RenamedWarning, match="step: 'guide' is called 'path_follower' now"):
         step = Step.model_validate({"at_s": 1.0, "title": "drive", "guide": "circle"})
     assert step.path_follower == "circle"
+
+
+def test_a_station_and_a_differential_robot_have_their_old_spelling() -> None:
+    robot: Any = CLIMBER
+    with pytest.warns(
+        RenamedWarning, match="DifferentialRobot: 'metres_rolled' is called 'meters_rolled' now"
+    ):
+        assert robot.metres_rolled(find("climber")) == robot.meters_rolled(find("climber"))
+    given = {one.name: getattr(ROBOT_TYPE.station, one.name) for one in fields(ROBOT_TYPE.station)}
+    given["metres_rolled"] = given.pop("meters_rolled")
+    with pytest.warns(RenamedWarning, match="Station: 'metres_rolled' is called 'meters_rolled' now"):
+        assert Station(**given) == ROBOT_TYPE.station

@@ -12,7 +12,7 @@ ABOVE_MS = 300
     "row", KEPT.read(), ids=lambda row: f"{row.line}, {row.when}, {row.commanded_mm_s} mm/s"
 )
 def test_it_comes_to_what_was_measured(row: Off) -> None:
-    """The same to the millimetre: time is virtual."""
+    """The same to the millimeter: time is virtual."""
     again = measured(row.line, row.when, row.commanded_mm_s / 1000)
     assert again == row, "run tools/measure_stops.py -k encoders, then make docs"
 

@@ -31,7 +31,7 @@ HERE: Final = Path(__file__).parent
 )
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row.cause}, {row.line}, {row.motion}")
 def test_a_cause_has_the_outcome_that_was_measured(row: Outcome) -> None:
-    """The same to the millimetre: time is virtual."""
+    """The same to the millimeter: time is virtual."""
     cause = row.case.cause
     found = driven(row.case)
     assert found.outcome == row, "another worst, maybe: run tools/measure_stops.py, then make docs"

@@ -28,7 +28,7 @@ class Rolled:
         self.numbers = {**NUMBERS, **parameters, **(LIGHT if light else {})}
         self._instance = Instance(ensure("climber", 3), folder, "model")
         self._instance.write(**{**parameters, **(LIGHT if light else {})})
-        self._instance.initialise()
+        self._instance.initialize()
         self.names = self._instance.state_names
         self.start = dict(zip(self.names, self._instance.states(), strict=True))
 

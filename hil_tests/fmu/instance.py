@@ -20,7 +20,7 @@ KINDS: Final = {
 
 
 class Instance:
-    """Instantiated, not yet initialised; `logged` are its messages as (status, category, text)."""
+    """Instantiated, not yet initialized; `logged` are its messages as (status, category, text)."""
 
     def __init__(self, path: Path, folder: Path, kind: str = "slave", *, logging: bool = False) -> None:
         self.description = read_model_description(str(path))
@@ -53,13 +53,13 @@ class Instance:
         return int(getattr(self.fmu.component, "value", self.fmu.component))
 
     def begin(self) -> None:
-        """Enter initialisation."""
+        """Enter initialization."""
         if self.fmi == 2:
             self.fmu.setupExperiment(startTime=0.0)
         self.fmu.enterInitializationMode()
 
-    def initialise(self) -> None:
-        """Initialise; a model goes on into continuous time."""
+    def initialize(self) -> None:
+        """Initialize; a model goes on into continuous time."""
         self.begin()
         self.fmu.exitInitializationMode()
         if self.kind == "model":

@@ -33,10 +33,10 @@ TUNABLE = {
 
 
 def bench_axis(fmi: int, folder: Path, kind: str = "slave", **start: float) -> Instance:
-    """The single axis between its stops, initialised."""
+    """The single axis between its stops, initialized."""
     instance = Instance(ensure("single_axis", fmi), folder / f"{fmi}", kind, logging=True)
     instance.write(**SETS["between_stops"], **start)
-    instance.initialise()
+    instance.initialize()
     instance.logged.clear()
     return instance
 
@@ -238,7 +238,7 @@ def test_tuning_in_a_run_moves_nothing_and_then_acts(tmp_path: Path, fmi: int) -
     rars = Instance(ensure("rars", fmi), tmp_path / "unzipped", logging=True)
     held = {f"coulomb_{axis}": 50.0 for axis in ("left", "right")}
     rars.write(slope=math.radians(8.0), **held)
-    rars.initialise()
+    rars.initialize()
     rars.write(**dict.fromkeys(INPUTS, 0.0))
     rars.step(0.0, 0.5)
     names = ("x", "speed", "drift", "tyre_ahead_rear_left", "rack", "lift_height")
@@ -277,7 +277,7 @@ def test_a_tuned_value_is_part_of_a_kept_state(tmp_path: Path, fmi: int) -> None
 
 @pytest.mark.long(keeps=["3"])
 @VERSIONS
-def test_an_fmu_brings_its_version_licence_and_equations(pendulums: Callable[[int], Path], fmi: int) -> None:
+def test_an_fmu_brings_its_version_license_and_equations(pendulums: Callable[[int], Path], fmi: int) -> None:
     with ZipFile(ensure("rars", fmi)) as archive:
         head = ET.fromstring(archive.read("modelDescription.xml"))  # noqa: S314 - our own
         page = archive.read("documentation/index.html").decode()

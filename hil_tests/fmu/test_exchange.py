@@ -31,7 +31,7 @@ def test_the_same_step_gives_the_same_bits_in_both_interfaces(made: Maker, fmi: 
     model, slave = made(fmi, "model"), made(fmi, "slave")
     for instance in (model, slave):
         instance.write(slope=0.05, heading=1.0, angle_lift=40.0)
-        instance.initialise()
+        instance.initialize()
     generator = np.random.default_rng(5)
     for step in range(400):
         if step % 40 == 0:
@@ -47,8 +47,8 @@ def test_the_same_step_gives_the_same_bits_in_both_interfaces(made: Maker, fmi: 
 
 def test_both_versions_give_the_same_rates(made: Maker) -> None:
     two, three = made(2, "model"), made(3, "model")
-    two.initialise()
-    three.initialise()
+    two.initialize()
+    three.initialize()
     assert two.state_names == three.state_names
     generator = np.random.default_rng(6)
     for _ in range(50):
@@ -128,7 +128,7 @@ def test_a_model_is_no_slave_and_the_other_way_round(made: Maker, fmi: int) -> N
     model.fmu.terminate()
     assert "not allowed in state 'terminated'" in refused(model, model.fmu.enterEventMode)
     assert model.rates()
-    slave.initialise()
+    slave.initialize()
     # A slave's library has the functions of a model; the instance refuses them.
     function = getattr(slave.fmu.dll, f"fmi{fmi}EnterContinuousTimeMode")
     assert function(c_void_p(slave.component)) == ERROR
@@ -139,7 +139,7 @@ def test_a_model_is_no_slave_and_the_other_way_round(made: Maker, fmi: int) -> N
 @VERSIONS
 def test_a_solver_that_goes_astray_is_reported(made: Maker, fmi: int) -> None:
     model = made(fmi, "model")
-    model.initialise()
+    model.initialize()
     good = model.states()
     model.set_states([1e200] * len(good))
     assert "the rate of" in refused(model, model.rates)

@@ -99,7 +99,7 @@ def test_messages_come_in_the_categories_that_are_switched_on(
     description = read_model_description(str(fmu_file[fmi]))
     assert {category.name for category in description.logCategories} == set(CATEGORIES)
     plant = Instance(fmu_file[fmi], tmp_path / "unzipped", logging=True)
-    plant.initialise()
+    plant.initialize()
     plant.fmu.terminate()
     plant.fmu.reset()
     assert [(status, category) for status, category, _ in plant.logged] == [(0, "logEvents")] * 4

@@ -114,7 +114,7 @@ def test_build_writes_what_check_finds_good(tmp_path: Path, fmi: int) -> None:
         "rars, 183 variables",
         f"{fmi}.0, co-simulation and model exchange",
         "valid",
-        "loads, initialises, takes a step",
+        "loads, initializes, takes a step",
         "those that its equations give, in a run of its own",
     ]
     assert [line.partition(":")[0] for line in logged[5:]] == ["ar2", "climber", "rome", "rome_arm"]

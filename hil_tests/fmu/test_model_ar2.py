@@ -136,8 +136,8 @@ def test_it_falls_as_its_page_states(
 ) -> None:
     with ModelBench(MODEL, at(degrees)) as bench:
         begin, seconds = bench.now()["tool_z"], 0.0
-        for until, millimetres in after:
+        for until, millimeters in after:
             now = bench.runs(until - seconds, current_on=0.0)
             seconds = until
-            assert 1000.0 * (begin - now["tool_z"]) == pytest.approx(millimetres, abs=1.5)
-            assert f" {millimetres} mm" in PAGE
+            assert 1000.0 * (begin - now["tool_z"]) == pytest.approx(millimeters, abs=1.5)
+            assert f" {millimeters} mm" in PAGE

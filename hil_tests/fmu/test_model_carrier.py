@@ -123,7 +123,7 @@ def test_on_a_circle_wheels_and_their_slip_give_its_radius_and_castors_point_alo
     left, right = (rolled(bench, now, side) for side in ("left", "right"))
     assert now["yaw_rate"] == pytest.approx((right - left) / P["track"], rel=1e-3)
     assert now["speed"] == pytest.approx((right + left) / 2, rel=1e-3)
-    # The centre of mass ahead of the axle wants to run straight on; the castors add what they can.
+    # The center of mass ahead of the axle wants to run straight on; the castors add what they can.
     twist = bench.plant.read("force_ahead_wheel_right") - bench.plant.read("force_ahead_wheel_left")
     wanted = P["body_mass"] * P["centre_offset"] * now["speed"] * now["yaw_rate"]
     castors = P["castor_resistance"] * CASTOR_LOAD + P["swivel_torque"] / P["castor_trail"]

@@ -153,7 +153,7 @@ def test_torques_on_a_slope_give_the_motion_they_were_planned_for(
 
 @pytest.mark.parametrize("name", SETS)
 def test_torques_lead_round_the_circle_without_slip(name: str) -> None:
-    """[R] 3.3.3, both ways: path to torques, torques to path; the centre of mass O3 on 5 m."""
+    """[R] 3.3.3, both ways: path to torques, torques to path; the center of mass O3 on 5 m."""
     robot = Rolling.of(P | dict(SETS[name]))
     a = P["centre_offset"]
     axle = math.sqrt(25.0 - a**2)  # O3 leads the axle by a: the axle's middle runs on a smaller circle

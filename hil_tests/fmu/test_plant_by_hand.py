@@ -67,7 +67,7 @@ WHEELS = ("rear_left", "rear_right", "front_left", "front_right")
 @pytest.mark.parametrize("parameters", SETS.values(), ids=SETS)
 @pytest.mark.parametrize("seed", range(3))
 def test_platform_accelerations_on_tyres(parameters: dict[str, float], seed: int) -> None:
-    """Newton and Euler about the centre of mass, with tyres stretched."""
+    """Newton and Euler about the center of mass, with tyres stretched."""
     p = P | parameters
     generator = np.random.default_rng(seed)
     speed, drift, yaw = (float(value) for value in generator.uniform(-1, 1, 3))
@@ -104,7 +104,7 @@ def test_platform_accelerations_on_tyres(parameters: dict[str, float], seed: int
         moment += float(place[0] * here[1] - place[1] * here[0])
     m, m_w = p["platform_mass"], p["wheel_mass"]
     total = m + 2 * m_w
-    ahead = m * a / total  # the common centre of mass
+    ahead = m * a / total  # the common center of mass
     force += total * 9.81 * math.sin(0.1) * np.array([-math.cos(0.7), math.sin(0.7)])
     moment += ahead * total * 9.81 * math.sin(0.1) * math.sin(0.7)
     about_axle = p["yaw_inertia"] + 2 * p["wheel_yaw_inertia"] + m * a**2 + 2 * m_w * (track / 2) ** 2

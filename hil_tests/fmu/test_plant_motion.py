@@ -170,7 +170,7 @@ def test_front_wheels_lead_the_coasting_robot_round(bench: Any, degrees: float) 
     by_left = KINGPINS / 2 + WHEELBASE / math.tan(now["steer_left"])
     by_right = -KINGPINS / 2 + WHEELBASE / math.tan(now["steer_right"])
     low, high = sorted((by_left, by_right))
-    # The tyres must also turn the momentum of the offset centre of mass: m a v W at the wheelbase.
+    # The tyres must also turn the momentum of the offset center of mass: m a v W at the wheelbase.
     slack = 0.02 * low
     assert low - slack < now["speed"] / now["yaw_rate"] < high + slack
     assert now["speed"] > 0.1

@@ -37,7 +37,7 @@ class Slave:
             self.fmu = FMU3Slave(**options)
             self.fmu.instantiate(logMessage=lambda *a: self.logged.append(a[-1].decode()))
 
-    def initialise(self) -> None:
+    def initialize(self) -> None:
         if self.fmi == 2:
             self.fmu.setupExperiment(startTime=0.0)
         self.fmu.enterInitializationMode()
@@ -77,7 +77,7 @@ def test_calls_out_of_turn(slave: Slave) -> None:
     assert "DoStep is not allowed in state 'instantiated'" in refused(slave, slave.step, 0.0)
     assert "not allowed in state 'instantiated'" in refused(slave, slave.fmu.exitInitializationMode)
     assert "not allowed in state 'instantiated'" in refused(slave, slave.fmu.terminate)
-    slave.initialise()
+    slave.initialize()
     assert "not allowed in state 'step mode'" in refused(slave, slave.fmu.enterInitializationMode)
     slave.step(0.0)
     slave.fmu.terminate()
@@ -96,11 +96,11 @@ def test_calls_out_of_turn(slave: Slave) -> None:
     ],
 )
 def test_what_cannot_be_set_in_a_run(slave: Slave, name: str, value: float, message: str) -> None:
-    slave.initialise()
+    slave.initialize()
     assert message in refused(slave, slave.write, name, value)
     assert "state 'failed'" in refused(slave, slave.step, 0.0)
     slave.fmu.reset()
-    slave.initialise()
+    slave.initialize()
     slave.step(0.0)
 
 
@@ -116,7 +116,7 @@ def test_what_cannot_be_set_in_a_run(slave: Slave, name: str, value: float, mess
     ],
 )
 def test_steps_that_make_no_sense(slave: Slave, at: float, length: float, message: str) -> None:
-    slave.initialise()
+    slave.initialize()
     assert message in refused(slave, slave.step, at, length)
 
 
@@ -125,7 +125,7 @@ def test_an_unknown_value_reference(slave: Slave) -> None:
     assert "no variable with value reference 4000000" in refused(slave, slave.read, "nothing")
 
 
-def test_parameters_take_effect_during_initialisation(slave: Slave) -> None:
+def test_parameters_take_effect_during_initialization(slave: Slave) -> None:
     slave.write("battery_emf", 25.5)
     assert slave.read("battery_voltage") == 25.5
     slave.write("angle_steer", 100.0)
@@ -134,22 +134,22 @@ def test_parameters_take_effect_during_initialisation(slave: Slave) -> None:
 
 def test_reset_is_a_new_beginning(slave: Slave) -> None:
     slave.write("platform_mass", 20.0)
-    slave.initialise()
+    slave.initialize()
     slave.write("voltage_left", 12.0)
     slave.step(0.0, 0.01)
     slave.fmu.reset()
     assert slave.read("platform_mass") == 70.0
-    slave.initialise()
+    slave.initialize()
     assert (slave.read("time"), slave.read("speed_left"), slave.read("voltage_left")) == (0.0, 0.0, 0.0)
 
 
 def test_a_long_step_is_many_short_ones(slave: Slave) -> None:
-    slave.initialise()
+    slave.initialize()
     slave.write("voltage_left", 12.0)
     slave.step(0.0, 0.02)
     once = slave.read("speed_left")
     slave.fmu.reset()
-    slave.initialise()
+    slave.initialize()
     slave.write("voltage_left", 12.0)
     for i in range(200):
         slave.step(i * 1e-4)
@@ -158,7 +158,7 @@ def test_a_long_step_is_many_short_ones(slave: Slave) -> None:
 
 def test_going_back_replays_the_same_bits(slave: Slave) -> None:
     names = ("speed_left", "y", "rack", "energy")
-    slave.initialise()
+    slave.initialize()
     slave.write("voltage_right", 9.0)
     slave.step(0.0, 0.01)
     fmu = slave.fmu

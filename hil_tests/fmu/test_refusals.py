@@ -95,8 +95,8 @@ def refused(instance: Instance, name: str, arguments: tuple[Any, ...]) -> None:
 @VERSIONS
 def test_a_null_is_refused_and_does_no_harm(made: Maker, fmi: int) -> None:
     model, slave = made(fmi, "model"), made(fmi)
-    model.initialise()
-    slave.initialise()
+    model.initialize()
+    slave.initialize()
     before = model.states()
     for name, arguments in CONTINUOUS[fmi]:
         refused(model, name, arguments)
@@ -112,7 +112,7 @@ def test_a_null_is_refused_and_does_no_harm(made: Maker, fmi: int) -> None:
 @VERSIONS
 def test_nothing_to_read_needs_no_place(made: Maker, fmi: int) -> None:
     slave = made(fmi)
-    slave.initialise()
+    slave.initialize()
     none = c_size_t(0)
     name, arguments = {
         2: ("fmi2GetReal", (None, none, None)),
@@ -124,7 +124,7 @@ def test_nothing_to_read_needs_no_place(made: Maker, fmi: int) -> None:
 @VERSIONS
 def test_a_saved_state_with_any_byte_changed_is_refused(made: Maker, fmi: int) -> None:
     plant = made(fmi)
-    plant.initialise()
+    plant.initialize()
     plant.step(0.0)
     state = plant.save()
     good = plant.to_bytes(state)
@@ -146,7 +146,7 @@ def test_a_saved_state_with_any_byte_changed_is_refused(made: Maker, fmi: int) -
 @pytest.mark.parametrize("kind", ["slave", "model"])
 def test_nothing_hangs_on_the_time(made: Maker, fmi: int, kind: str) -> None:
     plant = made(fmi, kind)
-    plant.initialise()
+    plant.initialize()
     plant.write(voltage_left=12.0)
     assert plant.slopes(["speed", "rack"], ["time"], [1.0]) == [0.0, 0.0]
     alone = plant.slopes(["der(current_left)"], ["voltage_left"], [1.0])
@@ -204,8 +204,8 @@ def swinging(pendulums: Callable[[int], Path], tmp_path: Path) -> Callable[[int]
 def test_a_very_long_step_is_subdivided(swinging: Callable[[int], Instance], fmi: int) -> None:
     """1001 s of a model with inner steps of 1 ms: once above a million steps, once in pieces below."""
     once, pieces = swinging(fmi), swinging(fmi)
-    once.initialise()
-    pieces.initialise()
+    once.initialize()
+    pieces.initialize()
     once.step(0.0, 1001.0)
     for start in range(0, 1001, 91):
         pieces.step(float(start), 91.0)

@@ -24,8 +24,8 @@ def drive(plant: Instance, first: int, count: int) -> list[list[float]]:
 @VERSIONS
 def test_going_back_to_any_instant_replays_the_same_bits(made: Maker, fmi: int) -> None:
     plant, other = made(fmi), made(fmi)
-    plant.initialise()
-    other.initialise()
+    plant.initialize()
+    other.initialize()
     states, straight = [], []
     for step in range(300):
         if step % 10 == 0:
@@ -49,11 +49,11 @@ def test_a_state_carries_the_phase_and_the_parameters(made: Maker, fmi: int, kin
     plant = made(fmi, kind)
     new = plant.save()
     plant.write(platform_mass=20.0)
-    plant.initialise()
+    plant.initialize()
     running = plant.save()
     plant.restore(new)
     assert plant.read("platform_mass") == [70.0]
-    plant.initialise()
+    plant.initialize()
     plant.restore(running)
     assert plant.read("platform_mass") == [20.0]
     if kind == "model":
@@ -67,7 +67,7 @@ def test_a_state_carries_the_phase_and_the_parameters(made: Maker, fmi: int, kin
 @VERSIONS
 def test_a_state_brings_a_failed_plant_back(made: Maker, fmi: int) -> None:
     plant = made(fmi)
-    plant.initialise()
+    plant.initialize()
     state = plant.save()
     with pytest.raises(FMICallException):
         plant.step(5.0)
@@ -87,11 +87,11 @@ def test_bytes_of_another_kind_are_refused(made: Maker, fmi: int) -> None:
         assert "no saved state of this model and version" in plant.logged[-1][2]
     # The other version of FMI is the same model: it may go on from there.
     other.restore(there := other.from_bytes(good))
-    other.initialise()
+    other.initialize()
     other.release(there)
     with pytest.raises(FMICallException):
         model.restore(taken := model.from_bytes(good))
     assert "by an instance of the other interface" in model.logged[-1][2]
     model.release(taken)
-    model.initialise()
+    model.initialize()
     plant.release(state)

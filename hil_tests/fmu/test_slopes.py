@@ -61,7 +61,7 @@ def step_of(name: str) -> float:
 
 
 def test_slopes_are_those_of_central_differences(model: Instance) -> None:
-    model.initialise()
+    model.initialize()
     names = model.state_names
     unknowns = [*(f"der({name})" for name in names), *OUTPUTS, *INNER]
     generator = np.random.default_rng(11)
@@ -94,7 +94,7 @@ def test_slopes_are_those_of_central_differences(model: Instance) -> None:
 
 
 def test_slopes_add_up_along_a_direction(model: Instance) -> None:
-    model.initialise()
+    model.initialize()
     names, generator = model.state_names, np.random.default_rng(3)
     model.set_states(random_states(model, generator))
     knowns = [*names, *INPUTS]
@@ -109,7 +109,7 @@ def test_slopes_add_up_along_a_direction(model: Instance) -> None:
 
 
 def test_what_is_not_listed_as_a_dependency_has_no_slope(model: Instance) -> None:
-    model.initialise()
+    model.initialize()
     knowns = [*model.state_names, *INPUTS]
     generator = np.random.default_rng(4)
     points = []
@@ -132,7 +132,7 @@ def test_what_is_not_listed_as_a_dependency_has_no_slope(model: Instance) -> Non
     assert "voltage_lift" in listed["battery_voltage"]
 
 
-def test_at_initialisation_parameters_and_start_values_are_known(model: Instance) -> None:
+def test_at_initialization_parameters_and_start_values_are_known(model: Instance) -> None:
     model.begin()
     unknowns = ["battery_voltage", "friction_lift", "lift_height", "der(speed_lift)", "der(speed_left)"]
     points = {
@@ -171,7 +171,7 @@ def test_at_initialisation_parameters_and_start_values_are_known(model: Instance
     ],
 )
 def test_what_has_no_slope_is_refused(model: Instance, unknown: str, known: str, message: str) -> None:
-    model.initialise()
+    model.initialize()
     with pytest.raises(FMICallException):
         model.slopes([unknown], [known], [1.0])
     assert message in model.logged[-1][2]
@@ -180,7 +180,7 @@ def test_what_has_no_slope_is_refused(model: Instance, unknown: str, known: str,
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_a_slave_has_slopes_too(fmu_file: dict[int, Path], tmp_path: Path, fmi: int) -> None:
     slave = Instance(fmu_file[fmi], tmp_path / "unzipped", "slave")
-    slave.initialise()
+    slave.initialize()
     slave.write(voltage_left=12.0)
     slave.step(0.0, 0.01)
     gears = [slave.slopes(["rack"], [f"angle_{axis}"], [1.0])[0] for axis in AXES]

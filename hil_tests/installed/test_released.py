@@ -41,7 +41,7 @@ def test_the_sources_are_the_checkout() -> None:
     assert strange == set()
 
 
-def test_the_page_reports_each_library_and_its_licence() -> None:
+def test_the_page_reports_each_library_and_its_license() -> None:
     reported = dict(re.findall(r"^\| `([\w.-]+)` \| ([^|]+) \|", LICENCES, re.MULTILINE))
     bill = json.loads((DIST / "sbom.cdx.json").read_text(encoding="utf-8"))
     assert bill["metadata"]["component"]["name"] == "firmware-bridge"

@@ -31,7 +31,7 @@ class Listener:
     def __init__(self, network: canopen.Network) -> None:
         self.network = network
         self.received: list[Packet] = []
-        self.synchronises = False
+        self.synchronizes = False
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         self.received.append(packet)
@@ -40,7 +40,7 @@ class Listener:
         return Reaction((), now - now % SYNC_PERIOD + SYNC_PERIOD)
 
     def wake(self, now: Nanoseconds) -> Reaction:
-        return Reaction((Packet(CAN, SYNC, b""),) if self.synchronises else (), now + SYNC_PERIOD)
+        return Reaction((Packet(CAN, SYNC, b""),) if self.synchronizes else (), now + SYNC_PERIOD)
 
 
 class VirtualBus:
@@ -94,7 +94,7 @@ class PdoMaster(Master):
         reported = self.node.tpdo[1]
         reported.trans_type = 1
         reported.save()
-        self.ear.synchronises = True
+        self.ear.synchronizes = True
         self.node.nmt.state = "OPERATIONAL"
         self.bus.runs(0.03)
 

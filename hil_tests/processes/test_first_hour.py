@@ -120,7 +120,7 @@ def drives(station: Station, bridge: "subprocess.Popen[bytes]", log: Path) -> No
 
     awaited(armed, "it is armed")
     station.stick = AHEAD
-    awaited(lambda: station.x_m > WAY_M, "it has gone two metres")
+    awaited(lambda: station.x_m > WAY_M, "it has gone two meters")
     station.stick = 0
     passes(2.0)
     station.requests(mavlink.MAV_CMD_COMPONENT_ARM_DISARM, 0)

@@ -107,7 +107,7 @@ def test_the_bench_knows_the_orbit_that_the_guide_flies(changes: dict[str, float
         assert (base.x, base.y) == pytest.approx((x[at], y[at]), abs=1e-3)
 
 
-def test_an_orbit_at_its_centre_is_refused_by_its_key(tmp_path: Path) -> None:
+def test_an_orbit_at_its_center_is_refused_by_its_key(tmp_path: Path) -> None:
     text = ROBOT_TYPE.file.read_text(encoding="utf-8")
     file = tmp_path / "other.toml"
     file.write_text(text.replace("start_du = [-0.5985, 1.6634, 0.0279]", "start_du = [0.0, 0.0, 0.0]"))
@@ -171,7 +171,7 @@ def test_an_orbit_that_no_one_can_fly_is_refused_by_its_table(
         other(tmp_path, orbit)
 
 
-def test_its_first_joint_takes_the_centre_of_gravity_round_the_middle() -> None:
+def test_its_first_joint_takes_the_center_of_gravity_round_the_middle() -> None:
     ahead = balance(ROBOT.geometry, BENT)
     for degrees in (0.0, 60.0, 120.0, 170.0, -100.0):
         turn = math.radians(degrees)

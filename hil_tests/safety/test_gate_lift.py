@@ -89,7 +89,7 @@ def test_a_lift_that_is_not_commanded_is_not_refused(robot: Rars, well: Well) ->
         (0.3, None, True),
     ],
 )
-def test_a_lift_within_a_millimetre_has_arrived(
+def test_a_lift_within_a_millimeter_has_arrived(
     robot: Rars, well: Well, command: float, height: float | None, *, wanted: bool
 ) -> None:
     decision = gate_of(robot).rule(well(START, intent={"lift_m": command}, lift_m=height, speed_mps=0.3))

@@ -54,7 +54,7 @@ def test_a_number_is_reported_in_the_unit_of_its_bound_unless_another_is_named()
         (60.0, 0.5, True),
     ],
 )
-def test_speed_is_clipped_to_half_a_metre_a_second(
+def test_speed_is_clipped_to_half_a_meter_a_second(
     robot: Rars, well: Well, sign: int, command: float, allowed: float, *, held: bool
 ) -> None:
     snapshot = well(START, intent={"speed_mps": sign * command}, demanded_speed_mps=sign * allowed)
@@ -78,7 +78,7 @@ def test_speed_is_clipped_to_half_a_metre_a_second(
         (math.radians(170), TIGHTEST, ("steer angle limit", "turn radius limit")),
     ],
 )
-def test_steering_is_clipped_to_60_degrees_and_415_millimetres(
+def test_steering_is_clipped_to_60_degrees_and_415_millimeters(
     robot: Rars, well: Well, sign: int, command: float, *, allowed: float, held: tuple[str, ...]
 ) -> None:
     decision = gate_of(robot).rule(requested(well, steer_rad=sign * command))

@@ -1,4 +1,4 @@
-"""The battery's sag under load: the drives see it at their supply, and the left one at its analogue input."""
+"""The battery's sag under load: the drives see it at their supply, and the left one at its analog input."""
 
 import pytest
 

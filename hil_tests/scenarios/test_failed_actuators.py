@@ -91,7 +91,7 @@ def texts(ride: Ride) -> str:
 @pytest.mark.long(beside="test_a_wheel_that_drives_alone_takes_the_robot_on")
 @pytest.mark.parametrize("dies", [unpowered, silenced])
 @pytest.mark.parametrize("mode", DEAD)
-def test_after_a_failure_in_motion_the_goal_five_metres_away_is_reached(
+def test_after_a_failure_in_motion_the_goal_five_meters_away_is_reached(
     rides: Ridden, mode: str, dies: Callable[[str], Fault]
 ) -> None:
     ride = rides(*goes_on(mode, *drives(28.0)), seconds=45, faults=(dies(DEAD[mode]),))

@@ -153,7 +153,7 @@ def test_the_drives_stop_by_themselves_when_the_bridge_dies(rides: Ridden) -> No
     ride.runs_until(6.0)
     ride.rig.world.silence("bridge", from_seconds(6.0))
     ride.runs_until(8.0)
-    # Without power it swings on its tyres for a second, by a tenth of a millimetre: nothing brakes an open
+    # Without power it swings on its tyres for a second, by a tenth of a millimeter: nothing brakes an open
     # winding.
     assert ride.stands_from(6.0, slower_than=0.003) < 6.0 + 0.2 + 0.5 / 1.3 + 0.1
     assert ride.hardest(5.5, 8.0) < 1.45

@@ -118,5 +118,5 @@ def test_the_error_on_the_circle_is_that_of_an_independent_integration() -> None
     count = min(len(found), len(expected))
     apart = np.hypot(*(found[:count] - expected[:count]).T)
     size = np.hypot(*expected[:count].T)
-    assert size.max() > 0.03, "the start leaves it behind by centimetres"
+    assert size.max() > 0.03, "the start leaves it behind by centimeters"
     assert np.all(apart <= np.maximum(0.05 * size.max(), 0.003)), (apart.max(), size.max())

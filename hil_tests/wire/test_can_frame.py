@@ -115,7 +115,7 @@ def test_a_remote_frame_has_a_length_code_but_no_bytes() -> None:
 
 
 def test_the_check_sequence_has_the_published_check_value() -> None:
-    # CRC-15/CAN of the ASCII digits 123456789: 059E (G. Cook, catalogue of parametrised CRC algorithms).
+    # CRC-15/CAN of the ASCII digits 123456789: 059E (G. Cook, catalog of parametrized CRC algorithms).
     assert crc15(int.from_bytes(b"123456789", "big"), 72) == 0x059E
 
 

@@ -31,7 +31,7 @@ LONG_ENOUGH: Final = 200.0
 LAST: Final = 20.0
 """s, at the end, in which the swing is looked at."""
 RADIAL: Final = Pose(4.5, 0.0, 0.0)
-"""[R] 5.3: half a metre inside the circle, looking out."""
+"""[R] 5.3: half a meter inside the circle, looking out."""
 
 HELD: Final = (
     "At 0.5 s, with the 25 ms of the hold, the loop is just above its critical delay: from either start a "
@@ -107,7 +107,7 @@ def delay(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
             Plot(
                 "Pure pursuit on the circle of 5 m, ideal robot",
                 "time [s]",
-                "distance from the centre [m]",
+                "distance from the center [m]",
                 tuple(
                     Curve(f"delay {at:g} s", *_radius_over_time(_ours(at, RADIAL))) for at in (0.0, 0.5, 0.8)
                 ),
@@ -230,7 +230,7 @@ def _bend(x: float, y: float, heading: float) -> float:
 
 
 def _swing(rows: Floats) -> float:
-    """Return half of peak to peak of the distance to the centre in the last seconds, m."""
+    """Return half of peak to peak of the distance to the center in the last seconds, m."""
     last = rows[-round(LAST / CYCLE) :]
     return float(np.ptp(np.hypot(last[:, 0], last[:, 1]))) / 2.0
 

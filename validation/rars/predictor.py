@@ -67,7 +67,7 @@ class _Run:
     case: _Case
     seconds: Floats
     away_mm: Floats
-    """Further from the centre than the circle."""
+    """Further from the center than the circle."""
     swing_mm: float
     believed_mm: float
     """The swing by the robot's odometry, by which it is driven."""

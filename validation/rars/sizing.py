@@ -152,7 +152,7 @@ def thread(load: float, height: float) -> float:
 
 
 def _rise(height: float) -> float:
-    """Return how far the platform rises for a metre of the nut, by a difference: (2.17) by virtual work."""
+    """Return how far the platform rises for a meter of the nut, by a difference: (2.17) by virtual work."""
     stages, link = P["lift_stages"], P["lift_link_length"]
     sine = height / (stages * link) + math.sin(P["lift_collapsed_angle"])
     along, little = math.sqrt(1.0 - sine * sine) * link, 1e-7

@@ -21,7 +21,7 @@ STIFF: Final = 2000.0
 """N for each m/s that a rim is too slow: holds its speed."""
 SECONDS: Final = 1.2
 OFFSETS: Final = {141: 0.141, 220: 0.220}
-"""mm, m: the whole robot's centre of mass before the rear axle, as (2.4)'s limit implies, and as Tab. 3.1."""
+"""mm, m: the whole robot's center of mass before the rear axle, as (2.4)'s limit implies, and as Tab. 3.1."""
 HONEST: Final = (
     "Tab. 2.1 has a ramp of 30°. With the friction of 3.4.5 the robot slides on it: it takes mu 0.6 and more."
 )
@@ -42,7 +42,7 @@ def slopes(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
         compared=(
             *(
                 Compared(
-                    f"steepest slope that it climbs, mu = 0.3, centre of mass at {name} mm",
+                    f"steepest slope that it climbs, mu = 0.3, center of mass at {name} mm",
                     "°",
                     None,
                     math.degrees(steepest(offset, 0.3)),
@@ -53,7 +53,7 @@ def slopes(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                 for name, offset in OFFSETS.items()
             ),
             Compared(
-                "friction that 30° take, centre of mass at 141 mm",
+                "friction that 30° take, center of mass at 141 mm",
                 "1",
                 0.3,
                 root(lambda mu: steepest(0.141, mu) - math.radians(30.0), 0.05, 2.0),
@@ -78,7 +78,7 @@ def slopes(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                     Curve("plant, at 0.3 m/s of the rims", degrees, driven, "points"),
                     Curve("peak of adhesion, 0.15", [0.0, 10.8], [0.15, 0.15], "dashed"),
                 ),
-                "Centre of mass at 220 mm (Tab. 3.1). At the peak of (3.83), corrected, the wheels run away.",
+                "Center of mass at 220 mm (Tab. 3.1). At the peak of (3.83), corrected, the wheels run away.",
             ),
             Plot(
                 "Steepest slope",
@@ -87,7 +87,7 @@ def slopes(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                 (
                     *(
                         Curve(
-                            f"balance, centre of mass at {name} mm",
+                            f"balance, center of mass at {name} mm",
                             frictions,
                             [math.degrees(steepest(offset, mu)) for mu in frictions],
                         )

@@ -23,7 +23,7 @@ SETTLES: Final = 500
 GRIPS: Final = 3.0
 """A floor on which it tips before it slides; on the thesis's, 0.3, it slides first."""
 OF_THE_PRINT: Final = 0.141
-"""m: the centre of mass before the rear axle that the printed 0.144 g follows from; Tab. 3.1 has 0.220."""
+"""m: the center of mass before the rear axle that the printed 0.144 g follows from; Tab. 3.1 has 0.220."""
 
 
 NO_FIGURES: Final = (
@@ -43,7 +43,7 @@ def tipping(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
     return Findings(
         compared=(
             Compared(
-                "acceleration that lifts the front wheels, 30° uphill, centre of mass at 141 mm",
+                "acceleration that lifts the front wheels, 30° uphill, center of mass at 141 mm",
                 "g",
                 0.144,
                 _moments(OF_THE_PRINT, math.radians(30.0)) / G,
@@ -52,7 +52,7 @@ def tipping(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                 "141 mm is what the print was worked back to, rounded: 141.3 mm give 0.144 g",
             ),
             Compared(
-                "the same with the centre of mass of Tab. 3.1, 220 mm",
+                "the same with the center of mass of Tab. 3.1, 220 mm",
                 "g",
                 None,
                 _moments(0.220, math.radians(30.0)) / G,
@@ -78,7 +78,7 @@ def tipping(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                 (
                     *(
                         Curve(
-                            f"sum of moments, centre of mass at {1000 * offset:.0f} mm",
+                            f"sum of moments, center of mass at {1000 * offset:.0f} mm",
                             np.degrees(fine),
                             [_moments(offset, slope) / G for slope in fine],
                         )
@@ -134,7 +134,7 @@ def tipping(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                     for load in (0.0, 10.0)
                     for way, arm in (("backwards", 0.141), ("sideways", 0.168))
                 ),
-                "Centre of gravity with lift height h and payload m_p at its top (ASSUME): 62 kg at 190 mm, "
+                "Center of gravity with lift height h and payload m_p at its top (ASSUME): 62 kg at 190 mm, "
                 "8 kg of scissor at h / 2; arms 141 mm and 168 mm; Tab. 2.1 has 0.5 to 1.5 m.",
             ),
         ),

@@ -103,7 +103,7 @@ def torques(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
             Plot(
                 "The path's speed",
                 "time [s]",
-                "speed of the centre of mass [m/s]",
+                "speed of the center of mass [m/s]",
                 (
                     Curve("R d(beta)/dt", times, [RADIUS * _angle(at)[1] for at in times]),
                     Curve("limit of the robot, 0.5 m/s", [0.0, LASTS], [0.5, 0.5], "dashed"),
@@ -126,7 +126,7 @@ def _angle(at: float) -> tuple[float, float, float]:
 
 
 def _place(at: float) -> tuple[float, float, float]:
-    """Return the rear axle's middle, sqrt(R2 - a2) from the centre, and the heading; O3 is on the circle."""
+    """Return the rear axle's middle, sqrt(R2 - a2) from the center, and the heading; O3 is on the circle."""
     beta = _angle(at)[0]
     inner = math.sqrt(RADIUS**2 - AHEAD**2)
     return inner * math.cos(beta), inner * math.sin(beta), beta + math.pi / 2.0

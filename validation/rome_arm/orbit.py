@@ -40,7 +40,7 @@ SCALES: Final = (0.4, 1.0)
 """m for 1 DU."""
 BESIDE: Final = "the base begins 0.14 m beside (ASSUME), and has 8 s to come to its path"
 ASSUMED: Final = (
-    "The source does not print how many metres 1 DU is: 0.4 m is assumed, for height as for the floor. "
+    "The source does not print how many meters 1 DU is: 0.4 m is assumed, for height as for the floor. "
     "At 1 m the base would have to go faster than it can, so the path's time is stretched: the same way, "
     "flown later."
 )

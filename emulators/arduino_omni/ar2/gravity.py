@@ -58,7 +58,7 @@ def _rise(axis: Vector, origin: Vector, point: Vector) -> float:
 
 
 def _cross(one: Vector, two: Vector) -> Vector:
-    """Return the vector product; about `one`, of what is along `two`, the way a turn takes it."""
+    """Return the vector product `one` x `two`."""
     return (
         one[1] * two[2] - one[2] * two[1],
         one[2] * two[0] - one[0] * two[2],

@@ -31,7 +31,7 @@ class _OfBoards(Fault, ABC):
     link: Annotated[str | None, Field(description="link of the board; without it every board")] = None
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
-        """Give what this robot lacks for it."""
+        """Yield the equipment that this robot lacks for it."""
         known = self.possible(robot)
         if not known:
             yield "kind", f"{robot.name} has no {self.needed}"

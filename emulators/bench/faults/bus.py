@@ -154,7 +154,7 @@ class CanCut(OnBus, Lasting):
     ]
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
-        """Give what this robot lacks for it."""
+        """Yield the equipment that this robot lacks for it."""
         found = [problem for node in self.between for problem in absent("between", node, self.among, robot)]
         yield from found
         if found:

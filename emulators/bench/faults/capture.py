@@ -19,7 +19,7 @@ class _Seen(Lasting):
     among: ClassVar = Stations.NONE
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
-        """Give what this robot lacks for it."""
+        """Yield the equipment that this robot lacks for it."""
         if not robot.capture_links:
             yield "kind", f"{robot.name} has no link to a capture system"
 

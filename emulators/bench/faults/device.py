@@ -43,13 +43,13 @@ class SetPointsIgnored(Lasting):
     node: One
 
     def put_on(self, site: Site, chance: Generator) -> None:
-        """Let it obey no more."""
+        """Make it ignore new commands."""
         del chance
         for name in self.targets(site.robot):
             site.drives[name].motion.hung = True
 
     def take_off(self, site: Site) -> None:
-        """Let it obey again."""
+        """Make it execute commands again."""
         for name in self.targets(site.robot):
             site.drives[name].motion.hung = False
 
@@ -99,7 +99,7 @@ class SupplySag(_Supply):
     kind: ClassVar = "supply_sag"
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
-        """Give what is wrong with it on this robot."""
+        """Yield the reasons why it does not fit this robot."""
         yield from super().problems(robot)
         if robot.battery is not None and self.to_v >= robot.battery.nominal_v:
             yield "to_v", f"{self.to_v:g} V is no sag of a supply of {robot.battery.nominal_v:g} V"
@@ -111,7 +111,7 @@ class SupplySurge(_Supply):
     kind: ClassVar = "supply_surge"
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
-        """Give what is wrong with it on this robot."""
+        """Yield the reasons why it does not fit this robot."""
         yield from super().problems(robot)
         if robot.battery is not None and self.to_v <= robot.battery.nominal_v:
             yield "to_v", f"{self.to_v:g} V is no surge of a supply of {robot.battery.nominal_v:g} V"

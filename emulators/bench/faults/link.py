@@ -76,7 +76,7 @@ class SerialUnplugged(Lasting):
     among: ClassVar = Stations.NONE
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
-        """Give what this robot lacks for it."""
+        """Yield the equipment that this robot lacks for it."""
         serial = any(link.driver is Epos2Driver.SERIAL for link in robot.epos2_links.values())
         if not serial and not robot.shield_links and not robot.ar2_links:
             yield "kind", f"{robot.name} is not on a serial line; --serial v1 or v2 puts it there"

@@ -63,7 +63,7 @@ class SecondBridge(Lasting):
     among: ClassVar = Stations.NONE
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
-        """Give what this robot lacks for it."""
+        """Yield the equipment that this robot lacks for it."""
         if all(link.driver is not Epos2Driver.CAN for link in robot.links.values()):
             yield "kind", f"{robot.name} is on a serial line, which one program alone can open"
 

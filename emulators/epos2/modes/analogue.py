@@ -1,4 +1,4 @@
-"""Analogue set-points of current, velocity and position mode: which input, and what its volts mean.
+"""Analog set-points of current, velocity and position mode: which input, and what its volts mean.
 
 Source: maxon EDS (0x207B, 0x207D, 0x2301 to 0x2303). Where it is silent:
 * a set-point is the input in V, times the scaling, times ten to the notation index, plus the offset;

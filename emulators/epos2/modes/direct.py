@@ -1,4 +1,4 @@
-"""Position, velocity and current mode: the set value goes to the regulator as it is, or an analogue one does.
+"""Position, velocity and current mode: the set value goes to the regulator as it is, or an analog one does.
 
 In these modes halt is not heeded, and no profile shapes the way to a new value.
 """
@@ -41,11 +41,11 @@ class DirectMode(ModeOfOperation, ABC):
         self._choose(self.shaft.store.get)
 
     def forget(self) -> None:
-        """Let go of the analogue input."""
+        """Let go of the analog input."""
         self.shaft.axis.analogue_input = 0
 
     def written(self, address: Address, value: int) -> None:
-        """Take a set value, or what makes one of the analogue input."""
+        """Take a set value, or what makes one of the analog input."""
         store = self.shaft.store
         if address != self.setting:
             # The store still has the former value of this object: hooks run before it takes one.
@@ -54,7 +54,7 @@ class DirectMode(ModeOfOperation, ABC):
             self.take(value)
 
     def _choose(self, get: Callable[[Address], int]) -> None:
-        """Take the analogue input or the set value, whichever counts; `get` reads the objects."""
+        """Take the analog input or the set value, whichever counts; `get` reads the objects."""
         axis = self.shaft.axis
         low, high = self.shaft.limits()
         axis.lowest, axis.highest = low << axis.fraction, high << axis.fraction

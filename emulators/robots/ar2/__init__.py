@@ -94,7 +94,7 @@ def _straight(_seen: Seen) -> float:
 
 
 def _upwards(height: Callable[[Floats, float], Floats]) -> Callable[[Ar2], FollowedPath]:
-    """Return a course that keeps its place ahead; `height` takes its own seconds, and the file's metres."""
+    """Return a course that keeps its place ahead; `height` takes its own seconds, and the file's meters."""
 
     def path(robot: Ar2) -> FollowedPath:
         return lambda seconds: (

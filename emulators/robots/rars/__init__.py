@@ -90,7 +90,7 @@ def _twist(values: Mapping[str, float], robot: Rars) -> TwistAxes:
     if steer == 0.0:
         return TwistAxes(speed, yaw_rate=-speed * 0.0)
     base = robot.geometry.base
-    # The inner wheel turns about its kingpin, half the kingpins' distance nearer to the centre.
+    # The inner wheel turns about its kingpin, half the kingpins' distance nearer to the center.
     radius = base.kingpin_distance_m / 2.0 + base.wheelbase_m / math.tan(abs(steer))
     return TwistAxes(speed, yaw_rate=-speed * math.copysign(1.0 / radius, steer))
 

@@ -87,7 +87,7 @@ def _between(robot: Robot[RomeArmGeometry]) -> Iterator[Case]:
         "off balance",
         trips=Situation(body=AHEAD),
         spares=Situation(body=WHOLE),
-        reason=f"the centre of gravity is {kept} inside the wheels, least is {kept}",
+        reason=f"the center of gravity is {kept} inside the wheels, least is {kept}",
         robot=_balanced(robot, margin_m=room),
     )
     slow = 0.001
@@ -96,7 +96,7 @@ def _between(robot: Robot[RomeArmGeometry]) -> Iterator[Case]:
         "tool balance",
         trips=Situation(command=ahead, demanded=ahead, body=WHOLE),
         spares=Situation(command=back, demanded=back, body=WHOLE),
-        reason=f"the centre of gravity would be {kept} inside the wheels",
+        reason=f"the center of gravity would be {kept} inside the wheels",
         robot=_balanced(robot, margin_m=room),
     )
     yield Case(

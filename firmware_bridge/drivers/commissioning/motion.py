@@ -20,7 +20,7 @@ MOVING: Final[Mapping[Address, str]] = MappingProxyType(
         at.TARGET_VELOCITY: _SETS,
         at.MODE: "an enabled drive goes over to the new mode's set-point",
         Address(0x2078, 1): "an output may hold a brake",
-        Address(0x207D): "an enabled drive may follow an analogue input",
+        Address(0x207D): "an enabled drive may follow an analog input",
         **{Address(0x2079, pin): "an output may hold a brake" for pin in range(1, 6)},
         **{Address(0x2300, sub): "an enabled drive may follow the other encoder" for sub in range(2, 6)},
     }

@@ -62,7 +62,7 @@ class IoDrive(Protocol):
 
 
 class AnalogueInput:
-    """A sensor behind an analogue input (0x207C, EDS); a `firmware_bridge.drivers.driver.SensorDriver`."""
+    """A sensor behind an analog input (0x207C, EDS); a `firmware_bridge.drivers.driver.SensorDriver`."""
 
     def __init__(self, sensor: Sensor, drive: IoDrive) -> None:
         self.sensor: Final = sensor

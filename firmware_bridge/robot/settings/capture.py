@@ -10,7 +10,7 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.internet import number_of
 
 FURTHEST_M: Final = 10.0
-"""From a robot to the body that is mounted on it; further is millimetres, or a mistake."""
+"""From a robot to the body that is mounted on it; further is millimeters, or a mistake."""
 
 
 class CaptureDriver(StrEnum):

@@ -1,4 +1,4 @@
-"""EPOS2 drives in a robot file: their bus or serial line, one drive, its analogue inputs, its outputs."""
+"""EPOS2 drives in a robot file: their bus or serial line, one drive, its analog inputs, its outputs."""
 
 import math
 from collections.abc import Sequence
@@ -272,7 +272,7 @@ class Epos2Axis(Table):
 
 
 class Epos2AnalogueInput(Table):
-    """A sensor behind an analogue input of one drive (0x207C)."""
+    """A sensor behind an analog input of one drive (0x207C)."""
 
     axis: Name
     input: Annotated[int, Field(ge=1, le=2)]

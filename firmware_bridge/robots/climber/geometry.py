@@ -107,7 +107,7 @@ class Wall(Table):
     """Between wheel and wall."""
     mass_kg: Positive
     mass_height_m: Positive
-    """Its centre of mass off the wall."""
+    """Its center of mass off the wall."""
     length_m: Positive
     """Between the axle and the caster's contact."""
     least_margin: Annotated[float, Field(ge=1.0)]

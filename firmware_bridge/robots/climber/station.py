@@ -25,7 +25,7 @@ STATION: Final[Station[ClimberGeometry, ClimberMotion, ClimberState]] = Station(
     twist=CLIMBER.twist,
     forgotten=lambda command: command,
     largest=CLIMBER.largest,
-    metres_rolled=CLIMBER.metres_rolled,
+    meters_rolled=CLIMBER.meters_rolled,
     stop_button=2,
     values=(
         CLIMBER.turn_value,

@@ -37,7 +37,7 @@ def track_on(geometry: ClimberGeometry, heading_rad: float, joint_rad: float | N
     """Return the track in m, along the surface, of a robot that looks so and whose joint is at an angle.
 
     Across the robot the surface is a circle of radius r = r_c / sin^2(heading). Each half, turned by half of
-    the joint's angle j, puts the middle of its wheel's cross-section (r_t thick, its centres on a ring of
+    the joint's angle j, puts the middle of its wheel's cross-section (r_t thick, its centers on a ring of
     r_m) at x = b cos(j / 2) - r_m sin(j / 2) from the robot's middle; the contact is at
     asin(x / (r + r_t)) round.
     Without an angle both wheels stand upright.

@@ -12,7 +12,7 @@ from firmware_bridge import renamed
 from firmware_bridge.robot.table import Finite, NonNegative, Positive, Table
 
 FASTEST: Final[Mapping[str, float]] = MappingProxyType({"circle": 0.25, "line": 1.0, "ellipse": 0.375})
-"""The highest speed on each path of (2.20) to (2.22), in m/s for one metre to the unit."""
+"""The highest speed on each path of (2.20) to (2.22), in m/s for one meter to the unit."""
 SETTLES: Final = 1.001
 """A path may be as fast as the limit, rounding left out."""
 
@@ -44,7 +44,7 @@ class RomeGains(Table):
 
 
 class Paths(Table):
-    """Metres for each unit of the thesis's paths; and a path of one's own."""
+    """Meters for each unit of the thesis's paths; and a path of one's own."""
 
     circle: Positive = 1.0
     line: Positive = 1.0

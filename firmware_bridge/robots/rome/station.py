@@ -51,7 +51,7 @@ STATION: Final[Station[RomeGeometry, RomeMotion, RomeState]] = Station(
     twist=lambda state: Twist(state.ahead_mps, state.left_mps, state.turn_rad_s),
     forgotten=lambda command: command,
     largest=_largest,
-    metres_rolled=lambda robot: robot.geometry.base.wheel_radius_m,
+    meters_rolled=lambda robot: robot.geometry.base.wheel_radius_m,
     stop_button=2,
     values=(
         Value("TURN", SECOND // 10, _turn_deg_s, "deg/s, left positive"),

@@ -1,7 +1,7 @@
 """The common center of gravity, and its distance inside the wheels' triangle.
 
 The wheels touch the floor at 0, 120 and 240 degrees; the arm stands at the base's middle (A. Seleit, MSc
-thesis, UCF, 2020). At rest the robot stands as long as its centre of gravity is above their triangle; one
+thesis, UCF, 2020). At rest the robot stands as long as its center of gravity is above their triangle; one
 that accelerates by a has it, as the floor feels it, a h / g further back.
 """
 
@@ -21,7 +21,7 @@ INRADIUS: Final = 0.5
 
 
 class Balance(NamedTuple):
-    """The centre of gravity in the base's frame, and its room."""
+    """The center of gravity in the base's frame, and its room."""
 
     x_m: float
     y_m: float
@@ -35,7 +35,7 @@ class Balance(NamedTuple):
 
 
 def balance(geometry: RomeArmGeometry, angles: tuple[float, ...]) -> Balance:
-    """Return the centre of gravity for the joints' angles, rad."""
+    """Return the center of gravity for the joints' angles, rad."""
     table = geometry.balance
     places = np.array([frame[:3, 3] for frame in AR2.frames(angles)])
     middles = (places[1:] + places[:-1]) / 2.0 + np.array((0.0, 0.0, table.arm_height_m))

@@ -77,7 +77,7 @@ class Orbit(Table):
         if self.tle is None and self.tle_s:
             raise ValueError("tle_s: only a set of two lines, tle, has an epoch")
         if not self.begin.place.any():
-            raise ValueError("start_du: an orbit's body is not at its centre")
+            raise ValueError("start_du: an orbit's body is not at its center")
         return self
 
     @property
@@ -96,7 +96,7 @@ class Formation(Table):
     """Path follower `formation`: one body's motion as seen from another on a circle (Clohessy, Wiltshire)."""
 
     half_width_m: Positive
-    """Of its ellipse, half its width away from the centre; along its way it is twice as long."""
+    """Of its ellipse, half its width away from the center; along its way it is twice as long."""
     height_m: Positive
     turn_s: Positive
 

@@ -44,7 +44,7 @@ def _off_balance(view: View) -> str | None:
     if room >= keeps:
         return None
     inside, least = 1000.0 * room, 1000.0 * keeps
-    return f"the centre of gravity is {inside:.0f} mm inside the wheels, least is {least:.0f} mm"
+    return f"the center of gravity is {inside:.0f} mm inside the wheels, least is {least:.0f} mm"
 
 
 def _tips(view: View) -> tuple[RomeArmMotion, str | None]:
@@ -62,7 +62,7 @@ def _tips(view: View) -> tuple[RomeArmMotion, str | None]:
     if then >= geometry.balance.margin_m or then >= now:
         return motion, None
     rests = arm.rested(motion.arm, frozenset(ar2.ROBOT_TYPE.groups))
-    return ARM.put(motion, rests), f"the centre of gravity would be {1000.0 * then:.0f} mm inside the wheels"
+    return ARM.put(motion, rests), f"the center of gravity would be {1000.0 * then:.0f} mm inside the wheels"
 
 
 def _stretched(view: View) -> tuple[RomeArmMotion, str | None]:

@@ -78,7 +78,7 @@ DEVICE_PROFILE: Final[tuple[ObjectRow, ...]] = (
     count(0x60C4, 6, _CONST, name="Interpolation Data Configuration: Number of Entries"),
     row(0x60C4, 1, "Maximum Buffer Size", _U32, _RO),
     row(0x60C4, 2, "Actual Buffer Size", _U32, _RO),
-    row(0x60C4, 3, "Buffer Organisation", _U8, _RW, default=0, low=0, high=0),
+    row(0x60C4, 3, "Buffer Organization", _U8, _RW, default=0, low=0, high=0),
     row(0x60C4, 4, "Buffer Position", _U16, _RW, default=0, low=0, high=64),
     row(0x60C4, 5, "Size Of Data Record", _U8, _WO, default=8, low=8, high=8),
     row(0x60C4, 6, "Buffer Clear", _U8, _WO, default=0, low=0, high=1, mapped=True),

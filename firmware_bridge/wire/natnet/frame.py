@@ -1,4 +1,4 @@
-"""A frame of data: what the cameras saw at one instant. Positions in metres, quaternions scalar last.
+"""A frame of data: what the cameras saw at one instant. Positions in meters, quaternions scalar last.
 
 Source: the fields as OptiTrack's own PacketClient and Python client of the NatNet SDK 2.9 to 4.2 read them,
 checked against frames that a Motive 2.1 has sent; 2.x, 4.x, skeletons and devices have none behind them.

@@ -8,7 +8,7 @@ import pytest
 
 from emulators.bench.page import page
 from emulators.bench.records import FaultRecord, InterlockEvent
-from emulators.bench.summary import Summary, summarise
+from emulators.bench.summary import Summary, summarize
 from emulators.bench.web import document, picture, table
 from firmware_bridge.cli.program import main
 from firmware_bridge.units import SECOND
@@ -20,7 +20,7 @@ AGAIN = "firmware-bridge bench rars --mission line --seed 7"
 def summary() -> Summary:
     events = [InterlockEvent("lift extended", "50 mm & more", SECOND, 2 * SECOND, remedy="lower it first")]
     faults = [FaultRecord("frame_loss", "a <loose> contact", ("steer",), SECOND)]
-    return summarise(RUN, AXES, rows(11, lambda _: 0.1), events, faults)
+    return summarize(RUN, AXES, rows(11, lambda _: 0.1), events, faults)
 
 
 def test_it_states_what_was_measured_what_held_what_was_wrong_and_how_to_run_it_again(tmp_path: Path) -> None:
@@ -36,7 +36,7 @@ def test_it_states_what_was_measured_what_held_what_was_wrong_and_how_to_run_it_
 
 
 def test_what_was_not_is_stated_too() -> None:
-    text = page(summarise(RUN, AXES, rows(11, lambda _: 0.1), []), {}, [], AGAIN)
+    text = page(summarize(RUN, AXES, rows(11, lambda _: 0.1), []), {}, [], AGAIN)
     assert text.count("<p>none</p>") == len(("holds", "faults"))
 
 

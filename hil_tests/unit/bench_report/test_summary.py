@@ -12,7 +12,7 @@ from emulators.bench.columns import PLANAR, SAMPLE_EVERY, Column, Samples, colum
 from emulators.bench.records import FaultRecord, InterlockEvent
 from emulators.bench.report import show
 from emulators.bench.summary import RunFigures, Summary, as_json
-from emulators.bench.summary import summarise as summarised
+from emulators.bench.summary import summarize as summarized
 from emulators.robots.rars import BENCH_SETUP
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, SECOND, to_seconds
@@ -35,7 +35,7 @@ def table(rows: Sequence[dict[str, float]]) -> Samples:
 
 
 def rows(count: int, speed: Callable[[float], float], **fixed: float) -> Samples:
-    """Return rows of a straight run along x, with the odometry `odometry_ahead` metres ahead at each row."""
+    """Return rows of a straight run along x, with the odometry `odometry_ahead` meters ahead at each row."""
     return table(driven(count, speed, **fixed))
 
 
@@ -58,37 +58,37 @@ def driven(count: int, speed: Callable[[float], float], **fixed: float) -> list[
     return made
 
 
-def summarise(
+def summarize(
     run: RunFigures, samples: Samples, events: Sequence[InterlockEvent], faults: Sequence[FaultRecord] = ()
 ) -> Summary:
-    return summarised(run, AXES, samples, events, faults)
+    return summarized(run, AXES, samples, events, faults)
 
 
 def test_a_constant_speed_gives_length_and_no_acceleration() -> None:
-    summary = summarise(RUN, rows(101, lambda _: 0.3), [])
+    summary = summarize(RUN, rows(101, lambda _: 0.3), [])
     assert summary.path_length_m == pytest.approx(0.3)
     assert summary.max_speed_mps == pytest.approx(0.3)
     assert summary.max_acceleration_mps2 == pytest.approx(0.0, abs=1e-9)
 
 
 def test_braking_counts_as_acceleration_and_so_does_driving_backwards() -> None:
-    summary = summarise(RUN, rows(101, lambda t: 0.5 - 1.4 * t), [])
+    summary = summarize(RUN, rows(101, lambda t: 0.5 - 1.4 * t), [])
     assert summary.max_acceleration_mps2 == pytest.approx(1.4)
     assert summary.max_speed_mps == pytest.approx(0.9)
 
 
 def test_a_step_within_the_window_is_averaged_over_50_ms() -> None:
-    summary = summarise(RUN, rows(101, lambda t: 0.1 if t > 0.5 else 0.0), [])
+    summary = summarize(RUN, rows(101, lambda t: 0.1 if t > 0.5 else 0.0), [])
     assert summary.max_acceleration_mps2 == pytest.approx(0.1 / 0.050)
 
 
 def test_turning_gives_lateral_acceleration() -> None:
-    summary = summarise(RUN, rows(11, lambda _: 0.3, yaw_rate=-0.5), [])
+    summary = summarize(RUN, rows(11, lambda _: 0.3, yaw_rate=-0.5), [])
     assert summary.max_lateral_acceleration_mps2 == pytest.approx(0.15)
 
 
 def test_the_odometry_is_measured_against_the_plant() -> None:
-    summary = summarise(RUN, rows(11, lambda _: 0.3, odometry_ahead=0.02), [])
+    summary = summarize(RUN, rows(11, lambda _: 0.3, odometry_ahead=0.02), [])
     assert summary.odometry_error_m == pytest.approx(0.02)
 
 
@@ -104,16 +104,16 @@ def test_the_two_frames_are_laid_upon_each_other_at_the_first_row() -> None:
             for row in driven(11, lambda _: 0.3)
         ]
     )
-    assert summarise(RUN, turned, []).max_odometry_error_m == pytest.approx(0.0, abs=1e-12)
+    assert summarize(RUN, turned, []).max_odometry_error_m == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_column_that_states_so_is_in_the_summary_with_its_largest_value() -> None:
-    summary = summarise(RUN, table([{"lift_m": 0.2}, {"lift_m": -0.4}, {"lift_m": 0.1}]), [])
+    summary = summarize(RUN, table([{"lift_m": 0.2}, {"lift_m": -0.4}, {"lift_m": 0.1}]), [])
     assert summary.largest == {"lift_m": 0.4}
 
 
 def test_a_run_without_rows_has_not_moved() -> None:
-    summary = summarise(RUN, table([]), [])
+    summary = summarize(RUN, table([]), [])
     assert summary.path_length_m == 0.0
     assert summary.max_acceleration_mps2 == 0.0
 
@@ -123,7 +123,7 @@ def test_the_file_has_the_keys_that_its_readers_rely_on() -> None:
         InterlockEvent("lift extended", "lift is 50 mm up", 100 * MILLISECOND, 2 * SECOND, remedy="lower it"),
         InterlockEvent("operator link timeout", "nothing received for 500 ms", 3 * SECOND),
     ]
-    read = json.loads(as_json(summarise(RUN, rows(11, lambda _: 0.1), events)))
+    read = json.loads(as_json(summarize(RUN, rows(11, lambda _: 0.1), events)))
     assert {
         "simulated_s": 4.0,
         "wall_s": 2.0,
@@ -159,7 +159,7 @@ def test_the_faults_that_were_put_on_are_reported_with_their_beginning_and_end()
         FaultRecord("frame_loss", "a loose contact", ("steer",), SECOND, 3 * SECOND // 2),
         FaultRecord("can_cut", "", ("bridge", "left"), 2 * SECOND),
     ]
-    summary = summarise(RUN, rows(11, lambda _: 0.1), [], faults)
+    summary = summarize(RUN, rows(11, lambda _: 0.1), [], faults)
     reported = json.loads(as_json(summary))["faults"]
     assert reported == [
         {

@@ -1,4 +1,4 @@
-"""The catalogue of messages: each text of the source in its place, and a remedy for each class of errors."""
+"""The catalog of messages: each text of the source in its place, and a remedy for each class of errors."""
 
 import ast
 from pathlib import Path

@@ -77,10 +77,10 @@ def test_a_heartbeat_alone_is_no_sample(feedback: CanFeedback) -> None:
 
 
 def test_position_current_and_the_mean_speed_between_two_syncs(feedback: CanFeedback) -> None:
-    feedback.synchronised(0)
+    feedback.synchronized(0)
     feedback.receive(0x282, sample(1000), MILLISECOND)
     assert feedback.velocity == 0.0
-    feedback.synchronised(CYCLE)
+    feedback.synchronized(CYCLE)
     feedback.receive(0x282, sample(3600, current=-250), CYCLE + 2 * MILLISECOND)
     # 2600 of 26 x 2000 quadcounts a turn in 50 ms: one turn of the wheel a second.
     assert feedback.velocity == pytest.approx(2.0 * math.pi)
@@ -91,28 +91,28 @@ def test_position_current_and_the_mean_speed_between_two_syncs(feedback: CanFeed
 
 
 def test_the_speed_across_the_counters_wrap(feedback: CanFeedback) -> None:
-    feedback.synchronised(0)
+    feedback.synchronized(0)
     feedback.receive(0x282, sample(2**31 - 1300), 1)
-    feedback.synchronised(CYCLE)
+    feedback.synchronized(CYCLE)
     feedback.receive(0x282, sample(-(2**31) + 1300), CYCLE + 1)
     assert feedback.velocity == pytest.approx(2.0 * math.pi)
 
 
 def test_a_second_sample_of_one_sync_keeps_the_speed(feedback: CanFeedback) -> None:
-    feedback.synchronised(0)
+    feedback.synchronized(0)
     feedback.receive(0x282, sample(0), 1)
-    feedback.synchronised(CYCLE)
+    feedback.synchronized(CYCLE)
     feedback.receive(0x282, sample(2600), CYCLE + 1)
     feedback.receive(0x282, sample(2601), CYCLE + 2)
     assert feedback.velocity == pytest.approx(2.0 * math.pi)
 
 
 def test_after_a_restart_no_speed_is_made_up(feedback: CanFeedback) -> None:
-    feedback.synchronised(0)
+    feedback.synchronized(0)
     feedback.receive(0x282, sample(500_000), 1)
     feedback.receive(0x702, b"\0", 2)
     feedback.expected = True
-    feedback.synchronised(CYCLE)
+    feedback.synchronized(CYCLE)
     feedback.receive(0x282, sample(0), CYCLE + 1)
     assert feedback.velocity == 0.0
 
@@ -129,9 +129,9 @@ def test_process_data_of_an_earlier_mapping_is_not_believed() -> None:
 def test_no_frames_make_it_raise(frames: list[tuple[int, bytes, bool]]) -> None:
     feedback = CanFeedback(AXIS)
     feedback.expected = True
-    for now, (cob_id, payload, synchronised) in enumerate(frames):
-        if synchronised:
-            feedback.synchronised(now)
+    for now, (cob_id, payload, synchronized) in enumerate(frames):
+        if synchronized:
+            feedback.synchronized(now)
         feedback.receive(cob_id, payload, now)
     assert math.isfinite(feedback.velocity)
 
@@ -143,10 +143,10 @@ def test_the_position_counts_on_across_the_counters_wrap(direction: int, turns: 
     feedback = CanFeedback(with_axis(AXIS, direction=direction))
     feedback.expected = True
     start, step = turns * (2**31 - 5), turns * (2**30 + 7)
-    feedback.synchronised(0)
+    feedback.synchronized(0)
     feedback.receive(0x282, sample(start), 1)
     for cycle in range(1, 9):
-        feedback.synchronised(cycle * CYCLE)
+        feedback.synchronized(cycle * CYCLE)
         feedback.receive(0x282, sample(start + cycle * step), cycle * CYCLE + 1)
     public = feedback.published()
     assert feedback.position_qc == start + 8 * step
@@ -155,14 +155,14 @@ def test_the_position_counts_on_across_the_counters_wrap(direction: int, turns: 
 
 
 def test_after_a_restart_the_position_begins_again(feedback: CanFeedback) -> None:
-    feedback.synchronised(0)
+    feedback.synchronized(0)
     feedback.receive(0x282, sample(2**31 - 10), 1)
-    feedback.synchronised(CYCLE)
+    feedback.synchronized(CYCLE)
     feedback.receive(0x282, sample(-(2**31) + 10), CYCLE + 1)
     assert feedback.position_qc == 2**31 + 10
     feedback.receive(0x702, b"\0", CYCLE + 2)
     feedback.expected = True
-    feedback.synchronised(2 * CYCLE)
+    feedback.synchronized(2 * CYCLE)
     feedback.receive(0x282, sample(-7), 2 * CYCLE + 1)
     assert feedback.position_qc == -7
 
@@ -172,7 +172,7 @@ def test_no_way_is_lost_while_a_step_is_below_half_the_counter(steps: list[int],
     feedback = CanFeedback(AXIS)
     feedback.expected = True
     for cycle, way in enumerate((start, *steps)):
-        feedback.synchronised(cycle * CYCLE)
+        feedback.synchronized(cycle * CYCLE)
         at = way if cycle == 0 else feedback.position_qc + way
         feedback.receive(0x282, sample(at), cycle * CYCLE + 1)
     assert feedback.position_qc == start + sum(steps)
@@ -195,9 +195,9 @@ def test_every_state_is_one_of_five_powers(feedback: CanFeedback, state: PowerSt
 
 
 def test_what_everybody_may_know_is_in_si_units(feedback: CanFeedback) -> None:
-    feedback.synchronised(0)
+    feedback.synchronized(0)
     feedback.receive(0x282, sample(0), 1)
-    feedback.synchronised(CYCLE)
+    feedback.synchronized(CYCLE)
     feedback.receive(0x282, sample(2600, current=-250), CYCLE + 2)
     feedback.receive(0x082, bytes.fromhex("11 86 20 00 00 00 00 00"), CYCLE + 3)
     public = feedback.published()
@@ -233,10 +233,10 @@ def test_a_boot_up_loses_the_zero_whatever_bit_15_states_then(feedback: CanFeedb
 def test_while_the_counter_is_set_no_way_is_a_motion(feedback: CanFeedback) -> None:
     feedback.zeroing = True
     for cycle, counter in enumerate((0, 2_000_000, -2_000_000)):
-        feedback.synchronised(cycle * CYCLE)
+        feedback.synchronized(cycle * CYCLE)
         feedback.receive(0x282, sample(counter), cycle * CYCLE + 1)
         assert (feedback.velocity, feedback.position_qc) == (0.0, counter)
     feedback.zero_set(777)
-    feedback.synchronised(9 * CYCLE)
+    feedback.synchronized(9 * CYCLE)
     feedback.receive(0x282, sample(800), 9 * CYCLE + 1)
     assert (feedback.velocity, feedback.position_qc) == (0.0, 800)

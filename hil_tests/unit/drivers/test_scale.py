@@ -37,8 +37,8 @@ def test_rars_s_gears_are_those_of_its_thesis() -> None:
 
 
 @pytest.mark.parametrize("direction", [1, -1])
-def test_of_an_axis_in_metres_the_ratio_is_radians_a_metre(direction: int) -> None:
-    """A wheel of 50 mm behind 26:1 turns its motor by 520 rad in a metre."""
+def test_of_an_axis_in_meters_the_ratio_is_radians_a_meter(direction: int) -> None:
+    """A wheel of 50 mm behind 26:1 turns its motor by 520 rad in a meter."""
     scale = Scale.of(with_axis(WHEEL, unit="m", ratio=26.0 / 0.05, direction=direction))
     assert scale.quadcounts(1.0) == direction * round(520 * 2000 / (2.0 * math.pi))
     assert scale.rpm(0.5) == pytest.approx(direction * 260 * 60 / (2.0 * math.pi))

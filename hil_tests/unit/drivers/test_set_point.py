@@ -167,10 +167,10 @@ def test_what_is_no_number_counts_as_rest(value: float) -> None:
 
 @pytest.mark.parametrize(("travel", "ends"), [((-0.2, 0.5), (-400, 1000)), ((0.0, 0.1), (0, 200))])
 @pytest.mark.parametrize("direction", [1, -1])
-def test_a_slide_in_metres_stays_in_its_travel(
+def test_a_slide_in_meters_stays_in_its_travel(
     travel: tuple[float, float], ends: tuple[int, int], direction: int
 ) -> None:
-    """A screw of 2 pi rad for each metre: 2000 quadcounts of 500 lines are one metre."""
+    """A screw of 2 pi rad for each meter: 2000 quadcounts of 500 lines are one meter."""
     slide = with_axis(STEER, unit="m", ratio=2.0 * math.pi, travel=travel, direction=direction)
     axis = PositionSetPoint(slide, feedback(slide))
     for far in (-10.0, 10.0):

@@ -57,7 +57,7 @@ def downwards(x: float, y: float) -> Matrix:
         (0.0, 1.005e-9, 90.0),
     ],
 )
-def test_nearer_to_the_first_axis_than_a_nanometre_its_joint_stays(x: float, y: float, first: float) -> None:
+def test_nearer_to_the_first_axis_than_a_nanometer_its_joint_stays(x: float, y: float, first: float) -> None:
     pose = downwards(x, y)
     found = postures(pose, np.radians((35.0, -90.0, 60.0, 10.0, 20.0, 30.0)))
     assert math.degrees(found[0][0]) == pytest.approx(first)

@@ -285,7 +285,7 @@ def test_each_new_beginning_forgets_place_and_slip() -> None:
         (Source.LOST, -math.pi / 6.0, 1, SHOWN_ASIDE),
     ],
 )
-def test_the_reason_names_metres_and_degrees(
+def test_the_reason_names_meters_and_degrees(
     source: Source, off_rad: float, refused: int, reason: str | None
 ) -> None:
     assert Located(Pose(), source, 0.125, 0.3, off_rad, refused).reason == reason

@@ -146,7 +146,7 @@ def test_what_is_no_orbit_is_refused() -> None:
     for wrong in (Elements(2.0, 1.2, 0.0, 0.0, 0.0, 0.0), Elements(-2.0, 1.2, 0.0, 0.0, 0.0, 3.0)):
         with pytest.raises(ValueError, match="no orbit has"):
             state_of(wrong)
-    with pytest.raises(ValueError, match="not at its centre"):
+    with pytest.raises(ValueError, match="not at its center"):
         propagated(state((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)), 1.0)
 
 

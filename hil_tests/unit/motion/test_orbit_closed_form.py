@@ -19,7 +19,7 @@ from hil_tests.rows import every
 
 MU_EARTH = 398600.4418
 UNITS = ((1.0, 2.0), (1.0, 0.005), (MU_EARTH, 7000.0))
-"""The centre's mu, and a size of orbits in the same units."""
+"""The center's mu, and a size of orbits in the same units."""
 
 
 def on_ellipse(mu: float, axis: float, e: float, anomaly: float) -> tuple[OrbitState, float]:

@@ -1,4 +1,4 @@
-"""Analogue set-points of current, velocity and position mode: scaling, offset, notation, input, limits."""
+"""Analog set-points of current, velocity and position mode: scaling, offset, notation, input, limits."""
 
 from typing import TYPE_CHECKING
 

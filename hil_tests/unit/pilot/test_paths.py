@@ -23,7 +23,7 @@ def test_a_path_begins_at_the_origin_along_x(path: Path, *, length: float, close
     assert path.closed is closed
 
 
-def test_a_circle_is_round_to_a_tenth_of_a_millimetre() -> None:
+def test_a_circle_is_round_to_a_tenth_of_a_millimeter() -> None:
     path = circle(5.0)
     for along in range(32):
         place = path.at(float(along))

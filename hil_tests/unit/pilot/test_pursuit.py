@@ -64,7 +64,7 @@ def test_at_the_critical_delay_a_root_is_on_the_imaginary_axis(speed: float, loo
 def test_a_point_that_follows_a_line_late_settles_below_it_and_swings_above(
     share: float, most: float | None
 ) -> None:
-    """Integrated by itself, in the plane: the closed form is of the linearised loop."""
+    """Integrated by itself, in the plane: the closed form is of the linearized loop."""
     step, speed = 0.005, 0.5
     late = deque([0.0] * round(share * critical_delay_s(speed, 0.5) / step))
     pose, swing, pursuit = Pose(0.0, 0.01, 0.0), 0.0, Pursuit(line(100.0), 0.5)

@@ -123,7 +123,7 @@ def stops_itself(table: dict[str, Any]) -> None:
     table["links"][TOOL]["stops"] = ["tool"]
 
 
-def test_a_link_of_every_second_cycle_is_synchronised_half_as_often() -> None:
+def test_a_link_of_every_second_cycle_is_synchronized_half_as_often() -> None:
     bench = sweeping(every_second)
     before = {name: len(sent) for name, sent in bench.sent.items()}
     bench.runs(2.0)

@@ -22,7 +22,7 @@ from firmware_bridge.shell.run_file import RUN_FILE, AsRun, read_run, run_file
 REAL: Final = Path(__file__).with_name("places_known")
 """3 s of `drive rars` at emulated drives in real time, no one driving."""
 DRIVEN: Final = """
-title = "a metre, and a stop"
+title = "a meter, and a stop"
 duration_s = 7.0
 [[step]]
 at_s = 0.0

@@ -15,7 +15,7 @@ WIDEST_SPLINE: Final = 1 << 37
 
 
 def obey_planned(axis: ServoAxis, kind: int, value: int, speed: int, slopes: tuple[int, int]) -> None:
-    """10 sin2 move, 11 sin2 ramp, 12 spline, 13 following, 14 analogue set-point, 15 the input turns."""
+    """10 sin2 move, 11 sin2 ramp, 12 spline, 13 following, 14 analog set-point, 15 the input turns."""
     up, down = slopes
     if kind == 15:
         axis.master += value % 100_000 - 50_000

@@ -89,7 +89,7 @@ def test_following(  # noqa: PLR0917 - what the objects may hold
     st.integers(-9, 9),
     S32,
 )
-def test_analogue_set_points(  # noqa: PLR0917 - what the objects may hold
+def test_analog_set_points(  # noqa: PLR0917 - what the objects may hold
     pulses: int, regulator: int, millivolts: int, scaling: int, notation: int, offset: int
 ) -> None:
     axis = axis_for(pulses)

@@ -1,4 +1,4 @@
-"""A plant's second encoder and analogue voltages reach the axes, in kernel and twin alike."""
+"""A plant's second encoder and analog voltages reach the axes, in kernel and twin alike."""
 
 import ctypes
 

@@ -186,7 +186,7 @@ def test_the_load_is_seen_through_the_gear() -> None:
     assert Mounted(load=ShaftLoad(5e-5, 0.002)).shaft.inertia == 5e-5
 
 
-def test_every_motor_of_the_catalogue_fits_its_published_figures() -> None:
+def test_every_motor_of_the_catalog_fits_its_published_figures() -> None:
     """The speed without load: within 5 % of the constant's, as the file promises; a source for each."""
     assert len(catalogue()) == 171
     for one in catalogue().values():

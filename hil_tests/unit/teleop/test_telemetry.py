@@ -128,7 +128,7 @@ def test_steering_is_reported_in_degrees_left_positive(bench: RarsBench) -> None
     assert named(bench, "STEER") is None
 
 
-def test_the_lift_is_reported_in_metres(bench: RarsBench) -> None:
+def test_the_lift_is_reported_in_meters(bench: RarsBench) -> None:
     bench.body = replace(bench.body, lift_m=0.75)
     assert named(bench, "ZPOS") == 0.75
     bench.body = replace(bench.body, lift_m=None)

@@ -84,7 +84,7 @@ ROWS: Final[Station[Sizes, Glide, Felt]] = Station(
     twist=lambda felt: Twist(felt.ahead, -felt.right, -felt.spin),
     forgotten=lambda command: replace(command, boom=None, grip=None),
     largest=lambda robot: Twist(robot.geometry.top_mps, robot.geometry.top_mps, math.pi),
-    metres_rolled=lambda robot: robot.geometry.roller_m,
+    meters_rolled=lambda robot: robot.geometry.roller_m,
     stop_button=15,
     dead_band=0.2,
     axes=(*USUAL_AXES, StickAxis.UP),

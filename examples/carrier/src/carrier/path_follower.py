@@ -42,22 +42,22 @@ class FigureEight:
     def command(self, seen: Snapshot[Motion, State], _elapsed: Nanoseconds) -> Motion:
         """Return the speed and turn rate that keep to the circle, and come back to it."""
         start = self._start = self._start or seen.pose
-        ahead, left = self._from_centre(seen.pose, start)
+        ahead, left = self._from_center(seen.pose, start)
         angle = math.atan2(ahead, -self._side * left)
         self._swept += _wrapped(angle - self._angle)
         self._angle = angle
         if self._swept >= 2.0 * math.pi:
-            # Back where the circles touch: on with the other one, whose centre lies across.
+            # Back where the circles touch: on with the other one, whose center lies across.
             self._side, self._swept, self._angle = -self._side, 0.0, 0.0
-            ahead, left = self._from_centre(seen.pose, start)
+            ahead, left = self._from_center(seen.pose, start)
             angle = self._angle = math.atan2(ahead, -self._side * left)
         outside = math.hypot(ahead, left) - RADIUS_M
         askew = _wrapped(self._side * (seen.pose.heading_rad - start.heading_rad) - angle)
         bend = 1.0 / RADIUS_M + CORRECTION_PER_M**2 * outside - 2.0 * CORRECTION_PER_M * math.sin(askew)
         return Motion(self._speed, self._side * self._speed * bend, lamp=True)
 
-    def _from_centre(self, pose: Pose, start: Pose) -> tuple[float, float]:
-        """Return how far the robot is ahead and left of the circle's centre, as it looked at the start."""
+    def _from_center(self, pose: Pose, start: Pose) -> tuple[float, float]:
+        """Return how far the robot is ahead and left of the circle's center, as it looked at the start."""
         x, y = pose.x_m - start.x_m, pose.y_m - start.y_m
         sine, cosine = math.sin(start.heading_rad), math.cos(start.heading_rad)
         return x * cosine + y * sine, y * cosine - x * sine - self._side * RADIUS_M

@@ -24,7 +24,7 @@ STATION: Final[Station[Geometry, Motion, State]] = Station(
     # A stick is sent again and again: nothing of a command has to be forgotten.
     forgotten=lambda command: command,
     largest=ROBOT.largest,
-    metres_rolled=ROBOT.metres_rolled,
+    meters_rolled=ROBOT.meters_rolled,
     stop_button=2,
     switches=(
         Switch(

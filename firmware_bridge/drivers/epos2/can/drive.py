@@ -65,9 +65,9 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
         packet = None if self.busy else self._set_point.release()
         return () if packet is None else (packet,)
 
-    def synchronised(self, now: Nanoseconds) -> None:
+    def synchronized(self, now: Nanoseconds) -> None:
         """Learn that a SYNC leaves now: the next sample was taken then."""
-        self._feedback.synchronised(now)
+        self._feedback.synchronized(now)
 
     def rewritten(self, what: str, now: Nanoseconds) -> None:
         """Note a foreign write to its objects."""

@@ -14,7 +14,7 @@ class CanFeedback(DriveFeedback):
 
     def __init__(self, axis: Axis) -> None:
         super().__init__(axis)
-        self._synchronised_at: Nanoseconds = NEVER_RECEIVED
+        self._synchronized_at: Nanoseconds = NEVER_RECEIVED
         self._readers = {
             STATUS_COB_ID: self._status,
             SAMPLE_COB_ID: self._sample,
@@ -22,9 +22,9 @@ class CanFeedback(DriveFeedback):
             canopen.ERROR_CONTROL: self._heartbeat,
         }
 
-    def synchronised(self, now: Nanoseconds) -> None:
+    def synchronized(self, now: Nanoseconds) -> None:
         """Learn that a SYNC left: the next sample was taken then."""
-        self._synchronised_at = now
+        self._synchronized_at = now
 
     def receive(self, cob_id: int, payload: bytes, now: Nanoseconds) -> None:
         """Take a frame with this identifier, 11 bits without flags."""
@@ -46,12 +46,12 @@ class CanFeedback(DriveFeedback):
             self.position_qc, self.velocity = counter, 0.0
         else:
             moved = self.moved_to(counter)
-            elapsed = self._synchronised_at - self.sampled_at
+            elapsed = self._synchronized_at - self.sampled_at
             if elapsed > 0:
                 self.move(moved, elapsed)
             self.position_qc += moved
         self.current_ma = current
-        self.sampled_at = self._synchronised_at
+        self.sampled_at = self._synchronized_at
         self.received_at = self.current_at = now
 
     def _state(self, statusword: int) -> None:

@@ -68,7 +68,7 @@ class CanLink:
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Send SYNC."""
         for drive in self._drives:
-            drive.synchronised(now)
+            drive.synchronized(now)
         return (self._sync,)
 
     def beat(self, _now: Nanoseconds) -> tuple[Packet, ...]:

@@ -135,7 +135,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         packet = self._set_point.release()
         return () if packet is None else self._sent((packet,))
 
-    def synchronised(self, now: Nanoseconds) -> None:
+    def synchronized(self, now: Nanoseconds) -> None:
         """Begin a cycle: what is read from now on makes a new sample."""
         self._feedback.begin(now)
 

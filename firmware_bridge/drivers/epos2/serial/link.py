@@ -98,7 +98,7 @@ class SerialLink:
         self._began_at = now
         present = [(place, drive) for place, drive in enumerate(self._drives) if drive.present]
         for drive in self._drives:
-            drive.synchronised(now)
+            drive.synchronized(now)
         self._samples = [drive.read(row, Rank.SAMPLE) for row in IN_EVERY_CYCLE for _, drive in present]
         if all(job.over for job in self._in_turn):
             self._in_turn = [
