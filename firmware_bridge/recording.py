@@ -97,6 +97,7 @@ class Recorded:
 def candump_frame(packet: Packet) -> str:
     """Return a frame as candump writes it, identifier and content: 284#3706, 18DAF110#R8."""
     address = packet.address
+    # candump writes an error report with its flag in the eight digits.
     if address & ERROR:
         name = f"{address & (ERROR | EXTENDED_MASK):08X}"
     elif address & EXTENDED:
@@ -104,12 +105,14 @@ def candump_frame(packet: Packet) -> str:
     else:
         name = f"{address & STANDARD_MASK:03X}"
     length = len(packet.payload)
+    # A remote frame has a length code and no bytes: R and the code, which candump leaves out for 0.
     content = f"R{length or ''}" if address & REMOTE else packet.payload.hex().upper()
     return f"{name}#{content}"
 
 
 def candump_line(at: Nanoseconds, packet: Packet, channel: str = "vcan0", epoch: Nanoseconds = EPOCH) -> str:
     """Return a frame as `candump -l` logs it, without the line's end; instants are cut to microseconds."""
+    # Whole microseconds, as `candump -l` writes them: other readers take no more digits.
     seconds, rest = divmod(epoch + at, SECOND)
     return f"({seconds:010d}.{rest // MICROSECOND:06d}) {channel} {candump_frame(packet)}"
 
@@ -161,6 +164,7 @@ def parse_chunk(line: str, epoch: Nanoseconds = EPOCH) -> tuple[Nanoseconds, Dir
             address = number_of(match["host"].strip("[]"), int(match["port"]))
         except ValueError as error:
             raise RecordingError(f"no place '{match['host']}:{match['port']}': {error}") from None
+    # Digits behind the point: six are microseconds, nine nanoseconds.
     at = int(match["seconds"]) * SECOND + int(match["fraction"].ljust(9, "0")) - epoch
     direction = Direction.RECEIVED if match["way"] == "R" else Direction.SENT
     return at, direction, Packet(match["link"], address, bytes.fromhex(match["bytes"]))
@@ -177,6 +181,7 @@ def parse_candump(line: str, epoch: Nanoseconds = EPOCH) -> tuple[Nanoseconds, s
         raise RecordingError(f"not a line of a candump log, like '(12.345678) can0 123#DEADBEEF': {line!r}")
     at = int(match["seconds"]) * SECOND + int(match["fraction"].ljust(9, "0")) - epoch
     address = int(match["id"], 16)
+    # The number of digits decides between 11 and 29 bits; the value cannot, as 0x123 may be either.
     if len(match["id"]) > 3 and not address & ERROR:  # noqa: PLR2004 - 3 digits are 11 bits, 8 are 29
         address |= EXTENDED
     if match["remote"]:
@@ -221,6 +226,7 @@ def mavlink_messages(datagram: bytes) -> Iterator[bytes]:
     start = 0
     while start < len(datagram):
         end = _message_end(datagram, start)
+        # Bytes between messages are passed over one by one, as a receiver does that has lost its place.
         if end is None:
             start += 1
         else:
@@ -230,6 +236,7 @@ def mavlink_messages(datagram: bytes) -> Iterator[bytes]:
 
 def mavlink_origin(message: bytes) -> tuple[int, int, int]:
     """Return system, component and sequence number of a whole message, from its header."""
+    # Version 2 has two bytes of flags before the sequence number.
     at = _MAVLINK_2_SEQUENCE if message[0] == MAVLINK_2 else _MAVLINK_1_SEQUENCE
     sequence, system, component = message[at : at + 3]
     return system, component, sequence
@@ -241,6 +248,8 @@ def _message_end(log: bytes, start: int) -> int | None:
     if len(head) < 3:  # noqa: PLR2004 - magic, length, flags
         return None
     if head[0] == MAVLINK_1:
+        # Header and check sum beside the payload; version 2 has a signature of 13 bytes where bit 0 of its
+        # flags is set.
         end = start + _MAVLINK_1_EXTRA + head[1]
     elif head[0] == MAVLINK_2:
         end = start + _MAVLINK_2_EXTRA + head[1] + (_SIGNATURE if head[2] & _MAVLINK_2_SIGNED else 0)

@@ -131,10 +131,12 @@ def with_new_keys(table: Mapping[str, Any], file: str, known: Iterable[str]) -> 
     """Return a robot's table with the keys of today, but for those that its own geometry has (`known`)."""
     made = dict(table)
     for (name, old), new in ROBOT_KEYS.items():
+        # A third party's geometry may have a key of its own with this name.
         if name == "geometry" and old in known:
             continue
         inner = made.get(name)
         tables = inner if isinstance(inner, list) else [inner]
+        # Where both names are given the new one counts, and the old one is reported as an unknown key.
         if any(isinstance(one, Mapping) and old in one and new not in one for one in tables):
             warn(f"{name}.{old}", f"{name}.{new}", file)
             changed = [_with_key(one, old, new) for one in tables]
@@ -162,6 +164,7 @@ def module(old: str, new: str, **names: str) -> Callable[[str], Any]:
 
     def read(name: str) -> Any:
         target, made = names.get(name, name), vars(import_module(new))
+        # Python itself looks up dunder names in modules, which must not import the new one.
         if name.startswith("__") or target not in made:
             raise AttributeError(f"module '{old}' has no attribute '{name}'")
         warn(f"{old}.{name}", f"{new}.{target}")

@@ -51,6 +51,7 @@ class RobotMode(Generic[G, M, S]):
     limits: tuple[Limit[G, M, S], ...]
 
     def __post_init__(self) -> None:
+        # The class is frozen, so that this is the way to change a field while it is made.
         object.__setattr__(self, "body", renamed.makes(self.body, "asked", "requested"))
 
 
@@ -127,6 +128,8 @@ class RobotType(Generic[G, M, S]):
         if self.slowed is not None:
             return (delay_limit(self.slowed), *limits)
         if robot.operator.agreed_ms is not None:
+            # Without a limit that follows the delay an old command would go further than the operator has
+            # learned.
             problem = f"robots of the kind '{self.name}' cannot be slowed, so no delay may be agreed on"
             raise RobotFileError(robot.name, Problem("operator.agreed_ms", problem))
         return limits
@@ -136,6 +139,7 @@ class RobotType(Generic[G, M, S]):
         rolling = self.body(robot).rolling
         roles = frozenset[str]().union(*(self.groups[group] for group in self.travelling))
         for axis in robot.axes:
+            # An axis that is commanded by position, as a steering, may go on while the base is at standstill.
             if axis.name in rolling or (axis.role in roles and axis.command is CommandForm.SPEED):
                 yield axis
 

@@ -74,6 +74,7 @@ def robots() -> dict[str, Path]:
     """Return all robots that come with the installed kinds, by their names: the last file of each."""
     found: dict[str, Path] = {}
     for name in names():
+        # One broken package must not hide the robots of the others.
         try:
             kind = robot_type_named(name)
         except RobotFileError:
@@ -136,6 +137,7 @@ def find(name: str, *, plant_too: bool = False) -> AnyRobot:
         return load(found.file, plant_too=plant_too)
     if more not in found.more:
         raise RobotFileError(name, Problem("", f"{kind} has no '{more}'; {near(more, found.more)}"))
+    # TOML forbids a table twice, so a further file can only add tables.
     return parse("\n".join(map(text_of, (found.file, found.more[more]))), name, plant_too=plant_too)
 
 
@@ -157,6 +159,7 @@ def parse(text: str, file: str, *, plant_too: bool = False) -> AnyRobot:
     kind = robot_type_named(name)
     more = plant_problems(table) if plant_too else ()
     robot = robot_of(table, file, kind.geometry, kind.groups, more)
+    # One after the other: a ratio that is upside down would make every bound look exceeded.
     excess = tuple(odd_ratios(robot)) or tuple(beyond_bounds(robot, kind)) or tuple(loose_sums(robot, kind))
     if excess:
         raise RobotFileError(file, *excess)
@@ -231,6 +234,7 @@ def beyond_bounds(robot: AnyRobot, kind: AnyRobotType) -> Iterator[Problem]:
             ("high", high, "travel", 1.0),
         ):
             requested = most.get((axis.name, what))
+            # Written so that NaN is reported, too.
             if requested is not None and not requested <= bound + ROUNDING * abs(bound):
                 unit = axis.unit.value + ("/s" if what == "speed" else "")
                 yield Problem(
@@ -296,6 +300,7 @@ def _limit_of(robot: AnyRobot, kind: AnyRobotType, of: Mapping[str, float], most
         # Whatever the state: a base that is steered turns as it drives.
         if min(_summed(body, of, motion, state) for state in states) >= (1.0 - SUM_ROUNDED) * most:
             return limit
+    # In the logarithm: twice and half a limit are equally far from it.
     return min(
         (it for it in pure.values() if it > 0.0), key=lambda it: abs(math.log(it / most)), default=None
     )
@@ -322,6 +327,7 @@ def _most_requested(robot: AnyRobot, kind: AnyRobotType) -> dict[tuple[str, str]
             elif isinstance(demand, Position):
                 requested = (("low", -demand.value), ("high", demand.value))
             for what, value in requested:
+                # Written so that NaN takes the place of any number, and stays.
                 if not value <= most.get((name, what), -math.inf):
                     most[name, what] = value
     return most

@@ -100,6 +100,7 @@ class HomingSequence:
             return
         kept = self.kept_by(driver.axis, events)
         if kept is not None:
+            # The first reason counts: others are often its consequences.
             self._reason = self._reason or kept.reason
         self._go(driver, facts)
         if self._reason:

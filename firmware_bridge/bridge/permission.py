@@ -96,6 +96,7 @@ class Permission:
 
     def ordered_off(self, now: Nanoseconds, *, rests: bool) -> Stop:
         """Return what a forced disarm demands of all axes now: brake first, and no power from rest on."""
+        # After 3 s at the latest: the order must reach a robot that does not come to standstill, too.
         if rests or now >= self._brakes_until:
             self._brakes_until = NEVER_RECEIVED
         return Stop.POWER_OFF if self._brakes_until == NEVER_RECEIVED else Stop.QUICK_STOP
@@ -183,6 +184,7 @@ class Permission:
     def decide(self, request: Request, seen: AnySnapshot, events: tuple[ActiveInterlock, ...]) -> Answer:
         """Answer one request; `seen` and `holds` are of this instant."""
         verdict = Answer(accepted=True, reason="")
+        # Before the answer: a stop ends a homing and begins given-up stages again, whatever the answer is.
         self.homing.ordered(request)
         self._outbox += self.stops.ordered(request)
         match request:
@@ -204,6 +206,7 @@ class Permission:
         return verdict
 
     def _stop(self, *, final: bool) -> Answer:
+        # EN 60204-1, stop category 1: the axes keep their power until the robot is at standstill.
         self.emergency_stopped = True
         self._final = self._final or final
         self.armed = False
@@ -231,6 +234,7 @@ class Permission:
             return premature
         now = seen.facts.now
         asleep = [driver for driver in self._used() if not self._ready(driver, now)]
+        # Enabling is all that this request does: motion needs another one, made when the drives are ready.
         if asleep:
             return self._awaken(asleep, now)
         for event in events:
@@ -282,10 +286,13 @@ class Permission:
 
     def _enable(self, driver: Driver, now: Nanoseconds) -> None:
         if not driver.busy:
+            # A device that was silent may have restarted with other settings: it is set up from the
+            # beginning.
             lost = not driver.configured or self._silent(driver, now)
             self._outbox += driver.begin(BRING_UP if lost else (Task.ENABLE,), now)
 
     def _disarm(self, seen: AnySnapshot) -> Answer:
+        # EN 60204-1, stop category 2: the drives keep their power at standstill, on a slope too.
         self.armed = False
         moves = "" if self.rules.at_standstill(seen) else "the robot comes to rest, "
         return Answer(accepted=True, reason=f"disarmed: {moves}the drives hold still")
@@ -307,6 +314,7 @@ class Permission:
             )
         if not self.rules.at_standstill(seen):
             return Answer(accepted=False, reason="clear: the robot still moves", temporary=True)
+        # ISO 13850: the reset starts nothing; the robot moves only after it was armed again.
         self.emergency_stopped = False
         return Answer(accepted=True, reason="emergency stop cleared; arm to move")
 

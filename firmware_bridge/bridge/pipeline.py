@@ -98,11 +98,13 @@ class Pipeline:
         known = self._guided(self.known(now), elapsed)
         decision = self._gate.rule(known)
         self._watch_homing(decision.interlock_events + self._permission.stops.interlock_events, known.facts)
+        # Before this cycle's events: one that begins now requires neutral again.
         if self._operator.take_let_go() or known.facts.neutral:
             self._permission.neutral_required = False
         self._permission.part(decision.interlock_events, self._gate.clearing)
         self._permission.watch(decision.interlock_events)
         if any(event.row.parts for event in decision.interlock_events):
+            # A target of before the timeout must not start the robot when the link is back.
             self._operator.forget()
         self.gate_deadline = self._gate.next_deadline(known.facts)
         self._demanded = rules.body.ramped(self._demanded, decision.allowed, known.body, elapsed)
@@ -365,6 +367,7 @@ class Pipeline:
         if NEVER_RECEIVED in at:
             self._counted = None
             locating.interrupted()
+        # Samples of different instants would look like a turn of the robot.
         elif len(at) == 1:
             before, self._counted = self._counted, axes
             pose = locating.odometry

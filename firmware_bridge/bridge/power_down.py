@@ -106,6 +106,7 @@ class _Axis:
         known = reports_current and feedback.power is not Power.UNKNOWN and not self.silent(now)
         current = feedback.current_a if known else None
         if current is None:
+            # NaN spreads: one unknown current makes the sum unknown, and then the power stays.
             self.pulls, self.looks = float("nan"), self.looks + 1
         elif feedback.current_at >= since and feedback.current_at != self.looked_at:
             self.pulls, self.looks, self.looked_at = self.pulls + current, self.looks + 1, feedback.current_at
@@ -252,6 +253,7 @@ class PowerDown:
             for axis in self._free:
                 axis.let_go, axis.was_at = axis in powered, axis.driver.feedback.position
             self._enter(PowerDownStage.WATCHED if powered else PowerDownStage.LET_GO, now)
+        # The current of the braking decays; one that falls no more is that of a slope.
         elif last or not isfinite(held.pulled) or 0.0 < SETTLED * self._pulled <= held.pulled:
             self._keep(held.reason, now)
         else:
@@ -262,6 +264,7 @@ class PowerDown:
         free = [axis for axis in self._free if axis.let_go]
         slips = next((axis for axis in free if axis.slips), None)
         if slips is not None:
+            # All of them, as they lost it together. A fault is reset by the operator only.
             for axis in free:
                 if axis.driver.feedback.power is not Power.FAULT:
                     self._outbox += axis.driver.begin((Task.ENABLE,), now)
@@ -293,6 +296,7 @@ def _held(axes: Sequence[_Axis]) -> _Held | None:
     for axis in axes:
         together.setdefault(axis.driver.axis.standstill_group or axis.driver.axis.name, []).append(axis)
     found = [held for some in together.values() if (held := _pulls(some)) is not None]
+    # A current that is not known is the strongest reason of all.
     return max(found, key=lambda held: held.pulled if isfinite(held.pulled) else inf, default=None)
 
 
@@ -302,6 +306,7 @@ def _pulls(axes: Sequence[_Axis]) -> _Held | None:
         if not isfinite(axis.pulled):
             called = axis.driver.axis.called
             return _Held(nan, f"held with power: the holding current of {called} is not known")
+    # With their signs: what wheels that the floor strains against each other need cancels.
     pulled = abs(sum(axis.pulled for axis in axes))
     friction = sum(axis.driver.axis.friction for axis in axes)
     if pulled <= friction:

@@ -135,6 +135,7 @@ class AxisStop:
         self._rested = feedback.sampled_at != NEVER_RECEIVED and abs(feedback.velocity) <= self._rests_below
         self.progress, self.off = Progress.UNDER_WAY, off
         rested = self._rested and not off
+        # Withholding the heartbeat disables every drive of the link: on a slope the robot would roll.
         self.steps = tuple(step for step in self._ways[off] if not (rested and step.takes_all))
         self._gentle_until = self.since + gentle_within(self.steps)
         self._enter(0, now)
@@ -174,6 +175,7 @@ class AxisStop:
         if self.driver.unpowered:
             return True
         feedback = self.driver.feedback
+        # A report that left the device before the stage began proves nothing about it.
         fresh = feedback.received_at > self.begun_at and self._received(now)
         return fresh and not self.step.ends_power and abs(feedback.velocity) <= self._rests_below
 
@@ -329,6 +331,7 @@ class Stops:
             else:
                 sent += self._look(stop, demand, now)
             steps_on = stop.escalates or stop.progress is Progress.GIVEN_UP or stop.keeps_off(now)
+            # A command to disable the power is never replaced by a gentler one.
             if steps_on and demand is not Stop.POWER_OFF:
                 changed[name] = stop.step.demand
             elif stop.first.at_once and name in requested and not isinstance(demand, Stop):
@@ -352,10 +355,12 @@ class Stops:
             stop.begin(now, off=off)
             if stop.step.whole_board and not stop.confirmed(now):
                 sent = self._task(stop, now)
+        # The bridge itself ramps down while its set-point is a speed other than 0.
         ramped = stop.place == 0 and not requests_stop(demand) and not isinstance(demand, Position)
         if not ramped and stop.confirmed(now):
             stop.confirm(now)
             return sent
+        # The report is missing, or is of motion with power: the stop begins again.
         if stop.progress is Progress.CONFIRMED:
             stop.begin(now, off=stop.off)
             sent += self._task(stop, now) if stop.ends_power else ()
@@ -367,6 +372,7 @@ class Stops:
         if stop.progress is Progress.GIVEN_UP:
             return ()
         if stop.step.silent:
+            # The drives' heartbeat consumers (0x1016) stop them then, with quick stop as reaction (0x6007).
             self._fleets.silence(stop.link, stop.until)
         return self._task(stop, now)
 

@@ -89,6 +89,7 @@ class Zeros:
 
     def _read(self, name: str, position: float) -> float:
         """Return a position as it is read off the robot."""
+        # Adding 0 turns -0.0 into 0.0.
         return round(self._gauges[name].reading(position, self._robot), DIGITS) + 0.0
 
 

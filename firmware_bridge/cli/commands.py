@@ -113,6 +113,7 @@ def completing(place: str) -> Callable[[], list[str]]:
 
 
 def _worked(signature: Callable[..., Any], work: Callable[[Any], None]) -> Callable[..., None]:
+    # `updated` is empty, as the attributes of a class are none of a function's.
     @wraps(signature, updated=())
     def called(**given: Any) -> None:
         work(signature(**given))
@@ -166,6 +167,7 @@ class Tree:
             group = self._groups.get(place)
             if group is None:
                 _left_out(row.words, f"there is no group '{place}'")
+            # A package adds commands and never replaces one: `drive` must stay this program's own.
             elif name in group.commands:
                 _left_out(row.words, "there is one of this name")
             elif isinstance(row, CliCommand):

@@ -49,6 +49,7 @@ def say(text: str, *, err: bool = False) -> None:
         stream.write(f"{text}\n")
         stream.flush()
     except BrokenPipeError:
+        # Python flushes the stream once more at its exit: into nothing from here on.
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, stream.fileno())
         os.close(nowhere)

@@ -212,6 +212,7 @@ def run(given: DriveOptions) -> None:
     stands = zeros_of(given.zero, given.home)
     with one_message(PlanError, ShieldPlanError, RobotFileError, PathFileError, ValueError):
         machine = (
+            # A board without a watchdog is refused before any port is opened.
             watched(_with_lines(machine, places, given), accepted=given.accept_no_watchdog)
             .discriminated_by(given.bandwidth)
             .agreed_on(given.max_delay)
@@ -219,9 +220,11 @@ def run(given: DriveOptions) -> None:
         machine, _ = along_path(machine, given.path, given.path_speed)
         kind = robot_type_of(machine)
         bridge = Bridge(machine, kind, stamps.trust, stands, _mode(given.mode, kind))
+    # Read before the run overwrites them: they are offered, and never trusted.
     kept = LastPlaces(state)
     places_before = kept.read()
     bridge.offer(places_before)
+    # Next to the bridge: lines and recordings stand outside, and see what the guard lets through.
     node: Node = guarded(bridge, machine)
     node, openers, lines, hints = _links(machine, places, given, node)
     for name, system in machine.capture_links.items():
@@ -241,6 +244,7 @@ def run(given: DriveOptions) -> None:
                 StartUpFailedError,
                 unfinished=lambda: not_confirmed(bridge),
             )
+    # After a failure, too: these files are for the next run.
     finally:
         for problem in filter(None, (kept.file.settled(), stamps.settled())):
             say(f"firmware-bridge: {problem}", err=True)
@@ -287,6 +291,7 @@ def _far(node: Node, slow: "Conditions | None") -> Node:
     # A tenth of a second for NumPy, which only training needs.
     from numpy.random import default_rng
 
+    # A generator for each direction, so that traffic one way leaves the chance of the other as it is.
     return before_robot(node, OPERATOR, slow, default_rng([0, 0]), default_rng([0, 1]))
 
 

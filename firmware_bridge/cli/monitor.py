@@ -169,6 +169,7 @@ def run(given: MonitorOptions) -> None:
         return
     lines = _numbered(given.log)
     first = list(islice(lines, 1))
+    # The first line decides the format, and is put back before the others.
     if first and is_chunk(first[0][1]):
         _show_lines(given, given.log, chain(first, lines))
         return
@@ -221,6 +222,7 @@ def _live(given: MonitorOptions, picture: "BusPicture") -> None:
 
     with ExitStack() as stack:
         if on_a_terminal():
+            # Only the node draws: a thread of its own would read the picture while a frame changes it.
             shown = stack.enter_context(Live(console=terminal(), auto_refresh=False))
             node = Listening(picture, lambda _: None, lambda: shown.update(drawn(picture), refresh=True))
         else:
@@ -276,6 +278,7 @@ def _picture(given: MonitorOptions) -> "BusPicture":
     link = links[0] if given.link is None and len(links) == 1 else given.link
     if link not in links:
         raise refusal(f"{robot.name} is on these buses: {', '.join(links)}; select one with --link")
+    # Without the right bit rate the load would be wrong; the frames are decoded all the same.
     rate = given.bit_rate or robot.epos2_link(link).bit_rate
     expected = (*expected_on(robot, link), *_configured(given))
     return BusPicture(rate, expected, _sheet(given), epos2=_device(given))
@@ -306,6 +309,7 @@ def _configured(given: MonitorOptions) -> "tuple[Expected, ...]":
             sheet = configured(file)
         if not sheet.node:
             raise refusal(f"--dcf {file}: it names no node; give [DeviceComissioning] its NodeID")
+        # As if the bridge had written these values, so that the PDOs' mapping is known.
         written = tuple((address, ANY_TYPE[address].type.encode(v)) for address, v in sheet.values.items())
         found.append(Expected(sheet.node, "", written))
     return tuple(found)
@@ -320,6 +324,7 @@ def _numbered(path: Path) -> Iterator[tuple[int, str]]:
     try:
         with opened(path, "rt", encoding="ascii") as lines:
             for number, line in enumerate(lines, start=1):
+                # A file system that lost its power may leave blocks of zeros at a file's end.
                 if line.strip("\0 \t\r\n"):
                     yield number, line
                 elif "\0" in line:
@@ -338,6 +343,7 @@ def _candump(path: Path, lines: Iterator[tuple[int, str]]) -> Iterator[_Frame]:
         try:
             yield parse_candump(line.rstrip("\r\n"))
         except RecordingError:
+            # A last line without its end was cut off with the run; anywhere else it is damage.
             if line.startswith("(") and not line.endswith("\n") and number > 1:
                 say(f"{path}: its end is cut off; line {number} is left out")
                 return

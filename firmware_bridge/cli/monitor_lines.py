@@ -75,5 +75,6 @@ def _carried(
             raise refusal(f"{where}: {error}", WRONG_INPUT) from None
         begin = at if begin is None else begin
         name, spoken = side_of(packet.link)
+        # SENT is the end that has recorded: the device in its own log, the bridge in all others.
         by_device = (direction is Direction.SENT) == (spoken is not None)
         yield where, Carried(at - begin, name, name if by_device else BRIDGE, packet), spoken

@@ -62,5 +62,6 @@ def _messages(picture: BusPicture) -> Table:
 
 
 def _id(address: int) -> str:
+    # 11 bits in three digits, 29 bits in eight, as candump shows them.
     digits = 8 if address & EXTENDED else 3
     return f"{identifier(address) & EXTENDED_MASK:0{digits}X}{' R' if address & REMOTE else ''}"

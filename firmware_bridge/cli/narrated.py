@@ -72,6 +72,7 @@ class Narrated:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Forward the packet, and report the changes."""
+        # An empty packet is news of the line itself, and no sign of a device.
         if packet.payload:
             self._hints.pop(packet.link, None)
         self._raise_failure()
@@ -112,6 +113,7 @@ class Narrated:
             self._show_changes(now)
         except Exception as failure:  # noqa: BLE001 - it is raised, and nothing is reported any more
             self._silent, self._failure = True, failure
+            # What the bridge sends leaves first: no output may hold up a stop.
             return Reaction(reaction.sent, min(reaction.wake_at, now))
         return reaction
 
@@ -130,6 +132,7 @@ class Narrated:
             self._say(problem, now)
         self._show_operators(now)
         late = bridge.fleets.late
+        # Once a second at most: on a machine that is too slow each report costs time, too.
         if late != self._late and now - self._late_reported_at >= SECOND:
             self._say(f"late: {late - self._late} cycles were longer than the robot file allows", now)
             self._late, self._late_reported_at = late, now

@@ -18,6 +18,7 @@ def numbers(text: str) -> tuple[int, ...]:
         if not FIRST_NODE <= first <= last <= LAST_NODE:
             raise refusal(f"--node {text}: nodes are numbered {FIRST_NODE} to {LAST_NODE}, upwards")
         found.extend(range(first, last + 1))
+    # A node in two ranges would be searched twice.
     if len(set(found)) != len(found):
         raise refusal(f"--node {text}: a number occurs twice")
     return tuple(found)

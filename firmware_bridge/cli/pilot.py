@@ -150,6 +150,7 @@ def run(given: PilotOptions) -> None:
     driver = _driver(given, robot, kind)
     hand = {HAND: _device(given)} if isinstance(driver, AtHand) else {}
     operator = robot.operator
+    # Signatures are dated by real time, whatever the monotonic clock shows.
     trust = Trust(key=None if given.key is None else key_in(given.key), started_at=Clock().started_at)
     remembered = Remembered(trust, usual_path(f"{robot.name}.pilot").with_suffix(".stamps.json"))
     station = PilotStation(
@@ -193,6 +194,7 @@ def _driver(given: PilotOptions, robot: "AnyRobot", kind: "AnyRobotType") -> "Dr
     model: MotionModel = Unicycle() if kind.model is None else kind.model(robot)
     return PathDriver(
         lambda pose: placed(path, pose),
+        # An agreed delay lowers the top speed: speed times age stays constant.
         speed_mps=min(given.speed, robot.operator.speed_share * fastest),
         look_ahead_m=given.look_ahead,
         tightest_per_m=model.tightest_per_m,

@@ -30,6 +30,7 @@ def split_links(robot: AnyRobot, texts: Sequence[str] | None) -> tuple[list[str]
 
     An error in the latter ends the program.
     """
+    # One option has both: a place has a colon, or a link's name before its sign.
     places = [text for text in texts or () if ":" in text or text.partition("=")[0] in robot.links]
     slow = [text for text in texts or () if text not in places]
     if not slow:

@@ -36,11 +36,13 @@ def carry(
     say(f"{greeting}; Ctrl-C ends it")
     with held_up_by_nothing():
         problems, unread = list[str](), False
+        # From here on only the runner decides when it ends: a signal stops the robot first.
         try:
             ending = run(node, ports, clock or Clock(), until=end)
         except (LostPort, *failures) as failure:  # type: ignore[misc] # mypy does not see what is in them
             notes = [note for note in getattr(failure, "__notes__", ()) if note != IN_ORDER]
             problems.append("; ".join((str(failure), *notes)))
+        # What was left undone is reported whatever ended the run; then the cause goes on.
         except BaseException:
             with suppress(typer.Exit):
                 _complain([], unfinished())
@@ -61,6 +63,7 @@ def _opened(openers: Mapping[str, Callable[[], Port]]) -> dict[str, Port]:
         try:
             for link, opener in openers.items():
                 ports[link] = opener()
+        # A port that is left open would keep the next run from it.
         except PortError:
             for port in ports.values():
                 port.close()

@@ -68,6 +68,7 @@ def robots(
         # A file of one's own has the name given in it.
         read = partial(robot_types.find, name) if name else partial(robot_types.load, path)
         try:
+            # With the plant, so that a wrong parameter is reported here and not at the bench's start.
             table.add_row(*_row(name, read(plant_too=True), path))
         except RobotFileError as error:
             wrong.append(error)
@@ -85,6 +86,7 @@ def _named(wanted: Iterable[str]) -> Iterator[tuple[str, Path]]:
     installed = robot_types.robots()
     for word in wanted:
         path = Path(word)
+        # A name wins over a folder of the same name; a path has a suffix or is a file.
         named = word in installed or (path.name == word and path.suffix != ".toml" and not path.is_file())
         yield (word, installed.get(word, Path())) if named else ("", path)
 

@@ -23,6 +23,7 @@ _OTHERS: Final = stat.S_IRWXG | stat.S_IRWXO
 def trust_of(link: str, key: Path | None, allow: Sequence[str] | None, *, openly: bool) -> Trust:
     """Return the trust; an error, or an open link without its option, ends the program."""
     with one_message(PortError):
+        # Loopback needs no key: only programs of this machine reach it.
         beyond = reaches_beyond(link)
     if beyond and key is None and not openly:
         raise refusal(
@@ -46,6 +47,7 @@ def key_in(file: Path) -> bytes:
         raise refusal(f"--key {file}: cannot be read: {error.strerror}") from None
     if others and os.name == "posix":
         raise refusal(f"--key {file}: others on this machine can read it or change it; chmod 600 {file}")
+    # Ground stations make the key of a phrase by SHA-256, so the same phrase fits here.
     key = bytes.fromhex(text.decode()) if _HEXADECIMAL.fullmatch(text) else hashlib.sha256(text).digest()
     if len(text) < SHORTEST_PHRASE or b"\n" in text or key == bytes(KEY_LENGTH):
         raise refusal(

@@ -27,5 +27,6 @@ def zeros_of(texts: Sequence[str] | None, homed: Sequence[str] | None = None) ->
     for axis in homed or ():
         if axis in positions:
             raise refusal(f"--home {axis}: {axis} is given twice")
+        # NaN in the place of a position is a homing, as in MAV_CMD_USER_1.
         positions[axis] = math.nan
     return tuple(ConfirmZero(axis, number) for axis, number in positions.items())

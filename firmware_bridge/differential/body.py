@@ -120,5 +120,6 @@ class DifferentialBody(Generic[G, M, S]):
         """Return the pose after both wheels rolled on."""
         left, right = (after[name].position - before[name].position for name in self.rolling)
         base = self._robot.geometry.base
+        # Slip makes the effective track another one than the built one, so a package may give it.
         track = base.track_m if self._track is None else self._track(self._robot, pose, sensors)
         return moved(pose, left * base.wheel_radius_m, right * base.wheel_radius_m, track)

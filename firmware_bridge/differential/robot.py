@@ -90,8 +90,10 @@ class DifferentialRobot(Generic[G, M, S]):
     def reach(self, robot: Robot[G]) -> Iterator[tuple[M, S]]:
         """Yield the fastest motions: ahead, on the spot, and in the turn that pulls sideways at the limit."""
         limits = robot.geometry.limits
+        # The last one is where full speed and turn rate just reach the sideways limit.
         for turn in (0.0, limits.turn_rate_rad_s, limits.sideways_mps2 / limits.speed_mps):
             turned = min(turn, limits.turn_rate_rad_s)
+            # In the tightest turn the sideways limit, not the speed limit, is what bounds the speed.
             speed = min(limits.speed_mps, fastest_in_turn(turned, limits.sideways_mps2))
             for forward in (-speed, speed):
                 for side in (-turned, turned):
@@ -105,6 +107,7 @@ class DifferentialRobot(Generic[G, M, S]):
     def stick(self, stick: Stick, command: M, robot: Robot[G]) -> M:
         """Return the command for a stick: full stick is a limit; with `r` unused `y` turns."""
         limits = robot.geometry.limits
+        # A stick without a rudder axis steers with its sideways one.
         side = stick.left if stick.turn is None else stick.turn
         return replace(
             command,
@@ -147,6 +150,7 @@ class DifferentialRobot(Generic[G, M, S]):
     def _turns_too_fast(self, view: View[G, M, S]) -> str | None:
         limit = view.geometry.limits.turn_rate_rad_s
         turn = view.body.turn_rad_s
+        # Trips above a multiple of the limit and clears at the limit itself, so that it does not flicker.
         if abs(turn) <= (limit if view.holding else self.spin * limit):
             return None
         return f"the robot turns with {turn:.2f} rad/s, limit {limit:.2f} rad/s"

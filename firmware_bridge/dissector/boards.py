@@ -123,6 +123,7 @@ class MwLine(BoardLine):
 
     def from_board(self, chunk: bytes) -> Iterator[str]:
         """Yield answers and texts for people."""
+        # Enough of the last bytes for a banner that began in an earlier chunk.
         self._received = (self._received + chunk)[-len(mw.BANNER) - len(chunk) + 1 :]
         if mw.BANNER in self._received:
             self._received = b""
@@ -193,6 +194,7 @@ def _axis(letter: str) -> str:
 
 def _steps(steps: int) -> str:
     """Return steps as requested, and as a board with numbers of 16 bits takes them."""
+    # int16 in the sketch: a count beyond 32767 is a move the other way.
     kept = (steps + 0x8000 & 0xFFFF) - 0x8000
     return f"{steps:+d}" if kept == steps else f"{steps:+d} (in the board's 16 bits {kept:+d})"
 

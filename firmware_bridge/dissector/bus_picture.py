@@ -69,6 +69,7 @@ class NodeSeen:
     @property
     def period(self) -> Nanoseconds | None:
         """The time from one heartbeat to the next, the median of the last; None where they are too few."""
+        # The median: one late heartbeat does not change the period.
         return sorted(self.periods)[len(self.periods) // 2] if len(self.periods) > 1 else None
 
 
@@ -156,6 +157,7 @@ class BusPicture:
         """Take a frame that has arrived."""
         if self.first_at is None:
             self.first_at = self.now = now
+        # Before the frame itself: a heartbeat that arrives now was missing until now.
         late = self.pass_time(now)
         address = packet.address
         if address & ERROR:
@@ -166,6 +168,7 @@ class BusPicture:
         self._recent.add(now, bits)
         self._burst.add(now, bits)
         message = self._messages.setdefault(address, MessageSeen(packet))
+        # Decoded when it is shown: most frames of a busy bus are never looked at.
         message.packet, message.read = packet, None
         message.count += 1
         message.lately.add(now, 1)
@@ -179,6 +182,7 @@ class BusPicture:
     def _changes(self, now: Nanoseconds, packet: Packet, message: MessageSeen) -> Iterator[str]:
         """Follow a frame, and say what it has changed; PDOs are read when they are shown."""
         kind = service_name(packet)
+        # Services change what the reader knows, so they are read in order; process data does not.
         if kind not in {"pdo", "sync"}:
             message.read = self._read(packet)
         node = None if packet.address & REMOTE else self._reader.sender(packet)
@@ -216,6 +220,7 @@ class BusPicture:
             yield f"node {seen.node}: its heartbeat is back"
         if restarted:
             seen.periods.clear()
+            # The statusword of before the reset is none of the drive that has started again.
             seen.status, seen.raw_status = _NO_STATUS, b""
         elif seen.beat_at is not None and now - seen.beat_at >= SHORTEST:
             # Silence is no period; where every beat comes after one, it is the estimate that was wrong.
@@ -224,6 +229,7 @@ class BusPicture:
                 seen.periods.clear()
             if seen.late != 1:
                 seen.periods.append(now - seen.beat_at)
+        # A boot-up message is no heartbeat; the period begins with the next one.
         seen.beat_at, seen.missing = None if restarted else now, False
         seen.reported = seen.reported if state is None else state
         # It goes on to pre-operational by itself (CiA 301).

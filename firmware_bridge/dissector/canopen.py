@@ -71,6 +71,7 @@ class Canopen:
         service = service_of(packet)
         if service is not None:
             return number - service.base if service.sender == ADDED else service.sender
+        # An identifier of a PDO may be of any node: its COB-ID object decides, not the predefined set.
         for node, _, mapping in self._nodes.candidates(number):
             return node if mapping >= TRANSMIT_MAPPING else MASTER
         return None
@@ -94,6 +95,7 @@ class Canopen:
                 return node, [(response.address, response.raw)]
             return node, []
         for owner, _, mapping in self._nodes.candidates(number) if _is_pdo(number) else ():
+            # Only its own frames show a node's objects.
             known = mapping >= TRANSMIT_MAPPING and self._known(owner, mapping)
             return owner, self._nodes.contents(owner, mapping, packet.payload) if known else []
         return MASTER, []
@@ -111,6 +113,7 @@ class Canopen:
             return "NMT: no command"
         command, node = decoded
         if command in {canopen.NmtCommand.RESET_NODE, canopen.NmtCommand.RESET_COMMUNICATION}:
+            # Node 0 is all nodes (CiA 301, NMT).
             for one in [node] if node else self._nodes.known:
                 self._nodes.forget(one)
         return f"NMT {_plain(command.name)}, {f'node {node}' if node else 'all nodes'}"
@@ -162,6 +165,7 @@ class Canopen:
                     length = "" if size is None else f" of {size} bytes"
                     return f"{head} {called(address)}, segments{length} to come"
                 if address == at.VENDOR_ID and int.from_bytes(raw, "little") == MAXON:
+                    # Vendor by 0x1018:1: from now on its default mapping is known.
                     self._maxon.add(node)
                 return f"{head} {called(address)} = {self._nodes.value(node, address, raw)}"
             case sdo.DownloadResponse(address):
@@ -175,6 +179,7 @@ class Canopen:
         """Read a heartbeat, a boot-up message or the answer to node guarding."""
         state = canopen.decode_heartbeat(payload)
         if state is canopen.NmtState.BOOT_UP:
+            # After a boot-up the mapping is the saved one again.
             self._nodes.forget(node)
             return f"boot-up, node {node}"
         return f"heartbeat, node {node}: {'no state' if state is None else _plain(state.name)}"
@@ -257,6 +262,7 @@ def service_of(packet: Packet) -> Service | None:
     """Return the service that a data frame with 11 bits belongs to; None for a PDO, and for no CANopen."""
     number = identifier(packet.address)
     for service in SERVICES:
+        # EMCY and SYNC share 0x080: SYNC is the identifier itself, EMCY has a node's number added.
         if number - service.base in service.added:
             return service
     return None

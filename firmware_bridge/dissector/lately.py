@@ -19,6 +19,7 @@ class Lately:
         """Take an amount."""
         self._kept.append((now, amount))
         self._sum += amount
+        # The highest sum is reached when something is added, never in between.
         self.peak = max(self.peak, self.total(now))
 
     def total(self, now: Nanoseconds) -> int:

@@ -63,6 +63,7 @@ class MaxonCommands:
         self._asker = self._asker or sender
         if sender == self._asker:
             return self._exchange.requested(
+                # An odd byte is cut off: a serial frame has whole words.
                 Frame(packet.address & 0xFF, packet.payload[: len(packet.payload) & ~1])
             )
         _, outcome = outcome_of(packet)
@@ -86,6 +87,7 @@ class _Stream:
     def take_v1(self, byte: int) -> Frame | str | None:
         """Take a byte of V1, where bytes of the handshake stand between frames."""
         if self._first is None:
+            # Between frames O and F are acknowledgements; no opcode has these values.
             if byte in _HANDSHAKE:
                 return _HANDSHAKE[byte]
             self._first = v1.Rest(byte)
@@ -110,6 +112,7 @@ class MaxonLine:
         texts = []
         for byte in packet.payload:
             if self._v2 is None:
+                # V1 begins with an opcode, and 0x90 is none.
                 self._v2 = byte == DLE
             done = stream.take_v2(byte) if self._v2 else stream.take_v1(byte)
             if done is not None:

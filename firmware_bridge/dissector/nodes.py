@@ -52,6 +52,7 @@ class Nodes:
     def note(self, node: int, address: Address, raw: bytes) -> None:
         """Take note of what is written to a node."""
         written = self._written.setdefault(node, {})
+        # 0x1010: what was written until now survives a reset (CiA 301).
         if address == _SAVE:
             self._saved[node] = dict(written)
         row = ANY_TYPE.get(address)
@@ -96,6 +97,7 @@ class Nodes:
     def candidates(self, number: int) -> Iterator[tuple[int, str, int]]:
         """Yield node, title and index of the mapping of each PDO that has this identifier now."""
         predefined = number & canopen.NODE_MASK
+        # Nodes that were written to may use any identifier, so they come first.
         for node in dict.fromkeys((*self._written, predefined)):
             if not node:
                 continue
@@ -112,6 +114,7 @@ class Nodes:
         """Return each mapped object with its bytes; none where the bytes are not those of the mapping."""
         count = min(self.entry(node, mapping, 0), MAX_ENTRIES)
         entries = [MappingEntry.decode(self.entry(node, mapping, place + 1)) for place in range(count)]
+        # Decoded by a wrong mapping the values would look plausible.
         if sum(entry.bits for entry in entries) != 8 * len(payload):
             return []
         found, begin = [], 0

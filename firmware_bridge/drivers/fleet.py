@@ -112,6 +112,7 @@ class Fleet:
 
     def sampled(self, since: Nanoseconds) -> bool:
         """Return whether every drive has reported its sample of the cycle that began at `since`."""
+        # The oldest sample decides; a link without drives has nothing to wait for.
         return min([driver.sampled_at for driver in self.drivers], default=since) >= since
 
     def readings(self, now: Nanoseconds) -> Mapping[str, Reading]:
@@ -147,6 +148,7 @@ class Fleet:
         sent: tuple[Packet, ...] = ()
         for driver in self.sensors:
             sensor = driver.sensor
+            # A sensor that was never read is due at once.
             if now >= self._ask_at.get(sensor.name, now):
                 self._ask_at[sensor.name] = now + sensor.every_ms * MILLISECOND
                 sent += driver.measure(now)

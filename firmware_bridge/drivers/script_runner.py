@@ -100,6 +100,7 @@ class ScriptRunner:
 
     def run(self, script: Script, now: Nanoseconds) -> Sent:
         """Begin a script in place of whatever was under way."""
+        # A new script replaces the old one whole: two at once would mix their answers.
         self.stop()
         return self._advance(script, now)
 
@@ -128,6 +129,7 @@ class ScriptRunner:
         if rest is None:
             return ()
         if requested is not None:
+            # The outcome is turned into steps, so that an error in it ends the script like any other.
             outcome = self._client.take()
             return () if outcome is None else self._advance((Do(lambda: requested.then(outcome)), *rest), now)
         if until is not None and not until.met():
@@ -157,6 +159,7 @@ class ScriptRunner:
                         return sent
                 case Do(act):
                     try:
+                        # What a step adds comes before the rest.
                         script = (*act(), *script)
                     except StartupError as failure:
                         self.stop(failure)

@@ -118,6 +118,7 @@ class SdoClient:
         if transfer is None:
             return ()
         match sdo.decode_response(payload):
+            # An abort without an address is a server's that did not understand the frame.
             case sdo.Abort(address, code) if address in (transfer.address, sdo.NOWHERE):
                 return self._end(SdoRefusedError(transfer, code))
             case sdo.DownloadResponse(address) if transfer.raw is not None and address == transfer.address:
@@ -135,6 +136,7 @@ class SdoClient:
         transfer = self._transfer
         if transfer is None or now < self.wake_at:
             return ()
+        # The server gets the abort, too: else its transfer would stay open and refuse the next one.
         abort = sdo.encode_abort(transfer.address, AbortCode.TIMEOUT)
         if self._attempts_left:
             return (abort, *self._ask(transfer, now))
@@ -169,12 +171,15 @@ class SdoClient:
     def _gather(
         self, transfer: Transfer, gathered: bytearray, segment: sdo.SdoSegment, now: Nanoseconds
     ) -> tuple[bytes, ...]:
+        # CiA 301: the toggle bit alternates; a repeated segment would be counted twice otherwise.
         if segment.toggle is not self._toggle:
             return self._break(transfer, AbortCode.TOGGLE, "the toggle bit did not alternate")
+        # A server that sends empty segments for ever would keep the client busy for ever.
         if not segment.raw and not segment.last:
             what = "a segment has no data, and is not the last"
             return self._break(transfer, AbortCode.UNKNOWN_COMMAND, what)
         gathered += segment.raw
+        # The announced size may be missing or wrong, so what came is counted.
         if len(gathered) > LARGEST_UPLOAD:
             return self._break(
                 transfer, AbortCode.OUT_OF_MEMORY, f"it does not end after {len(gathered)} bytes"

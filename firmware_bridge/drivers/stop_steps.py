@@ -79,5 +79,6 @@ def sums(steps: tuple[StopStep, ...], speed: float) -> tuple[Nanoseconds, Nanose
     """Return how long a stop lasts at most from this speed: until the power is taken, and in all."""
     first = next((place for place, step in enumerate(steps) if step.ends_power), len(steps) - 1)
     gentle = sum(step.lasts(speed) for step in steps[:first])
+    # The gentle stages end after their common time, whatever each of them may last.
     taken = min(gentle, gentle_within(steps)) + steps[first].lasts(speed)
     return taken, taken + sum(step.lasts(speed) for step in steps[first + 1 :])

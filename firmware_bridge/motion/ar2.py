@@ -48,6 +48,7 @@ def postures(pose: Matrix, near: Angles) -> list[tuple[float, ...]]:
     """
     found = [
         tuple(nearest_turn(angle, to) for angle, to in zip((*arm, *wrist), near, strict=True))
+        # Back along the tool's axis to the point in which the wrist's three axes meet.
         for arm in _arms(pose[:3, 3] - TOOL_M * pose[:3, 2], near[0])
         for wrist in _wrists(arm, pose, near[3])
     ]
@@ -70,8 +71,10 @@ def _arms(wrist: Matrix, near: float) -> Iterator[tuple[float, float, float]]:
     x, y, z = (float(it) for it in wrist)
     away = math.hypot(x, y)
     for side in (1.0, -1.0):
+        # On the first axis every angle of it leads to the point: the present one is kept.
         turned = math.atan2(side * y, side * x) if away > STRAIGHT else near
         along, down = side * away - SHOULDER_M, HEIGHT_M - z
+        # Law of cosines in the triangle of shoulder, elbow and wrist; beyond 1 the point is out of reach.
         cosine = (along**2 + down**2 - UPPER_ARM_M**2 - FOREARM_M**2) / (2.0 * UPPER_ARM_M * FOREARM_M)
         if abs(cosine) > 1.0:
             continue
@@ -89,11 +92,13 @@ def _wrists(
         before = before @ link.transform(angle)[:3, :3]
     left = before.T @ pose[:3, :3]
     sine = math.hypot(left[0, 2], left[1, 2])
+    # Joints 4 and 6 turn about one axis here, so only their sum or difference is determined.
     if sine < STRAIGHT:
         upright = left[2, 2] > 0.0
         total = math.atan2(left[1, 0], left[0, 0]) if upright else math.atan2(-left[1, 0], -left[0, 0])
         yield near, 0.0 if upright else math.pi, (total - near if upright else near - total) - math.pi
         return
+    # Joint 5 to the other side, with 4 and 6 turned by half a turn, is the same orientation.
     for side in (1.0, -1.0):
         yield (
             math.atan2(side * left[1, 2], side * left[0, 2]),

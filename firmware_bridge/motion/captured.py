@@ -142,6 +142,7 @@ class Captured:
 
     def _carry_on(self, odometry: Pose, at: Nanoseconds) -> None:
         rolled = self._rolled
+        # The same samples again.
         if rolled and rolled[-1][0] >= at:
             return
         if rolled:
@@ -156,6 +157,7 @@ class Captured:
         """Believe a captured pose, or refuse it."""
         located = self.located
         numbers = all(map(math.isfinite, (sight.pose.x_m, sight.pose.y_m, sight.pose.heading_rad)))
+        # Odometry's pose of that instant is not remembered any more.
         if sight.at < now - REMEMBERED or not numbers:
             self._refuse(located.off_m, located.off_rad)
             return
@@ -166,6 +168,7 @@ class Captured:
             expected = _carried(*self._anchor, then)
             off = sight.pose.x_m - expected.x_m, sight.pose.y_m - expected.y_m
             off_m = math.hypot(*off)
+            # The cameras' heading is known up to whole turns; the difference is that of the nearest one.
             off_rad = math.remainder(heading - expected.heading_rad, math.tau)
             heading = expected.heading_rad + off_rad
             bounds = self._bounds
@@ -181,6 +184,7 @@ class Captured:
             return
         self._anchor = seen
         self._believed_at = sight.at
+        # What was rolled so far is part of this pose, so the possible error begins again at 0.
         self._way_m = self._turn_rad = 0.0
         self.located = replace(
             located, off_m=off_m, off_rad=off_rad, refused=0, slip_mps=math.hypot(*self._slip)
@@ -207,6 +211,7 @@ class Captured:
     def _slipped(self, off: tuple[float, float], elapsed: Nanoseconds) -> tuple[float, ...]:
         """Return the mean slip after so much of it in a time."""
         seconds = to_seconds(elapsed)
+        # A mean with a time constant, however far apart two poses are.
         share = -math.expm1(-elapsed / SLIPS_OVER)
         x, y = self._slip
         return x + share * (off[0] / seconds - x), y + share * (off[1] / seconds - y)
@@ -231,11 +236,13 @@ class Captured:
         """Return odometry's pose at an instant: between two samples, or on from the last two."""
         rolled = self._rolled
         later = len(rolled) - 1
+        # Backwards, as a captured pose is mostly a few samples old.
         while later > 1 and rolled[later - 1][0] >= at:
             later -= 1
         if later < 1:
             return rolled[later][1]
         (since, before), (until, after) = rolled[later - 1], rolled[later]
+        # Above 1 the motion of the last two samples goes on; before the oldest sample nothing is known.
         share = max((at - since) / (until - since), 0.0)
         return Pose(
             before.x_m + share * (after.x_m - before.x_m),
@@ -246,6 +253,7 @@ class Captured:
 
 def _carried(seen: Pose, then: Pose, now: Pose) -> Pose:
     """Return a seen pose carried on by what odometry went from `then` until `now`."""
+    # The turn between odometry's axes and the cameras', which odometry's heading knows nothing of.
     turn = seen.heading_rad - then.heading_rad
     ahead, left = now.x_m - then.x_m, now.y_m - then.y_m
     cosine, sine = math.cos(turn), math.sin(turn)

@@ -61,6 +61,7 @@ class Chain:
     def jacobian(self, angles: Angles) -> Matrix:
         """Return how the tool moves with each joint, in the floor's frame: m/s above rad/s, 6 x n."""
         frames = np.array(self.frames(angles))
+        # A turning joint moves the tool with its axis times the lever, and turns it about its axis.
         axes, levers = frames[:-1, :3, 2], frames[-1, :3, 3] - frames[:-1, :3, 3]
         return np.hstack((np.cross(axes, levers), axes)).T
 

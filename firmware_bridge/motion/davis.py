@@ -62,6 +62,7 @@ def steer_from_pinion(base: DavisBase, pinion_rad: float) -> float:
 def curvature(base: DavisBase, steer_rad: float) -> float:
     """Return 1/R of the rear axle's middle in 1/m (2.13), left positive, 0 straight ahead."""
     sine, cosine = math.sin(steer_rad), math.cos(steer_rad)
+    # (2.13) with sine and cosine: the cotangent that is printed has no value straight ahead.
     return sine / (base.kingpin_distance_m / 2.0 * abs(sine) + base.wheelbase_m * cosine)
 
 

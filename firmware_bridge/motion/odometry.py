@@ -19,6 +19,7 @@ def moved(pose: Pose, left_m: float, right_m: float, track_m: float) -> Pose:
     length = (left_m + right_m) / 2.0
     turn = (right_m - left_m) / track_m
     half = turn / 2.0
+    # The chord of an arc is shorter than the arc by sin(half) / half, and 0 / 0 straight ahead.
     chord = length if abs(turn) < _STRAIGHT_RAD else length * math.sin(half) / half
     course = pose.heading_rad + half
     return Pose(

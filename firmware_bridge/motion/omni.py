@@ -40,6 +40,7 @@ def twist(speeds: tuple[float, float, float], distance_m: float) -> BodyTwist:
     """Return the motion for the rims' speeds in m/s, the inverse of P(0) (2.14)."""
     pairs = list(zip(ANGLES, speeds, strict=True))
     return BodyTwist(
+        # The squares of the three sines, as of the cosines, add up to 3 / 2.
         sum(-math.sin(angle) * speed for angle, speed in pairs) * 2.0 / 3.0,
         sum(math.cos(angle) * speed for angle, speed in pairs) * 2.0 / 3.0,
         sum(speeds) / (3.0 * distance_m),
@@ -79,6 +80,7 @@ class OmniRamp:
         """Return the next demand, `elapsed` after `before`."""
         seconds = to_seconds(min(elapsed, self.longest_step))
         change = BodyTwist(*(new - old for old, new in zip(before, target, strict=True)))
+        # The slowest of all changes gives the time, so that the motion goes straight to its target.
         along = math.hypot(change.ahead, change.left) / self.acceleration_mps2
         needed = max(along, abs(change.turn) / self.turn_acceleration_rad_s2)
         if needed <= seconds:

@@ -74,11 +74,13 @@ def functions(begin: OrbitState, time: float, mu: float = 1.0) -> Functions:
     first = float(np.linalg.norm(begin.place))
     if not first > 0.0:
         raise ValueError("an orbit's state is not at its center: give a place that is not 0")
+    # Backwards in time is forwards with the speed reversed: F is even in time and G is odd.
     if time < 0.0:
         back = functions(OrbitState(begin.place, -begin.speed), -time, mu)
         return Functions(back.f, -back.g, -back.f_rate, back.g_rate)
     root, inverse = math.sqrt(mu), -2.0 * begin.energy(mu) / mu
     turns = period(begin, mu)
+    # Whole revolutions change nothing, and would cost digits of the anomaly.
     left = math.fmod(time, turns) if turns < math.inf else time
     radial = float(begin.place @ begin.speed) / root
     anomaly = _anomaly(first, radial, inverse, root * left)
@@ -109,6 +111,7 @@ def stumpff(value: float) -> tuple[float, float]:
     """Return C and S, (1 - cos x) / x^2 and (x - sin x) / x^3 for x^2 = `value`, also below 0."""
     if abs(value) < SERIES_BELOW:
         c = s = 0.0
+        # Horner's scheme: near 0 the closed form subtracts two numbers that are almost equal.
         for term in range(TERMS, -1, -1):
             c = 1.0 - value * c / ((2 * term + 3) * (2 * term + 4))
             s = 1.0 - value * s / ((2 * term + 4) * (2 * term + 5))
@@ -129,6 +132,7 @@ def _anomaly(first: float, radial: float, inverse: float, time: float) -> float:
         value, slope = _late(first, radial, inverse, guess)
         low, high = (guess, high) if value < time else (low, guess)
         better = guess - (value - time) / slope
+        # Newton's step where it stays in the bracket, else bisection, which cannot fail.
         better = better if low <= better <= high else 0.5 * (low + high)
         if abs(better - guess) <= EXACT * max(1.0, abs(guess)):
             return better

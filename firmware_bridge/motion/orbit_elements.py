@@ -39,6 +39,7 @@ def elements(of: OrbitState, mu: float = 1.0) -> Elements:
     if abs(energy) < NONE or size < NONE:
         raise ValueError("a parabola and a straight fall have no semi-major axis with an angle: give another")
     normal = momentum / size
+    # Laplace's vector: towards the periapsis, and as long as the eccentricity.
     shape = np.cross(of.speed, momentum) / mu - of.place / np.linalg.norm(of.place)
     eccentricity = float(np.linalg.norm(shape))
     across = math.hypot(normal[0], normal[1])
@@ -47,6 +48,7 @@ def elements(of: OrbitState, mu: float = 1.0) -> Elements:
     return Elements(
         -mu / (2.0 * energy),
         eccentricity,
+        # The arc cosine would lose half of the digits near 0 and 180 degrees.
         math.atan2(across, normal[2]),
         math.atan2(to_node[1], to_node[0]) % math.tau,
         _angle(to_node, to_periapsis, normal),

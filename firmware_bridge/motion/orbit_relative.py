@@ -39,6 +39,7 @@ def relative(chief: OrbitState, deputy: OrbitState) -> OrbitState:
     """Return the deputy in the chief's frame, which turns with it; exact, for any orbits."""
     frame, turn = _frame(chief)
     apart = deputy.place - chief.place
+    # In a frame that turns, the speed lacks the turn times the distance.
     return OrbitState(frame @ apart, frame @ (deputy.speed - chief.speed - np.cross(turn, apart)))
 
 

@@ -53,6 +53,7 @@ class Scale:
             along = self.metres_per_du * float(np.hypot(*it.speed[:2]))
             bend = self.metres_per_du * float(np.hypot(*it.place[:2]) / np.linalg.norm(it.place) ** 3)
             rises = self.height_per_du * abs(float(it.speed[2])) / rising_mps
+            # Time stretched by k divides speeds by k and accelerations by k squared, hence the root.
             stretch = max(stretch, along / fastest_mps, math.sqrt(bend / hardest_mps2), rises)
         return replace(self, seconds_per_tu=stretch)
 

@@ -42,6 +42,7 @@ class Ramp:
         seconds = to_seconds(min(elapsed, self.longest_step))
         reach = self.limit_mps2 * seconds
         nearest = min(max(target, speed_mps - reach), speed_mps + reach)
+        # The faster end of the step has the larger centripetal acceleration.
         fastest = max(abs(speed_mps), abs(nearest))
         along = math.sqrt(max(self.limit_mps2**2 - (fastest**2 * bend) ** 2, 0.0))
         if abs(nearest) < abs(speed_mps):

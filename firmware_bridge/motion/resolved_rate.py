@@ -80,6 +80,7 @@ def resolved(
                 for joint, rate in zip(moving, rates, strict=True)
             ]
         )
+        # Least squares with weights: each column is scaled by 1 / sqrt(weight), and the result once more.
         rates = spread * (_damped(jacobian * spread, watch.damping) @ wanted)
     found = np.zeros(len(chain.links))
     found[list(moving)] = rates
@@ -143,6 +144,7 @@ def _inverse(jacobian: Matrix, damping: Damping) -> tuple[Matrix, Watch]:
 
 def _damped(jacobian: Matrix, added: float) -> Matrix:
     """Return J' (J J' + damping)^-1, which is the inverse of least squares where nothing is added."""
+    # Undamped, J J' may be singular to the last bit, which the pseudo-inverse stands.
     if not added:
         inverse: Matrix = np.asarray(np.linalg.pinv(jacobian), np.float64)
         return inverse
@@ -154,6 +156,7 @@ def _damped(jacobian: Matrix, added: float) -> Matrix:
 def _weight(angle: float, least: float, most: float, rate: float) -> float:
     """Return 1 where a joint goes away from its limit, and more the nearer it comes, `HEAVIEST` at most."""
     above, below = most - angle, angle - least
+    # At or beyond its limit a joint is heavy only where it would go further out.
     if above <= 0.0 or below <= 0.0:
         return HEAVIEST if (above <= 0.0) == (rate > 0.0) else 1.0
     slope = (most - least) ** 2 * (2.0 * angle - most - least) / (4.0 * above**2 * below**2)

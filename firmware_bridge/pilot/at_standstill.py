@@ -24,6 +24,7 @@ class SeenAtRest:
 
     def look(self, resting: Mapping[str, bool], *, armed: bool) -> None:
         """Learn which controls rest, by their names."""
+        # Armed by another station: what is deflected here must be neutral first.
         if armed and not self._armed and not self._arm_requested:
             self._rested.clear()
         self._arm_requested = self._arm_requested and not armed

@@ -51,6 +51,7 @@ class Cockpit:
             self._handled(packet.payload, now)
             return Reaction((), self._due)
         reaction = self._station.receive(packet, now)
+        # Once only: a robot that disarms itself must not be armed again by a program.
         if self._arms and self._station.shown.received:
             self._arms = False
             self._station.order(*ARM, now)
@@ -65,6 +66,7 @@ class Cockpit:
 
     def stop(self, now: Nanoseconds) -> Reaction:
         """Let everything go, and disarm: one frame of each, what is lost then is silence."""
+        # Ordered first, so that the one wake-up below sends it with the last stick.
         self._station.order(*DISARM, now)
         return Reaction(self._station.wake(now).sent, NEVER)
 

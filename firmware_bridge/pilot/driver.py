@@ -69,6 +69,8 @@ class Extras:
     def encoded(self, up: float, switched: Collection[int]) -> tuple[float, int]:
         """Return the stick's `up` and `buttons`, for the switches that are pressed, counted from 0."""
         buttons = sum(1 << button for number, button in enumerate(self.switches) if number in switched)
+        # The lift's stick counts only while its button is pressed, which the operator does not have to do
+        # here.
         if up and self.up_button is not None:
             buttons |= 1 << self.up_button
         return up, buttons

@@ -79,6 +79,7 @@ class PathDriver:
             self._does = self._coming.popleft()[1]
         command = self._let_go(self._does, trip, now)
         if self.predictor is not None:
+            # Half a round trip is the way up, as long as both directions are equally slow.
             self.predictor.on_command(now, trip // 2, command.speed_mps, command.yaw_rate_rad_s)
         return command
 
@@ -93,6 +94,7 @@ class PathDriver:
         bend = self._pursuit.arc(seen.pose).curvature_per_m
         if self._pursuit.ended:
             return REST
+        # A tighter arc than the robot can drive would only be clipped there, and be predicted wrongly here.
         bend = math.copysign(min(abs(bend), self._tightest), bend)
         return Target(self._speed, self._speed * bend)
 
@@ -106,6 +108,7 @@ class PathDriver:
         if command == REST or now < self._lets_go_until:
             self._moved_at = max(self._moved_at, now)
         elif now - self._moved_at > STANDS_FOR + trip:
+            # The bridge requires neutral after an interlock: without this the robot would wait for ever.
             self._lets_go_until = now + LETS_GO_FOR + trip
             self.held_back += 1
         return REST if now < self._lets_go_until else command

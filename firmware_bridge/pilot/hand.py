@@ -30,6 +30,7 @@ class StickInput:
         """Take the device's bytes; yield what its buttons ask for."""
         device = self.controls.device
         for button in self.controls.received(chunk):
+            # Only with the pedal released: the sign would change at full speed otherwise.
             if button == device.reverse and self.controls.accelerator < PLAY:
                 self.reverse = not self.reverse
             elif button == device.arm:

@@ -93,9 +93,11 @@ class Controls:
     def received(self, chunk: bytes) -> Iterator[int]:
         """Take bytes, cut anywhere; yield the buttons that go down, each before what comes after it."""
         whole = self._rest + chunk
+        # An event may be cut between two reads.
         end = len(whole) - len(whole) % EVENT.size
         self._rest = whole[end:]
         for _, value, kind, number in EVENT.iter_unpack(whole[:end]):
+            # The states at the opening count for axes, but a button that was down then was not pressed now.
             if kind & ~AT_OPENING == AXIS:
                 self._axes[number] = value
             elif kind == BUTTON and value:
@@ -139,4 +141,5 @@ class Controls:
 
     def _off(self, at: At) -> int:
         """Return how far an axis is off its rest."""
+        # -32768 is possible and would be more than full deflection.
         return max(-FULL, self._axes.get(at.number, at.rest)) - at.rest

@@ -71,6 +71,7 @@ class Keyboard:
 
     def command(self, _link: PilotLink, now: Nanoseconds, *, armed: bool) -> Stick:
         """Return the command of the keys; once the robot is armed, only of those released since."""
+        # The repetition of the key is the enabling switch: a released key is noticed only by its absence.
         if now >= self._until:
             self._let_go()
         driven = bool(self._forward or self._up)
@@ -93,6 +94,7 @@ class Keyboard:
             self._helm = 0.0
 
     def _down(self, key: bytes, now: Nanoseconds) -> None:
+        # The first repetition of a terminal comes late, the following ones quickly.
         again = key == self._key and now < self._until
         self._key, self._until = key, now + (REPEATS if again else BEGINS)
 
@@ -104,6 +106,7 @@ class Keyboard:
         """Yield the keys, arrows as the letters that mean the same."""
         at, whole = 0, self._rest + chunk
         while at < len(whole):
+            # Arrows are three bytes from Escape on, which may arrive in parts.
             key = whole[at : at + 1]
             if key != _ESCAPE:
                 at += 1

@@ -53,6 +53,7 @@ class PilotLink:
     def round_trip(self, now: Nanoseconds) -> Nanoseconds | None:
         """Return how long it takes there and back; after a silence what it was; None before any answer."""
         newest = self._trips.newest(now)
+        # After a silence the last known value is the better guess than none.
         if newest is not None:
             self._round_trip = newest
         return self._round_trip
@@ -60,4 +61,5 @@ class PilotLink:
     def measured_at(self, robots: Nanoseconds, now: Nanoseconds) -> Nanoseconds | None:
         """Return when the robot's clock showed this, by ours; None while its clock is not known."""
         shows = self.clock.shows(now)
+        # The age of the reading by the robot's clock, taken off our own.
         return None if shows is None else now - (shows - robots)

@@ -55,6 +55,7 @@ class Path:
     def at(self, along_m: float) -> Pose:
         """Return place and direction so far along; an open path goes straight on at its ends."""
         along = along_m % self.length_m if self.closed else along_m
+        # The last chord goes on at the end, the first one before the begin.
         place = min(max(bisect_right(self._begins, along) - 1, 0), len(self.points) - 2)
         (x, y), (to_x, to_y) = self.points[place], self.points[place + 1]
         course = math.atan2(to_y - y, to_x - x)
@@ -69,9 +70,11 @@ class Path:
             length = self._begins[place + 1] - self._begins[place]
             ahead, left = (to_x - x) / length, (to_y - y) / length
             dx, dy = point[0] - x, point[1] - y
+            # The foot of the perpendicular, kept within the chord.
             on = min(max(dx * ahead + dy * left, 0.0), length)
             away = math.hypot(dx - on * ahead, dy - on * left)
             if best is None or away < best[0]:
+                # The cross product of direction and offset has the sign of the side: left is positive.
                 best = away, self._begins[place] + on, math.copysign(away, ahead * dy - left * dx)
         if best is None:
             raise PathError("nothing of the path is there")
@@ -83,6 +86,7 @@ class Path:
             first = max(bisect_right(self._begins, low_m) - 1, 0)
             last = min(bisect_right(self._begins, high_m), count)
             return range(min(first, count - 1), max(last, 1))
+        # More than a whole round: every chord once.
         if high_m - low_m >= self.length_m:
             return range(count)
         first = bisect_right(self._begins, low_m % self.length_m) - 1

@@ -49,6 +49,7 @@ class Predictor:
 
     def seen(self, measured_at: Nanoseconds, moving: Moving) -> None:
         """Take a received pose, and its instant; one that is older than the newest is ignored."""
+        # Datagrams may overtake one another.
         if self._newest is not None and measured_at < self._newest[0]:
             return
         self._newest = measured_at, moving
@@ -61,6 +62,7 @@ class Predictor:
             after = self._predicted[0] if self._predicted else before
             reported = _between(before, after, measured_at)
             self.error_m = math.hypot(reported.x_m - moving.pose.x_m, reported.y_m - moving.pose.y_m)
+        # Kept, as the next pose may lie between this prediction and the next.
         self._predicted.appendleft(before)
 
     def at(self, instant: Nanoseconds) -> Moving | None:
@@ -73,11 +75,13 @@ class Predictor:
         while now < instant:
             while coming and coming[0].acts_at <= now:
                 _, speed, turn = coming.popleft()
+            # Steps end where a command begins to act, so that none is smeared over a step.
             until = min(now + STEP, instant)
             if coming:
                 until = min(until, coming[0].acts_at)
             moving = self._model.step(moving, speed, turn, to_seconds(until - now))
             now = until
+        # A prediction for an earlier instant than the last replaces it: the round trip has become shorter.
         while self._predicted and self._predicted[-1][0] >= instant:
             self._predicted.pop()
         self._predicted.append((instant, moving.pose))

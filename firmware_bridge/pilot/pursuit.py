@@ -66,11 +66,13 @@ class Pursuit:
             low, high = self._along - BEHIND_M, self._along + AHEAD * self._look_ahead
         self._along, away = self.path.nearest((pose.x_m, pose.y_m), low, high)
         distance = self._look_ahead
+        # Where the circle does not reach the path there is no goal.
         while distance <= GRAZES * abs(away):
             distance *= LARGER
         goal = self._goal(pose, self._along, distance)
         dx, dy = goal[0] - pose.x_m, goal[1] - pose.y_m
         left = dy * math.cos(pose.heading_rad) - dx * math.sin(pose.heading_rad)
+        # (5.3): the radius is l^2 / (2 x), the curvature its inverse.
         return Arc(2.0 * left / (dx * dx + dy * dy), goal, distance)
 
     def _goal(self, pose: Pose, along: float, distance: float) -> Point:
@@ -79,6 +81,7 @@ class Pursuit:
         outside = along + STEP_M
         while outside < farthest and self._apart(pose, outside) < distance:
             inside, outside = outside, outside + STEP_M
+        # Bisection: 20 halvings of 20 mm leave 20 nm.
         for _ in range(20):
             middle = (inside + outside) / 2.0
             if self._apart(pose, middle) < distance:

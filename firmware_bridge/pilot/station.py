@@ -127,6 +127,7 @@ class PilotStation:
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Read the robot's messages; its requests are answered at once."""
         for message in self._codec.decode(packet.payload):
+            # Another robot, or a third party, on the same network.
             if message.get_srcSystem() != self._target[0] or not self._believed(message, packet.address, now):
                 continue
             self._place = packet.address
@@ -151,6 +152,7 @@ class PilotStation:
             messages.append(self.link.question(now))
         messages += self._ordered(now)
         if now >= self._command_due:
+            # Not from now on: the rate stays, whatever the delay of one wake-up.
             self._command_due += PERIOD
             command = self.driver.command(self.link, now, armed=self.shown.armed)
             messages.append(self._encoded(command, now))
@@ -180,6 +182,7 @@ class PilotStation:
     @property
     def _under_way(self) -> list[PendingCommand]:
         """Return one order of each number: an answer carries a number alone."""
+        # Reversed, so that of several the oldest is kept.
         return list({order.number: order for order in reversed(self._orders)}.values())
 
     def _ordered(self, now: Nanoseconds) -> list[Message]:
@@ -191,9 +194,11 @@ class PilotStation:
                 continue
             params = (*order.params, *(0.0,) * (_PARAMS - len(order.params)))
             messages.append(
+                # `confirmation` counts the repetitions, so that a receiver distinguishes them from a new command.
                 dialect.MAVLink_command_long_message(*self._target, order.number, order.tries, *params)
             )
             order.tries += 1
+            # A repetition before the answer can be here would be for nothing.
             order.due = now + RETRY_AFTER + (self.link.round_trip(now) or 0)
         return messages
 
@@ -208,9 +213,11 @@ class PilotStation:
                 _axis(-command.left),
                 command.buttons,
             )
+        # time_boot_ms has 32 bits of milliseconds, and wraps.
         return _velocity(self._target, command, max(now // MILLISECOND, 1) & _BOOT_MASK)
 
     def _heartbeat(self, message: Message, now: Nanoseconds) -> None:
+        # A robot that restarted has forgotten the intervals.
         if self._beat_at is None or now - self._beat_at > SILENT:
             for number, period in self._requests.items():
                 self.order(f"message {number}", ORDER, (float(number), period / MICROSECOND), now)
@@ -223,6 +230,7 @@ class PilotStation:
         for order in self._orders:
             if order.number == message.command and order.tries:
                 if again:
+                    # In progress, or refused for now: the same command may succeed later.
                     order.tries = 1
                     return
                 self._orders.remove(order)
@@ -238,6 +246,7 @@ class PilotStation:
 
     def _located(self, message: Message, now: Nanoseconds) -> None:
         w, _, _, z = message.q
+        # NED to x ahead, y left: y and the heading change sign; heading = 2 atan2(z, w) for a turn about z.
         pose = Pose(message.x, -message.y, -2.0 * math.atan2(z, w))
         moving = Moving(pose, message.vx, -message.yawspeed)
         sight = Sight(moving, self.link.measured_at(message.time_usec * 1000, now), now)
@@ -255,6 +264,7 @@ class PilotStation:
         self.shown.battery_v = None if message.voltages[0] == UNKNOWN_U16 else message.voltages[0] / 1000.0
 
     def _timed(self, message: Message, now: Nanoseconds) -> None:
+        # tc1 = 0 is a request, which the answer returns with our own time.
         if message.tc1 == 0:
             self._answers.append(dialect.MAVLink_timesync_message(max(now, 1), message.ts1))
         else:
@@ -280,5 +290,6 @@ def _velocity(target: tuple[int, int], command: Target, boot_ms: int) -> Message
         *(command.speed_mps, 0.0, 0.0),
         *nothing,
         0.0,
+        # Body axes of NED: a yaw rate is clockwise positive.
         -command.yaw_rate_rad_s,
     )

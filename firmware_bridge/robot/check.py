@@ -43,6 +43,7 @@ def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
     yield from _battery(table, sensors)
     yield from _captured(axes, sensors, links)
     names = [axis.get("name") for axis in axes]
+    # Other tables refer to axes by name: a missing or doubled one is reported already, and would be so again.
     if all(isinstance(name, str) and names.count(name) == 1 for name in names):
         for key, rows in (("sensors", sensors), ("outputs", outputs)):
             yield from _at_drives(key, rows, axes, links)
@@ -78,11 +79,13 @@ def _roles(axes: list[Raw], roles: Mapping[str, str]) -> Iterator[Problem]:
     given = [axis.get("role", axis.get("name")) for axis in axes]
     missing = [role for role in roles if role not in given]
     for index, role in enumerate(given):
+        # A role of a wrong type is reported at its own key, and may be any of the missing ones.
         if not isinstance(role, str):
             missing.clear()
         elif role not in roles:
             key = "role" if "role" in axes[index] else "name"
             yield Problem(f"axes[{index}].{key}", f"'{role}' is no role of this kind; {near(role, roles)}")
+            # A misspelled role is one mistake: it is not reported as missing, too.
             missing = [one for one in missing if one not in nearest(role, roles)]
         elif role in given[:index]:
             key = f"axes[{index}].{'role' if 'role' in axes[index] else 'name'}"
@@ -102,6 +105,7 @@ def _profiles(axes: list[Raw]) -> Iterator[Problem]:
         else:
             bound, rpm = "max_velocity_rpm", _number(profile.get("max_velocity_rpm"))
         velocity = _number(profile.get("velocity_rpm"))
+        # Every comparison with NaN is false: a value that is missing here is reported elsewhere.
         if velocity > rpm * (1.0 + ROUNDING):
             key = f"axes[{index}].settings.profile.velocity_rpm"
             yield Problem(key, f"{velocity:.10g} is above {bound}, which is {rpm:.5g} rpm of the motor")
@@ -119,6 +123,7 @@ def _at_drives(key: str, rows: list[Raw], axes: list[Raw], links: Collection[str
         link = found.get(axis)
         if axis not in found:
             yield Problem(f"{key}[{index}].settings.axis", f"no axis '{axis}'; {near(axis, found)}")
+        # One chained comparison: not the row's own link, and that link exists.
         elif isinstance(link, str) and link in links and link != row.get("link") in links:
             yield Problem(f"{key}[{index}].link", f"the axis '{axis}' is on the link '{link}'")
         if isinstance(output, int):
@@ -198,6 +203,7 @@ def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Itera
             continue
         if node in nodes:
             yield Problem(key, f"{node} is the node of axes[{nodes[node]}], too")
+        # The bridge's heartbeat would be taken for that drive's, and the other way round.
         elif node == link.get("bridge_node"):
             yield Problem(key, f"{node} is the bridge's own node, links.{name}.bridge_node")
         nodes.setdefault(node, index)
@@ -209,6 +215,7 @@ def _carried(name: str, link: Raw, axes: list[Raw], sensors: list[Raw]) -> Itera
 def _watched(name: str, link: Raw, nodes: Collection[int]) -> Iterator[Problem]:
     gateway = link.get("gateway")
     if link.get("driver") == SERIAL and gateway in NODE_IDS and nodes:
+        # The gateway does not receive its own frames, so it can only watch another drive of the bus.
         if gateway not in nodes:
             yield Problem(f"links.{name}.gateway", f"{gateway} is not the node of an axis on this link")
         elif len(nodes) == 1:
@@ -219,6 +226,7 @@ def _in_time(name: str, link: Raw, cycle_ms: object) -> Iterator[Problem]:
     every, silent_ms = link.get("every", 1), link.get("silent_ms")
     if not (isinstance(cycle_ms, int) and isinstance(every, int) and isinstance(silent_ms, int)):
         return
+    # Between two samples of a healthy device lies a whole cycle of its link.
     if silent_ms <= every * cycle_ms:
         problem = f"{silent_ms} is not longer than the link's cycle, {every * cycle_ms}"
         yield Problem(f"links.{name}.silent_ms", problem)

@@ -134,6 +134,7 @@ class Axis(Table):
         if self.travel is None and self.zero.how is ZeroFrom.CONFIRM:
             raise ValueError("an axis without travel has no place to confirm; leave zero out")
         self._homes_within(self.zero.homing)
+        # A counter that runs over its 32 bits would put the axis at the other end.
         furthest = self.settings.furthest(self.ratio)
         if self.travel is not None and max(map(abs, self.travel)) > furthest:
             raise ValueError(f"travel goes beyond {furthest:.6g} {self.unit}, all that the drive can count")
@@ -146,6 +147,7 @@ class Axis(Table):
         if self.travel is None:
             raise ValueError("an axis without travel has no place to be homed to; leave zero out")
         low, high = self.travel
+        # The drive takes whole rpm: a homing speed below 1 rpm would be 0.
         lowest = 1.0 / RPM_PER_RAD_S / self.ratio
         slowest = min(homing.speed, homing.zero_speed, homing.acceleration)
         threshold_ma = (homing.current_a or 0.0) * MILLIAMPERES

@@ -58,6 +58,7 @@ class OperatorLink(Table):
     @property
     def speed_share(self) -> float:
         """Permitted share of the robot's top speed in this session."""
+        # Speed times age stays constant; a delay that is agreed to be shorter makes no robot faster.
         return min(self.max_age_ms / self.age_limit_ms, 1.0)
 
     def agreed_on(self, max_delay_s: float, robot: str) -> Self:

@@ -54,6 +54,7 @@ def points_of(text: str, file: str, speed: float | None = None) -> tuple[Point, 
 
 def sampled(place: Callable[[float], Sequence[float]], seconds: float, every: float) -> tuple[Point, ...]:
     """Return the points of a function of time, which gives x, y and psi, from 0 on."""
+    # The last point is the end itself, whatever is left of the last step.
     times = [min(count * every, seconds) for count in range(math.ceil(seconds / every) + 1)]
     return tuple((time, *(float(it) for it in place(time))) for time in times)  # type: ignore[misc] # three
 
@@ -87,6 +88,7 @@ def along_path(robot: AnyRobot, file: Path | None, speed: float | None) -> tuple
 
 def _read(file: Path) -> str:
     try:
+        # Spreadsheets put a byte order mark before the first cell.
         return file.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise PathFileError(str(file), Problem("", f"cannot be read: {error}")) from error
@@ -116,6 +118,7 @@ def _columns(
         raise PathFileError(file, Problem("", "there is no point in it"))
     where, first = rows[0]
     known = "; ".join(", ".join(columns) for columns in COLUMNS)
+    # 'nan' and 'inf' count as names here, and are refused as such.
     if any(cell.isalpha() for cell in first):
         if tuple(first) not in COLUMNS:
             raise PathFileError(file, Problem(where, f"the columns are '{', '.join(first)}'; give {known}"))
@@ -135,6 +138,7 @@ def _numbers(cells: list[str], columns: tuple[str, ...], where: str, file: str) 
             number = float(cell)
         except ValueError:
             number = math.nan
+        # float() reads 'nan' and 'inf', and neither is a place.
         if not math.isfinite(number):
             raise PathFileError(file, Problem(where, f"{name} = '{cell}' is no finite number"))
         found.append(number)

@@ -68,6 +68,7 @@ def problems_of(error: ValidationError, model: type[BaseModel]) -> Iterator[Prob
     """Yield every mistake that a model has found; a list is not short for what is wrong within it."""
     found = [(path(one["loc"]), one) for one in error.errors()]
     for key, one in found:
+        # A list whose entries are wrong is empty for the checker: its being too short is a consequence.
         if one["type"] != "too_short" or not any(other.startswith(f"{key}[") for other, _ in found):
             yield Problem(key, _text_of(one, model))
 

@@ -17,6 +17,7 @@ Unsigned32 = Annotated[int, Field(ge=0, le=0xFFFF_FFFF)]
 class Table(BaseModel):
     """A table of a robot file: no unknown key, no value of another kind, nothing changed later."""
 
+    # Strict: "0.1" is no number, so that a value with quotes is reported and not guessed.
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, str_strip_whitespace=True)
 
 
@@ -31,6 +32,7 @@ def discriminated_by(
     """Return what chooses a table of a union: the one that has the value under a key among its own."""
 
     def chosen(raw: Any) -> str:
+        # Before the check the table is a dict, after it an object: a model is checked again as it is.
         given = str(raw.get(key) if isinstance(raw, dict) else getattr(raw, key, None))
         return tag(next((table for table, values in tables.items() if given in values), other)).tag
 

@@ -90,6 +90,7 @@ class Homing(Table):
 
     @model_validator(mode="after")
     def _feels_its_stop(self) -> Self:
+        # `is not` of two truths: exactly the methods by a stop need a current.
         if METHODS[self.method].by_stop is not (self.current_a is not None):
             needs = "needs" if self.current_a is None else "goes by no stop and takes no"
             raise ValueError(f"method {self.method} {needs} current_a")
@@ -107,11 +108,13 @@ class Homing(Table):
 
     def furthest(self, travel: tuple[float, float], turn: float) -> float:
         """Return the longest way from end to end: its travel, the offset, and a `turn` to the index."""
+        # The index lies within one turn of the reference that was found before.
         return travel[1] - travel[0] + abs(self.offset) + (turn if self.goes_by.by_index else 0.0)
 
     def lasts_s(self, travel: tuple[float, float], turn: float) -> float:
         """Return how long it takes from the far end of the travel, ramps left out."""
         goes_by = self.goes_by
+        # Methods 33 and 34 look for the index alone, which is less than a turn away.
         seeks = travel[1] - travel[0] if goes_by.switch is not None or goes_by.by_stop else 0.0
         to_index = turn / self.zero_speed if goes_by.by_index else 0.0
         return (seeks + abs(self.offset)) / self.speed + to_index

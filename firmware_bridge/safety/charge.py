@@ -20,6 +20,7 @@ class Charge:
     def low_since(self, sensors: Mapping[str, Reading]) -> Nanoseconds | None:
         """Return when the first of the newest low readings was taken; None where the newest is not low."""
         reading = None if self._battery is None else sensors.get(self._battery.sensor)
+        # A sensor that has gone silent starts the time again: only readings in a row count as low.
         if reading is None or self._battery is None or reading.value >= self._battery.low_v:
             self._since = None
         elif self._since is None:

@@ -37,6 +37,7 @@ def whole_robot_interlocks(
     def command_unusable(view: AnyView) -> str | None:
         for title, read in numbers.items():
             value = read(view.seen.command)
+            # min and max leave a NaN as it is, so no limit behind this would take it out of the command.
             if value is not None and not math.isfinite(value):
                 return f"the {title} requested is {value}"
         return None
@@ -140,6 +141,7 @@ def _not_armed(view: AnyView) -> str | None:
 def _axis_timeout(axis: Axis, feedback: Feedback, facts: Facts, limit: Nanoseconds) -> str | None:
     if feedback.received_at == NEVER_RECEIVED:
         return f"{axis.called} has not reported yet"
+    # Counted from the arrival, not from the sample: this judges the link and the life of the device.
     silence = facts.now - feedback.received_at
     if silence < limit:
         return None

@@ -57,6 +57,7 @@ class _Memory:
     ) -> ActiveInterlock | None:
         """Take one look's outcome; return the hold where there is one."""
         if reason is not None:
+            # A trip within the release delay starts it again; the reason stays that of the first trip.
             self._clear_since.pop(name, None)
             return self._holds.setdefault(name, ActiveInterlock(name, reason, row, now, axis))
         event = self._holds.get(name)
@@ -125,6 +126,8 @@ class Gate:
         allowed = rules.body.rested(clipped, stopped) if stopped else clipped
         if rules.after_limits:
             requested = rules.body.requested(clipped, seen.body)
+            # Groups that may each move alone may be forbidden to move together, so this is judged behind the
+            # limits.
             late = self._held(rules.after_limits, View(self._robot, seen, allowed, requested, self._before))
             events += late
             stopped_late = _stopped(late, rules.groups)
@@ -159,6 +162,7 @@ class Gate:
         events = []
         for row in rows:
             held = memory.interlock_events(row.name)
+            # An active interlock is judged by its release threshold: a value at the limit must not flicker.
             reason = row.judge(view.held() if held else view)
             event = memory.look(row.name, reason, row, now) if held or reason is not None else None
             if event is not None:
@@ -192,6 +196,7 @@ class Gate:
             event = self._memory.look(row.name, reason if reported else None, row, view.seen.facts.now)
             if event is not None:
                 events.append(event)
+            # Each limit judges the command as the one before has left it: the order of the rows counts.
             if allowed is not view.allowed:
                 view = View(view.robot, view.seen, allowed, NO_GROUP, view.before)
         return view.allowed

@@ -99,6 +99,7 @@ def _link_lost(view: AnyView) -> str | None:
 
 
 def _not_neutral(view: AnyView) -> str | None:
+    # A stick that is still deflected after a timeout would drive off by itself when the link is back.
     if view.facts.neutral or not view.facts.neutral_required:
         return None
     return f"not neutral since the timeout: {view.facts.deflected or 'the stick'}"

@@ -70,6 +70,8 @@ class Rules:
         """Return whether the robot is at standstill, whatever it is commanded."""
         axes = seen.facts.axes
         return not self.body.moving(seen.body) & self.travelling and all(
+            # An excluded axis that has timed out can prove no standstill: without this no degraded mode could
+            # begin.
             abs(axes[name].velocity) < bound or self._is_silent(name, seen.facts)
             for name, bound in self._rests_below
         )

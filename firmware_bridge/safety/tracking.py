@@ -113,14 +113,19 @@ class TrackingMonitor:
         before, at = self.following, feedback.sampled_at
         if at == before.sampled_at:
             return before
+        # Without torque an axis may turn freely, and a sample of a new count gives no distance: neither is
+        # judged.
         if feedback.power in WITHOUT_TORQUE or before.sampled_at == NEVER_RECEIVED or at < before.sampled_at:
             self._aim = None
             self.following = self._unjudged(feedback)
             return self.following
+        # The drive's own quick stop has replaced the set-point: it brakes, whatever was commanded.
         aim = Stop.QUICK_STOP if feedback.power is Power.STOPPED else self._demand
         if self._aim is None:
             self.following = self._unjudged(feedback)
             self._positions = False
+            # Power has just come: the axis may still turn as fast as it was found, on its way to the
+            # set-point.
             self._low, self._high = min(feedback.velocity, 0.0), max(feedback.velocity, 0.0)
             self._take(aim)
             return self.following
@@ -139,6 +144,7 @@ class TrackingMonitor:
             self._positions = positions
             speed, place = self.following.velocity, self.following.position
             if positions:
+                # For as long as its lag it may go on with its present speed.
                 further = abs(speed) * self._bounds.lag_s
                 self._low, self._high = place - further, place + further
             else:
@@ -155,8 +161,10 @@ class TrackingMonitor:
         goal, below, above = self._goal, self._goal - self._low, self._high - self._goal
         if (not below and not above) or isinstance(self._aim, Homed):
             return
+        # Of a first-order lag the share 1 - exp(-t/T) is gone after t; expm1 keeps the digits of a small t/T.
         share = -math.expm1(-seconds / self._bounds.lag_s)
         reach = (self._bounds.cruise if self._positions else self._bounds.ramp) * seconds
+        # The slower of lag and ramp counts: the range must not close faster than a healthy axis follows.
         self._low = goal - below + min(below * share, reach)
         self._high = goal + above - min(above * share, reach)
 
@@ -176,6 +184,7 @@ class TrackingMonitor:
     def _judged(self, feedback: Feedback, before: Tracking, seconds: float) -> Tracking:
         low, high, at = self._low, self._high, feedback.sampled_at
         position, velocity = feedback.position, feedback.velocity
+        # Equal to the last bit: an encoder that counts shows some noise, one that is off shows none.
         owed, stands = 0.0, position == before.position
         if self._positions:
             does, slack = position, self._bounds.position
@@ -210,6 +219,7 @@ class TrackingMonitor:
     def _turns(self, velocity: float) -> bool:
         """Return whether its speed is a good share of the least that its demands let it have."""
         least = max(self._low, 0.0) or min(self._high, 0.0)
+        # The product is positive only where it turns the commanded way; a least speed of 0 proves nothing.
         return not self._positions and velocity * least > 0.0 and abs(velocity) >= TURNS * abs(least)
 
     def _lags(self, feedback: Feedback) -> bool:
@@ -217,7 +227,9 @@ class TrackingMonitor:
         speed, slack = feedback.velocity, self._bounds.speed
         if not self._positions:
             slack = self._bounds.around(self._low, self._high)
+            # Between standstill and its range it stays behind; beyond it, or backwards, it moves uncommanded.
             return min(self._low, 0.0) - slack <= speed <= max(self._high, 0.0) + slack
+        # Beside a range of positions it stays behind as long as it does not move further away from it.
         if feedback.position < self._low:
             return speed >= -slack
         return feedback.position > self._high and speed <= slack

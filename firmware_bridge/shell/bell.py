@@ -45,7 +45,9 @@ def ringing() -> Iterator[Bell]:
         if threading.current_thread() is not threading.main_thread():
             yield Bell(reader)
             return
+        # The number goes through a socket: a handler may run between any two instructions of the node.
         wakeup = signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
+        # A handler is needed even so: without one the default action would end the process.
         before = {number: signal.signal(number, _received) for number in _numbers(ENDING) if _counts(number)}
         before |= {number: signal.signal(number, signal.SIG_IGN) for number in _numbers(_UNHEEDED)}
         try:

@@ -84,6 +84,7 @@ class BlackBox:
             self.folder = _new(self.folder)
             names = {*files.values(), EVENTS_LOG}
             names |= {STATIONS_LOG} if OPERATOR_LOG in names else set()
+            # Opened before the run, so that a folder that cannot be written is refused at the start.
             self._open = {name: (self.folder / name).open("ab") for name in names}
             for name, text in known.items():
                 (self.folder / name).write_text(text, encoding="utf-8")
@@ -124,6 +125,7 @@ class BlackBox:
             # Whole microseconds, so that the telemetry log, which has no less, keeps the run's own instants.
             self._epoch = (time.time_ns() - now) // MICROSECOND * MICROSECOND
         if self._failure is None:
+            # A bound on the memory: a disk that hangs must not let the queue grow for ever.
             if len(self._waiting) < MOST:
                 self._waiting.append((now, direction, packet))
             else:
@@ -139,6 +141,7 @@ class BlackBox:
     def _report_failure(self) -> None:
         if self._failure is not None and self._reported is None:
             self._reported = self._failure
+            # Nothing more is written, so what waits would only take memory.
             self._waiting.clear()
             self._say(f"recording in {self.folder} has ended: {self._failure}; the run goes on")
 
@@ -162,6 +165,7 @@ class BlackBox:
                 parts[name].append(raw)
         for name, raws in parts.items():
             if raws:
+                # One write for each file in 0.2 s, not one for each frame.
                 self._open[name].write(b"".join(raws))
                 self._open[name].flush()
 
@@ -196,6 +200,7 @@ class BlackBox:
     def _new_texts(self, datagram: bytes) -> Iterator[str]:
         """Yield what the operator is informed of; what is sent to several stations, once."""
         for text in self._texts(datagram):
+            # A text goes to each station in a datagram of its own, one after the other.
             if text != self._last_text:
                 self._last_text = text
                 yield f"to the operator: {text}"

@@ -22,6 +22,7 @@ class Clock:
 
     def restart(self) -> None:
         """Begin to count from zero."""
+        # Two clocks: the wall clock may step, and only dates the recording; time itself is monotonic.
         self.started_at = time.time_ns()
         self._zero = time.monotonic_ns()
 
@@ -74,6 +75,7 @@ class LivedClock(Clock):
 
     def _see(self, expected: Nanoseconds) -> Nanoseconds:
         now = super().now() - self.stalled
+        # A process that was stopped has lived no time: the difference is taken out once and for all.
         if now - expected > STALL:
             self.stalls += 1
             self.stalled += now - expected

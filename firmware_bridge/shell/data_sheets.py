@@ -52,6 +52,7 @@ def _read(file: Path, key: str, nothing: str) -> SheetValues:
         except ValueError:
             problems.append(f"[{section}] {text} is no number")
             continue
+        # Data sheets write negative numbers as hexadecimal digits of the register.
         if row.type.lowest < 0 and value > row.type.highest:
             value -= 1 << row.type.bits
         if not row.type.lowest <= value <= row.type.highest:
@@ -66,6 +67,7 @@ def _read(file: Path, key: str, nothing: str) -> SheetValues:
 
 
 def _sections(file: Path) -> configparser.ConfigParser:
+    # Without interpolation, as '%' may stand in a name; strict would refuse a section that occurs twice.
     sections = configparser.ConfigParser(interpolation=None, strict=False)
     try:
         sections.read_string(file.read_text(encoding="latin-1"))
@@ -94,5 +96,6 @@ def _objects(sections: configparser.ConfigParser) -> Iterator[tuple[Address, str
 
 
 def _number(text: str, node: int) -> int:
+    # CiA 306: $NODEID+0x600 adds the node's number.
     rest, relative = _NODE.subn("", text)
     return int(rest or "0", 0) + (node if relative else 0)

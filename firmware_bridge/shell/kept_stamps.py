@@ -49,6 +49,7 @@ class KeptStamps:
 
     def keep(self, stamps: Stamps, now: Nanoseconds) -> None:
         """Keep the stamps, ahead, where that is due or a new stream has begun."""
+        # A new stream is written at once: after a crash an unknown stream would be accepted from its start.
         if now >= self._due or stamps.streams.keys() != self._before.streams.keys():
             self._due = now + EVERY
             before = self._before.streams
@@ -63,6 +64,7 @@ class KeptStamps:
 
 
 def _ahead(stamp: int, before: int | None) -> int:
+    # By the pace since the last write, for one and a half of its periods, as the next one may be late.
     return stamp if before is None else min(stamp + 3 * (stamp - before) // 2, _LARGEST)
 
 

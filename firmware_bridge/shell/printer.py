@@ -49,6 +49,7 @@ class Printer:
             self._thread = Thread(target=self._work, name="printing", daemon=True)
             self._thread.start()
         try:
+            # A terminal that is stopped by Ctrl-S takes nothing; the caller may be the bridge's cycle.
             self._waiting.put_nowait((fileno, line))
         except Full:
             self._lost += 1

@@ -31,7 +31,9 @@ class AsRun(NamedTuple):
 def run_file(run: AsRun) -> dict[str, str]:
     """Return the file's text by its name; `read_run` reads it."""
     robot = run.robot.model_dump(mode="json", exclude_none=True)
+    # A robot file must not have this key: it is agreed for one session, and is put back when it is read.
     agreed_ms = robot["operator"].pop("agreed_ms", None)
+    # JSON has no NaN.
     stands = {it.axis: None if math.isnan(it.value) else it.value for it in run.stands}
     content = {"robot": robot, "agreed_ms": agreed_ms, "stands": stands, "mode": run.mode}
     return {RUN_FILE: json.dumps(content, indent=1) + "\n"}

@@ -183,6 +183,7 @@ class _Carrier:
         """Return whether the run has ended: the node is done and all is sent, or its time to stop is over."""
         with suppress(BaseException):  # a node that cannot say that it holds something holds nothing
             if self._holding:
+                # A node that keeps the robot on a slope is not cut off: that would let the robot roll.
                 self._cut_off_at = now + self._stop_within
         if self._done and all(port.retry_at == NEVER for port in self._ports.values()):
             self.in_order = self._ended = True
@@ -262,6 +263,7 @@ class _Carrier:
 
     def _stop(self, now: Nanoseconds) -> None:
         self._stopping = True
+        # Every further command to stop gives the whole time again.
         self._cut_off_at = now + self._stop_within
         try:
             self._take(self._stop_again(now), now)
@@ -272,6 +274,7 @@ class _Carrier:
 
     def _stop_again(self, now: Nanoseconds) -> Reaction:
         """Ask the node to stop until it has taken it."""
+        # Set before the call: if it raises, the next wake-up commands the stop again.
         self._unheard = True
         reaction = Reaction() if self._stoppable is None else self._stoppable.stop(now)
         self._unheard = False

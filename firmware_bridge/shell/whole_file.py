@@ -33,6 +33,7 @@ class WholeFile:
     def replace(self, text: str, now: Nanoseconds) -> None:
         """Have the file replaced."""
         with self._changed:
+            # After a failure the same text is tried again.
             if text == self._requested and self._failure is None:
                 return
             self._newest = self._requested = text
@@ -76,6 +77,7 @@ def _replace(path: Path, text: str) -> None:
     fresh = path.with_name(f"{path.name}.{os.getpid()}")
     try:
         fresh.write_text(text, encoding="utf-8")
+        # Replacing within one folder is atomic: a reader finds the old file or the new one.
         fresh.replace(path)
     except OSError:
         with suppress(OSError):

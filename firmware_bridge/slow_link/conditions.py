@@ -89,6 +89,7 @@ def conditions(text: str) -> Conditions:
         for one in (way,) if alone else WAYS:
             ways[one] = replace(ways[one], **{row.field: row.into(value)})
     for name, read in ways.items():
+        # At least one packet arrives between two bursts, which bounds the share of losses.
         most = read.burst / (read.burst + 1.0)
         if read.burst and read.loss > most:
             raise ConditionsError(f"link: bursts of {read.burst:g} {name} lose at most {most:.2f} of all")

@@ -50,6 +50,7 @@ class Pipe:
         way = self._way
         falls, late, again, later = (self._chance.random() for _ in range(4))
         self.carried += 1
+        # The state of Gilbert's model goes on with every packet, also with one that the queue loses.
         lost = self._loses(falls)
         sent_at = now
         if way.bandwidth:
@@ -80,6 +81,7 @@ class Pipe:
 
     def _fly(self, packet: Packet, at: Nanoseconds) -> None:
         self._number += 1
+        # The number keeps packets of one instant in order: packets themselves have none.
         heapq.heappush(self._flying, (at, self._number, packet))
 
     def _loses(self, falls: float) -> bool:
@@ -88,6 +90,7 @@ class Pipe:
         if not way.burst:
             return falls < way.loss
         if way.loss < 1.0:
+            # Bursts of mean length b, good runs of mean length b (1 - p) / p: together the share p is lost.
             begins = way.loss / (way.burst * (1.0 - way.loss))
             self._bad = falls < (1.0 - 1.0 / way.burst if self._bad else begins)
         return self._bad

@@ -73,10 +73,12 @@ class Ages:
         if now < self.trips.due:
             return []
         self._pings = self._pings % _LARGEST_PING + 1
+        # Never 0, and whole microseconds: the answer must return this very value.
         requested_at = max(_whole(now), _GRAIN)
         self.trips.ask((_TIMESYNC, requested_at), (_PING, self._pings), now=_whole(now))
         return [
             dialect.MAVLink_timesync_message(0, requested_at),
+            # Target 0, 0: a ping request; an answer names its receiver (common.xml, PING).
             dialect.MAVLink_ping_message(now // 1000, self._pings, *_ANYONE),
         ]
 
@@ -104,6 +106,7 @@ class Ages:
         ages = [(age, timestamped) for age, timestamped in found if age is not None]
         if not ages:
             return None
+        # Each row bounds the age from below, so the largest is the one that holds.
         oldest = max(age for age, _ in ages)
         best, timestamped = ages[0]
         if timestamped:
@@ -123,9 +126,11 @@ class Ages:
         time, shows = boot_ms(message), self.synced.shows(now)
         if time is None or shows is None:
             return None
+        # time_boot_ms wraps after 49.7 days: the difference is taken to the nearest wrap.
         around = BOOT_WRAPS * MILLISECOND
         behind = (shows - time * MILLISECOND + around // 2) % around - around // 2
         reading = shows - behind
+        # A first reading that is too old may be of another clock; it must not make all commands stale.
         if not self.tied and (behind >= TIED_WITHIN or self.synced.contradicts(reading, now)):
             return None
         age = self.synced.age(reading, now)
@@ -155,6 +160,7 @@ class Ages:
     def _least(self, excess: Nanoseconds | None, now: Nanoseconds) -> Nanoseconds | None:
         """Bound a message's delay behind the fastest one by the fastest one's own travel time."""
         trip = self.trips.newest(now)
+        # The fastest message has travelled, too, for half of the shortest round trip.
         return excess if excess is None or trip is None else max(excess, trip // 2)
 
     def _unwrapped(self, message: Message) -> Nanoseconds | None:
@@ -163,6 +169,7 @@ class Ages:
         if time is None:
             return None
         before = 0 if self._boot is None else self._boot // MILLISECOND
+        # To the nearest multiple of 2^32 ms, forwards or backwards: messages may overtake one another.
         ahead = (time - before + BOOT_WRAPS // 2) % BOOT_WRAPS - BOOT_WRAPS // 2
         self._boot = (before + ahead) * MILLISECOND
         return self._boot

@@ -44,13 +44,16 @@ class AnsweredClock:
         self, requested_at: Nanoseconds, reading: Nanoseconds, came_at: Nanoseconds, resolution: Nanoseconds
     ) -> None:
         """Take an answer: between these instants the clock showed `reading`, rounded down."""
+        # Their clock was read after the request had left and before the answer came.
         low, high = requested_at - reading - resolution, came_at - reading
         known = self._bounds(came_at)
+        # Bounds that do not overlap cannot both be true: the clock was set, and is proved again.
         if known is None or low > known[1] + TOLERANCE or high < known[0] - TOLERANCE:
             self._proven, self._since = False, came_at
         else:
             low, high = max(low, known[0]), min(high, known[1])
             self._proven = self._proven or requested_at - self._since >= PROVEN_AFTER
+        # Within the tolerance they may have crossed by a little.
         self._low, self._high = min(low, high), max(low, high)
         self._at = self._read_at = came_at
 
@@ -67,6 +70,7 @@ class AnsweredClock:
         if self.contradicts(reading, now):
             self._low, self._proven = None, False
             return None
+        # A message cannot arrive before it was sent, which bounds the offset from above.
         if now - reading < high:
             high = max(now - reading, low)
             self._low, self._high, self._at = low, high, now
@@ -95,6 +99,7 @@ class AnsweredClock:
     def _bounds(self, now: Nanoseconds) -> tuple[Nanoseconds, Nanoseconds] | None:
         if self._low is None or now - self._read_at > EXPIRES_AFTER:
             return None
+        # Rounded up: the bounds must never be narrower than the drift allows.
         wider = -(-(now - self._at) // DRIFT)
         return self._low - wider, self._high + wider
 
@@ -142,6 +147,7 @@ class ReceivedClock:
             return
         by = offset[0] - self._offset[0]
         uncertain = offset[1] + self._offset[1] + TOLERANCE
+        # Only where the step is larger than what both estimates may be wrong by.
         if by > uncertain and self._since >= by - uncertain:
             self._move(by)
             self._offset, self._since = offset, None
@@ -155,12 +161,14 @@ class ReceivedClock:
     def excess(self, reading: Nanoseconds, now: Nanoseconds) -> Nanoseconds | None:
         """Return this message's delay behind the fastest one; None for what is no clock that runs."""
         late = now - reading
+        # Two windows in turn: a least delay of hours ago is of no use on a clock that drifts.
         if self._least is None or now - self._began_at >= LEAST_OVER:
             self._before, self._least = self._least, late
             self._began_at, self._began_with = now, reading
         self._least = min(self._least, late)
         elapsed = now - self._began_at
         if elapsed >= _RUNS_AFTER:
+            # A stamp that counts frames does not run with time: half to double the pace is a clock.
             self._runs = self._runs or elapsed // 2 <= reading - self._began_with <= 2 * elapsed
         least = self._least if self._before is None else min(self._least, self._before)
         return late - least if self._runs else None

@@ -48,6 +48,7 @@ class ReportedMode:
 
     def counts(self, motion: Stick | Velocity, now: Nanoseconds, *, neutral: bool) -> bool:
         """Return whether a motion command counts: all do, but a neutral stick beside set-points."""
+        # A centred stick beside set-points would stop the robot between two of them.
         idles = self._guided and neutral and isinstance(motion, Stick)
         return not idles or now - self._set_points_at >= self._silent_after
 

@@ -106,10 +106,12 @@ class Exchange:
         """
         session = self.session
         if isinstance(request, STOPS) and self.doubt is None:
+            # Before the judgment: whatever becomes of this stop, no older message of the station may undo it.
             self.peer.stopped = Sequenced(self.message.get_seq(), self.now)
         refused = self._refused(request)
         if refused is not None:
             return refused
+        # A forced disarm of another station, too, only brakes: without power the robot could roll.
         if self.refusal is not None:
             request = EmergencyStop()
             session.unsent += session.speaker.say_sometimes(
@@ -125,6 +127,7 @@ class Exchange:
     def _granted(self, request: Request) -> None:
         """Take note of what the bridge has done."""
         session = self.session
+        # A ground station without the protocol for control gets it by arming.
         if isinstance(request, Arm) and session.control.driver is None:
             session.control.take(self.sender, self.now)
             self._report_driver()
@@ -157,6 +160,7 @@ class Exchange:
         if changes:
             self.session.driven.begin()
             self.session.adopt(self.peer, self.now)
+            # Before the texts: nothing moves until the new station's own stick was neutral.
             self.decide(ChangeDriver())
             self._report_driver()
 
@@ -168,6 +172,7 @@ class Exchange:
     def give_up_control(self) -> None:
         """Let no one drive: the robot comes to rest, disarmed."""
         session = self.session
+        # Before control is given up: the robot comes to standstill and is disarmed in any case.
         self.decide(Disarm())
         self.decide(ChangeDriver())
         session.control.give_up()
@@ -199,6 +204,7 @@ class Exchange:
     def change_interval(self, number: int, period: Nanoseconds | None, default: Nanoseconds) -> str | None:
         """Change a message's interval to the sender's place, None: as for all; or return why not."""
         session, source = self.session, self.sender.source
+        # A station that only watches must not slow the telemetry of the one that drives.
         if self.refusal is not None and source == session.drives_from:
             return self.refusal
         if self.refusal is not None and period is not None and period < default:
@@ -315,6 +321,7 @@ class Exchange:
     def move(self, motion: Motion, deflected: str) -> None:
         """Take a motion command as the newest, unless it is unusable; `deflected` is empty for neutral."""
         session, neutral = self.session, not deflected
+        # Two stations behind one number: a neutral stick of one of them must not be overruled.
         if deflected and self.now - self.peer.rested_at < session.silent_after:
             session.dropped.undriven += 1
             self.warn(
@@ -322,6 +329,7 @@ class Exchange:
                 f"a second station calls itself {self.sender}, and sends a neutral stick: nothing moves",
             )
             return
+        # An axis that was deflected and is not used any more is at neutral at once.
         if isinstance(motion, Stick) and self.peer.last_command is not None:
             motion = motion.after(self.peer.last_command.motion)
         if not session.driven.counts(motion, self.now, neutral=neutral):

@@ -39,11 +39,13 @@ def _file_transfer(message: Message, address: Address) -> Message | None:
         return None
     error = _FTP.get(opcode, UNKNOWN_COMMAND)
     answer = bytearray(_FTP_PAYLOAD)
+    # An answer has the request's sequence number plus 1 (MAVLink FTP).
     answer[:_SESSION] = ((int.from_bytes(requested[:_SESSION], "little") + 1) & 0xFFFF).to_bytes(2, "little")
     answer[_SESSION] = requested[_SESSION]
     answer[_OPCODE] = ACK if error is None else NAK
     answer[_REQUESTED] = opcode
     if error is not None:
+        # A NAK carries one byte: the error code.
         answer[_SIZE], answer[_ERROR] = 1, error
     return dialect.MAVLink_file_transfer_protocol_message(0, *address, bytes(answer))
 

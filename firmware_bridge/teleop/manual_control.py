@@ -52,6 +52,7 @@ class Lever:
         """
         fresh = self._received_at != NEVER_RECEIVED and now - self._received_at < silent_after
         if held and not (self.held and fresh):
+            # The button was pressed between two messages: z of the one before is where it stood.
             self.stood = self._z if fresh and self._z != UNUSED else z
         self.held, self._z, self._received_at = held, z, now
 
@@ -68,6 +69,7 @@ def stick_of(message: Message, station: AnyStation, lever: Lever) -> StickPositi
             return Unusable("stick", f"{name} = {value} is beyond +-{FULL_STICK}")
         way = max(min(value - neutral, FULL_STICK), -FULL_STICK)
         rests = abs(way) <= station.dead_band * FULL_STICK
+        # A lift's stick at neutral gives no rate, so that a target by command stays in force.
         if axis is not StickAxis.UP or not rests:
             shares[axis] = sign * way / FULL_STICK
         if not (rests or deflected):

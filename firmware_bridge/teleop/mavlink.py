@@ -81,6 +81,7 @@ class Codec:
         One that is signed carries `stamp`, or the next one after the frame before, if that is newer.
         """
         signing = self._mavlink.signing
+        # A stamp is never used twice; pymavlink adds 1 for each frame.
         signing.timestamp = max(signing.timestamp, stamp)
         frame: bytes = message.pack(self._mavlink)
         self._mavlink.seq = (self._mavlink.seq + 1) & 0xFF
@@ -92,6 +93,7 @@ class Codec:
             return None
         frame: bytes = message.pack(self._mavlink, force_mavlink1=True)
         self._mavlink.seq = (self._mavlink.seq + 1) & 0xFF
+        # MAVLink 1 has no extensions: they are cut off, and the check sum is computed again.
         length: int = WITHOUT_EXTENSIONS.get(message.get_msgId(), type(message).unpacker.size)
         if frame[1] == length:
             return frame
@@ -115,6 +117,7 @@ class Codec:
                 if in_step:
                     counters.corrupt += 1
                     in_step = False
+                # From the next start byte on: the length of a damaged frame cannot be trusted.
                 start = _START.search(datagram, at + 1)
                 at = start.start() if start else len(datagram)
                 continue
@@ -148,6 +151,7 @@ def _frame_at(datagram: bytes, at: int) -> tuple[int, int]:
     if datagram[at] == _MAVLINK_2 and left >= _MAVLINK_2_OVERHEAD:
         flags = datagram[at + 2]
         size = _MAVLINK_2_OVERHEAD + datagram[at + 1] + (_SIGNATURE_LENGTH if flags & _SIGNED else 0)
+        # A frame with an unknown incompatibility flag must be dropped (mavlink.io, Packet Serialization).
         if flags & ~_SIGNED == 0 and size <= left:
             return size, int.from_bytes(datagram[at + 7 : at + 10], "little")
     elif datagram[at] == _MAVLINK_1 and left >= _MAVLINK_1_OVERHEAD:

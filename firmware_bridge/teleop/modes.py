@@ -27,6 +27,7 @@ class DrivingMode(Enum):
 
 def px4(main: int, sub: int = 0) -> int:
     """Return PX4's number of a main mode and its submode."""
+    # PX4: main mode in bits 16 to 23, submode in bits 24 to 31 of custom_mode.
     return main << 16 | sub << 24
 
 
@@ -92,6 +93,7 @@ def requested(main: int, sub: int, own: int) -> ModeRequest | None:
         return ModeRequest(DrivingMode.MANUAL, _OWN.index(main), px4=False)
     if main in _BY_NUMBER and sub == 0:
         return ModeRequest(_BY_NUMBER[main], None, px4=False)
+    # MAVSDK sends main and sub mode as two parameters, SET_MODE both in one number.
     whole = main if main >= _WHOLE else px4(main, sub)
     way = _BY_PX4.get(whole)
     if way is not None:

@@ -45,11 +45,14 @@ class Numbered:
         """Take a frame, its content as a checksum; return whether it is of the station that came later."""
         if self._newest is None:
             self._newest = number, number
+        # To the nearest of the 256 numbers, forwards or backwards.
         step = (number - self._newest[0] + _HALF) % _ALL - _HALF
         place = self._newest[1] + step
         before = self._received.get(place)
+        # The same number and the same bytes: the network has sent it twice.
         if before == content:
             return False  # the network has doubled it
+        # The same number with other bytes: one station does not count like that.
         if before is not None and step <= 0:
             self._back.append(now)
         self._newest = number, place
@@ -65,6 +68,7 @@ class Numbered:
         if first is None or now - first[1] > GONE:
             first, self._second = self._second or ((number - 1) % _ALL, now), None
         second, newest = self._second, (number, now)
+        # How far the number is behind each station's next one; the nearer one has sent it.
         after_first = (number - first[0] - 1) % _ALL
         after_second = _ALL if second is None else (number - second[0] - 1) % _ALL
         later = after_first >= NEAR or after_second < after_first

@@ -109,11 +109,14 @@ class Operator:
         replies: list[Message] = []
         good = beats = old = False
         for message in codec.decode(datagram):
+            # The place belongs to it: two stations may have the same system and component.
             sender = Sender(source, message.get_srcSystem(), message.get_srcComponent())
             if sender[1:] == (codec.system, codec.component):
                 session.dropped.echoed += 1
                 self._say_if_namesake(message, sender)
                 continue
+            # Not ours, and counted all the same: gaps in the sequence are losses only where all frames are
+            # seen.
             if not concerns(message, codec.system, codec.component):
                 session.dropped.foreign += 1
                 session.passed(sender, message.get_seq(), now)
@@ -131,6 +134,7 @@ class Operator:
             good = True
             old = speaks_mavlink_1(message)
             beats = beats or message.get_msgId() == dialect.MAVLINK_MSG_ID_HEARTBEAT
+            # A second station with the same numbers may stop the robot, and nothing else.
             if (handle := (LATER if peer.later else HANDLERS).get(message.get_msgId())) is not None:
                 exchange = Exchange(session, message, sender, now, decide)
                 handle(exchange)
@@ -187,6 +191,7 @@ class Operator:
     def lapse(self, now: Nanoseconds) -> bool:
         """Let no one drive where the driver is gone, and return whether he is; only when the robot rests."""
         session = self._session
+        # The caller has found the robot at standstill: control never ends while it moves.
         if not session.control.lapses(now):
             return False
         text = f"control: {session.control.driver} is gone, no station in control"
@@ -217,6 +222,7 @@ class Operator:
         """Return what is due now, in order: texts of what began or ended, telemetry, listed parameters."""
         session = self._session
         session.snapshot = snapshot
+        # Before the texts are taken, so that they leave in this cycle.
         session.report_link(now)
         texts = session.unsent + self._texts.due(events, now) + self._fault_texts(snapshot)
         session.unsent = []

@@ -75,6 +75,7 @@ class Store:
 
     def find(self, index: int, name: bytes | str) -> int | None:
         """Return the index that a message means: by name where `index` is -1."""
+        # The parameter protocol: -1 means that the name counts.
         if index == -1:
             return self._index.get(text_of(name))
         return index if 0 <= index < len(self.rows) else None
@@ -87,6 +88,7 @@ class Store:
         low, high = row.writable
         if not (math.isfinite(value) and low <= value <= high):
             return f"{row.name} takes {low:g} to {high:g} {row.unit}".rstrip()
+        # Rounded to what the link carries: the answer and the bridge's own value are then equal.
         self._values[index] = _as_float32(value)
         return None
 

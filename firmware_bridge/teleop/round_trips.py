@@ -40,6 +40,7 @@ class RoundTrips:
         self.due = now + EVERY
         for question in questions:
             self._open[question] = now
+        # The oldest goes: its answer would be useless by now.
         while len(self._open) > MOST_OPEN:
             del self._open[next(iter(self._open))]
 
@@ -79,11 +80,13 @@ class Losses:
             self.share = self._missing / max(self._missing + self._came, 1)
             self._came = self._missing = 0
             self._until = now + LOSS_OVER
+        # Eight bits: more than half of the numbers ahead is behind.
         ahead = 1 if self._newest is None else (sequence - self._newest) % _NUMBERS
         if 0 < ahead < _HALF:
             self._missing += ahead - 1
             self._newest = sequence
             self._came += 1
+        # It was counted as missing, and came late.
         elif ahead and self._missing:
             self._missing -= 1
             self._came += 1

@@ -42,6 +42,7 @@ class Schedule:
             if due <= reached:
                 ready.append(index)
                 following = due + self._periods[index]
+                # On the grid of its period, but never in the past: a long pause is not made up for.
                 self._due[index] = following if following > now else now + self._periods[index]
         return ready
 

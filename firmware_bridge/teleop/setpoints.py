@@ -85,6 +85,7 @@ def channels_of(message: Message, rows: Iterable[Channel]) -> dict[int, int | No
     for row in rows:
         value: int = getattr(message, f"chan{row.number}_raw")
         extended = row.number >= _FIRST_OF_EXTENSIONS
+        # From channel 9 on the meanings differ: 0 leaves it, 65534 gives it back (common.xml).
         if value == KEPT or (extended and value == RELEASED):
             continue
         if value == (_RELEASED_ABOVE if extended else RELEASED):
@@ -123,6 +124,7 @@ def stick_of_channels(
 
 def turns_alone(message: Message) -> bool:
     """Return whether a set-point carries a yaw rate, and no velocity."""
+    # DroneKit sets the force bit in its masks, although it sends no acceleration.
     carries = _MASKS.get(message.type_mask & ~_FORCE)
     return carries is not None and not carries.level
 
@@ -144,6 +146,7 @@ def velocity_of(message: Message, largest: Twist, heading_rad: float | None = No
     vx, vy = (message.vx, message.vy) if carries.level else (0.0, 0.0)
     if not all(map(math.isfinite, (vx, vy, climb, yaw_rate))):
         return Unusable("not finite", "a velocity that is no finite number")
+    # Before climb and heading are judged: a stop must not be refused for what stands beside it.
     if vx == vy == climb == yaw_rate == 0.0:
         return Velocity(0.0, 0.0, 0.0 if carries.turn else None)
     along: tuple[float, float] | Unusable = _along(message.coordinate_frame, (vx, vy), largest, heading_rad)
@@ -162,11 +165,13 @@ def _along(
     """Return the velocity forward and left; one on the map is followed by a robot that can go any way."""
     vx, vy = velocity
     if frame in BODY_FRAMES:
+        # MAVLink counts y to the right.
         return vx, 0.0 - vy  # of a zero no negative one
     if largest.left_mps == 0.0 or heading_rad is None:
         reason = "only body frames 8, 9 and 12: it cannot go sideways"
         return Unusable("frame", f"frame {frame}; {reason}")
     cosine, sine = math.cos(heading_rad), math.sin(heading_rad)
+    # From north and east to forward and left, with the heading to the left.
     return vx * cosine - vy * sine, -vx * sine - vy * cosine
 
 

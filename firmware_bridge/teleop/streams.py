@@ -118,9 +118,11 @@ def streams_of(robot: AnyRobot, station: AnyStation) -> tuple[Stream, ...]:
     """
     rows = _rows(robot, station)
     bandwidth = robot.operator.bandwidth_bit_s
+    # Ten bits a byte: start bit, eight data bits, stop bit.
     if bandwidth is None or load(rows) <= (room := bandwidth / _BITS_A_BYTE * _SHARE):
         return _ordered(rows)
     slow = [replace(row, period=row.slow) for row in rows]
+    # The heartbeat keeps its second, as stations lose a robot without it; all else waits longer.
     stretch = max(load(slow[1:]) / max(room - load(slow[:1]), 1.0), 1.0)
     stretched = [replace(row, period=min(round(row.slow * stretch), NEVER)) for row in slow[1:]]
     return _ordered([slow[0], *stretched])

@@ -55,6 +55,7 @@ class TelemetryContext:
     @property
     def boot_ms(self) -> int:
         """Time since the start of the run, as most messages carry it."""
+        # 32 bits of milliseconds wrap after 49.7 days.
         return self.snapshot.facts.now // MILLISECOND & 0xFFFF_FFFF
 
     @property
@@ -102,6 +103,7 @@ def heartbeat(context: TelemetryContext) -> Iterator[Message]:
 
 def attitude(context: TelemetryContext) -> Iterator[Message]:
     """Report the heading, and how fast it turns."""
+    # MAVLink counts to the right and down (NED, FRD), the robot to the left and up.
     yaw = wrapped(-context.snapshot.pose.heading_rad)
     rate = -context.twist.yaw_rate_rad_s
     yield dialect.MAVLink_attitude_message(context.boot_ms, 0.0, 0.0, yaw, 0.0, 0.0, rate)
@@ -119,6 +121,7 @@ def position(context: TelemetryContext) -> Iterator[Message]:
 def odometry(context: TelemetryContext) -> Iterator[Message]:
     """Report pose, velocity and yaw rate."""
     pose, twist = context.snapshot.pose, context.twist
+    # The quaternion of a turn about one axis has half its angle; wrapped first, w is never negative.
     half = wrapped(-pose.heading_rad) / 2.0
     yield dialect.MAVLink_odometry_message(
         time_usec=context.boot_us,
@@ -134,8 +137,10 @@ def odometry(context: TelemetryContext) -> Iterator[Message]:
         rollspeed=0.0,
         pitchspeed=0.0,
         yawspeed=-twist.yaw_rate_rad_s,
+        # NaN as the first element: the covariance is unknown.
         pose_covariance=_COVARIANCE_UNKNOWN,
         velocity_covariance=_COVARIANCE_UNKNOWN,
+        # 8 bits on the wire; only a change of it counts.
         reset_counter=context.resets & 0xFF,
         estimator_type=dialect.MAV_ESTIMATOR_TYPE_NAIVE,
     )
@@ -244,6 +249,7 @@ def _over_ground(context: TelemetryContext) -> tuple[float, float]:
 
 def _compass(context: TelemetryContext) -> int:
     """Return the heading clockwise in hundredths of a degree, 0 to 35999; 0 where the odometry began."""
+    # The remainder after rounding: 359.999 degrees give 0 and not 36000.
     return round(-math.degrees(context.snapshot.pose.heading_rad) * 100.0) % 36_000
 
 
@@ -311,6 +317,7 @@ def _padded(values: list[float], length: int) -> list[float]:
 def _millivolts(volts: float | None) -> int:
     if volts is None or math.isnan(volts):
         return UNKNOWN_U16
+    # One below the largest: that one means unknown.
     return round(max(0.0, min(volts * 1000.0, UNKNOWN_U16 - 1.0)))
 
 

@@ -56,6 +56,7 @@ class Speaker:
         cuts = chunks(text)
         number = 0
         if len(cuts) > 1:
+            # 0 stands for a text in one piece, so that long ones count from 1 (STATUSTEXT, id).
             number = self._number = self._number % _LAST_ID + 1
         return [dialect.MAVLink_statustext_message(severity, cut, number, at) for at, cut in enumerate(cuts)]
 
@@ -68,6 +69,7 @@ class Speaker:
                 earlier.kept_back += 1
                 self._repeats[key] = earlier
                 return []
+            # A key that is pressed again is a person; ten in one quiet time is a program.
             streams = earlier.kept_back >= self.STREAM and now - earlier.at < 2 * earlier.quiet
             quiet = min(2 * earlier.quiet, self.QUIETEST) if streams else self.QUIET
         while len(self._repeats) >= self.MOST:
@@ -135,6 +137,7 @@ class TextCollector:
         """Take one STATUSTEXT; return the texts that are now whole, or will never be."""
         text = text_of(message.text)
         due: list[Received] = []
+        # A chunk is missing: what came so far is shown, and the next text begins.
         if self._number and (message.id != self._number or message.chunk_seq != len(self._cuts)):
             due += self._whole("...")
         if message.id == 0:

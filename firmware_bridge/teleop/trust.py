@@ -72,6 +72,7 @@ class Trust:
         if not self.allowed or source == 0:
             return True
         address = ipaddress.ip_address(host_and_port(source)[0])
+        # A socket of IP version 6 shows a host of version 4 as ::ffff:a.b.c.d.
         mapped = getattr(address, "ipv4_mapped", None)
         return any((mapped or address) in network for network in self.allowed)
 
@@ -115,11 +116,14 @@ class Signatures:
             return None
         if not is_signed(frame):
             return "is not signed"
+        # SHA-256 over key, frame, link and time stamp; its first six bytes are the signature (MAVLink 2).
         digest = hashlib.sha256(key + frame[:_SIGNATURE]).digest()
+        # Compared in constant time, so that no answer time reveals how many bytes were right.
         if not hmac.compare_digest(digest[:6], frame[_SIGNATURE:]):
             return "is signed with another key"
         stamp = stamp_of(frame)
         stream = (message.get_srcSystem(), message.get_srcComponent(), frame[_LINK])
+        # A stream that is new here may be 60 s behind our clock at most, or a recording would begin one.
         newest = self._streams.get(stream, self.clock(now) - OLDEST - 1)
         if stamp <= newest:
             known = stream in self._streams
@@ -128,7 +132,9 @@ class Signatures:
                 if known
                 else "is signed more than 60 s ago: see its clock"
             )
+        # Only now, behind the signature: a forged stamp must not lock its station out.
         self._streams[stream] = stamp
+        # MAVLink's rule: an accepted stamp that is ahead raises our own.
         self._least = max(self._least, stamp - now // UNIT)
         return None
 

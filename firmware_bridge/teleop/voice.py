@@ -34,6 +34,7 @@ class Voice:
 
     def _in_px4(self, message: Message, number: int, stamp: int) -> bytes | None:
         mode: int = message.custom_mode
+        # One message serves all stations: its number is put back after this one's frame is packed.
         message.custom_mode = in_px4(mode)
         if number == dialect.MAVLINK_MSG_ID_CURRENT_MODE:
             message.intended_custom_mode = message.custom_mode

@@ -38,6 +38,7 @@ def _crc_table() -> tuple[int, ...]:
     for first in range(256):
         crc = first << 7
         for _ in range(8):
+            # CRC-15 of ISO 11898-1; bit 14 decides whether the polynomial is subtracted (modulo 2: xor).
             crc = (crc << 1) ^ (_CRC_POLYNOMIAL if crc & 0x4000 else 0)
         table.append(crc & 0x7FFF)
     return tuple(table)
@@ -53,6 +54,7 @@ def _stuff_table() -> tuple[int, ...]:
         for byte in range(256):
             last, run = divmod(state, _RUN)
             run += 1
+            # A stuff bit counts as the first of its own run, so two of them may follow each other closely.
             stuffed = 0
             for position in range(7, -1, -1):
                 bit = byte >> position & 1
@@ -61,6 +63,7 @@ def _stuff_table() -> tuple[int, ...]:
                 if run == _RUN:
                     stuffed += 1
                     last, run = 1 - bit, 1
+            # Runs of 1 to 5 become 0 to 4: after a stuff bit the run is 1 again, so 5 never leaves this loop.
             table.append(stuffed << 12 | (last * _RUN + run - 1) << 8)
     return tuple(table)
 
@@ -83,16 +86,19 @@ def crc15(bits: int, count: int) -> int:
 @lru_cache(maxsize=2048)
 def _head(address: int, length: int) -> tuple[int, int, int]:
     """Return what start of frame to control field leave behind: CRC, stuffing's state, bits on the bus."""
+    # An error report is the controller's own and was never on the bus.
     if length > MAX_PAYLOAD or address & ERROR:
         raise ValueError(f"{address:08X} with {length} bytes is not a frame on a CAN bus")
     remote = 1 if address & REMOTE else 0
     if address & EXTENDED:
         base = address >> 18 & STANDARD_MASK
+        # Base identifier, SRR and IDE (both recessive, hence 3), the 18 further bits, then RTR.
         bits = (base << 20 | 3 << 18 | address & 0x3FFFF) << 1 | remote
         count = 39
     else:
         bits = (address & STANDARD_MASK) << 1 | remote
         count = 19
+    # Control field: two dominant bits (IDE and r0, or r1 and r0), then the length code in four bits.
     bits = bits << 6 | length
     # Whole bytes: alternating bits in front, a one last, leave the run of the start bit at one.
     padding = -count % 8
@@ -111,6 +117,7 @@ def frame_bits(address: int, payload: bytes) -> int:
     Stuffing reaches from start of frame to the last bit of the CRC. The interframe space is not included.
     """
     crc, state, bits = _head(address, len(payload))
+    # A remote frame has a length code and no data field.
     if not address & REMOTE:
         bits += 8 * len(payload)
         for byte in payload:
@@ -134,5 +141,7 @@ def arbitration_rank(address: int) -> int:
     """
     remote = 1 if address & REMOTE else 0
     if address & EXTENDED:
+        # SRR takes the place of RTR and is recessive, so a standard frame wins over an extended one of the
+        # same base.
         return (address >> 18 & STANDARD_MASK) << 21 | 3 << 19 | (address & 0x3FFFF) << 1 | remote
     return (address & STANDARD_MASK) << 21 | remote << 20

@@ -40,6 +40,7 @@ def encode_report(
     state: int = 0, loss: Loss = Loss.UNKNOWN, transmit_errors: int = 0, receive_errors: int = 0
 ) -> bytes:
     """Return the eight bytes of a report; counters beyond a byte are reported as 255."""
+    # The kernel's counters are wider than the byte that the report has for each.
     counters = bytes((min(transmit_errors, 0xFF), min(receive_errors, 0xFF)))
     return bytes((0, state, 0, 0, 0, loss)) + counters
 
@@ -48,5 +49,6 @@ def decode_report(payload: bytes) -> tuple[int, Loss]:
     """Return the bits of byte 1 and what was lost; nothing for a payload that is too short."""
     if len(payload) < LENGTH:
         return 0, Loss.UNKNOWN
+    # The byte is the controller's own: another driver than the emulated one may use other numbers.
     known = payload[_DETAIL] in tuple(Loss)
     return payload[_STATE], Loss(payload[_DETAIL]) if known else Loss.UNKNOWN

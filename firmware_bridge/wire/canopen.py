@@ -93,6 +93,7 @@ def encode_heartbeat(state: NmtState) -> bytes:
 
 def decode_heartbeat(payload: bytes) -> NmtState | None:
     """Return the state in a heartbeat; None for what is none. A guarding toggle bit is ignored."""
+    # A node guarding answer has the state in bits 0 to 6 and a toggle in bit 7; a heartbeat has 0 there.
     return _STATE_BY_BYTE.get(payload[0] & ~TOGGLE) if payload else None
 
 
@@ -107,6 +108,7 @@ class EmergencyMessage:
 
 def encode_emergency(message: EmergencyMessage) -> bytes:
     """Return the eight bytes of an emergency message."""
+    # CiA 301: error code of 16 bits with the low byte first, error register, five bytes of the maker.
     return message.code.to_bytes(2, "little") + bytes((message.register,)) + message.extra
 
 

@@ -101,10 +101,15 @@ class ControlPattern:
 
 
 COMMANDS: Final = (
+    # Transitions 7, 9, 10 and 12 of CiA 402: bit 1 at 0 is enough, whatever the others are.
     ControlPattern(ControlwordCommand.DISABLE_VOLTAGE, 0b0000_0010, 0b0000_0000),
+    # Transitions 7, 10 and 11: bit 2 is active at 0; bits 0 and 3 do not count.
     ControlPattern(ControlwordCommand.QUICK_STOP, 0b0000_0110, 0b0000_0010),
+    # Transitions 2, 6 and 8.
     ControlPattern(ControlwordCommand.SHUTDOWN, 0b0000_0111, 0b0000_0110),
+    # Transition 3 in Ready to switch on, 5 in Operation enabled: one bit pattern for both.
     ControlPattern(ControlwordCommand.DISABLE_OPERATION, 0b0000_1111, 0b0000_0111),
+    # Transitions 4 and 16; the drives of many makers go through 3 and 4 at once.
     ControlPattern(ControlwordCommand.ENABLE_OPERATION, 0b0000_1111, 0b0000_1111),
 )
 
@@ -143,18 +148,22 @@ PASSING: Final = frozenset(
 TOWARDS: Final[Mapping[PowerState, Mapping[PowerState, ControlwordCommand]]] = MappingProxyType(
     {
         PowerState.OPERATION_ENABLED: {
+            # Transitions 2, 3 and 4, one after the other; 16 leads back from the quick stop.
             PowerState.SWITCH_ON_DISABLED: ControlwordCommand.SHUTDOWN,
             PowerState.READY_TO_SWITCH_ON: ControlwordCommand.DISABLE_OPERATION,
             PowerState.SWITCHED_ON: ControlwordCommand.ENABLE_OPERATION,
             PowerState.QUICK_STOP_ACTIVE: ControlwordCommand.ENABLE_OPERATION,
         },
         PowerState.READY_TO_SWITCH_ON: {
+            # Transitions 2, 6 and 8: without torque, and ready to be switched on again.
             PowerState.SWITCH_ON_DISABLED: ControlwordCommand.SHUTDOWN,
             PowerState.SWITCHED_ON: ControlwordCommand.SHUTDOWN,
             PowerState.OPERATION_ENABLED: ControlwordCommand.SHUTDOWN,
         },
+        # Transition 11.
         PowerState.QUICK_STOP_ACTIVE: {PowerState.OPERATION_ENABLED: ControlwordCommand.QUICK_STOP},
         PowerState.SWITCH_ON_DISABLED: {
+            # Transitions 7, 10, 9 and 12: the power stage goes off, in 9 without a ramp.
             PowerState.READY_TO_SWITCH_ON: ControlwordCommand.DISABLE_VOLTAGE,
             PowerState.SWITCHED_ON: ControlwordCommand.DISABLE_VOLTAGE,
             PowerState.OPERATION_ENABLED: ControlwordCommand.DISABLE_VOLTAGE,

@@ -24,6 +24,7 @@ def number_of(host: str, port: int, scope: int = 0) -> int:
     """
     if not (1 <= port <= _PORT and 0 <= scope <= _SCOPE):
         raise ValueError(f"{port} is no port")
+    # The zone behind '%' is a name of this machine; the number of the interface goes into `scope`.
     address = ipaddress.ip_address(host.partition("%")[0])
     if address.version == 4:  # noqa: PLR2004 - the versions are 4 and 6
         return int(address) << _PORT_BITS | port
@@ -40,6 +41,7 @@ def host_and_port(number: int) -> tuple[str, int]:
 
 def same_host(one: int, other: int) -> bool:
     """Return whether two places are on one host, whatever their ports."""
+    # The scope lies above the address and is compared, too: link-local hosts differ by interface.
     return one >> _PORT_BITS == other >> _PORT_BITS
 
 

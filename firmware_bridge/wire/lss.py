@@ -53,4 +53,5 @@ CONFIGURATION: Final = 0x01
 
 def encode_lss(command: LssCommand, value: int = 0, size: int = 4) -> bytes:
     """Return a frame's eight bytes: the command, a number of `size` bytes, zeros."""
+    # CiA 305: bytes without content are reserved and sent as 0.
     return (bytes((command,)) + value.to_bytes(size, "little")).ljust(LENGTH, b"\0")

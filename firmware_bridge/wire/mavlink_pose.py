@@ -49,6 +49,7 @@ _ODOMETRY: Final = Struct("<Q3f4f6f21f21fBBBBb")
 
 def _vision(payload: bytes) -> MavlinkPose | None:
     stamp, x, y, z, roll, pitch, yaw, variance, *rest = _VISION.unpack(payload)
+    # From x, y, z = ahead, right, down to ahead, left, up: y and z change sign, and so do pitch and yaw.
     attitude = _from_angles(roll, -pitch, -yaw)
     return MavlinkPose(stamp, (x, -y, -z), attitude, int(rest[-1]), failed=False, deviation_m=_root(variance))
 
@@ -61,6 +62,7 @@ def _odometry(payload: bytes) -> MavlinkPose | None:
     return MavlinkPose(
         stamp,
         (x, -y, -z),
+        # The same half turn about x: of the vector part y and z change sign. MAVLink sends w first.
         (qx, -qy, -qz, qw),
         int(resets),
         failed=quality == _FAILED,
@@ -105,6 +107,7 @@ def _frame(datagram: bytes, at: int) -> int:
     if datagram[at] == V1:
         size = _HEAD_V1 + datagram[at + 1] + _CHECK
     else:
+        # Bit 0 of the incompatibility flags: a signature of 13 bytes follows the check sum.
         signed = datagram[at + 2] & _SIGNED
         size = _HEAD_V2 + datagram[at + 1] + _CHECK + (_SIGNATURE if signed else 0)
     return size if at + size <= len(datagram) else 0
@@ -113,13 +116,16 @@ def _frame(datagram: bytes, at: int) -> int:
 def _pose(frame: bytes) -> MavlinkPose | None:
     v1 = frame[0] == V1
     head = _HEAD_V1 if v1 else _HEAD_V2
+    # Version 1 has one byte for the message, version 2 has 24 bits with the low byte first.
     number = frame[5] if v1 else int.from_bytes(frame[7:10], "little")
     row = ROWS.get(number)
     end = head + frame[1]
     if row is None or frame[1] > row.length:
         return None
+    # The extra byte stands for the message's definition: sender and reader must have the same fields.
     if check_sum(frame[1:end] + bytes((row.extra,))) != int.from_bytes(frame[end : end + _CHECK], "little"):
         return None
+    # Version 2 cuts the zeros at a payload's end; they are put back.
     return row.read(frame[head:end].ljust(row.length, b"\0"))
 
 
@@ -128,6 +134,7 @@ def check_sum(data: bytes) -> int:
     crc = 0xFFFF
     for byte in data:
         low = (byte ^ crc) & 0xFF
+        # CRC-16 with polynomial 0x1021, reflected, a byte at a time and without a table; no final xor.
         low = (low ^ low << 4) & 0xFF
         crc = (crc >> 8) ^ (low << 8) ^ (low << 3) ^ (low >> 4)
     return crc & 0xFFFF

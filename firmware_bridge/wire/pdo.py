@@ -33,6 +33,7 @@ class MappingEntry:
 
     def encode(self) -> int:
         """Return the 32 bits that are written to 0x1600 or 0x1A00."""
+        # CiA 301: index in bits 16 to 31, sub-index in 8 to 15, length in bits in 0 to 7.
         return self.address.index << 16 | self.address.subindex << 8 | self.bits
 
     @classmethod
@@ -57,6 +58,7 @@ class Layout:
         """Size of the payload in bytes."""
         if self.size * 8 > MAX_BITS:
             raise ValueError(f"{self.size * 8} bits in a PDO of at most {MAX_BITS}")
+        # CiA 301: values follow each other without gaps, each with its low byte first.
         self._struct = struct.Struct("<" + "".join(_STRUCT_CODE[kind] for kind in self.types))
         shift = 0
         masks = []
@@ -76,6 +78,7 @@ class Layout:
         try:
             return self._struct.pack(*values)
         except struct.error:
+            # struct refuses what does not fit; a register keeps its low bits.
             return self._wrapped(values)
 
     def _wrapped(self, values: tuple[int, ...]) -> bytes:

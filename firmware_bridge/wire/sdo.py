@@ -152,6 +152,7 @@ def _frame(command: int, address: Address, rest: bytes = b"") -> bytes:
 
 
 def _address(payload: bytes) -> Address:
+    # A frame that is cut short is answered with the address as far as it came.
     padded = payload if len(payload) >= HEAD else payload.ljust(HEAD, b"\0")
     return Address(padded[1] | padded[2] << 8, padded[3])
 
@@ -168,7 +169,9 @@ def encode_upload_segment(*, toggle: bool) -> bytes:
 
 def encode_download(address: Address, raw: bytes) -> bytes:
     """Write an object: up to four bytes at once, more as the announcement of segments."""
+    # An expedited transfer cannot carry 0 bytes: its size field counts the bytes without content.
     if 0 < len(raw) <= EXPEDITED:
+        # Bits 2 and 3: how many of the four data bytes are without content (CiA 301).
         return _frame(_DOWNLOAD | (EXPEDITED - len(raw)) << 2 | _EXPEDITED | _SIZED, address, raw)
     return encode_download_announcement(address, len(raw))
 
@@ -218,6 +221,7 @@ def encode_download_segment_response(*, toggle: bool) -> bytes:
 def _segment(raw: bytes, *, toggle: bool, last: bool) -> bytes:
     if len(raw) > SEGMENT:
         raise ValueError(f"a segment carries at most {SEGMENT} bytes, not {len(raw)}")
+    # CiA 301: toggle in bit 4, bytes without data in bits 1 to 3, "no more segments" in bit 0.
     command = toggle * _TOGGLE | (SEGMENT - len(raw)) << 1 | last * _LAST
     return (bytes((command,)) + raw).ljust(FRAME, b"\0")
 
@@ -232,6 +236,7 @@ def _contents(payload: bytes) -> tuple[bytes | None, int | None]:
     """Return bytes (None: segments follow) and size (None: not given) of a frame that starts a transfer."""
     command = payload[0]
     if command & _EXPEDITED:
+        # Without the size bit all four bytes count, and the server takes as many as its object has.
         size = EXPEDITED - (command >> 2 & 3) if command & _SIZED else None
         return payload[HEAD : HEAD + (EXPEDITED if size is None else size)], size
     return None, int.from_bytes(payload[HEAD:FRAME], "little") if command & _SIZED else None
@@ -270,6 +275,7 @@ def decode_request(payload: bytes) -> Request:
 
     Beyond the address a short frame is read as far as it goes: `raw` may then hold less than `size`.
     """
+    # An empty frame gets a specifier that no service has.
     specifier = payload[0] >> 5 if payload else len(_REQUESTS)
     decode = _REQUESTS.get(specifier)
     if decode is None or (len(payload) < HEAD and specifier not in _WITHOUT_ADDRESS):
@@ -279,5 +285,6 @@ def decode_request(payload: bytes) -> Request:
 
 def decode_response(payload: bytes) -> Response:
     """Return what a server answers; anything that is no answer, or is cut short, is `Unknown`."""
+    # A server always sends eight bytes; a shorter frame is no answer of a CANopen device.
     decode = _RESPONSES.get(payload[0] >> 5) if len(payload) >= FRAME else None
     return Unknown(_address(payload)) if decode is None else decode(payload)

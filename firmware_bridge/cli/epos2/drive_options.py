@@ -80,6 +80,7 @@ class NegativeValue(TyperCommand):
         """Put values below zero behind everything else."""
         if _REST in args:
             return super().parse_args(ctx, args)
+        # The parser takes -500 for options; behind '--' it is a value.
         below = [word for word in args if _NEGATIVE.fullmatch(word)]
         others = [word for word in args if not _NEGATIVE.fullmatch(word)]
         return super().parse_args(ctx, [*others, _REST, *below] if below else others)

@@ -60,6 +60,7 @@ class OneDrive:
 
         Returns also where the time was over, or the user had enough, before the script was done.
         """
+        # Before anything else: through a wrong gateway a command would reach another drive.
         checked = () if self.gateway is None or isinstance(self.link, CanAccess) else self._checked(self.link)
         client = JobClient(self.link, (*checked, *script), overhear)
         with one_message(PortError):
@@ -115,6 +116,7 @@ def drive_from_options(
     _only("the CAN bus", "no --serial", {"-i": interface, "-c": channel, "-b": bit_rate})
     spoken = protocol or Generation.V1
     rate = baud or _BAUD[spoken]
+    # With --gateway alone the drive on the line is meant, and is checked first.
     wanted = gateway if node is None else node
     return OneDrive(
         wanted,

@@ -240,6 +240,7 @@ class Ar2Board:
         self.commands += 1
         self._question, self._requested_at, self._received = question, now, b""
         finding = self.under_way[:1] == (Task.FIND,)
+        # The sketch reads the next line only after the move: its answer may come that much later.
         moves = 0 if self._move is None else self._table.move
         self._until = now + (FOUND_EVERY if finding else self.answers_within + moves)
         return Packet(self.name, 0, words.test(question.text))
@@ -256,6 +257,7 @@ class Ar2Board:
             return ()
         self.commands += 1
         for joint in self.joints:
+            # From here on a joint may turn, until an answer proves that none does.
             joint.released = False
         return (Packet(self.name, 0, self._move.line),)
 
@@ -342,6 +344,7 @@ class Ar2Board:
         self.configured = self._found_once = True
         self._restores = False
         for joint in self.joints:
+            # After a reset the arm stands somewhere within the move that it broke off.
             joint.lost()
 
     def _start(self, now: Nanoseconds) -> None:

@@ -20,6 +20,7 @@ def ar2_fleet(robot: AnyRobot, name: str) -> Fleet:
     """Return the joints on the robot's link of this name; RobotFileError where a cycle is too short."""
     table, axes = robot.ar2_link(name), robot.axes_on(name)
     cycle = robot.cycle * table.every
+    # A request and its answer have to fit in behind the move: the board takes no line until it ends.
     needed = table.move + (LINE_US + table.port_latency_us) * MICROSECOND
     if cycle < needed:
         problem = (

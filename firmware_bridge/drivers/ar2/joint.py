@@ -69,6 +69,7 @@ class Ar2Joint:
         self.number: Final = axis.ar2.joint
         self._per_unit: Final = axis.ar2.steps_per_unit(axis.ratio)
         link = robot.ar2_link(axis.link)
+        # Half steps, hence twice the motor's full steps; the smaller of both bounds a move.
         by_axis = axis.top_speed * to_seconds(robot.cycle * link.every) * self._per_unit
         by_motor = 2.0 * axis.ar2.full_steps_s * to_seconds(link.move)
         self.most: Final = int(min(by_axis, by_motor)) + MOVES_AT_ONCE
@@ -101,6 +102,7 @@ class Ar2Joint:
         """Its known state; the power is as commanded here, and its current is never the bridge's."""
         power = Power.UNKNOWN
         if self._board.configured and self._received_at != NEVER_RECEIVED:
+            # The board reports no power; this is what was commanded, and its motors keep their current.
             power = Power.ON if self.enabled else Power.OFF
         return Feedback(
             axis=self._axis.name,
@@ -188,6 +190,7 @@ class Ar2Joint:
 
     def steps_at(self, position: float) -> int:
         """Return the count at a position in rad."""
+        # Counted from one end of the travel, as the GUI does, in the motor's direction.
         return round(self._axis.direction * (position - self._axis.ar2.origin) * self._per_unit)
 
     @property
@@ -213,6 +216,7 @@ class Ar2Joint:
         before, count = self._position, self.count
         if count is not None:
             self._position = self._axis.ar2.origin + self._axis.direction * count / self._per_unit
+        # A position that was confirmed in between is no motion.
         known = self._sampled_at != NEVER_RECEIVED and count is not None and not placed
         elapsed = to_seconds(cycle_at - self._sampled_at)
         self._velocity = (self._position - before) / elapsed if known and elapsed > 0.0 else 0.0

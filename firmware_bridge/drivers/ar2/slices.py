@@ -43,15 +43,18 @@ def slice_of(wanted: Sequence[int], most: Sequence[int], within: Nanoseconds) ->
 
     All joints by one share where one would do more than its `most`, or the move would last longer.
     """
+    # One share for all, so that the joints keep their common way.
     share = min([1.0, *(high / abs(it) for it, high in zip(wanted, most, strict=True) if it)])
     steps = tuple(int(share * it) for it in wanted)
     lasts = within / MICROSECOND
+    # Shorter pulses would lose steps: half of the way, and the rest in the next move.
     while sum(map(abs, steps)) and _left_us(steps, lasts) < SHORTEST_US * (sum(map(abs, steps)) + 6):
         steps = tuple(int(it / 2) for it in steps)
     count = sum(map(abs, steps))
     if not count:
         return None
     active = sum(1 for it in steps if it)
+    # The sketch divides by the joints that step; its first turn waits twice, hence count plus active.
     pulses = min(SLACK * _left_us(steps, lasts) / (count + active) * active, LONGEST_US)
     return Slice(steps, FULL_US / pulses)
 

@@ -83,8 +83,10 @@ class SeenBody:
         if not (length > _TURNED and math.isfinite(length) and math.isfinite(sum(position))):
             self.missed(Sighting.LOST)
             return
+        # Rounding on the way makes it a little longer or shorter than 1.
         x, y, z, w = x / length, y / length, z / length, w / length
         if self.settings.up is UpAxis.Y:
+            # From y upwards to z upwards: a quarter turn about x, of the place and of the vector part.
             position = (position[0], -position[2], position[1])
             y, z = -z, y
         place, turned = self._robot(position, (x, y, z, w))
@@ -96,6 +98,7 @@ class SeenBody:
     def _robot(self, position: Point, attitude: Quaternion) -> tuple[Point, Quaternion]:
         """Return where the robot is whose mounted body is there."""
         turned = product(attitude, self._turn)
+        # The body is mounted beside the robot's point, so the turned lever is taken off.
         x, y, z = rotated(turned, self._mount)
         return (position[0] - x, position[1] - y, position[2] - z), turned
 
@@ -103,6 +106,7 @@ class SeenBody:
         """Count a jump: further than the robot gets in the time since it was seen."""
         if self._last is not None:
             since, before, was = self._last
+            # Datagrams may overtake one another.
             seconds, allowed = max(to_seconds(at - since), 0.0), self.settings
             far = math.dist(position, before) > allowed.noise_m + allowed.fastest_mps * seconds
             turn = abs(math.remainder(heading - was, math.tau))
@@ -114,6 +118,7 @@ class SeenBody:
 def heading_of(attitude: Quaternion) -> float:
     """Return the turn to the left about the axis upwards, from x; rad from -pi to pi."""
     x, y, z, w = attitude
+    # Yaw of a quaternion; only the turn about the vertical counts on a plane.
     return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
 

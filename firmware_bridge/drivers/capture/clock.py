@@ -28,6 +28,7 @@ class StampClock:
         """Return when a packet with this stamp left, by our clock; never after it was received."""
         apart = received_at - stamp
         least = self._least
+        # No jitter is a second long: the other clock was set, or its program started again.
         if least is None or abs(apart - least) > _RESTARTED:
             least = apart
         else:

@@ -58,6 +58,7 @@ class MavlinkPoses:
 
     def receive(self, packet: Packet, now: Nanoseconds) -> tuple[Packet, ...]:
         """Take the poses of a datagram; one of another host is left."""
+        # Poses of any other host could move the robot where they please.
         if same_host(packet.address, self._place):
             for pose in poses(packet.payload):
                 self._take(pose, now)
@@ -65,6 +66,7 @@ class MavlinkPoses:
 
     def _take(self, pose: MavlinkPose, now: Nanoseconds) -> None:
         left = self._clock.left_at(pose.stamp_us * MICROSECOND, now) if pose.stamp_us else now
+        # reset_counter changes when the estimator jumps, which is no motion of the robot.
         jumped = self._resets is not None and pose.resets != self._resets
         self._resets = pose.resets
         for one in self._bodies:

@@ -108,6 +108,7 @@ class NatNetLink:
         if message is MessageId.SERVERINFO:
             server = messages.server_info(payload)
             if server != self.server:
+                # Another start of the server: its clock begins again, and numbers may have changed.
                 self.server, self._version, self._clock = server, server.version, StampClock()
                 self._numbers.clear()
             return (self._sent(_WHICH),) if self._wanted() else ()
@@ -130,6 +131,7 @@ class NatNetLink:
         """Look for the bodies in a frame that shows the instant `at`."""
         for one in self._bodies:
             wanted = one.settings.body
+            # A body without a known number has none that occurs in a stream.
             body = frame.body(self._numbers.get(wanted, -1) if isinstance(wanted, str) else wanted)
             if body is None:
                 one.missed(Sighting.ABSENT)
@@ -142,10 +144,12 @@ class NatNetLink:
         """Return the middle of the exposure by our clock; the robot file fills in for missing stamps."""
         if ticks_per_s > 0 and frame.sent:
             left = self._clock.left_at(frame.sent * SECOND // ticks_per_s, now)
+            # From the middle of the exposure until it was sent, by the server's own clock.
             if 0 < frame.exposed <= frame.sent:
                 return left - (frame.sent - frame.exposed) * SECOND // ticks_per_s
             return left - self._table.latency
         stamp = frame.timestamp_s
+        # A stamp that is no number, or beyond all bounds, must not reach integer arithmetic.
         if not 0.0 <= stamp < NEVER / SECOND:
             return now - self._table.latency
         return self._clock.left_at(from_seconds(stamp), now) - self._table.latency

@@ -60,6 +60,7 @@ class CanAccess:
             self._sent_only = True
             return (Packet(CAN, canopen.NMT, canopen.encode_nmt(job.command, job.node)),)
         self._job = job
+        # One for each job: storing takes seconds, which is far longer than another answer may take.
         self._client = SdoClient(patience(job, self._timeout))
         raw = job.raw if isinstance(job, WriteJob) else None
         return self._requests(self._client.start(Transfer(job.address, raw, attempts(job, self._tries)), now))

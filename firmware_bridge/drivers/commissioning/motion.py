@@ -35,6 +35,7 @@ _RESTING: Final = frozenset({at.TARGET_VELOCITY, at.VELOCITY_MODE_SETTING})
 def why_it_may_move(address: Address, raw: bytes) -> str | None:
     """Return why writing this may set something in motion; None where it does not."""
     if address == at.CONTROLWORD:
+        # Only enabling moves: a stop or a switch-off must not be held up by a question.
         enables = command_of(int.from_bytes(raw[:2], "little")) is ControlwordCommand.ENABLE_OPERATION
         return "it enables operation, and may start a move" if enables else None
     if address in _RESTING and not any(raw):

@@ -41,10 +41,12 @@ class NetworkCommand:
         return (Ask(NetworkJob(self.command, self.node), need(lambda _raw: ())), *self._looks())
 
     def _numbered(self, raw: bytes) -> Script:
+        # The identifier of its SDO server is 0x600 plus its number (CiA 301).
         self.node = int.from_bytes(raw, "little") & NODE_MASK
         return self.script()
 
     def _looks(self) -> Script:
+        # A stopped node answers no SDO (CiA 301): there is nothing to look at.
         if self.node == ALL_NODES or self.command is NmtCommand.STOP:
             return ()
         if self.command in _RESETS:
@@ -53,6 +55,7 @@ class NetworkCommand:
 
     def _back(self, outcome: Outcome) -> Script:
         self._time_left -= SETTLE
+        # While a drive starts it is silent: the wait for an answer is part of its time.
         if isinstance(outcome, SilentError):
             self._time_left -= outcome.waited
         if isinstance(outcome, JobError) and self._time_left > 0:
@@ -63,6 +66,7 @@ class NetworkCommand:
         return ()
 
     def _look(self, raw: bytes) -> Script:
+        # The EPOS2 sets bit 9 of its Statusword (remote) only in the NMT state operational.
         operational = bool(int.from_bytes(raw, "little") & Status.REMOTE)
         if operational is not _OPERATIONAL[self.command]:
             found = "operational" if operational else "not operational"

@@ -131,10 +131,12 @@ class PowerCommand:
             )
         if state in self.procedure.done:
             return ()
+        # Once in each state: a drive that does not follow it needs time, or another command.
         words = () if state is self._written_in else self.procedure.words.get(state, ())
         if words:
             self._written_in = state
             return (*_writes(words), *self._looks())
+        # Passing states end by themselves, and a drive may brake before it follows a Controlword.
         waits = state in PASSING or state is self._written_in or self.procedure.at_once is not None
         if not waits:
             raise CommissioningError(f"{self._stuck(state)}; {_HINTS.get(state, 'see `state`')}")

@@ -162,6 +162,7 @@ class Scan:
 
     def _on_answer(self, node: int, address: Address, outcome: Outcome) -> Script:
         if isinstance(outcome, JobError) and outcome.unheard:
+            # A node that is not there costs one time limit, and not one for each object.
             return ()  # nor would it answer the next one
         found = self._of(node)
         found.outcomes[address] = outcome

@@ -94,6 +94,7 @@ class SerialAccess:
         """Begin from the start, when the line is free."""
         self._attempts_left -= 1
         self._gathered = None
+        # The new host end inherits the pause that the line needs after a failed command.
         free_at = self._host.ready_at
         self._host = host_end(self.generation, patience(job, self._timeout))
         self._host.ready_at = free_at
@@ -139,6 +140,7 @@ class SerialAccess:
         elif answer.error:
             self._end(RefusedError(job, answer.error))
         elif isinstance(answer, messages.ObjectRead) and isinstance(job, ReadJob):
+            # A direct read has always four bytes: those beyond the object's length are nothing.
             self._end(answer.raw[: size_of(job.address)])
         elif isinstance(answer, messages.SegmentOut):
             return self._gather(job, answer, now)
@@ -151,6 +153,7 @@ class SerialAccess:
 
     def _gather(self, job: Job, segment: messages.SegmentOut, now: Nanoseconds) -> Sent:
         gathered = self._gathered
+        # CiA 301: the toggle bit alternates; otherwise a segment came twice, or is missing.
         if gathered is None or messages.toggle_of(segment) is not self._toggle:
             self._end(BrokenAnswerError(job, "the toggle bit did not alternate"))
             return ()
@@ -158,6 +161,7 @@ class SerialAccess:
         if not messages.more_of(segment):
             self._end(bytes(gathered))
             return ()
+        # A broken drive could send segments without an end.
         if len(gathered) > LARGEST_READ:
             self._end(BrokenAnswerError(job, f"it does not end after {len(gathered)} bytes"))
             return ()
@@ -165,6 +169,7 @@ class SerialAccess:
         return self._ask(messages.SegmentRead(messages.control(0, toggle=self._toggle)), now)
 
     def _failed(self, job: Job, failure: Failure, now: Nanoseconds) -> Sent:
+        # What the drive has not taken may be sent again, also a command that stores.
         if self._attempts_left and (failure in _NOT_TAKEN or attempts(job, ATTEMPTS) > 1):
             return self._try(job, now)
         if failure is Failure.SILENCE:

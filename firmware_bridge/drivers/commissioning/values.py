@@ -78,6 +78,7 @@ def parse(address: Address, text: str, size: int | None = None) -> bytes:
         raise ValueTextError(
             f"'{text}' does not fit {called(address)}: {length} bytes hold {lowest} to {highest}"
         )
+    # Two's complement, and little-endian, as all numbers of CiA 301.
     return (number & (1 << bits) - 1).to_bytes(length, "little")
 
 
@@ -88,6 +89,7 @@ def _number(address: Address, text: str, row: ObjectRow | None) -> int:
         kinds = f"a number or one of: {named}" if named else "a number, as 500, 0x1F4 or with its unit"
         raise ValueTextError(f"'{text}' is no value for {called(address)}; give {kinds}")
     unit = (found["unit"] or "").strip()
+    # Decimal and not float: 0.1 shall be a whole number of its smaller unit.
     magnitude = Decimal(int(found["hex"], 16)) if found["hex"] else Decimal(found["number"])
     scaled = magnitude * _factor(address, text, unit, row)
     if scaled != scaled.to_integral_value():

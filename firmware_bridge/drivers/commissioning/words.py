@@ -101,6 +101,7 @@ def _error(value: int, _mode: Mode | None) -> Words:
 
 
 def _modes(value: int, _mode: Mode | None) -> Words:
+    # 0x6502: bit 0 is mode 1; the maker's modes, from -1 down, begin at bit 16.
     standard = (mode_of(bit + 1) for bit in range(_STANDARD_MODES) if value >> bit & 1)
     maker = (mode_of(-1 - bit) for bit in range(_STANDARD_MODES) if value >> (_MAKER_MODES_FROM + bit) & 1)
     return tuple(title(mode) for mode in (*standard, *maker))

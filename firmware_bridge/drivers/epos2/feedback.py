@@ -103,14 +103,17 @@ class DriveFeedback:
         self.statusword = statusword
         if not statusword & _REFERENCED:
             self.reference_lost = True
+        # Bit 12 in homing mode: from here on the count may jump, which is no motion.
         if self.seeking and statusword & _ATTAINED:
             self.zeroing = True
         state = state_of(statusword)
+        # An unknown pattern proves nothing, so it does not count as without power.
         self.unpowered = state is not None and state not in POWERED
         return state
 
     def moved_to(self, counter: int) -> int:
         """Return the way in quadcounts from the newest position to what the drive's counter shows now."""
+        # Less than half the counter between two samples: the sign of the difference is then certain.
         return wrapped(counter - self.position_qc)
 
     def move(self, quadcounts: int, elapsed: Nanoseconds) -> None:

@@ -96,6 +96,7 @@ class AnalogueInput:
         if isinstance(outcome, bytes) and len(outcome) == _VOLTAGE.size:
             value = _VOLTAGE.decode(outcome) * self._per_volt / MILLIVOLTS
             self._reading = Reading(value, self._requested_at, request.ended_at)
+        # A time-out leaves the last value, which expires by itself; a refusal means that there is none.
         elif outcome is not None and not isinstance(outcome, SdoTimeoutError):
             self._reading = None
 
@@ -140,6 +141,7 @@ class DigitalOutputs:
         if request is None or not request.over:
             return
         self._request = None
+        # Over without an outcome: it may have left or not, so the level is written again.
         taken = request.outcome is not None and not isinstance(request.outcome, SdoError)
         raw = request.transfer.raw
         self._confirmed = _STATE.decode(raw) if taken and raw is not None else None

@@ -56,6 +56,7 @@ class Pdo:
 
     def cob_id_entry(self, node: int, *, valid: bool) -> int:
         """Return the value of subindex 1 for this node: flags and identifier."""
+        # Bit 30: no remote request; bit 31: the PDO is off (CiA 301).
         flags = canopen.COB_ID_NO_REMOTE if self.transmits else 0
         if not valid:
             flags |= canopen.COB_ID_INVALID

@@ -17,6 +17,7 @@ COUNTER_HALF: Final = 1 << 31
 
 def wrapped(quadcounts: int) -> int:
     """Return a position as the drive's counter of 32 bits shows it."""
+    # Two's complement of 32 bits, without a limit on what comes in.
     return (quadcounts + COUNTER_HALF) % COUNTER_SPAN - COUNTER_HALF
 
 
@@ -60,6 +61,7 @@ class Scale:
 
     def within(self, position: float, travel: Travel) -> int:
         """Return the quadcount within a travel that is nearest to a finite position, however far that is."""
+        # Clipped as a float first: a huge number has no place in the drive's counter.
         return round(min(max(position * self.quadcounts_per_unit, travel.low_qc), travel.high_qc))
 
     def rpm(self, speed: float) -> float:
@@ -78,4 +80,5 @@ def travel_of(axis: Axis) -> Travel | None:
 
 def highest_rpm(axis: Axis) -> int:
     """Return the whole rpm that neither the axis's top speed nor the drive's own limit exceeds."""
+    # Rounded down, so that the whole rpm stay within the axis' top speed.
     return min(math.floor(abs(Scale.of(axis).rpm(axis.top_speed))), axis.epos2.profile.max_velocity_rpm)

@@ -71,6 +71,7 @@ class VelocitySetPoint:
         """Return the frame for a demand; a position, or what is no finite speed, counts as rest."""
         if demand is Stop.POWER_OFF:
             return self._frame(DISABLE_VOLTAGE, 0)
+        # Not enabled: 0x000B gives no power, while 0x000F would enable a drive in Switched on (transition 4).
         if demand is Stop.QUICK_STOP or self._feedback.state is not PowerState.OPERATION_ENABLED:
             return self._frame(QUICK_STOP, 0)
         if isinstance(demand, Speed) and math.isfinite(demand.value):
@@ -104,6 +105,7 @@ class PositionSetPoint:
 
     def word(self, controlword: int) -> Packet:
         """Return a frame with this controlword and the actual position."""
+        # The actual position as target: should the drive take it, it stays where it is.
         self._under_way = False
         self._target_qc = self._travel.clip(wrapped(self._feedback.position_qc))
         return self._frame(controlword)
@@ -130,6 +132,7 @@ class PositionSetPoint:
         if self._bit_is_set:
             # Not released yet: an edge is not possible now, the next cycle will bring it.
             return self._frame(NEW_POSITION)
+        # Too small to be sent again; ENABLE keeps the drive on its way to the target that it has.
         if self._under_way and abs(target_qc - self._target_qc) < SMALLEST_MOVE_QC:
             return self._frame(ENABLE)
         self._target_qc = target_qc
@@ -140,5 +143,6 @@ class PositionSetPoint:
         return self._feedback.state is not PowerState.OPERATION_ENABLED
 
     def _frame(self, controlword: int) -> Packet:
+        # The drive acts on the rising edge of bit 4, so its last level must be known.
         self._bit_is_set = controlword == NEW_POSITION
         return Packet(self._link, self._cob_id, _POSITION.pack(controlword, self._target_qc))

@@ -87,6 +87,7 @@ class Traffic(NamedTuple):
 
 def general_purpose(pin: int) -> OutputFunction:
     """Return the function of an output pin, from 1, that the bridge switches: A at the first (EDS)."""
+    # The functions count down: A is 15, B is 14.
     return OutputFunction(OutputFunction.GENERAL_A + 1 - pin)
 
 
@@ -189,6 +190,7 @@ def _process_data(pdo: Pdo, node: int) -> Iterator[SetupObject]:
 
 
 def _supervision(link: Epos2Link, flows: Traffic) -> Iterator[SetupObject]:
+    # 0x1016: the node in bits 16 to 23, the consumer time in ms below (CiA 301).
     watch = flows.watched << 16 | link.bridge_silent_ms
     why = "the bridge sees that the drive lives; without, it answers node guarding"
     yield SetupObject(

@@ -92,6 +92,7 @@ def written(axis: Axis, transfer: Transfer, doing: str) -> Ask:
 
 def controlled(axis: Axis, controlword: int, attempts: int = ATTEMPTS) -> Ask:
     """Write the controlword by SDO: where process data does not flow there is no other way."""
+    # In pre-operational no RPDO is taken (CiA 301), so an object is the only way.
     transfer = Transfer(at.CONTROLWORD, DataType.UNSIGNED16.encode(controlword), attempts)
     return written(axis, transfer, f"writing 0x{controlword:04X}")
 

@@ -100,12 +100,14 @@ class TaskRunner:
 
     def lets(self, demand: Demand) -> bool:
         """Return whether a set-point may be sent: during tasks one that stops, during homing also rest."""
+        # A stop always passes: no task may keep an axis from being stopped.
         if not self.busy or demand is Stop.QUICK_STOP or demand is Stop.POWER_OFF:
             return True
         return demand is Stop.REST and self._task is Task.HOME
 
     def meant(self, demand: Demand) -> Demand:
         """Return a demand as it may reach the drive: in homing mode a new position would start that."""
+        # A new position in homing mode would start a homing: bit 4 means both.
         return demand if self._in_own_mode or isinstance(demand, Stop) else Stop.REST
 
     @property
@@ -130,6 +132,7 @@ class TaskRunner:
     def end(self) -> None:
         """Forget the tasks under way."""
         self._scripts.stop()
+        # Whether the counter was set already is not known any more.
         if self._feedback.zeroing or self._feedback.seeking:
             self._feedback.lose_zero()
         self._tasks.clear()
@@ -152,6 +155,7 @@ class TaskRunner:
 
     def judge(self, *, kept: bool) -> None:
         """Learn whether a drive that was silent has kept its set-up."""
+        # Its heartbeat consumer is off, so it has restarted: the set-up was in memory only.
         if self.doubted and not kept:
             self._feedback.restart()
             self._feedback.state = None
@@ -167,6 +171,7 @@ class TaskRunner:
         """Add what the next tasks send, where one has ended."""
         if not self.busy and not self._tasks:
             return sent
+        # A drive that answers each request just in time could keep a task busy for ever.
         if self._task is not None and now >= self._until and self._scripts.busy:
             problem = f"'{self._task.value}' has not ended within {to_seconds(WITHIN[self._task]):g} s"
             self._scripts.stop(StartupError(self._axis, problem))
@@ -200,6 +205,7 @@ class TaskRunner:
 
     def _home(self) -> Script:
         self._feedback.zeroing, self._in_own_mode = True, False
+        # From the first command on: a homing that is interrupted leaves an unknown count.
         self._feedback.reference_lost = True
         return (*zero.home(self._axis, self._feedback), Do(self._zero_is_set))
 

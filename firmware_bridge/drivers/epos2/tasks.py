@@ -46,6 +46,7 @@ NEWEST_ERROR: Final = at.Address(at.ERROR_HISTORY_COUNT.index, 1)
 def find(axis: Axis, feedback: DriveFeedback) -> Script:
     """Take the node to pre-operational, no reset: it may be moving. Wait until it answers."""
     feedback.expected = False
+    # Only the first time: it is the state to which the drive is left at the end.
     if feedback.found_operational is None:
         feedback.found_operational = feedback.operational
     row = setup.identity(axis)[0]
@@ -65,9 +66,11 @@ def identify(axis: Axis) -> Script:
 
 def configure(axis: Axis, feedback: DriveFeedback, rows: tuple[SetupObject, ...]) -> Script:
     """Bring the drive to rest without power, write the set-up, read back what safety hangs on."""
+    # First without power: motor data and sensor types cannot be changed otherwise (abort 0x08000022).
     steps: list[Step] = [*_come_to_rest(axis, feedback)]
     for row in rows:
         steps.append(written(axis, Transfer(row.address, row.raw), f"writing {row.expected}"))
+        # A write that was acknowledged may still be clipped or ignored.
         if row.read_back:
             steps.append(expected(axis, row))
     return tuple(steps)
@@ -92,6 +95,7 @@ def start(axis: Axis, feedback: DriveFeedback) -> Script:
 
 def enable(axis: Axis, feedback: DriveFeedback, set_point: SetPoint) -> Script:
     """Walk to operation enabled, over a fault reset where there is a fault."""
+    # From the request on the power may come at any time; only a new Statusword proves the contrary.
     feedback.unpowered = False
     return (Do(lambda: _towards_enabled(axis, feedback, set_point, 0)),)
 
@@ -106,6 +110,7 @@ def leave(axis: Axis, feedback: DriveFeedback, set_point: SetPoint) -> Script:
     if not feedback.operational:
         return (Do(lambda: _come_to_rest(axis, feedback, at_last=True)), *confirmed)
     return (
+        # Transition 8, then 7: each waits for its state, so that the drive is not left half way.
         set_point.word(SHUTDOWN),
         Until(lambda: feedback.state not in POWERED, LEAVE_WITHIN),
         Do(lambda: (set_point.word(DISABLE_VOLTAGE),)),
@@ -122,6 +127,7 @@ def listen(axis: Axis) -> Script:
 
 def brake(axis: Axis) -> Script:
     """Stop a drive object by object, as one that receives no set-points; with answers, until standstill."""
+    # One attempt: a drive that does not answer gets the next stage, which uses another channel.
     return (controlled(axis, QUICK_STOP, attempts=1), _standing(axis))
 
 
@@ -136,6 +142,7 @@ def reset(axis: Axis, feedback: DriveFeedback) -> Script:
 
     A boot-up message alone proves nothing: after reset communication a motor may go on turning (ASSUME).
     """
+    # The pause lets the boot-up pass: a drive that boots answers no SDO.
     return (nmt(axis, NmtCommand.RESET_NODE), pause(LEAVE_WITHIN), _restarted(axis, feedback, RESET_POLLS))
 
 
@@ -175,6 +182,7 @@ def _come_to_rest(axis: Axis, feedback: DriveFeedback, *, at_last: bool = False)
     power_off = (controlled(axis, DISABLE_VOLTAGE), _without_power(axis, feedback, STATE_WITHIN // POLL))
 
     def judge(statusword: int) -> Script:
+        # Without power it only needs to be put into a known state; with power it brakes first.
         if state_of(statusword) not in POWERED:
             return power_off
         return (controlled(axis, QUICK_STOP), standing, *power_off)

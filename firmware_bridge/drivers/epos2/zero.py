@@ -128,6 +128,7 @@ def rows_of(axis: Axis) -> tuple[SetupObject, ...]:
 
 def _whole_rpm(scale: Scale, speed: float) -> int:
     """Return whole rpm, or rpm/s, that are not above a speed behind the gear."""
+    # Rounded down, but never 0: a homing at 0 rpm would not end.
     return max(1, math.floor(abs(scale.rpm(speed))))
 
 
@@ -139,6 +140,7 @@ def _sets_out(axis: Axis, feedback: DriveFeedback) -> Ask:
     """Read a statusword that is newer than the start: bit 12 of before is none of this homing's."""
 
     def judge(statusword: int) -> Script:
+        # Until the drive reports bit 12 its count is continuous, so the motion may be supervised by it.
         feedback.zeroing, feedback.seeking = False, True
         feedback.on_statusword(statusword)
         return ()
@@ -151,6 +153,7 @@ def _found(axis: Axis, feedback: DriveFeedback) -> Ask:
 
     def judge(statusword: int) -> Script:
         feedback.on_statusword(statusword)
+        # CiA 402 homing: bit 12 attained, bit 13 error; bit 15 is maxon's "position referenced".
         if statusword & _ATTAINED == _ATTAINED and not statusword & _FAILED:
             return ()
         why = "it gave its homing up" if statusword & _FAILED else "it has not found its zero in time"
@@ -168,6 +171,7 @@ def _is_enabled(axis: Axis, feedback: DriveFeedback) -> Script:
 def _mode(axis: Axis, mode: Mode) -> Script:
     """Change the mode of operation, and wait for the drive's own report of it."""
     raw = DataType.INTEGER8.encode(mode)
+    # 0x6061 shows the mode that is in force; 0x6060 only what was requested.
     display = SetupObject(at.MODE_DISPLAY, DataType.INTEGER8, mode, "mode of operation", "it counts now")
     return (written(axis, Transfer(at.MODE, raw), f"writing mode {mode:d}"), expected(axis, display))
 
@@ -192,6 +196,7 @@ def _counts(axis: Axis, feedback: DriveFeedback, home_qc: int) -> Ask:
     margin = axis.epos2.profile.max_following_error_qc
 
     def judge(position_qc: int) -> Script:
+        # Method 35 sets the count at standstill, where the regulator is off by its following error at most.
         if abs(position_qc - home_qc) > margin:
             raise StartupError(axis, f"it counts {position_qc} qc where its zero was set to {home_qc} qc")
         feedback.zero_set(position_qc)

@@ -65,6 +65,7 @@ class Booting:
         """Return what resets it."""
         self.begun(now)
         self._pulsed_at, self._received, self._shown = now, b"", False
+        # DTR down and up: the USB chip pulls the reset through a capacitor when DTR is asserted.
         return Packet(self._name, DTR_DOWN, b""), Packet(self._name, DTR_UP, b"")
 
     def identified(self, now: Nanoseconds) -> None:
@@ -74,10 +75,12 @@ class Booting:
     def receives(self, now: Nanoseconds) -> None:
         """Note a received byte; endless output does not put off the set-up."""
         if now < self.quiet_until:
+            # Each byte puts it off, up to a bound: a board may print without end.
             self.quiet_until = min(now + QUIET, self._quiet_at_most)
 
     def take_bytes(self, data: bytes) -> None:
         """Take the bytes that it sends while it is not set up."""
+        # The banner may come in two pieces.
         self._received = self._received[-KEPT:] + data
         self._shown = self._shown or (bool(self._begins) and self._begins in self._received)
 

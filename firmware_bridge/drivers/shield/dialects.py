@@ -159,6 +159,7 @@ class ArduinoIo(Dialect):
         for place, motor in enumerate(self.counted):
             yield Say("encoder", arduinoio.encode("E", place, *motor.encoder_pins))
             yield Say("count from 0", arduinoio.encode("H", place))
+        # The commands before have no answer of their own; this one proves that they arrived.
         yield self.find()
 
     def encoders(self) -> Iterator[Say]:
@@ -184,6 +185,7 @@ class ArduinoIo(Dialect):
 
 def _way(pwm: int, before: int) -> int:
     """Return which way a motor is to be set, that was set another way, or released."""
+    # At PWM 0 the direction stays as it was, so that a standing motor is not switched to and fro.
     return (pwm > 0) - (pwm < 0) or before or 1
 
 
@@ -213,6 +215,7 @@ class Mw(Dialect):
                 return (decoded.count,)
             return None if decoded is None else ()
 
+        # Seven bits: the eighth marks a library's command.
         self._sequence = (self._sequence + 1) % mw.SEQUENCES
         frame = mw.encode_request(request, self._sequence, self._libraries)
         return Say(what, frame, reads, **{"answer": 6, **more})
@@ -237,6 +240,7 @@ class Mw(Dialect):
     def drive(self, wanted: Mapping[int, int], ways: Mapping[int, int]) -> Iterator[Say]:
         """Set speed and direction."""
         for number, pwm in wanted.items():
+            # Speed and direction go in one command, so that no mixture of old and new is in force.
             turn = FORWARD if _way(pwm, ways[number]) > 0 else BACKWARD
             request = messages.SetMotorSpeed(SHIELD, number - 1, abs(pwm), turn)
             yield self._ask(f"speed of M{number}", request, writes=CHANNELS)
@@ -312,6 +316,7 @@ class Firmata(Dialect):
             way = _way(pwm, ways[number])
             if way != ways[number]:
                 low, high = (Pin.IN2, Pin.IN1) if way > 0 else (Pin.IN1, Pin.IN2)
+                # Low before high: both inputs high would brake for the time of a write.
                 yield _channel(number, low, 0)
                 yield _channel(number, high, 1)
             yield _channel(number, Pin.PWM, abs(pwm))

@@ -25,6 +25,7 @@ def measured(robot: AnyRobot) -> AnyRobot:
     Where cameras see it, the motors without one run on feed-forward, and the captured pose corrects them.
     """
     for name, link in robot.shield_links.items():
+        # The encoders are counted by terminals: those beyond the firmware's number are not read.
         unseen = [axis.called for axis in robot.axes_on(name) if axis.shield.port > link.counted]
         if unseen and robot.located_by is None:
             problem = (

@@ -228,6 +228,7 @@ class ShieldMotor:
         if before is None or elapsed <= 0:
             self._velocity = 0.0
         else:
+            # The counter wraps: of all ways between two counts the shortest is meant.
             half = 1 << bits - 1
             way = self._per_count * ((count - before + half) % (2 * half) - half)
             # Read a little after the others, it is shifted to the instant that all samples share.
@@ -243,6 +244,7 @@ class ShieldMotor:
         """Learn that the board has answered all questions of a cycle; where nothing is counted, believe."""
         if not self.measured:
             commanded = self.demand.value if isinstance(self.demand, Speed) and self.enabled else 0.0
+            # Nothing counts here: the position follows from the speed commanded since the last sample.
             if self._estimated_at != NEVER_RECEIVED:
                 self._position += self._velocity * to_seconds(cycle_at - self._estimated_at)
             self._velocity, self._estimated_at = commanded, cycle_at

@@ -65,6 +65,7 @@ def shield_plan(robot: AnyRobot, name: str) -> ShieldPlan:
     link, axes = robot.shield_link(name), robot.axes_on(name)
     dialect = DIALECTS[link.protocol](link, [axis.shield for axis in axes])
     motors = [axis.shield.port for axis in axes]
+    # The fullest cycle: the longest digits, backwards, of motors that have just run forwards.
     most = (-99 if dialect.on_board else -axes[0].shield.max_pwm for _ in motors)
     reversal = dialect.drive(dict(zip(motors, most, strict=True)), dict.fromkeys(motors, 1))
     return ShieldPlan(
@@ -80,6 +81,7 @@ def fitting_plan(robot: AnyRobot, name: str) -> ShieldPlan:
     if plan.time <= MOST * plan.cycle:
         return plan
     link = robot.shield_link(name)
+    # Rounded up: a cycle just too short is too short.
     needed = -(-plan.time // round(MOST * robot.cycle))
     raise ShieldPlanError(
         f"link '{name}': a reversal over {link.protocol.value} takes {plan.time / MILLISECOND:.1f} ms, which "
@@ -95,6 +97,7 @@ def _entries(link: ShieldLink, orders: Iterable[Say]) -> tuple[BoardCommand, ...
 def takes(link: ShieldLink, say: Say) -> Nanoseconds:
     """Return how long a command takes, with its answer and what the board writes for it."""
     on_line = (len(say.data) + say.answer) * BITS_PER_BYTE * SECOND // link.line_rate
+    # Only an answer waits for the USB chip, which collects bytes before it passes them on.
     turn = 0 if say.reads is None else (CHIP_FLUSH_US + link.port_latency_us) * MICROSECOND
     on_bus = say.writes * BUS_WRITE_US * MICROSECOND
     # A command without an answer is written to the shield while the next one is on the line.

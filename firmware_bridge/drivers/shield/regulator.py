@@ -108,6 +108,7 @@ class Pwm:
         error = 0.0 if velocity is None else wanted - velocity
         behind = self._behind + error * seconds
         pwm = fed + self._gains.p * error + self._gains.i * behind
+        # At the limit what is behind may only shrink: otherwise it winds up, and the motor overshoots.
         if abs(pwm) <= self._most or abs(behind) < abs(self._behind):
             self._behind = behind
         return self._stepped(self._direction * pwm, seconds)

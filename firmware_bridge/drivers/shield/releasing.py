@@ -22,6 +22,7 @@ class Releasing:
         for motor in motors:
             motor.way = 0
         questions = [word.reads is not None for word in words]
+        # Where the last command has no answer of its own, that of the next request proves it.
         self._proved_by = requested + sum(questions) + (not any(questions[-1:]))
 
     def forget(self) -> None:

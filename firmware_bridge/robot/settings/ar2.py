@@ -106,6 +106,7 @@ class Ar2Axis(Table):
 
     def cruise(self, ratio: float) -> float:
         """Return its top speed behind a gear of `ratio`, rad/s."""
+        # Two half steps for each full step.
         return 2.0 * self.full_steps_s / self.steps_per_unit(ratio)
 
     def furthest(self, ratio: float) -> float:

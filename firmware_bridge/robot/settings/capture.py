@@ -31,6 +31,7 @@ class UpAxis(StrEnum):
 
 def place_number(text: str) -> int:
     """Return the number of a place HOST:PORT, the host an address; ValueError for anything else."""
+    # From the right: an address of IP version 6 has colons of its own.
     host, colon, port = text.rpartition(":")
     if not colon or not port.isdecimal():
         raise ValueError("must be HOST:PORT, as 192.168.1.10:1510")

@@ -111,8 +111,10 @@ class Epos2Link(LinkTable):
 
     @model_validator(mode="after")
     def _silence_is_longer_than_the_beat(self) -> Self:
+        # A consumer time shorter than the producer's would stop the drives between two beats (0x1016).
         if self.bridge_silent_ms <= self.bridge_heartbeat_ms:
             raise ValueError("bridge_silent_ms must be longer than bridge_heartbeat_ms")
+        # Outside the cycle a drive is received by its heartbeat alone.
         if self.silent_ms <= self.drive_heartbeat_ms:
             raise ValueError("silent_ms must be longer than drive_heartbeat_ms")
         return self
@@ -162,6 +164,7 @@ class Epos2Link(LinkTable):
             "driver": Epos2Driver.SERIAL,
             "gateway": gateway,
             "protocol": protocol or self.protocol,
+            # Another protocol brings its own default rate, unless one is given.
             "baud": baud if protocol or baud else self.baud,
         }
         return self.model_validate(self.model_dump() | settings)

@@ -135,11 +135,13 @@ class ShieldLink(LinkTable):
 
     def confirmed(self, cycle: Nanoseconds) -> Nanoseconds:
         """Return the time for the confirmation of a stop stage; `cycle` is the robot's."""
+        # A sample may have been requested before the command, and the next one may be lost.
         own = self.stop_confirmed_ms
         return 3 * self.every * cycle if own is None else own * MILLISECOND
 
     def over(self, protocol: ShieldProtocol, cycle_ms: int, encoders: int | None) -> Self:
         """Return this line to a board with another firmware; the robot's cycle is `cycle_ms`."""
+        # Rounded up: a line that needs 100 ms takes every second cycle of 50 ms.
         every = max(1, -(-CYCLES_MS[protocol] // cycle_ms))
         return self.model_copy(update={"protocol": protocol, "every": every, "encoders": encoders})
 

@@ -51,6 +51,7 @@ class Ar2Kinematics:
         self._names = tuple(axis.name for axis in axes)
         self._fastest = tuple(axis.top_speed for axis in axes)
         self._steps = tuple(1.0 / axis.ar2.steps_per_unit(axis.ratio) for axis in axes)
+        # Transposed: one row of lower ends, one of upper ends.
         self._travel = np.array([axis.travel for axis in axes]).T
         self._limits = robot.geometry.limits
         self._margin = math.radians(robot.geometry.limits.joint_margin_deg)
@@ -88,6 +89,7 @@ class Ar2Kinematics:
         if twist == STILL:
             return Ar2Motion(path_s=allowed.path_s)
         begin = self.begin(demanded, state)
+        # One share for all joints keeps the tool's direction; the travel is clipped against rounding only.
         rates, share = self.rates(begin, twist)
         angles = np.clip(np.array(begin) + share * self._cycle_s * rates.joints, *self._travel)
         return motion_of(twist, tuple(map(float, angles)), allowed.path_s)
@@ -96,6 +98,8 @@ class Ar2Kinematics:
         """Return from where the joints go on: from where they were to be, unless they have not got there."""
         if demanded.angles is None:
             return state.angles
+        # A joint that is further off than its rounding did not get there: it goes on from where it is
+        # counted.
         apart = (
             abs(a - b) > APART * one
             for a, b, one in zip(demanded.angles, state.angles, self._steps, strict=True)

@@ -83,6 +83,7 @@ class Ar2PathFollower:
     def command(self, seen: Snapshot[Ar2Motion, Ar2State], elapsed: Nanoseconds) -> Ar2Motion:
         """Return the motion towards where the course is now."""
         actual = AR2.pose(self._body.begin(seen.demanded, seen.body))
+        # The first cycle only takes the place: the course begins where the tool is.
         if self._start is None:
             self._start = actual
         elif not self._waits:
@@ -92,6 +93,7 @@ class Ar2PathFollower:
         desired = np.eye(4)
         desired[:3, :3] = turned(place.turned) @ self._start[:3, :3]
         desired[:3, 3] = self._start[:3, 3] + place.by
+        # The courses turn the tool to a fixed attitude, so their rate of turn is 0.
         law = pose_law(desired, actual, np.array((*place.speed, *STILL[3:])), self._gains)
         return motion_of(law.tolist(), path_s=self._seconds)
 
@@ -103,5 +105,6 @@ def turned(by: tuple[float, float, float]) -> Matrix:
         return np.eye(3)
     x, y, z = (it / angle for it in by)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    # (O. Rodrigues): 1 + sin a K + (1 - cos a) K^2.
     found: Matrix = np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
     return found

@@ -70,6 +70,7 @@ def _outside(view: View) -> str | None:
     if any(axis.reference_lost for axis in view.facts.axes.values()):
         return None
     for side in sides(view.robot, tool(view.body)):
+        # Written so that a NaN trips.
         if not side.room >= -OUTSIDE_M:
             return f"the tool is {-1000.0 * side.room:.0f} mm beyond {side.name} of its workspace"
     return None
@@ -123,6 +124,7 @@ def _workspace(view: View) -> tuple[Ar2Motion, str | None]:
     for side in sides(view.robot, tool(view.body)):
         outwards = np.array(side.outwards)
         out = float(speed @ outwards)
+        # Only the part across the side is taken away, so that the tool can go along it and back.
         if out > 0.0 and side.room < out * ahead_s:
             speed = speed - out * outwards
             met.append(side.name)

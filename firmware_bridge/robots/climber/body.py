@@ -15,6 +15,7 @@ def _state(
     robot: Robot[ClimberGeometry], speed_mps: float, turn_rad_s: float, sensors: Sensors
 ) -> ClimberState:
     """Return speed, turn rate, the joint's angle and whether it is on the wall."""
+    # A silent sensor has no reading, which counts as off the wall, not as on it.
     reading = sensors.get(robot.geometry.wall.sensor)
     return ClimberState(
         speed_mps, turn_rad_s, _joint(robot, sensors), None if reading is None else reading.value

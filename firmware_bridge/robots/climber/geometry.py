@@ -78,6 +78,7 @@ class Joint(Table):
 
     def read(self, reading_rad: float) -> float | None:
         """Return the angle of a sensor's reading; None where it cannot be that."""
+        # An open wire reads at one end of the scale, which is beyond the joint's stops.
         angle = reading_rad - self.rest
         return angle if abs(angle) <= math.radians(self.sensor_bound_deg) else None
 
@@ -123,6 +124,7 @@ class Wall(Table):
         Along the wall friction holds it. Off the wall the weight's lever is the height of its center; the
         caster's magnet has to bear that alone where the robot looks down.
         """
+        # Along the wall the weight is held by friction at both wheels and the caster.
         along = self.friction * (2.0 * self.wheel_n + self.caster_n)
         off = self.caster_n * self.length_m / self.mass_height_m
         return min(along, off) / (self.least_margin * GRAVITY)
@@ -160,6 +162,7 @@ class ClimberGains(Table):
 
     @model_validator(mode="after")
     def _is_stable(self) -> Self:
+        # Stable for k_rho > 0, k_beta < 0 and k_alpha > k_rho (Siegwart and Nourbakhsh).
         if self.k_alpha_per_s <= self.k_rho_per_s:
             raise ValueError("k_alpha_per_s must be larger than k_rho_per_s: the law is not stable else")
         return self

@@ -91,6 +91,7 @@ class ClimberPathFollower:
             return self._motion(0.0, 0.0)
         leg = self._legs[self._leg]
         stops = self._must_turn_round(seen.body)
+        # Only at standstill, to which `_go_on` has brought the set-point before.
         if stops and self._rate == 0.0:
             self._tail, self._turning = not self._tail, True
         if self._turning:
@@ -102,6 +103,7 @@ class ClimberPathFollower:
 
     def _age(self, seen: Snapshot[ClimberMotion, ClimberState]) -> Nanoseconds:
         """Return how old the pose is: it is carried on behind this, so it is that of the samples before."""
+        # The oldest of the samples: the pose is carried on when all of them are there.
         sampled = min(seen.facts.axes[name].sampled_at for name in self._axes)
         age = seen.facts.now - (sampled if self._posed_at is None else self._posed_at)
         self._posed_at = sampled
@@ -122,6 +124,7 @@ class ClimberPathFollower:
             self._turning = False
             return None
         limits = self._limits
+        # The fastest turn from which the rest of the angle is enough to stop.
         braking = math.sqrt(2.0 * TURN_SHARE * limits.turn_acceleration_rad_s2 * abs(off))
         turn = min(self._control.k_alpha_per_s * abs(off), braking, limits.turn_rate_rad_s)
         self._rate = 0.0
@@ -136,6 +139,7 @@ class ClimberPathFollower:
         lead = self._lead
         dx = begin[0] + arc + lead * cosine - pose.x_m
         dy = begin[1] + height + lead * sine - pose.y_m
+        # Tail first, the tail is the front: the law sees a robot that is turned by half a turn.
         theta = pose.heading_rad + (math.pi if self._tail else 0.0)
         ahead = dx * math.cos(theta) + dy * math.sin(theta)
         left = dy * math.cos(theta) - dx * math.sin(theta)
@@ -158,6 +162,7 @@ class ClimberPathFollower:
         reach = SHARE * self._limits.acceleration_mps2
         if stops:
             rate = max(self._rate - reach * seconds, 0.0)
+            # Trapezoid: the mean of both speeds over the step.
             self._way, self._rate = self._way + 0.5 * (self._rate + rate) * seconds, rate
             return
         left = max(leg.length - self._way, 0.0)

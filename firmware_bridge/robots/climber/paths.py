@@ -28,6 +28,7 @@ class PathLeg(NamedTuple):
         """Return arc, height and heading so far along it, from where it begins; m, m, rad."""
         turn = self.bend * way
         half = 0.5 * turn
+        # Chord of an arc: sin(half) / half of its length, and 0 / 0 on a straight line.
         chord = way if abs(half) < STRAIGHT_RAD else way * math.sin(half) / half
         course = self.heading + half
         return chord * math.cos(course), chord * math.sin(course), self.heading + turn

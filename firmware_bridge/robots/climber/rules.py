@@ -104,6 +104,7 @@ def _place(view: View) -> Pose | None:
 
 def _braked(left_m: float, view: View) -> float:
     """Return the speed at which the robot comes to rest within a way; 0 where nothing is left of it."""
+    # v squared = 2 a s, with the share of the acceleration that the ramp uses.
     return math.sqrt(2.0 * MARGIN * view.geometry.limits.acceleration_mps2 * max(left_m, 0.0))
 
 
@@ -112,6 +113,7 @@ def _towards(view: View, share: float, left_m: float) -> ClimberMotion:
     motion = view.allowed
     if share * motion.speed_mps <= _braked(left_m, view):
         return motion
+    # Share and speed have the same sign here, so the share is not 0.
     return replace(motion, speed_mps=_braked(left_m, view) / share)
 
 
@@ -132,6 +134,7 @@ def _no_higher(view: View, low: float, high: float, why: str) -> tuple[ClimberMo
         return motion, None
     up = math.sin(place.heading_rad)
     bound, share, left = (
+        # Tail first it climbs while it looks down: heading and direction of travel decide together.
         (high, up, high - place.y_m) if up * motion.speed_mps > 0.0 else (low, -up, place.y_m - low)
     )
     allowed = _towards(view, share, left)
@@ -144,8 +147,10 @@ def _cable(view: View) -> tuple[ClimberMotion, str | None]:
     """Clip what draws the cable taut; it lies straight on the tank, from where arc and height are 0."""
     place, length = _place(view), view.geometry.wall.cable_m
     drawn = 0.0 if place is None else math.hypot(place.x_m, place.y_m)
+    # At the origin no direction draws the cable.
     if place is None or drawn == 0.0:
         return view.allowed, None
+    # The part of the speed that leads straight away from where the cable begins.
     share = (place.x_m * math.cos(place.heading_rad) + place.y_m * math.sin(place.heading_rad)) / drawn
     allowed = _towards(view, share, length - drawn)
     if allowed is view.allowed:

@@ -25,6 +25,7 @@ def unrolled(geometry: ClimberGeometry, seen: SeenPose, near: Pose) -> Pose:
     tank = geometry.tank
     x, y, height = seen.position
     round_it = math.atan2(y - tank.axis_y_m, x - tank.axis_x_m)
+    # The cameras see the angle only; how often the robot went round follows from where it is assumed.
     turns = math.tau * round((near.x_m / tank.radius_m - round_it) / math.tau)
     # The way ahead in the room, along the arc and along the axis.
     qx, qy, qz, qw = seen.attitude
@@ -46,9 +47,11 @@ def track_on(geometry: ClimberGeometry, heading_rad: float, joint_rad: float | N
     half, crown = 0.5 * base.track_m, base.crown_radius_m
     bend = math.sin(heading_rad) ** 2 / geometry.tank.radius_m
     lean = (
+        # Upright on a bent surface each wheel leans by half of the angle between both.
         math.atan(half * bend / (1.0 + base.wheel_radius_m * bend)) if joint_rad is None else 0.5 * joint_rad
     )
     x = half * math.cos(lean) - (base.wheel_radius_m - crown) * math.sin(lean)
+    # On a plane both formulas give the same, and the other one divides 0 by 0.
     if bend < FLAT_PER_M:
         return 2.0 * x
     return 2.0 * math.asin(x * bend / (1.0 + crown * bend)) / bend

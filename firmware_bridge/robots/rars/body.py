@@ -74,6 +74,7 @@ class Rars:
         left = axes[self._left].velocity * self._base.wheel_radius_m
         right = axes[self._right].velocity * self._base.wheel_radius_m
         steer = lift = turning = None
+        # Before the first report the position is 0 by default, which is not a measured angle.
         if steering.received_at != NEVER_RECEIVED:
             steer = davis.steer_from_pinion(self._base, steering.position)
         if screw.received_at != NEVER_RECEIVED:
@@ -104,6 +105,7 @@ class Rars:
     ) -> RarsMotion:
         """Return the next demand: the speed on its ramp in the turn actually steered, a near height."""
         bend = davis.curvature(self._base, steered(state))
+        # Slower while the turn straightens: the energy of the turn goes into the base's speed.
         top = self._top_mps * (1.0 - GIVES_BACK * self._straightens(allowed, bend))
         speed = min(max(allowed.speed_mps, -top), top)
         speed = self._ramp.step(demanded.speed_mps, speed, bend, elapsed)
@@ -138,6 +140,7 @@ class Rars:
         """Return by how much less the outer wheel will go before the base than in the turn steered now."""
         if allowed.steer_rad is None:
             return 0.0
+        # With the sign of the present turn: a turn to the other side counts as straight here.
         goal = math.copysign(1.0, bend_per_m) * davis.curvature(self._base, allowed.steer_rad)
         return max(abs(bend_per_m) - max(goal, 0.0), 0.0) * self._base.rear_track_m / 2.0
 
@@ -154,6 +157,7 @@ class Rars:
             reach = self._rate_mps * seconds
             target = min(max(allowed.lift_m, start - reach), start + reach)
         leash = self._rate_mps * LEASH_S
+        # A target far ahead of the platform would go on after the stick is released.
         target = min(max(target, height_m - leash), height_m + leash)
         return min(max(target, 0.0), self._highest_m)
 
@@ -172,11 +176,13 @@ def reach(robot: Robot[RarsGeometry]) -> Iterator[tuple[RarsMotion, RarsState]]:
 def _lift_requested(motion: RarsMotion, height_m: float | None) -> bool:
     if motion.lift_m is None:
         return motion.lift_rate_mps != 0.0
+    # Written so that NaN counts as a motion.
     return height_m is None or not abs(motion.lift_m - height_m) <= LIFT_TOLERANCE_M
 
 
 def rolls(base: davis.DavisBase, state: RarsState) -> float:
     """Return the speed in m/s of the rear wheel that rolls faster, the way the base drives positive."""
+    # The faster wheel of both: half the track times the turn always adds to the base's speed.
     return state.speed_mps + math.copysign(state.yaw_rate_rad_s * base.rear_track_m / 2.0, state.speed_mps)
 
 

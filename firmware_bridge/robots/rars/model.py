@@ -27,6 +27,7 @@ class RarsModel:
     def step(self, moving: Moving, speed_mps: float, yaw_rate_rad_s: float, seconds: float) -> Moving:
         """Return its motion after some time of these set-points."""
         base, steer = self._base, self._steer(moving)
+        # At a standstill any angle gives yaw rate 0, so the steering stays where it is.
         if abs(speed_mps) >= STANDS_MPS:
             goal = davis.pinion_from_steer(base, davis.steer_from_curvature(base, yaw_rate_rad_s / speed_mps))
             pinion, most = davis.pinion_from_steer(base, steer), self._rack_rad_s * seconds
@@ -41,6 +42,8 @@ class RarsModel:
             return moving.steer_rad
         if abs(moving.speed_mps) < STANDS_MPS:
             return 0.0
+        # Noise of the yaw rate at a low speed would give a curvature that the rack cannot steer; sign as in v
+        # = w R.
         bend = math.copysign(
             min(abs(moving.yaw_rate_rad_s / moving.speed_mps), self.tightest_per_m),
             moving.yaw_rate_rad_s * moving.speed_mps,

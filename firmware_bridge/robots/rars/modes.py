@@ -51,6 +51,7 @@ class Failed(Rars):
 
     def demands(self, motion: RarsMotion, state: RarsState) -> Mapping[str, Demand]:
         """Return the demands of the axes that are left."""
+        # Without a demand the excluded axis is sent the power-off of every cycle.
         return {name: demand for name, demand in super().demands(motion, state).items() if name != self._out}
 
 
@@ -62,6 +63,7 @@ class SteeringFailed(Failed):
     def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> RarsState:
         """Return the state, with an angle as long as its drive has kept its zero."""
         state = super().sensed(axes, sensors)
+        # A drive that has lost its reference may stand anywhere: unknown, the base does not move.
         return replace(state, steer_rad=None) if axes[self._out].reference_lost else state
 
 
@@ -93,6 +95,7 @@ class OneWheel(Failed):
     def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> RarsState:
         """Return the state; speed and yaw rate as the driven wheel has them in the turn that is steered."""
         state = super().sensed(axes, sensors)
+        # The driven wheel rolls on a wider or narrower circle than the middle of the axle.
         speed = axes[self._driven].velocity * self._base.wheel_radius_m / self._share(steered(state))
         return replace(
             state, speed_mps=speed, yaw_rate_rad_s=speed * davis.curvature(self._base, steered(state))
@@ -121,6 +124,7 @@ class OneWheel(Failed):
         base = self._base
         rolled = (after[self._driven].position - before[self._driven].position) * base.wheel_radius_m
         share = self._share(davis.steer_from_pinion(base, after[self._steering].position))
+        # The shares of both wheels add up to 2.
         other = rolled * (2.0 - share) / share
         left, right = (other, rolled) if self.side > 0 else (rolled, other)
         return moved(pose, left, right, base.rear_track_m)
@@ -150,6 +154,7 @@ def _little_steer(view: View) -> tuple[RarsMotion, str | None]:
 
 def _steering_stays(view: View) -> tuple[RarsMotion, str | None]:
     """Keep the steering angle; report that where another one is commanded."""
+    # None leaves the rack where it is: its drive is without power in this mode.
     motion, angle = view.allowed, steered(view.body)
     if motion.steer_rad is None:
         return motion, None

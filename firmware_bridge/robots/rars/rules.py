@@ -54,6 +54,7 @@ def _lift_extended(view: View) -> str | None:
 
 
 def _lift_moves(view: View) -> str | None:
+    # From the command on, before the screw is measured to turn: lift and base never overlap.
     if view.before is not None and LIFT in view.before.requested:
         return "the lift has been commanded to move"
     limit = LIFT_RESTS_RAD_S if view.holding else LIFT_MOVES_RAD_S
@@ -68,6 +69,7 @@ def _base_drives(view: View) -> str | None:
     if LIFT not in view.requested:
         return None
     speed = rolls(view.geometry.base, view.body)
+    # Written so that a NaN trips.
     if not abs(speed) <= (BASE_RESTS_MPS if view.holding else BASE_MOVES_MPS):
         return f"the robot drives with {speed:.2f} m/s"
     if view.seen.demanded.speed_mps != 0.0:
@@ -138,6 +140,7 @@ def _clip(
     if requested is None:
         return motion, None
     allowed, reason = bounded(requested, high, unit, low=low, scale=scale)
+    # The same object where nothing was clipped: the evaluation compares by identity.
     clipped: dict[str, Any] = {} if allowed == requested else {field: allowed}
     return (replace(motion, **clipped) if clipped else motion), reason
 
@@ -170,6 +173,7 @@ def _acceleration(view: View, limits: RarsLimits) -> tuple[RarsMotion, str | Non
     demanded, speed = view.seen.demanded.speed_mps, view.allowed.speed_mps
     ramp = ramp_of(view.robot, limits)
     bend = davis.curvature(view.geometry.base, steered(view.body))
+    # Reported where the ramp cannot get there in one cycle; the ramp itself limits.
     if abs(speed - ramp.step(demanded, speed, bend, ramp.longest_step)) <= SPEED_TOLERANCE_MPS:
         return view.allowed, None
     limit = limits.acceleration_mps2

@@ -50,6 +50,7 @@ def of_stick(stick: Stick, command: RarsMotion, robot: Robot[RarsGeometry]) -> R
         command,
         speed_mps=(stick.forward or 0.0) * limits.speed_mps,
         steer_rad=command.steer_rad if side is None else side * limits.steer_angle_rad,
+        # A stick that moves the lift drops its target: it goes with a rate from where it is.
         lift_m=command.lift_m if stick.up is None else None,
         lift_rate_mps=(stick.up or 0.0) * limits.lift_rate_mps,
     )
@@ -60,6 +61,7 @@ def of_target(velocity: Velocity, command: RarsMotion, robot: Robot[RarsGeometry
     if velocity.left_mps != 0.0:
         return Unusable("sideways", "this robot moves forward and backward only")
     speed, yaw_rate = velocity.forward_mps, velocity.yaw_rate_rad_s
+    # Without a yaw rate the velocity is meant straight ahead.
     steer = 0.0 if yaw_rate is None else steer_for(speed, yaw_rate, robot.geometry.base)
     return replace(
         command, speed_mps=speed, steer_rad=command.steer_rad if steer is None else steer, lift_rate_mps=0.0

@@ -81,6 +81,7 @@ class RomeKinematics:
         _sensors: Mapping[str, Reading],
     ) -> Pose:
         """Return the pose after the wheels rolled on."""
+        # From positions and not from speeds: a lost sample then loses no way.
         return moved(pose, self._twist([after[it].position - before[it].position for it in self.rolling]))
 
     def _twist(self, turned: list[float]) -> BodyTwist:
@@ -105,5 +106,6 @@ def reach(robot: Robot[RomeGeometry]) -> Iterator[tuple[RomeMotion, RomeState]]:
         for turn in (-limits.turn_rate_rad_s, 0.0, limits.turn_rate_rad_s):
             for speed in (0.0, limits.speed_mps):
                 wanted = BodyTwist(speed * math.cos(course), speed * math.sin(course), turn)
+                # Driving and turning share the rims' speed: both at full is beyond what the wheels can do.
                 reached = shortened(wanted, base.wheel_distance_m, limits.rim_mps)
                 yield with_twist(RomeMotion(), reached), RomeState(*reached)

@@ -55,6 +55,7 @@ class Paths(Table):
     @model_validator(mode="after")
     def _time_goes_on(self) -> Self:
         times = [point[0] for point in self.points]
+        # Each piece's speed is its way by its time: two equal times would divide by 0.
         if any(later <= earlier for earlier, later in pairwise(times)):
             raise ValueError("each of points must be later than the one before")
         return self

@@ -63,6 +63,7 @@ class RomePathFollower:
         feed = _turned((ahead.x_rate, ahead.y_rate), self._start.heading_rad)
         added = tuple(it + one * to_seconds(elapsed) for it, one in zip(self._sum, error, strict=True))
         command = self._law((*feed, ahead.turn_rate), error, added, pose.heading_rad)
+        # An integral that grows while a rim is at its limit would overshoot afterwards (wind-up).
         if max(map(abs, rims(command, self._distance))) <= self._rim:
             self._sum = (added[0], added[1], added[2])
         return RomeMotion(command.ahead, command.left, command.turn, path_s=seconds)
@@ -88,6 +89,7 @@ class RomePathFollower:
         x, y, turn = (
             rate - kp * one - ki * total for rate, one, total in zip(feed, error, added, strict=True)
         )
+        # The law is in the room's axes; the base is commanded in its own.
         return BodyTwist(*_turned((x, y), -heading), turn)
 
 

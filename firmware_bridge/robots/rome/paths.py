@@ -52,6 +52,7 @@ def by_points(points: tuple[tuple[float, float, float, float], ...]) -> Path:
 
     def at(seconds: float) -> PathPoint:
         place = bisect_right(times, seconds)
+        # Before the first point and behind the last the base stands, and has no speed to follow.
         if place == 0 or place == len(points):
             _, x, y, heading = points[max(place - 1, 0)]
             return PathPoint(x, y, heading, 0.0, 0.0, 0.0)

@@ -27,6 +27,7 @@ TOLERANCE: Final = 1e-4
 
 def _turns_too_fast(view: View) -> str | None:
     limit, turn = view.geometry.limits.turn_rate_rad_s, view.body.turn_rad_s
+    # Trips above a multiple of the limit and clears at the limit itself, so that it does not flicker.
     if abs(turn) <= (limit if view.holding else SPIN * limit):
         return None
     return f"the base turns with {turn:.2f} rad/s, limit {limit:.2f} rad/s"
@@ -89,6 +90,7 @@ def slowed(view: View, share: float) -> tuple[RomeMotion, str | None]:
     motion, high = view.allowed, share * view.geometry.limits.speed_mps
     speed = math.hypot(motion.ahead_mps, motion.left_mps)
     allowed, reason = bounded(speed, high, "m/s")
+    # Both components by one share, so that the direction stays.
     share = allowed / speed if speed > high else 1.0
     wanted = BodyTwist(share * motion.ahead_mps, share * motion.left_mps, motion.turn_rad_s)
     return with_twist(motion, wanted), reason

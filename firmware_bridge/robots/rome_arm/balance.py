@@ -31,6 +31,7 @@ class Balance(NamedTuple):
 
     def gentlest(self, margin_m: float) -> float:
         """Return the acceleration, m/s2, that uses up all the room but `margin_m`; not below 0."""
+        # Accelerating by a shifts the centre of gravity back by a h / g: solved for a.
         return max(0.0, self.room_m - margin_m) * STANDARD_GRAVITY / self.height_m
 
 
@@ -44,4 +45,5 @@ def balance(geometry: RomeArmGeometry, angles: tuple[float, ...]) -> Balance:
     summed = links @ middles + np.array((0.0, 0.0, table.base_kg * table.base_height_m))
     x, y, height = (float(it) / total for it in summed)
     side = INRADIUS * geometry.base.base.wheel_distance_m
+    # The room to a side is measured along its outward direction; the nearest side counts.
     return Balance(x, y, height, min(side - x * out_x - y * out_y for out_x, out_y in SIDES))

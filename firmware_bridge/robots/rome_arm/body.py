@@ -57,6 +57,7 @@ class RomeArmKinematics:
         share = self.share(state)
         return replace(
             allowed,
+            # Less time for the ramp is less acceleration, in the same proportion for all directions.
             base=self._base.ramped(demanded.base, allowed.base, state.base, round(share * elapsed)),
             arm=self._arm.ramped(demanded.arm, allowed.arm, state.arm, elapsed),
         )
@@ -68,6 +69,7 @@ class RomeArmKinematics:
         """
         limit = self._geometry.base.limits.acceleration_mps2
         room = balance(self._geometry, state.arm.angles).gentlest(self._geometry.balance.margin_m)
+        # Never 0: a base that may not slow down would not stop either.
         return max(LEAST, FOLLOWED * min(1.0, max(LEAST, room / limit)))
 
     def demands(self, motion: RomeArmMotion, state: RomeArmState) -> Mapping[str, Demand]:

@@ -76,6 +76,7 @@ class Orbit(Table):
             raise ValueError("needs one of: start_du with speed_du_tu, kepler, tle")
         if self.tle is None and self.tle_s:
             raise ValueError("tle_s: only a set of two lines, tle, has an epoch")
+        # There the attraction has no direction, and no bound.
         if not self.begin.place.any():
             raise ValueError("start_du: an orbit's body is not at its center")
         return self
@@ -84,6 +85,7 @@ class Orbit(Table):
     def begin(self) -> OrbitState:
         """Start state of the body, position and speed, in DU and DU/TU."""
         if self.tle is not None:
+            # SGP4 counts minutes from the set's epoch.
             return state_of_tle(*self.tle, self.tle_s / 60.0)
         if self.kepler is not None:
             it = self.kepler

@@ -98,6 +98,7 @@ class Half:
     def limits(self, kind: AnyRobotType) -> Iterator[Limit]:
         """Yield its limits; they clip its own motion."""
         for row in kind.limits:
+            # Both halves have a speed limit; a name must be unique for its interlock event.
             name = row.name if row.name.startswith(self._label) else f"{self._label} {row.name}"
             clip = self.clipping(row.clip)
             yield interlock.Limit(name, clip, row.remedy, clear_after=row.clear_after, severity=row.severity)

@@ -43,6 +43,7 @@ def flown(flight: Flight, stretch: float, beside: tuple[float, float] = (0.0, 0.
     def base(seconds: float) -> bases.PathPoint:
         at = flight(seconds)
         x, y = float(at.place[0]), float(at.place[1])
+        # Only at the start: from then on this offset is an error that the law takes away.
         if not seconds > 0.0:
             x, y = x + beside[0], y + beside[1]
         return bases.PathPoint(x, y, 0.0, float(at.speed[0]), float(at.speed[1]), 0.0)
@@ -65,6 +66,7 @@ def orbit(geometry: RomeArmGeometry) -> TimedPath:
     once = turn if turn < math.inf else LONGEST_TU
     states = (two_bodies.propagated(begin, once * it / LOOKED_AT) for it in range(LOOKED_AT))
     rising = USED * geometry.arm.limits.speed_mps
+    # Looked at over one revolution, and slowed as a whole: the shape of the path stays.
     scale = meant.slowed(states, USED * limits.speed_mps, USED * limits.acceleration_mps2, rising)
 
     def flight(seconds: float) -> two_bodies.OrbitState:
@@ -92,6 +94,7 @@ def formation(geometry: RomeArmGeometry) -> TimedPath:
 
     def flight(seconds: float) -> two_bodies.OrbitState:
         at = transition(n, math.fmod(seconds / stretch, table.turn_s)) @ first
+        # The same place at a later instant, so the speed falls by the stretch.
         return two_bodies.OrbitState(at[:3], at[3:] / stretch)
 
     return flown(flight, stretch)

@@ -54,13 +54,16 @@ def _tips(view: View) -> tuple[RomeArmMotion, str | None]:
         return motion, None
     half = ARM.view(view)
     arm = Arm(half.robot)
+    # From where the demand has the joints, as they are there at the end of the move.
     angles = arm.begin(half.seen.demanded, half.body)
     rates, share = arm.rates(angles, motion.arm.twist)
     later = np.array(angles) + HORIZON * to_seconds(view.robot.cycle) * share * rates.joints
     now = balance(geometry, angles).room_m
     then = balance(geometry, tuple(map(float, later))).room_m
+    # A motion that makes room is permitted, also where too little is left.
     if then >= geometry.balance.margin_m or then >= now:
         return motion, None
+    # Only the arm rests: the base goes on, and may be what makes room.
     rests = arm.rested(motion.arm, frozenset(ar2.ROBOT_TYPE.groups))
     return ARM.put(motion, rests), f"the center of gravity would be {1000.0 * then:.0f} mm inside the wheels"
 

@@ -29,6 +29,7 @@ from firmware_bridge.units import SECOND
 def of_stick(stick: Stick, command: RomeArmMotion, robot: Robot[RomeArmGeometry]) -> RomeArmMotion:
     """Return the command for a stick: it drives the base, and the tool up and down."""
     base = bases.of_stick(stick, command.base, BASE.robot(robot))
+    # The stick's other axes are the base's: one axis must not move both halves.
     upwards = Stick(forward=None, left=None, turn=None, up=stick.up)
     arm = arms.of_stick(upwards, command.arm, ARM.robot(robot))
     return RomeArmMotion(base, arm)

@@ -54,6 +54,7 @@ class SpeedSum(AxesRule):
         self.due = NEVER
         self._terms: Final = tuple((axes[axis], factor) for axis, factor in row.of.items())
         self._bound: Final = row.bound
+        # The slowest link of the sum sends the last set-point that can still correct it.
         self._patience: Final = max(axis.cycle for axis in self.axes)
         reach = sum(abs(factor) * axis.axis.top_speed for axis, factor in self._terms)
         self._most_excess: Final = 2.0 * reach * self._patience
@@ -97,13 +98,16 @@ class SpeedSum(AxesRule):
         self._value = value
         beyond = abs(value) - self._bound
         if beyond <= 0.0:
+            # The first instant within the bound counts; a later one must not make the time look shorter.
             self._kept_at = min(self._kept_at, now)
             self.due = NEVER
             return
         self._to_come = self._others((axis,), now)
+        # Only the first excess starts the time: going on from one mixture to the next must not extend it.
         if self._kept_at not in {NEVER, now}:
             self._passed_at = now
         self._kept_at = NEVER
+        # The instant at which the integral reaches its bound if the sum stays as it is.
         exhausted = now + int((self._most_excess - self._excess(value)) / beyond)
         self.due = min(self._passed_at + self._patience, exhausted) if self._to_come else now
 
@@ -116,6 +120,8 @@ class SpeedSum(AxesRule):
     def _sum_up(self, now: Nanoseconds) -> None:
         elapsed = now - self._summed_at
         if elapsed:
+            # Within the bound the integral falls again, down to 0: a small sum saves nothing up for a large
+            # one.
             self._above = max(0.0, self._above + (self._value - self._bound) * elapsed)
             self._below = max(0.0, self._below + (-self._value - self._bound) * elapsed)
             self._summed_at = now
@@ -142,6 +148,8 @@ class Exclusion(AxesRule):
             moving = [
                 other.axis.title
                 for other in self._against[axis.axis.name]
+                # Axes of the same packet are judged by what it requests of them, all others by what is in
+                # force.
                 if (requested[other].moves if other in requested else other.moving)
             ]
             if moving:

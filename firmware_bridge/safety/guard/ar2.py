@@ -52,6 +52,8 @@ class Move(NamedTuple):
     @property
     def pulse_ms(self) -> float:
         """The time of one pulse."""
+        # The sketch divides its delay by the joints that step: a turn of its loop takes as long for six as
+        # for one.
         return FULL_MS / self.percent / max(1, sum(1 for it in self.steps if it))
 
     @property
@@ -70,6 +72,7 @@ def move_of(line: bytes) -> Move | None:
         return None
     fields = found.groups()
     steps = tuple(
+        # The grammar has no signs: a digit gives the direction, 1 for ahead.
         int(count) * (1 if digit == b"1" else -1)
         for digit, count in zip(fields[0:12:2], fields[1:12:2], strict=True)
     )
@@ -148,6 +151,7 @@ class Ar2Rules(WireRules):
     def axes_of(self, packet: Packet) -> tuple[InForce, ...]:
         """Return all joints: a request commands none of them to move, a move sets the target of each."""
         line = packet.payload
+        # A request counts for all joints: it shows that the bridge is alive while none of them is moved.
         is_word = packet.address == 0 and (QUESTION.fullmatch(line) or MOVE.fullmatch(line))
         return self.axes if is_word else ()
 
@@ -181,6 +185,8 @@ class Ar2Rules(WireRules):
         return joint.refuses_place(place)
 
     def _refuses_move(self, move: Move) -> str | None:
+        # The sketch blocks while it moves: a second line would wait in its receive buffer and then be moved,
+        # too.
         if self._under_way:
             return "a move before the end of the one before was proved"
         if move.percent < SLOWEST or move.pulse_ms < SHORTEST_MS:
@@ -214,6 +220,7 @@ class Ar2Rules(WireRules):
             return self.axes
         steps = self._steps(packet)
         if any(steps.values()):
+            # An echo that was requested before the move proves nothing about its end.
             self._under_way, self._proves = True, None
             for joint in self._all:
                 joint.moving = bool(steps.get(joint.number))
@@ -223,6 +230,7 @@ class Ar2Rules(WireRules):
         position = PLACE.fullmatch(packet.payload)
         if position is not None:
             self._joints[position[1][0] - ord("A") + 1].place = int(position[2])
+        # println() adds CR LF to a text that has kept its own LF.
         self._proves = packet.payload[2:] + b"\r\n"
         self._received = b""
         return ()
@@ -233,6 +241,7 @@ class Ar2Rules(WireRules):
         if packet.address in {LINE_LOST, LINE_BACK} and not packet.payload:
             self._forget()
             return True
+        # An echo may arrive in pieces.
         self._received = (self._received + bytes(packet.payload))[-RECEIVED:]
         if self._proves is not None and self._proves in self._received:
             self._under_way, self._proves = False, None

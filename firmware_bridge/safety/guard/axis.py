@@ -92,6 +92,7 @@ class GuardedAxis:
     @property
     def powered(self) -> bool:
         """True while the drive may have power: by the Controlword sent last, or by its newest Statusword."""
+        # The worse of both counts: a Controlword may have been lost, and a Statusword may be late.
         return self._word in POWERED or self.reported in POWERED_STATES
 
     @property
@@ -103,6 +104,8 @@ class GuardedAxis:
     def moving(self) -> bool:
         """True while the set-point in force commands motion, or its drive moves for homing."""
         if self._word == ENABLE:
+            # With bit 4 low again after the handshake the drive still goes to the position that it has
+            # latched.
             return self.target != 0 if self.by_speed else self._has_goal
         return self.homes or (self._word == NEW_SET_POINT and self._has_goal)
 
@@ -134,6 +137,7 @@ class GuardedAxis:
         """
         if set_point.word == START_HOMING:
             return self.zeroing.turns
+        # Profile velocity mode has no start bit: 0x60FF acts as soon as it is written in Operation enabled.
         if self.by_speed:
             return set_point.word == ENABLE and set_point.target != 0
         if set_point.word == NEW_SET_POINT:
@@ -166,6 +170,7 @@ class GuardedAxis:
     def sent(self, set_point: SetPoint, now: Nanoseconds) -> None:
         """Note what is in force from now on."""
         before = self._word
+        # Only an unbroken command to disable the power counts towards the reset, the last stop stage.
         if set_point.word != DISABLE_VOLTAGE:
             self._off_since = NEVER
         elif self._off_since == NEVER:
@@ -173,6 +178,7 @@ class GuardedAxis:
         if set_point.word in POWERED:
             self._confirmed_off = False
         if set_point.word == NEW_SET_POINT:
+            # Judged while the position at standstill is still known: a target close to it is no motion.
             self._has_goal = self.moves_with(set_point)
             if self._has_goal:
                 self._rests_at = None
@@ -180,6 +186,7 @@ class GuardedAxis:
             self._has_goal = False
         self._word, self.target = set_point
         self.speed = self.speed_with(set_point)
+        # Bit 4 that is lowered again ends the handshake of profile position mode and commands nothing new.
         ends_handshake = before == NEW_SET_POINT and self._word == ENABLE
         if self._word == NEW_SET_POINT or (self._word != before and not ends_handshake):
             self._changed_at = now
@@ -240,17 +247,20 @@ class GuardedAxis:
 
     def reports(self, statusword: int, now: Nanoseconds) -> None:
         """Note a Statusword; one without a valid state changes nothing."""
+        # An unknown pattern must not pass for a state without power.
         state = state_of(statusword)
         if state is None:
             return
         self.reported = state
         self._confirmed_off = state not in POWERED_STATES and self._word not in POWERED
+        # With halt set, bit 10 means velocity 0 (CiA 402); in an older report it is about the target before.
         there = state is PowerState.OPERATION_ENABLED and statusword & _TARGET_REACHED
         if there and self._word != HALT and self._is_fresh(now):
             self._has_goal = False
 
     def reports_position(self, position_qc: int, now: Nanoseconds) -> None:
         """Note where the axis is."""
+        # Without power the axis may be turned by hand, so each position is a new reference.
         resting = self._rests_at is None and self._is_fresh(now) and not self.moving
         if resting or not self.powered:
             self._rests_at = position_qc

@@ -36,6 +36,7 @@ def ends_qc(axis: Axis) -> tuple[int, int]:
     The drive counts from where the axis's position is 0. An axis without travel may go nowhere.
     """
     per_unit = qc_per_unit(axis)
+    # Sorted, as a mirrored axis has its ends the other way round in quadcounts.
     low, high = sorted(round(end * per_unit) for end in axis.travel or (0, 0))
     return low, high
 

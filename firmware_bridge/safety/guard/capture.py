@@ -44,6 +44,7 @@ class CaptureRules(WireRules):
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Return why a packet may not leave: a wrong address, or more than a request to receive."""
         del now
+        # The address is the destination of the datagram: any other one could reach any host on the network.
         if packet.address != self._server:
             return "it does not go to the capture system that the robot file names"
         if int.from_bytes(packet.payload[:2], "little") not in LISTENERS or len(packet.payload) < _HEAD:

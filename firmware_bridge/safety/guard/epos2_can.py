@@ -98,12 +98,14 @@ class SdoRequest:
             return f"an SDO request of {len(payload)} bytes"
         if payload[0] & _SPECIFIER in _READING:
             return None
+        # Segments carry no address, so a segmented value could not be judged: only expedited, with a size.
         if payload[0] & _EXPEDITED_BITS != _EXPEDITED_SIZED or payload[0] & _SPECIFIER != _DOWNLOAD:
             return f"SDO command 0x{payload[0]:02X} is not listed"
         address = Address(int.from_bytes(payload[1:3], "little"), payload[3])
         values = self.writes.get(address)
         if values is None:
             return f"{address} is not an object that may be written"
+        # Bits 2 and 3: the number of data bytes without content (CiA 301, initiate download).
         unused = payload[0] >> 2 & 0b11
         return values.refuses(address, payload[4 : _SDO_LENGTH - unused])
 
@@ -166,11 +168,14 @@ class Epos2CanRules(WireRules):
 
     def _refuses_write(self, axis: GuardedAxis, address: Address, raw: bytes) -> str | None:
         """Return why an object whose value is listed may not be written now."""
+        # A consumer time of 0 ends the supervision (CiA 301, 0x1016): nothing would stop the drive with the
+        # bridge dead.
         if address == CONSUMER_HEARTBEAT_1 and not axis.watch_may_end and not any(raw):
             return f"{CONSUMER_HEARTBEAT_1} set to 0 while node {axis.node} may have power"
         return axis.refuses_write(address, raw, self.axes, by_object=True)
 
     def _refuses_command(self, command: int, node: int, now: Nanoseconds) -> str | None:
+        # NMT start is always permitted: it gives a drive its set-points back, and takes nothing from it.
         for axis in self._addressed(node) if command != NmtCommand.START else ():
             if axis.moving:
                 return f"node {axis.node} moves and would receive no more set-points"
@@ -187,6 +192,7 @@ class Epos2CanRules(WireRules):
         """Return the abort of a request."""
         if packet.address not in self._by_request:
             return None
+        # The client waits for an answer: an abort ends its transfer, a missing frame would cost a time-out.
         address = packet.payload[1:4].ljust(3, b"\0")
         abort = bytes((_ABORT,)) + address + _GENERAL_ERROR.to_bytes(4, "little")
         return (Packet(self.link, packet.address, abort),)
@@ -209,6 +215,7 @@ class Epos2CanRules(WireRules):
         if address != CONTROLWORD:
             axis.wrote(address, raw)
             return ()
+        # An object changes the Controlword alone; the target in the drive stays in force.
         axis.sent(SetPoint(int.from_bytes(raw, "little"), axis.target), now)
         return (axis,)
 
@@ -277,6 +284,7 @@ def _read_answer(axis: GuardedAxis, payload: bytes, now: Nanoseconds) -> None:
 
 def _written(payload: bytes) -> tuple[Address, bytes] | None:
     """Return the object that a request writes, and the value; None for a request of another kind."""
+    # 0x23: initiate download, expedited, size given; bits 2 and 3 vary with the size (CiA 301).
     if len(payload) != _SDO_LENGTH or payload[0] & _EXPEDITED_SIZED != _EXPEDITED_SIZED:
         return None
     return _addressed(payload), payload[4 : _SDO_LENGTH - (payload[0] >> 2 & 0b11)]

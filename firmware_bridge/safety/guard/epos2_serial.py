@@ -106,6 +106,8 @@ class Epos2SerialRules(WireRules):
         """Return target 0 for an axis that is commanded by speed, and the Controlword that stops it."""
         word, target = axis.safe
         control = self._writing(axis, CONTROLWORD, word)
+        # Target 0 goes first: in profile velocity mode it acts at once, whatever becomes of the second
+        # command.
         return (self._writing(axis, _target(axis), target), control) if axis.by_speed else (control,)
 
     def instead_of(self, packet: Packet) -> None:
@@ -126,6 +128,7 @@ class Epos2SerialRules(WireRules):
             if address_of(request) == CONTROLWORD:
                 axis.sent(written, now)
             else:
+                # A target alone can move an axis that is commanded by speed: 0x60FF needs no start bit.
                 axis.aims(written.target)
         elif isinstance(request, WriteObject):
             self._by_node[request.node].wrote(address_of(request), request.raw)
@@ -164,6 +167,7 @@ class Epos2SerialRules(WireRules):
             return
         axis, address = self._by_node[request.node], address_of(request)
         if address == STATUSWORD:
+            # An answer always has four bytes, and those behind a 16-bit value are random in a real drive.
             axis.reports(DataType.UNSIGNED16.decode(answer.raw[:2]), now)
         elif address == POSITION_ACTUAL:
             axis.reports_position(DataType.INTEGER32.decode(answer.raw), now)
@@ -171,6 +175,7 @@ class Epos2SerialRules(WireRules):
             axis.read(address, answer.raw)
 
     def _writing(self, axis: GuardedAxis, address: Address, value: int) -> Packet:
+        # Two's complement in 32 bits: WriteObject carries four bytes, whatever the object's size.
         raw = (value & 0xFFFF_FFFF).to_bytes(_RAW, "little")
         frame = encode_request(WriteObject(address.index, address.subindex, axis.node, raw))
         return Packet(self.link, frame.opcode, frame.body)
@@ -236,6 +241,7 @@ def _command(rules: Epos2SerialRules, request: SendNmtService, now: Nanoseconds)
 
 
 def _frame(rules: Epos2SerialRules, request: SendCanFrame, _now: Nanoseconds) -> str | None:
+    # SendCANFrame always carries eight bytes, whatever its length field.
     beats = tuple(bytes((state,)).ljust(MAX_PAYLOAD, b"\0") for state in _STATES)
     if request.identifier == rules.beat_id and request.length == 1 and request.raw in beats:
         return None

@@ -100,6 +100,8 @@ class Guarded:
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
         """Forward a packet, and judge the node's output."""
         rules = self.links.get(packet.link)
+        # The answer to a command of the guard itself would be taken for that to an open request of the
+        # bridge.
         if rules is not None and not rules.receives(packet, now):
             return self.wake(now)
         return self._judged(self._tried(partial(self.node.receive, packet), now), now)
@@ -162,6 +164,8 @@ class Guarded:
                 return self._sent((packet,), now, requested=packet)
             instead = rules.instead_of(packet)
             return self._replaced(packet, reason, self._all_safe() if instead is None else instead, now)
+        # A refused set-point, too, shows that the bridge is alive: its silence is judged apart from its
+        # errors.
         for axis in axes:
             axis.commanded_at = now
         others: tuple[InForce, ...] = ()
@@ -174,6 +178,7 @@ class Guarded:
                     break
             else:
                 return self._sent((packet,), now, requested=packet)
+        # The refused axis comes last: its safe command takes the place of the refused one for the node.
         safe = self._joined((*others, *axes))
         # The node goes on when its set-point is answered, by whatever answer; other commands it misses.
         return self._replaced(packet, reason, safe, now, requested=safe[-1])
@@ -229,6 +234,7 @@ class Guarded:
             if rule.due <= now:
                 safe = self._joined(axis for axis in rule.axes if axis.moving)
                 sent += self._replaced(None, f"{rule.name} stayed beyond its bound", safe, now)
+        # Only now: the safe commands above have set new deadlines.
         self._due = min([rule.due for rule in self._across], default=NEVER)
         return sent
 
@@ -238,6 +244,7 @@ class Guarded:
         if not alarmed and not any(axis.moving for axis in self._axes):
             self._moving_since = self._deadline = NEVER
             return ()
+        # An axis at standstill needs no set-point; its silence counts from the first motion on.
         if self._moving_since == NEVER:
             self._moving_since = now
         overdue_at = self._overdue_at(self._axes)
@@ -248,6 +255,7 @@ class Guarded:
         if alarmed and now < self._speak_at:
             return ()
         self._speak_at = self._deadline = now + min(axis.cycle for axis in self._axes)
+        # Repeated each cycle on links that are free: on a busy line the copies would only queue up.
         if alarmed:
             return self._sent(self._all_safe(received=True), now)
         silent = [axis for axis in self._axes if now >= self._overdue_at((axis,))]
@@ -271,6 +279,7 @@ def guarded(node: Node, robot: AnyRobot, listener: Listener | None = None) -> Gu
     """Put a guard around a node, with the rules of every link that the robot's file names."""
     links = [_RULES[table.driver](robot, link) for link, table in robot.links.items()]
     axes = {axis.axis.name: axis for rules in links for axis in rules.axes}
+    # Set when all links are known: a homing on one of them forbids motion on the others.
     for axis in axes.values():
         axis.all = tuple(axes.values())
     return Guarded(node, links, rules_across(robot, axes), listener)

@@ -83,6 +83,7 @@ class GuardedMotor:
 
     def duty(self, inputs: Inputs) -> int:
         """Return ticks or PWM with a sign; 0 where both inputs are alike."""
+        # TB6612FNG: unlike inputs give the direction; alike they brake or release, whatever the PWM.
         return (inputs.size or 0) * (bool(inputs.in1) - bool(inputs.in2))
 
     def with_(self, inputs: Inputs) -> Inputs:
@@ -104,10 +105,12 @@ class GuardedMotor:
         duty, before = self.duty(self.with_(inputs)), self.duty(self._inputs)
         if (inputs.size or 0) > self.most:
             return f"{self.axis.called}: {inputs.size} {self.unit} is beyond {self.most}"
+        # Right after a reversal the back-EMF adds to the supply instead of opposing it.
         if duty * self._sign < 0 and (before or now < self._stood_at + self.cycle // 2):
             return f"{self.axis.called}: reversed to {duty} {self.unit} without standing at 0"
         if self._slope is None or abs(duty) <= abs(before):
             return None
+        # Half a cycle is for a late loop; the cap keeps a long silence from permitting a large step.
         waited = min(now - self._sized_at, SLOWEST * self.cycle) + self.cycle // 2
         rise = math.ceil(self._slope * waited / SECOND)
         if abs(duty) - abs(before) > rise:
@@ -160,6 +163,7 @@ class ShieldRules(WireRules):
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Look into the list, and at what is in force."""
         moving = next((motor.axis.called for motor in self._motors.values() if motor.moving), None)
+        # The shield has no wire to the reset: its motors run on as commanded while the board boots.
         if packet.address in {DTR_UP, DTR_DOWN} and not packet.payload:
             return None if moving is None else f"a reset of the board while {moving} may move"
         word = self._word(packet)
@@ -191,6 +195,8 @@ class ShieldRules(WireRules):
         if self._answers is not None and packet.address not in {LINE_LOST, LINE_BACK}:
             libraries = libraries_in(self._answers.receive(packet.payload))
             if libraries is not None:
+                # Which number a library has depends on how the sketch was built, so the board's own report
+                # counts.
                 self._board = self._board._replace(libraries=libraries)
         return True
 

@@ -64,12 +64,14 @@ def _ros(data: bytes, board: Board) -> ListedCommand | None:
     gains = board.link.gains
     if letter in {"b", "e"} and data == ros.encode(letter):
         return NOTHING
+    # Only the gains of the robot file: with others the loop on the board could become unstable.
     if data in {ros.encode("r"), ros.encode("u", (gains.kp, gains.kd, gains.ki, gains.ko))}:
         return AT_REST
     words = rest.split(" ")
     if len(words) != len(board.motors) or not all(_is_number(word) for word in words):
         return None
     speeds = tuple(map(int, words))
+    # Encoded again and compared: the sketch parses leniently, so another spelling may be another speed to it.
     if data != ros.encode("m", speeds, len(speeds)):
         return None
     if not any(speeds):
@@ -124,6 +126,7 @@ def _mw(data: bytes, board: Board) -> ListedCommand | None:
 def _request(data: bytes, board: Board) -> object:
     """Return MWProtocol's request in one whole frame; None where there is none that is known."""
     counted = data[1:3]
+    # Start byte, then the length in 16 bits, low byte first.
     size = 3 + int.from_bytes(counted, "little")
     requested = mw.decode_frame(counted, data[3:size]) if data[:1] == bytes((mw.HOST_START,)) else None
     if requested is None or len(data) < size or any(data[size:]):
@@ -144,6 +147,7 @@ def _firmata(data: bytes, board: Board) -> ListedCommand | None:
         return {0: AT_REST, 1: NOTHING, 2: NOTHING, 3: AT_REST}.get(message.data[0])
     if message.code == firmata.I2C_REQUEST and message.data[:2] == bytes((motor_shield.ADDRESS, 0)):
         values = firmata.unpaired(message.data[2:])
+        # Two bytes of 7 bits can carry more than the 8 of a register.
         return None if any(value > 0xFF for value in values) else _written(bytes(values), board)  # noqa: PLR2004
     if message.code == firmata.I2C_CONFIG:
         return AT_REST

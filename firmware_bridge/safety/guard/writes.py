@@ -53,6 +53,7 @@ class Bits:
     mask: int
 
     def __contains__(self, value: int) -> bool:
+        # A bit outside the mask would switch an output that the robot file does not name.
         return not value & ~self.mask
 
 
@@ -123,6 +124,7 @@ def _writes(axis: Axis, robot: AnyRobot, watch: int, heartbeat_ms: int) -> Write
 
 def _watch(link: Epos2Link, watched: int) -> int:
     """Return the heartbeat consumer entry with which a drive watches a node (0x1016)."""
+    # 0x1016 (CiA 301): the node in bits 16 to 23, the time in ms in bits 0 to 15.
     return watched << 16 | link.bridge_silent_ms
 
 
@@ -138,8 +140,10 @@ def _process_data(axis: Axis) -> Iterator[tuple[Address, Values]]:
     for number in _PDOS:
         communication, mapping = (first + number for first in _RECEIVE)
         identifier = canopen.RECEIVE_PDO[number] + axis.epos2.node
+        # CiA 301: a mapping may be changed only while bit 31 of the PDO's COB-ID marks it as invalid.
         off = canopen.COB_ID_INVALID | identifier
         used = number == _SET_POINT_PDO[axis.command]
+        # The unused receive PDOs can only be switched off: set-points reach a drive by one identifier.
         yield Address(communication, 1), _exactly(U32, *((off, identifier) if used else (off,)))
         if used:
             yield Address(communication, 2), _exactly(U8, *TRANSMISSIONS)
@@ -154,6 +158,7 @@ def _process_data(axis: Axis) -> Iterator[tuple[Address, Values]]:
         yield Address(communication, 3), _within(U16, U16.lowest, U16.highest)
         yield Address(mapping, 0), _within(U8, 0, _MAX_ENTRIES)
         for entry in range(1, _MAX_ENTRIES + 1):
+            # Another mapping of these entries would blind the guard, which reads them itself.
             read = _READ.get((number, entry))
             anything = _within(U32, U32.lowest, U32.highest)
             yield Address(mapping, entry), anything if read is None else _exactly(U32, read)
@@ -230,6 +235,7 @@ def _zero(axis: Axis) -> Iterator[tuple[Address, Values]]:
     yield at.HOMING_METHOD, _exactly(I8, ACTUAL_POSITION, *homing.get(at.HOMING_METHOD, ()))
     for address in homing.keys() - {at.HOMING_METHOD, at.HOME_POSITION}:
         yield address, Values(WRITTEN[address], homing[address])
+    # Replaces the entry of the supervision: only an axis with travel may be enabled by SDO, to be referenced.
     yield at.CONTROLWORD, _exactly(U16, *STOP_WORDS, ENABLE, HALT, START_HOMING)
 
 

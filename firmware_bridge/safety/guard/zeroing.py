@@ -78,6 +78,7 @@ class Zeroing:
         low, high = ends_qc(axis)
         self.homes: Final = None if axis.travel is None else range(low, high + 1)
         """The home positions that it may be given, in quadcounts; None for none."""
+        # Method 35 turns no shaft, so neither speeds nor current need to be known.
         in_place = (
             {}
             if self.homes is None
@@ -97,6 +98,8 @@ class Zeroing:
     def prepared(self) -> bool:
         """True where its reports prove that its homing moves nothing, or runs by the robot file."""
         reported = self._reported
+        # 0x6061, not 0x6060: the mode counts once the drive reports it, as it may refuse the switch or delay
+        # it.
         homes = self.in_homing and reported.get(at.MODE_DISPLAY) == Mode.HOMING
         return homes and any(
             all(reported.get(address) in allowed for address, allowed in way.items()) for way in self._ways
@@ -124,6 +127,7 @@ class Zeroing:
                 else "no more than the file allows"
             )
             return f"the drive has not reported that its homing moves {moves}"
+        # In this mode bit 4 starts a homing, and the target may be in counts of another reference.
         if word == NEW_SET_POINT and self.in_homing:
             return "a new position in homing mode"
         if by_object and word in {ENABLE, HALT} and not self.in_homing:

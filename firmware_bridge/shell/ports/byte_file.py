@@ -32,11 +32,13 @@ class ByteFile(ABC):
     def read(self, _now: Nanoseconds) -> list[tuple[int, bytes]]:
         """Return the bytes that have arrived; LostPort where the other side is gone for good."""
         try:
+            # Non-blocking: a read that waits would stop the cycle, and with it the drives' heartbeat.
             chunk = os.read(self._fileno, CHUNK)
         except BlockingIOError:
             return []
         except OSError as error:
             raise self._lost(str(error.strerror)) from error
+        # An empty read is the end of the file: the adapter's device is gone.
         if not chunk:
             raise self._lost("it can be read and gives nothing; was the adapter unplugged?")
         return [(0, chunk)]

@@ -89,6 +89,7 @@ class LoopbackMulticastBus(can.BusABC):
         self._outgoing.bind((LOOPBACK, 0))
         self._outgoing.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, here)
         self._outgoing.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_LOOP, 1)
+        # A hop limit of 0 keeps the frames on this machine (RFC 1112).
         self._outgoing.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
 
 

@@ -23,6 +23,7 @@ class Outbox(ABC):
 
     def write(self, address: int, payload: bytes, now: Nanoseconds) -> None:
         """Send a frame, or keep it for `flush`; LostPort."""
+        # Behind a waiting frame every other waits, too: the order of frames is part of the protocol.
         if self._waiting or not self._send(address, payload):
             self._waiting.append((now, address, payload))
             self.retry_at = min(self.retry_at, now + RETRY)
@@ -33,6 +34,7 @@ class Outbox(ABC):
         while waiting:
             since, address, payload = waiting[0]
             if not self._send(address, payload):
+                # Without an acknowledging node a controller repeats its frame for ever (ISO 11898-1).
                 if now - since >= PATIENCE:
                     raise self._lost(
                         f"no frame could be sent for {(now - since) // MILLISECOND} ms; is another node on "

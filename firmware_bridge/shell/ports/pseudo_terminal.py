@@ -66,6 +66,7 @@ class PseudoTerminal(ByteFile):
 
     def _understood(self) -> bool:
         """Return whether the client has the device's rate; say once where it has not."""
+        # A pseudo-terminal carries bytes at any rate; on a real line another rate gives garbage.
         if self._speed is None or termios.tcgetattr(self._other)[_OSPEED] == self._speed:
             return True
         if self._say is not None:

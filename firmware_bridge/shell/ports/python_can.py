@@ -75,6 +75,7 @@ class PythonCanPort(Outbox):
         self._reader: _Reader | None = None
         fileno = -1
         with contextlib.suppress(NotImplementedError, can.CanError, OSError):
+            # Some interfaces have no file, and each of them raises another exception.
             fileno = self._bus.fileno()
         if fileno < 0:
             self._reader = _Reader(self._bus, name)
@@ -166,6 +167,7 @@ class Echoes:
         """Return whether this is one's own; those that went out before it are lost then."""
         if frame not in self._sent:
             return False
+        # Frames of one sender stay in order on a bus, so what went out before this one is lost.
         own = self._sent.index(frame) + 1
         for _ in range(own):
             self._sent.popleft()
@@ -200,6 +202,7 @@ class _Reader:
     def taken(self) -> list[can.Message]:
         """Return what has arrived; raise what ended the reading."""
         with contextlib.suppress(BlockingIOError):
+            # All rings are taken, or the file would stay readable and the loop would never sleep.
             while len(self._bell.recv(4096)) == 4096:  # noqa: PLR2004 - more rings than one read takes
                 pass
         messages = []

@@ -98,6 +98,7 @@ class ReturningLine:
         self._ring(LINE_BACK)
 
     def _ring(self, news: int) -> None:
+        # dup2 exchanges the file behind a descriptor that others wait on, and its number stays.
         self._news.append(news)
         os.dup2(self._quiet.fileno(), self._fileno)
         self._bell.send(b"\0")

@@ -111,6 +111,7 @@ class SeenOpening(PseudoTerminal):
         found = []
         for _, mask, _, _ in _EVENT.iter_unpack(events):
             before = self._clients
+            # Never below 0: a closing without an opening that was seen may be of a client from before.
             self._clients = max(0, before + (1 if mask & _OPENED else -1))
             if not before and self._clients:
                 found.append(DTR_UP)

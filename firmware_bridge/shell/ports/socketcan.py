@@ -59,6 +59,7 @@ class SocketCanPort(Outbox):
                     raise
                 except OSError as error:
                     raise self._gone(error) from error
+                # A CAN FD frame is longer; the rest of the program knows eight bytes.
                 if len(raw) != _FRAME.size:
                     self.ignored += 1
                     continue
@@ -79,6 +80,8 @@ class SocketCanPort(Outbox):
         try:
             self._socket.send(_FRAME.pack(address, len(payload), payload))
         except OSError as error:
+            # ENOBUFS is a full send queue, as on a bus on which no one acknowledges; it may become free
+            # again.
             if error.errno in _BUSY:
                 return False
             raise self._gone(error) from error
@@ -109,8 +112,10 @@ def _opened(channel: str, bit_rate: int, name: str) -> socket.socket:
             "`sudo modprobe can-raw`, or run the command in tools/with-vcan"
         ) from error
     try:
+        # Of the controller's reports only bus-off: the others would wake the program without a use.
         opened.setsockopt(socket.SOL_CAN_RAW, _ERROR_FILTER, _BUS_OFF)
         opened.bind((channel,))
+        # An interface that is down can be bound; its error waits at the socket.
         down = opened.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
     except OSError as error:
         opened.close()

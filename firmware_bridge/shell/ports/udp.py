@@ -65,6 +65,7 @@ class UdpPort:
                 continue  # the answer to something that was sent before: no one is there yet
             except OSError:
                 break
+            # A datagram from port 0 cannot be answered, and its sender is not known.
             source = 0 if self._calls else _number(peer)
             if source is not None:
                 datagrams.append((source, datagram))
@@ -78,6 +79,7 @@ class UdpPort:
                 self._socket.send(payload)
             elif address:
                 self._socket.sendto(payload, _socket_address(address))
+        # Not an error of the robot: the operator link timeout notices a station that cannot be reached.
         except OSError:
             self.unsent += 1
 

@@ -64,6 +64,7 @@ def decode(line: bytes) -> Ar2Request | None:
     word, rest = line[:2].decode("ascii", "replace"), bytes(line[2:])
     if word not in COMMANDS:
         return None
+    # Letters are used twice: A to F are joints before the S, and G to K are ramps behind it.
     axes, _, fields = rest.partition(b"S") if word in {"MJ", "LL"} else (b"", b"", rest)
     found = _FIELD.findall((b"S" if axes else b"") + fields) if word != "TM" else ()
     return Ar2Request(
@@ -88,11 +89,13 @@ def move(
     """
     if not 0 < len(steps) <= len(LETTERS):
         raise ValueError(f"a move takes up to {len(LETTERS)} axes, not {len(steps)}")
+    # int16 in the sketch: one step more would be a move the other way.
     if max(map(abs, steps)) > MOST_STEPS:
         raise ValueError(f"a move takes up to {MOST_STEPS} steps, not {max(map(abs, steps))}")
     if min(up[1], down[1]) <= 0 or not 0.0 < speed <= 100.0:  # noqa: PLR2004 - a percentage
         raise ValueError(f"speeds of {speed}, {up[1]} and {down[1]} %: the board divides by each of them")
     axes = "".join(
+        # A joint at 0 steps is sent, too: each field ends where the next letter is found.
         f"{letter}{int(count > 0)}{abs(count)}"
         for letter, count in zip(LETTERS, (*steps, *(0,) * (len(LETTERS) - len(steps))), strict=True)
     )

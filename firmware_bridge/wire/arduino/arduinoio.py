@@ -121,8 +121,11 @@ class CommandReader:
         if row is None:
             self._row = COMMANDS.get(chr(byte))
             return None
+        # The number of bytes follows from the letter alone: there is no length and no end.
         kind = row.follows[len(self._values)]
+        # 'r' releases a stepper; where it is not, two more bytes belong to the command.
         released = row.letter == "D" and len(self._values) == 1 and byte == ENDS_STEPPER
+        # The sketch has no frame: a byte that is out of range ends the command without an answer.
         if not kind.takes(byte) or released:
             self._forget()
             return None
@@ -140,6 +143,7 @@ class CommandReader:
 
 def decode(line: bytes) -> int | None:
     """Return the number of an answer without its line end; None where it is no number."""
+    # A line in pieces may be a minus alone.
     digits = line.removeprefix(b"-")
     return int(line) if digits.isdigit() else None
 

@@ -169,6 +169,7 @@ class I2cRead:
 def decode_i2c(message: Message) -> I2cRead | None:
     """Return the content of an I2C reply; None for another message, or half a reply."""
     values = unpaired(message.data)
+    # The I2C address and register come before the data, each as a pair of 7-bit bytes.
     if not message.exclusive or message.code != I2C_REPLY or len(values) < len(("address", "register")):
         return None
     return I2cRead(values[0], values[1], bytes(it & 0xFF for it in values[2:]))
@@ -185,13 +186,16 @@ class Counted:
 def decode_counts(message: Message) -> tuple[Counted, ...]:
     """Return a report of encoders, each a sign and its number, then four times seven bits; else none."""
     data = message.data
+    # Five bytes an encoder: sign and number, then the count's 28 bits.
     if not message.exclusive or message.code != ENCODER or len(data) % _COUNT:
         return ()
     return tuple(_counted(data[place : place + _COUNT]) for place in range(0, len(data), _COUNT))
 
 
 def _counted(data: bytes) -> Counted:
+    # Least significant seven bits first.
     size = sum(part << 7 * index for index, part in enumerate(data[1:]))
+    # Bit 6 is the sign, bits 0 to 5 are the encoder: sign and size, no two's complement.
     return Counted(data[0] & 0x3F, -size if data[0] & 0x40 else size)
 
 
@@ -222,6 +226,7 @@ class Parser:
         """Take one byte; return the message that it completes."""
         if self._exclusive:
             return self._take_exclusive(byte)
+        # Data bytes have bit 7 at 0; a byte with bit 7 begins a new message, whatever is missing.
         if self._missing and byte <= SEVEN:
             self._data.append(byte)
             self._missing -= 1
@@ -232,6 +237,7 @@ class Parser:
 
     def _take_exclusive(self, byte: int) -> Message | None:
         if byte != END:
+            # As the board does: what goes beyond its buffer is lost, and the message ends all the same.
             if len(self._data) < self._room:
                 self._data.append(byte)
             return None
@@ -243,6 +249,7 @@ class Parser:
             self._exclusive, self._missing = True, 0
             self._data.clear()
             return None
+        # Below 0xF0 the low half of the byte is a channel, as in MIDI.
         row = COMMANDS.get(byte & 0xF0 if byte < CHANNELLED else byte)
         if row is None:
             return None

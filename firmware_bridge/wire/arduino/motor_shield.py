@@ -61,7 +61,9 @@ PINS: Final[Mapping[int, tuple[int, Pin]]] = MappingProxyType(
 def encode_channel(motor: int, pin: Pin, level: int) -> bytes:
     """Return the write of one channel: a speed of 0 to 255 on PWM, 0 or 1 on the others."""
     channel = getattr(TERMINALS[motor], pin.value)
+    # PWM: on at count 0, off at the speed's count. A direction pin is full on by bit 12 of ON, else 0.
     on, off = (0, level * STEPS) if pin is Pin.PWM else (FULL_ON if level else 0, 0)
+    # ON and OFF of a channel are 16 bits each, low byte first, in registers that follow each other.
     return bytes((LED0 + CHANNEL * channel, on & 0xFF, on >> 8, off & 0xFF, off >> 8))
 
 
@@ -79,6 +81,8 @@ def decode_channel(data: bytes) -> Written | None:
     if known is None:
         return None
     on, off = int.from_bytes(data[1:3], "little"), int.from_bytes(data[3:5], "little")
+    # Full off has priority over full on (PCA9685); else the pulse may run over the end of the 4096 counts.
     counts = 0 if off & FULL_ON else FULL_ON if on & FULL_ON else (off - on) % FULL_ON
     motor, pin = known
+    # Rounded up: the guard must not see less speed than the chip gives.
     return Written(motor, pin, -(-counts // STEPS) if pin is Pin.PWM else int(counts > 0))

@@ -71,6 +71,7 @@ class _InfoShape(Shape):
     __slots__ = ()
 
     def encode(self, message: Message) -> bytes:
+        # A library's number is its place in this list.
         libraries: bytes = b";".join(bytes((number,)) + name for number, name in enumerate(message.libraries))
         board: bytes = message.board
         head = bytes((message.major, message.minor)) + b";" + board
@@ -184,16 +185,19 @@ class RequestFrame:
 def encode_frame(request: RequestFrame) -> bytes:
     """Return a frame of the host; ValueError for what is no byte, struct.error for too much data."""
     is_library = request.library is not None
+    # Bit 7 marks a library's command; the sequence has the other seven bits.
     head = bytes((request.sequence % SEQUENCES | (_IS_LIBRARY if is_library else 0),))
     body = (
         head + (bytes((request.library or 0,)) if is_library else b"") + bytes((request.code,)) + request.data
     )
+    # The length counts everything behind itself, the check sum included, low byte first.
     counted = Struct("<H").pack(len(body) + 1) + body
     return bytes((HOST_START,)) + counted + bytes((checksum(counted),))
 
 
 def decode_frame(size: bytes, body: bytes) -> RequestFrame | None:
     """Return what is in the two bytes of size and the bytes that they count; None for damage."""
+    # Size, body and check sum add up to 0 modulo 256.
     if not body or checksum(size + body[:-1]) != body[-1]:
         return None
     is_library = bool(body[0] & _IS_LIBRARY)
@@ -209,6 +213,7 @@ def apart(frame: bytes, *, line_rate: int, milliseconds: int) -> bytes:
 
     What has come when an answer goes is thrown away: the next frame must come later.
     """
+    # A zero is no start byte, so the board drops it, and the line keeps the time by its bytes: ten bits each.
     return frame + bytes(line_rate * milliseconds // BITS // 1000)
 
 
@@ -232,6 +237,7 @@ class RequestReader:
             return None
         size = bytes(self._frame[1:3])
         count = int.from_bytes(size, "little")
+        # A size beyond the buffer ends the frame here; to wait for its bytes would block the line.
         if count <= LARGEST and len(self._frame) < len("Zss") + count:
             return None
         body = bytes(self._frame[3:])
@@ -266,6 +272,7 @@ def encode_request(request: Message, sequence: int, libraries: Sequence[str] = L
 
 def encode_answer(code: int, data: bytes) -> bytes:
     """Return a frame of the board."""
+    # High byte first, unlike the host's frames; the length counts code, data and check sum.
     counted = Struct(">H").pack(len(data) + 2) + bytes((code,)) + data
     return bytes((BOARD_START, ANSWER)) + counted + bytes((checksum(counted),))
 
@@ -324,6 +331,7 @@ class AnswerReader:
         if len(self._waiting) < len("SKss"):
             return None
         size = int.from_bytes(self._waiting[2:4], "big")
+        # A size that no frame has is noise that looks like a start.
         if not len("cC") <= size <= LARGEST:
             del self._waiting[0]
             return ()
@@ -332,6 +340,7 @@ class AnswerReader:
             return None
         if checksum(bytes(self._waiting[2 : end - 1])) != self._waiting[end - 1]:
             self.damaged += 1
+            # Only the start byte goes: a good answer may begin within the damaged one.
             del self._waiting[0]
             return ()
         body = self._cut(len("SKss"), end)

@@ -73,6 +73,7 @@ def encode(letter: str, numbers: Sequence[int] = (), motors: int = 3) -> bytes:
     if len(numbers) != wanted:
         raise ValueError(f"command '{letter}' takes {wanted} numbers, and got {len(numbers)}")
     words = row.separator.join(map(str, numbers))
+    # The line ends with CR alone; the sketch takes an LF for a character.
     return f"{letter} {words}".rstrip().encode() + END
 
 
@@ -94,6 +95,7 @@ def decode(letter: str, line: bytes, motors: int = 3) -> Numbers | None:
 
 def _is_number(word: str) -> bool:
     digits = word.removeprefix("-")
+    # Noise that happens to be digits must not become a number of any size.
     return digits.isascii() and digits.isdigit() and len(digits) <= WORD
 
 

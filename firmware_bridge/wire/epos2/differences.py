@@ -58,6 +58,7 @@ DIFFERENCES: Final[Mapping[int, Difference]] = MappingProxyType(
 @cache
 def objects_of(hardware: int | None) -> Mapping[Address, ObjectRow]:
     """Return every object of a type by its hardware version, in the order of the addresses."""
+    # Without an EDS of its own a type counts as the 70/10.
     found = DIFFERENCES.get(hardware or 0)
     if found is None:
         return OBJECTS

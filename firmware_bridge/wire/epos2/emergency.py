@@ -104,6 +104,7 @@ _MAKER = RegisterBit.MANUFACTURER
 _ASSUMED = Provenance.ASSUMED
 _NOTES = "EPOS2 firmware specification, error chapter, as quoted by users"
 
+# Bit 0 of the register is set with any error; only the further bits are listed (CiA 301, 0x1001).
 _ROWS: Final = (
     Emergency(0x1000, RegisterBit.GENERIC, _DISABLE, "generic error"),
     Emergency(0x2310, RegisterBit.CURRENT, _DISABLE, "over-current"),

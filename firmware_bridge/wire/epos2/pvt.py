@@ -15,6 +15,7 @@ LONGEST_MS: Final = 0xFF
 
 def _signed(word: int, bits: int) -> int:
     word &= (1 << bits) - 1
+    # struct has no type of 24 bits, so the sign is extended here.
     return word - (1 << bits) if word >> (bits - 1) else word
 
 
@@ -44,4 +45,5 @@ class PvtRecord:
                 raise ValueError(f"{value} does not fit {bits} bits of a PVT record")
         velocity = self.velocity & (1 << _VELOCITY_BITS) - 1
         position = self.position & (1 << _POSITION_BITS) - 1
+        # Position in bits 0 to 31, velocity in 32 to 55, time in 56 to 63 (0x20C1).
         return (position | velocity << _POSITION_BITS | self.ms << _TIME_SHIFT).to_bytes(8, "little")

@@ -50,6 +50,7 @@ class DataType(Enum):
         self.signed = signed
         self.bits = 8 * size
         """Length in bits, as in a PDO mapping entry."""
+        # Two's complement: a negative number is its low bits.
         self._mask = (1 << self.bits) - 1
 
     @property
@@ -132,6 +133,7 @@ class ObjectRow:
         """Return the default of the object in the drive with this number."""
         if isinstance(self.default, bytes):
             return self.default
+        # CiA 301: the predefined connection set adds the node's number to the COB-IDs.
         return self.default + node_id if self.node_added else self.default
 
 

@@ -64,6 +64,7 @@ def checksum(first: int, body: bytes) -> int:
     that maxon's guides name is what makes it the plain form. Source: EPOS2 Application Notes Collection,
     April 2013, p. 11-164 to 166, checked on the frames there.
     """
+    # The CRC takes each word with its high byte first, the line carries the low byte first.
     swapped = bytearray(len(body))
     swapped[0::2] = body[1::2]
     swapped[1::2] = body[0::2]
@@ -75,6 +76,7 @@ def encode_v1(frame: Frame) -> bytes:
     words = len(frame.body) // 2
     if not 1 <= words <= _MOST_WORDS_V1:
         raise ValueError(f"a V1 frame carries 1 to {_MOST_WORDS_V1} words, not {words}")
+    # V1 counts words less one, and has the opcode in the high byte; V2 has it the other way round.
     crc = checksum(frame.opcode << 8 | words - 1, frame.body)
     return bytes((frame.opcode, words - 1)) + frame.body + crc.to_bytes(2, "little")
 
@@ -89,4 +91,5 @@ def encode_v2(frame: Frame) -> bytes:
         raise ValueError(f"a V2 frame carries at most {MOST_WORDS} words, not {words}")
     crc = checksum(words << 8 | frame.opcode, frame.body)
     plain = bytes((frame.opcode, words)) + frame.body + crc.to_bytes(2, "little")
+    # Doubled only behind DLE STX: a single DLE within a frame would begin the next one.
     return _SYNC + plain.replace(b"\x90", b"\x90\x90")

@@ -38,6 +38,7 @@ class Shape:
         values = [getattr(message, name) for name in self.message.__dataclass_fields__]
         rest = values.pop() if self.open_ended else b""
         body = self.layout.pack(*values) + rest
+        # The serial frames carry whole words of 16 bits.
         return body + bytes(len(body) % 2)
 
     def decode(self, body: bytes) -> Any | None:
@@ -50,6 +51,7 @@ class Shape:
 
     def refusal(self, error: int) -> bytes:
         """Return an answer of the full layout with an error code, zero otherwise."""
+        # maxon's library reports a framing error for an answer of four bytes, and loses the abort code.
         size = self.layout.size
         return error.to_bytes(4, "little") + bytes(size + size % 2 - 4)
 
@@ -175,6 +177,7 @@ def decode_answer(request: Request, body: bytes) -> Answer | None:
     Where only an error code came, as to a frame that the line refuses, that is `Done` for every request.
     """
     answer: Answer | None = row_of(request).answer.decode(body)
+    # A frame that the line itself refuses is answered by the code alone.
     return _DONE.decode(body) if answer is None else answer
 
 

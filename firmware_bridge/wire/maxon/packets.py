@@ -30,6 +30,7 @@ def request_of(packet: Packet) -> Request | None:
     if row is None or row.request is None or len(packet.payload) % 2:
         return None
     request = decode_request(Frame(packet.address, packet.payload))
+    # Encoded again and compared, so that one command has one form: surplus bytes are none.
     return request if request is not None and encode_request(request).body == packet.payload else None
 
 

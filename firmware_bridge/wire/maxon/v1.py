@@ -46,6 +46,7 @@ class Rest:
     def take(self, byte: int) -> bool:
         """Take a byte; True when the frame is whole."""
         self._taken.append(byte)
+        # The length byte counts words less one, so 0 is one word.
         return len(self._taken) == _HEAD + 2 * (self._taken[1] + 1) + CHECKSUM_SIZE
 
     def frame(self) -> Frame | None:
@@ -88,6 +89,7 @@ class V1Device(LineEnd):
         A phase ends by `wake` alone: bytes that a busy machine hands over late have arrived in time.
         """
         free = self._phase is not _DevicePhase.WORK
+        # While a command is at work its bytes lie in the port's buffer, which has an end.
         self._waiting.extend(chunk if free else chunk[: max(ROOM - len(self._waiting), 0)])
         return self._next(now)
 
@@ -123,10 +125,12 @@ class V1Device(LineEnd):
     def _take(self, byte: int, now: Nanoseconds) -> Frame | None:
         phase = self._phase
         if phase is _DevicePhase.IDLE:
+            # The opcode is judged alone, before the rest is sent: an unknown one costs two bytes.
             if byte in self._known:
                 self._rest = Rest(byte)
                 self._say(OKAY, _DevicePhase.COMMAND, now)
             else:
+                # The opcode alone is refused; the rest of the command was not sent yet.
                 self._sent.append(FAILED)
         elif phase is _DevicePhase.COMMAND:
             return self._commanded(now) if self._rest.take(byte) else None
@@ -134,6 +138,7 @@ class V1Device(LineEnd):
             self._sent += self._answer[1:]
             self._enter(_DevicePhase.ANSWER, now)
         else:
+            # Out of turn: the answer is dropped, as the host has given up the command.
             self._rests()
         return None
 
@@ -146,6 +151,7 @@ class V1Device(LineEnd):
         if acknowledged(frame):
             self._sent.append(OKAY)
         self._enter(_DevicePhase.WORK, now)
+        # The work has no time-out of its own: a gateway may wait 500 ms for its node.
         self.due = NEVER
         return frame
 
@@ -217,6 +223,7 @@ class V1Host(LineEnd):
         """Give up a command that has had no answer in time; silence is a reset's."""
         if self.due > now:
             return None
+        # A reset is not acknowledged, so silence after its data is its success.
         done = self._phase is _HostPhase.COMMAND and not self._acknowledged
         return self._end(MaxonAnswer(b"") if done else Failure.SILENCE, now)
 
@@ -232,6 +239,7 @@ class V1Host(LineEnd):
         if not self._rest.take(byte):
             return None
         frame = self._rest.frame()
+        # The device repeats nothing, so a garbled answer is lost.
         self._sent.append(FAILED if frame is None else OKAY)
         return Failure.GARBLED if frame is None else MaxonAnswer(frame.body)
 

@@ -92,6 +92,7 @@ class FrameReader:
         self.reset()
         body = bytes(taken[_HEAD:-CHECKSUM_SIZE])
         sent = int.from_bytes(taken[-CHECKSUM_SIZE:], "little")
+        # Over length and opcode as one word, without the doubled bytes.
         if checksum(taken[1] << 8 | taken[0], body) != sent:
             return Damaged.DAMAGED
         return Frame(taken[0], body)
@@ -147,6 +148,7 @@ class V2Device(LineEnd):
         while waiting and not self._working:
             begun = reader.begun
             frame = reader.take(waiting.popleft())
+            # The time runs per frame, from DLE STX on, and not per byte.
             if not reader.inside:
                 self.due = NEVER
             elif reader.begun != begun:
@@ -187,10 +189,12 @@ class V2Host(LineEnd):
         if self._busy:
             raise RuntimeError("the line carries one command at a time")
         del answered
+        # A late answer to the command before must not be taken for the one to this.
         self._reader.reset()
         self._busy = True
         self._acknowledged = acknowledged(frame)
         self._sent += encode_v2(frame)
+        # A reset is not answered: its silence is success after a short time.
         self.due = now + (self._timeout if self._acknowledged else RESETS_WITHIN)
 
     def receive(self, chunk: bytes, now: Nanoseconds) -> Outcome | None:

@@ -263,11 +263,13 @@ FRAME: Final = RecordLayout(
 
 def decoded(payload: bytes, version: Version) -> Frame:
     """Return a frame; NatNetError where these bytes are none of this version."""
+    # Most frames have bodies and markers alone: they are read at once, four times as fast as by rows.
     layout = shown(payload, version)
     values = None if layout is None else layout.unpack(payload)
     if layout is not None and values is not None:
         return _of_values(values, layout)
     frame: Frame = decode(FRAME, payload, version, "frame")
+    # The end marker is 0; another value shows that a list was read with a wrong layout.
     if frame.end != 0:
         raise NatNetError(f"frame {frame.number} ends with 0x{frame.end:08X} in place of 0")
     return frame
@@ -322,6 +324,7 @@ def _in_one_stroke(frame: Frame, version: Version) -> bytes | None:
     others = (frame.marker_sets, frame.other_markers, frame.skeletons, frame.assets, frame.force_plates)
     if layout is None or any(others) or frame.devices or frame.end:
         return None
+    # Markers of a body are of versions before 3.0; from 4.1 on the precise stamp is always there.
     if any(body.markers for body in frame.bodies) or (frame.precise is None and version >= V4_1):
         return None
     precise = frame.precise if version >= V4_1 and frame.precise is not None else ()

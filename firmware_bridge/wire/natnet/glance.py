@@ -28,6 +28,7 @@ class Glance:
 
     def body(self, number: int) -> RigidBody | None:
         """Return the last body with this number; None where there is none."""
+        # The last one counts, as for a client that fills a table by number.
         for body in reversed(self._bodies):
             if body.id == number:
                 return body
@@ -48,6 +49,7 @@ def glance(payload: bytes, version: Version) -> Glance:
         return _of_rows(decoded(payload, version))
     tail = values[layout.tail]
     timestamp, exposed, _, sent = tail[_STAMPS]
+    # params is the last field but one; the end marker is the last.
     return Glance((timestamp, exposed, sent), tail[-2], values[layout.bodies], ())
 
 

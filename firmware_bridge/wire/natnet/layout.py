@@ -68,6 +68,7 @@ class Reader:
 
     def take(self, size: int, name: str) -> int:
         """Return where the next `size` bytes are, and go beyond them."""
+        # Checked before the read: a length from the network must not reach beyond the datagram.
         if size > self.end - self.at:
             raise NatNetError(f"{name} wants {size} bytes at byte {self.at}, and {self.left} are left")
         at, self.at = self.at, self.at + size
@@ -114,6 +115,7 @@ class Text:
         if end < 0:
             raise NatNetError(f"{name} at byte {reader.at} has no end")
         at = reader.take(end + 1 - reader.at, name)
+        # Bytes that are no UTF-8 come through both ways unchanged.
         return reader.data[at:end].decode("utf-8", "surrogateescape")
 
     def write(self, value: Value, version: Version, name: str) -> bytes:
@@ -198,6 +200,7 @@ _SIZE: Final = Number("I")
 def _count(reader: Reader, name: str) -> int:
     """Return a count that the bytes left can hold, at one byte an item."""
     count: int = _COUNT.read(reader, f"the count of {name}")
+    # A false count would else reserve memory for billions of items.
     if not 0 <= count <= reader.left:
         raise NatNetError(f"{name}: {count} of them do not fit into the {reader.left} bytes that are left")
     return count
@@ -218,6 +221,7 @@ class Items:
         )
         begun = reader.at
         found = tuple([self._item.read(reader, name) for _ in range(count)])
+        # From 4.1 on each list gives its size: a wrong layout is noticed at once, not fields later.
         if size is not None and reader.at - begun != size:
             raise NatNetError(
                 f"{name}: {size} bytes long by its header, and {reader.at - begun} by its items"
@@ -271,6 +275,7 @@ class Tagged:
         number: int = _COUNT.read(reader, f"the type of {name}")
         size = _SIZE.read(reader, f"the size of {name}") if reader.version >= V4_1 else None
         if number not in self._kinds:
+            # Before 4.1 nothing gives the length of an unknown part, so all behind it is lost.
             if size is None:
                 raise NatNetError(f"{name}: type {number} is not known, nor how long it is")
             reader.take(size, f"{name} of the unknown type {number}")
@@ -303,6 +308,7 @@ class WhereThereIsRoom:
 
     def read(self, reader: Reader, name: str) -> Value:
         """Return the value; None where it is not there."""
+        # The same version is sent with and without this field; only the length shows which.
         return self._kind.read(reader, name) if reader.left == self._left else None
 
     def write(self, value: Value, version: Version, name: str) -> bytes:
@@ -314,6 +320,7 @@ def decode(kind: ValueCodec, payload: bytes, version: Version, name: str) -> Val
     """Return the value that a whole payload is; NatNetError where it is short, or longer."""
     reader = Reader(payload, known(version))
     value = kind.read(reader, name)
+    # Bytes left over show that the layout is another one: then no value before them is certain.
     if reader.left:
         raise NatNetError(f"{name}: {reader.left} bytes are left over behind it in NatNet {version}")
     return value

@@ -120,6 +120,7 @@ def server_info(payload: bytes) -> ServerInfo:
     """Return the server's identity, in the layout of the version that it reports; NatNetError."""
     if len(payload) < _VERSION_AT + 4:
         raise NatNetError(f"server info has {len(payload)} bytes, at least {_VERSION_AT + 4} are needed")
+    # The layout depends on the version within the message, which lies at a fixed place in all of them.
     version = known(Version(payload[_VERSION_AT], payload[_VERSION_AT + 1]))
     info: ServerInfo = SERVER_INFO.read(Reader(payload, version), "server info")
     return info

@@ -256,6 +256,7 @@ def body_named(models: tuple[Model, ...], name: str) -> int:
     """Return the number of the rigid body with this name; NatNetError where there is none, or two."""
     bodies = [model for model in models if isinstance(model, RigidBodyModel)]
     found = {body.id for body in bodies if body.name == name}
+    # Two bodies of one name could be either.
     if len(found) != 1:
         there = ", ".join(body.name for body in bodies) or "none"
         raise NatNetError(f"{len(found)} rigid bodies are called '{name}'; there are: {there}")

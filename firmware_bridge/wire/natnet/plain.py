@@ -28,6 +28,7 @@ class Plain:
         sized = version >= V4_1
         empty = ("", 0)
         between = [empty] * (2 if sized else 1)
+        # Marker sets, other markers, bodies, skeletons, assets (from 4.1), markers, force plates, devices.
         lists = [empty, empty, (_BODY, bodies), *between, (_MARKER, markers), empty, empty]
         code = "i"
         announced: list[tuple[int, ...]] = []
@@ -50,6 +51,7 @@ class Plain:
         if len(payload) != self.size:
             return None
         values = self._layout.unpack(payload)
+        # Same length is no proof: another frame may have the same number of bytes by other counts.
         as_announced = (
             values[1 : self.bodies.start] == self._before
             and values[self.bodies.stop : self.markers.start] == self._between
@@ -73,6 +75,7 @@ def shown(payload: bytes, version: Version) -> Plain | None:
     """Return the layout that a payload has if it is such a frame."""
     announced = 8 if version >= V4_1 else 4
     at = 4 + 2 * announced
+    # At a fixed place only where the two lists before it are empty; `unpack` finds out whether they are.
     bodies = int.from_bytes(payload[at : at + 4], "little")
     if bodies > MOST:
         return None

@@ -95,6 +95,7 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
         return self._went_on(self._scripts.wake(now), now)
 
     def _went_on(self, sent: tuple[Packet, ...], now: Nanoseconds) -> tuple[Packet, ...]:
+        # Taken only without tasks: during them the outcome is the script's.
         outcome = None if self.busy else self._scripts.take()
         if outcome is not None and self._requests:
             self._requests.popleft().end(outcome, now)

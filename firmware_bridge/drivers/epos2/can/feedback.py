@@ -42,6 +42,7 @@ class CanFeedback(DriveFeedback):
             return
         statusword, counter, current = SAMPLE.unpack(payload)
         self._state(statusword)
+        # The first sample has no difference, and one across a new zero would be a jump.
         if self.sampled_at == NEVER_RECEIVED or self.zeroing:
             self.position_qc, self.velocity = counter, 0.0
         else:
@@ -49,6 +50,7 @@ class CanFeedback(DriveFeedback):
             elapsed = self._synchronized_at - self.sampled_at
             if elapsed > 0:
                 self.move(moved, elapsed)
+            # Added up, as the drive's counter of 32 bits wraps.
             self.position_qc += moved
         self.current_ma = current
         self.sampled_at = self._synchronized_at
@@ -68,6 +70,7 @@ class CanFeedback(DriveFeedback):
         state = canopen.decode_heartbeat(payload)
         if state is None:
             return
+        # A heartbeat without Operational: the drive takes no process data and keeps its last target.
         self.operational = state is NmtState.OPERATIONAL
         if not self.operational:
             self.state = None

@@ -37,6 +37,7 @@ def writing(node: int, address: Address, raw: bytes) -> WriteObject:
 
 def value_in(address: Address, answer: ObjectRead) -> bytes:
     """Return an object's value in an answer; the bytes beyond its size mean nothing."""
+    # An answer always has four bytes; those behind the object's size are random.
     return answer.raw[: OBJECTS[address].type.size or RAW]
 
 
@@ -115,6 +116,7 @@ class SerialClient:
         if transfer is None or job is not self._job:
             return
         self._note(result)
+        # A silent node keeps the line for the gateway's 500 ms at each attempt.
         again = self._attempts_left and now - self._begun_at < TRY_WITHIN
         if silent(result) and again and not self._exchange.gone:
             self._ask(transfer)

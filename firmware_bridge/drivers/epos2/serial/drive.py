@@ -183,6 +183,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
             self._receive(Address(request.index, request.subindex), result, now)
 
     def _note(self, result: Result) -> None:
+        # Silence is judged by each command: a drive that answers once counts as present again.
         was, self.present = self.present, not silent(result)
         if self.present and not was and self._tasks.set_up:
             # It was silent: it may have restarted, and no boot-up message comes over a line.
@@ -198,6 +199,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
             feedback.position_read(POSITION.type.decode(raw), self._exchange.requested_at)
         elif address == STATUSWORD.address:
             feedback.statusword_read(STATUSWORD.type.decode(raw), now)
+            # There is no EMCY on the line: the code is read from 0x1003:01 when the state shows a fault.
             if feedback.state in FAULT_STATES and not feedback.fault:
                 self.read(_NEWEST_ERROR, Rank.SAMPLE)
         elif address == CURRENT.address:
@@ -207,6 +209,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         elif address == self._watch.address:
             self._tasks.judge(kept=raw == self._watch.raw)
         elif address == NEWEST_ERROR:
+            # The low word of 0x1003:01 is the error code, the high word is the maker's.
             feedback.fault = int.from_bytes(raw[:2], "little")
 
     def _sent(self, frames: tuple[Packet, ...]) -> tuple[Packet, ...]:
@@ -232,6 +235,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
             # The drive takes a position at the bit's rising edge, and the bit may be set.
             writes.append(self._word(ENABLE))
         # An answer that does not come keeps the line for long.
+        # Power off goes first; everything else needs its target before the Controlword that makes it count.
         writes.insert(0 if word == DISABLE_VOLTAGE else len(writes), self._word(word))
         self._writes = Job(Rank.SET_POINT, self, tuple(writes))
         self._exchange.put(self._writes)
@@ -248,6 +252,7 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
 
     def _forget(self) -> None:
         self._taken.clear()
+        # The open handshake is closed here, too: what the drive has taken is not known.
         self._set_point.word(DISABLE_VOLTAGE)
 
 

@@ -77,6 +77,7 @@ class LineExchange:
     @property
     def wake_at(self) -> Nanoseconds:
         """Time of its next wake-up."""
+        # A line that is gone fails its jobs with the next call.
         return 0 if self.gone and self._waiting else self._until
 
     def put(self, job: Job) -> None:
@@ -98,6 +99,7 @@ class LineExchange:
         """Begin the most urgent command where none is under way."""
         if self.under_way is not None or self.gone or not self._waiting:
             return ()
+        # `min` takes the first of equals, so jobs of one rank keep their order.
         job = min(self._waiting, key=_rank)
         request, *left = job.left
         job.begun, job.left = True, tuple(left)
@@ -117,6 +119,7 @@ class LineExchange:
             self.gone = False
         elif (request := self._request) is not None:
             opcode, outcome = outcome_of(packet)
+            # Answers carry no number, only the opcode: one to another command is late, and of no use.
             if opcode == command(request, self._link).address:
                 self._end(_result(request, outcome), now)
         return self.go_on()
@@ -136,6 +139,7 @@ class LineExchange:
         self._until = NEVER
         if job is None or request is None:
             return
+        # The rest goes to the front: a target and its Controlword must not be separated.
         if job.left and succeeded(result):
             self._waiting.insert(0, job)
         else:
@@ -146,6 +150,7 @@ class LineExchange:
 
     def _fail(self, now: Nanoseconds) -> None:
         """End everything that was under way or has waited; what is begun again now waits for another call."""
+        # Taken out first: an owner may put a new job while it learns of the failure.
         waiting, self._waiting = self._waiting, []
         self._end(Failure.SILENCE, now)
         for job in waiting:

@@ -76,6 +76,7 @@ class SerialFeedback(DriveFeedback):
         without our command (EPOS Firmware Specification, statusword bit 9).
         """
         remote = bool(word & Status.REMOTE)
+        # NMT operational ends without our command only by a restart (Statusword bit 9).
         if self.expected and self.operational and not remote:
             self.restart()
         self.operational = remote
@@ -109,6 +110,7 @@ class SerialFeedback(DriveFeedback):
             position = before + moved
             elapsed = max(requested_at - before_at, 1)
             self.move(moved, elapsed)
+            # By its speed back to the cycle's begin, the common instant of all drives.
             shift = round(moved * (requested_at - self._cycle_at) / elapsed)
         self._before = position, requested_at
         self.position_qc = position - shift

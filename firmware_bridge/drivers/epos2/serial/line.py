@@ -75,6 +75,7 @@ class MaxonLine:
     def _lose(self, now: Nanoseconds) -> None:
         self._gone = True
         self._waiting.clear()
+        # A new one, as the protocol's state of the lost line is worth nothing.
         self._host = host_end(self._generation, TIMEOUT)
         self._take(self.node.receive(Packet(self._link, LINE_LOST, b""), now))
 
@@ -95,6 +96,7 @@ class MaxonLine:
 
     def _reaction(self, now: Nanoseconds) -> Reaction:
         host, waiting = self._host, self._waiting
+        # V1 needs silence after a failure, until the drive has given up the old command.
         if waiting and not host.busy and now >= host.ready_at:
             packet = waiting.popleft()
             self._under_way, self._begun_at = packet.address, now

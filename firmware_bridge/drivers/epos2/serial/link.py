@@ -89,6 +89,7 @@ class SerialLink:
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Ask all drives that answer for what is due in this cycle, unless the last one is not through."""
         self._exchange.clock = now
+        # A cycle that has not ended is not followed by another one: the backlog would only grow.
         if not all(job.over for job in self._samples):
             self.late += 1
             return self._exchange.go_on()
@@ -113,8 +114,10 @@ class SerialLink:
     def beat(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Send the bridge's heartbeat, and ask for what the gateway watches."""
         self._exchange.clock = now
+        # During the proof nothing may show the drives that the bridge is alive.
         if any(drive.listens for drive in self._drives):
             return self._exchange.go_on()
+        # A late beat is not doubled: the drives count silence, not frames.
         if all(job.over for job in self._newest):
             requests: list[Request] = [self._heartbeat]
             if self._guardian.guarded:

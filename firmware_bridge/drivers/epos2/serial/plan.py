@@ -72,6 +72,7 @@ class Plan:
     @property
     def samples(self) -> tuple[LineCommand, ...]:
         """The commands before the set-points; a longer cycle has to hold more heartbeats."""
+        # Rounded up: a cycle longer than the beat has to carry several.
         return (*self.beat * -(-self.cycle // self.beat_every), *self.reads)
 
     @property
@@ -94,6 +95,7 @@ class Plan:
         spent: Nanoseconds = 0
         for entry in self.entries:
             spent += entry.time
+            # The first that does not fit is named, in the order in which the line carries them.
             if spent > self.cycle:
                 return entry, spent - self.cycle
         return None
@@ -131,6 +133,7 @@ def plan_for(robot: AnyRobot, name: str) -> Plan:
             f"guarding of node {link.guardian(nodes)}", _cost(link, guarding(link, nodes), through=True)
         ),
     )
+    # The fullest of all cycles: the rotating reads meet once in the product of their periods.
     turn = max(
         (tuple(_in_turn(link, axes, cycle)) for cycle in range(_period())),
         key=lambda entries: sum(entry.time for entry in entries),
@@ -205,6 +208,7 @@ def _cost(link: Epos2Link, request: Request, *, through: bool) -> Nanoseconds:
         turns = TURNS[answered]
     else:
         size, turns = len(encode_v2(frame)) + len(encode_v2(answer)), 1
+    # Ten bits a byte: one start bit, eight data bits, one stop bit.
     on_line = size * BITS_PER_BYTE * SECOND // link.line_rate
     on_bus = GATEWAY + FRAMES * LONGEST_FRAME * SECOND // link.bit_rate if through else 0
     return on_line + turns * link.port_latency_us * MICROSECOND + on_bus

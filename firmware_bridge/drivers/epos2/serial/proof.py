@@ -44,6 +44,8 @@ class Proof:
         if self.given:
             return ()
         return (
+            # A consumer begins to supervise with the first heartbeat that it receives (CiA 301), so these
+            # come first.
             pause(self._speaks_for),
             Do(self._begin),
             Until(self._noticed, self._within, self._missing),
@@ -68,6 +70,7 @@ class Proof:
     def _judge(self, newest: int) -> Script:
         self.listens = False
         came = newest & _CODE
+        # Another fault proves nothing about the supervision.
         if came != CONNECTION_LOST:
             problem = f"fault 0x{came:04X} at the bridge's silence (expected 0x{CONNECTION_LOST:04X})"
             raise StartupError(self._axis, problem)
