@@ -106,6 +106,8 @@ class LineReader:
         self._end: Final = end
         self._longest: Final = longest
         self._waiting = bytearray()
+        self._dropped = False
+        """True while a line has begun that is too long already."""
 
     @property
     def waiting(self) -> bytes:
@@ -117,11 +119,16 @@ class LineReader:
         for byte in chunk:
             self._waiting.append(byte)
             if self._waiting.endswith(self._end):
-                line = bytes(self._waiting[: -len(self._end)])
-                self._waiting.clear()
-                if len(line) <= self._longest:
+                line, dropped = bytes(self._waiting[: -len(self._end)]), self._dropped
+                self.flush()
+                if len(line) <= self._longest and not dropped:
                     yield line
+            elif len(self._waiting) > self._longest + len(self._end):
+                # A board that never ends its line must not fill the memory: only its end is waited for.
+                self._dropped = True
+                del self._waiting[: -len(self._end)]
 
     def flush(self) -> None:
         """Forget half a line, as the driver does before each command."""
         self._waiting.clear()
+        self._dropped = False

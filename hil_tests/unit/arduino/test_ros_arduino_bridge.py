@@ -308,6 +308,20 @@ def test_whatever_a_board_states_the_hosts_end_goes_on(noise: bytes, letter: str
         ros.decode(letter, line)
 
 
+@pytest.mark.parametrize(("length", "whole"), [(ros.LONGEST_LINE, True), (ros.LONGEST_LINE + 1, False)])
+def test_a_line_is_as_long_as_it_may_be(length: int, *, whole: bool) -> None:
+    reader, line = ros.LineReader(), b"7" * length
+    assert list(reader.receive(line + ros.LINE_END + b"OK" + ros.LINE_END)) == [line] * whole + [b"OK"]
+
+
+def test_a_line_that_never_ends_takes_no_memory_and_the_next_one_is_whole() -> None:
+    reader = ros.LineReader()
+    for _ in range(100):
+        assert list(reader.receive(b"7" * 1000)) == []
+        assert len(reader.waiting) <= ros.LONGEST_LINE + len(ros.LINE_END)
+    assert list(reader.receive(ros.LINE_END + b"OK" + ros.LINE_END)) == [b"OK"]
+
+
 @pytest.mark.parametrize(
     ("letter", "numbers", "why"), [("q", (), "no command 'q'"), ("m", (1,), "takes 3 numbers, and got 1")]
 )
