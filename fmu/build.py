@@ -92,9 +92,9 @@ def export(
     """Write any equations as an FMU; `token` identifies its version. PlantError where that fails."""
     if fmi not in _VERSIONS:
         raise PlantError(f"FMI {fmi} is not offered: 2 or 3")
-    blocks, code, description, documentation, twin = (
+    blocks, code, description, documentation, reference_model = (
         importlib.import_module(f"fmu.export.{name}")
-        for name in ("blocks", "code", "description", "documentation", "twin")
+        for name in ("blocks", "code", "description", "documentation", "reference_model")
     )
     program, units = blocks.ModelCode(model), _units(fmi)
     written = (*_HEADERS, f"fmi{fmi}_shell.h", *(unit for unit in units if unit not in _GENERATED))
@@ -105,7 +105,7 @@ def export(
     texts["modelDescription.xml"] = description.DESCRIPTIONS[fmi](program, token, units, about)
     if fmi > 2:  # noqa: PLR2004 - since FMI 3.0 the sources have a description of their own
         texts["sources/buildDescription.xml"] = description.fmi3_build(program, units, FLAGS)
-    fingerprint = twin.fingerprint(program)
+    fingerprint = reference_model.fingerprint(program)
     # Without one the FMU is used unchecked: Python cannot follow a run that divides by zero.
     if fingerprint is not None:
         texts[RESOURCE] = fingerprint.to_json()

@@ -1,6 +1,7 @@
 """The axes of one robot and the plant that they turn, advanced together from one event to the next.
 
-It refuses to know the bus, and what happens on a tick: the kernel in C does that, or its twin in Python.
+The bus is not known here, nor what happens on a tick: that is the kernel's in C, or its reference
+implementation's in Python.
 """
 
 from collections.abc import Sequence
@@ -10,6 +11,7 @@ from typing import Final, Protocol
 from emulators.servo.axis import TICK, ServoAxis
 from emulators.servo.kernel import Kernel, KernelLibrary, NativePlant, choose
 from emulators.servo.pins import PinWire
+from emulators.servo.reference import ReferenceServo
 from emulators.servo.seam import (
     WIDEST_ANGLE,
     ServoError,
@@ -19,7 +21,6 @@ from emulators.servo.seam import (
     plant_inputs,
     plant_outputs,
 )
-from emulators.servo.twin import Twin
 from firmware_bridge.units import Nanoseconds
 
 __all__ = ["ServoBank", "ServoError", "ServoPlant", "plant_inputs", "plant_outputs"]
@@ -74,7 +75,7 @@ class ServoBank:
         self._engine: Final[Engine] = (
             Kernel(found.library, plant, axes, wiring)
             if found.library is not None and isinstance(plant, NativePlant)
-            else Twin(plant, axes, wiring)
+            else ReferenceServo(plant, axes, wiring)
         )
         self._next: Nanoseconds = (self._engine.tick + 1) * TICK
         """The end of the tick that has not been run."""

@@ -24,7 +24,7 @@ from emulators.servo.sensor_lines import ANALOGUE_1, MASTER
 from emulators.servo.winding import CURRENT_PLACES, Winding
 
 
-class Twin:
+class ReferenceServo:
     """Axes and plant, tick by tick. One tick: sample, regulate, write the voltages, step the plant."""
 
     def __init__(self, plant: ServoPlant, axes: Sequence[ServoAxis], wiring: Wiring) -> None:

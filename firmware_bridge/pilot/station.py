@@ -194,7 +194,7 @@ class PilotStation:
                 continue
             params = (*order.params, *(0.0,) * (_PARAMS - len(order.params)))
             messages.append(
-                # `confirmation` counts the repetitions, so that a receiver distinguishes them from a new command.
+                # `confirmation` counts repetitions: a receiver distinguishes them from a new command.
                 dialect.MAVLink_command_long_message(*self._target, order.number, order.tries, *params)
             )
             order.tries += 1

@@ -31,7 +31,7 @@ _ARC_TANGENT: Final = (
 """Coefficients as in c/elementary.h, the lowest power first; a test compares them bit for bit."""
 
 
-class Twin:
+class ReferenceModel:
     """One instance with its default parameters, initialized."""
 
     def __init__(self, program: ModelCode) -> None:
@@ -93,9 +93,9 @@ def fingerprint(program: ModelCode) -> Fingerprint | None:
     step = round(2 * model.inner_step * _NS)
     inputs = {row.name: row.nominal for row in model.inputs}
     try:
-        twin = Twin(program)
-        twin.length = step / _NS
-        bits = measure(twin, list(inputs.values()))
+        reference = ReferenceModel(program)
+        reference.length = step / _NS
+        bits = measure(reference, list(inputs.values()))
     except (ArithmeticError, ValueError):
         return None
     return Fingerprint(inputs, [row.name for row in program.outputs], step, bits)

@@ -15,7 +15,7 @@ from emulators.bench.step import Step
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.choices import chosen
 from emulators.run import RunOrder
-from emulators.testing.inherited.paper import seen
+from emulators.testing.inherited.fake_driver import seen
 from emulators.testing.process import Process
 from emulators.testing.rig import VirtualRig
 from firmware_bridge import renamed

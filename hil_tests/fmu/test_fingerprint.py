@@ -17,9 +17,9 @@ import pytest
 from fmu import build
 from fmu.check import examine
 from fmu.errors import PlantWarning
-from fmu.export import twin
+from fmu.export import reference_model
 from fmu.export.blocks import ModelCode
-from fmu.export.twin import fingerprint
+from fmu.export.reference_model import fingerprint
 from fmu.fingerprint import RESOURCE, Fingerprint
 from fmu.plant import FmuPlant
 from fmu.plants import find
@@ -180,7 +180,11 @@ def test_a_foreign_node_has_none(fmu_file: dict[int, Path], tmp_path: Path, text
 
 def test_the_twins_functions_are_those_in_c_bit_for_bit(tmp_path: Path) -> None:
     header = Path(build.__file__).parent / "export" / "c" / "elementary.h"
-    twins = {"sine": twin.sine, "cosine": twin.cosine, "arc_tangent": twin.arc_tangent}
+    twins = {
+        "sine": reference_model.sine,
+        "cosine": reference_model.cosine,
+        "arc_tangent": reference_model.arc_tangent,
+    }
     text = "".join(f"double {name}(double x) {{ return fb_{name}(x); }}\n" for name in twins)
     text += "double angle(double y, double x) { return fb_angle(y, x); }\n"
     (tmp_path / "own.c").write_text(f'#include "{header}"\n{text}', encoding="utf-8")
@@ -198,5 +202,5 @@ def test_the_twins_functions_are_those_in_c_bit_for_bit(tmp_path: Path) -> None:
     library.angle.restype, library.angle.argtypes = ctypes.c_double, [ctypes.c_double] * 2
     for y, x in zip(generator.uniform(-5, 5, 4000), 10.0 ** generator.uniform(-3, 1, 4000), strict=True):
         found = library.angle(float(y), float(x))
-        assert struct.pack("d", twin.angle(float(y), float(x))) == struct.pack("d", found), (y, x)
+        assert struct.pack("d", reference_model.angle(float(y), float(x))) == struct.pack("d", found), (y, x)
         assert found == pytest.approx(math.atan2(y, x), rel=4e-16)

@@ -7,7 +7,7 @@ import pytest
 from carrier.motion import Motion, State
 
 from emulators.bench.cases import Situation
-from emulators.testing.inherited.paper import START, gate_of, held, seen
+from emulators.testing.inherited.fake_driver import START, gate_of, held, seen
 from firmware_bridge.differential.body import ramp_of
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, SECOND

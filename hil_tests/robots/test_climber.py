@@ -7,7 +7,7 @@ import pytest
 
 from emulators.bench.cases import Situation
 from emulators.motion_capture.bodies import Attitude, product, turned
-from emulators.testing.inherited.paper import START, gate_of, seen
+from emulators.testing.inherited.fake_driver import START, gate_of, seen
 from firmware_bridge.drivers.driver import SeenPose
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import RobotFileError

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from emulators.bench.bench_setup import bench_setup_of
-from emulators.testing.inherited.paper import seen
+from emulators.testing.inherited.fake_driver import seen
 from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.orbit import THESIS
 from firmware_bridge.motion.orbit_elements import elements

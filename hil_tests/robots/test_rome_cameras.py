@@ -6,7 +6,7 @@ from typing import Any, Final
 import pytest
 from typer.testing import CliRunner
 
-from emulators.testing.inherited.paper import START, seen
+from emulators.testing.inherited.fake_driver import START, seen
 from firmware_bridge.cli import program
 from firmware_bridge.drivers.shield.fleet import measured, over_protocol
 from firmware_bridge.motion.captured import Located, Source

@@ -1,6 +1,6 @@
 /* The servo kernel: all axes of a bank and their plant, from one event to the next.
 
-   Whole numbers only, as in the twin (emulators/servo/twin.py, loops.py, profile.py, winding.py), which says the
+   Whole numbers only, as in the twin (emulators/servo/reference.py, loops.py, profile.py, winding.py), which says the
    same readably: a change here is a change there. Floating point only where the plant is met. */
 #ifndef SERVO_KERNEL_H
 #define SERVO_KERNEL_H

@@ -96,7 +96,7 @@ def full_motions(kind: AnyRobotType, robot: AnyRobot) -> list[Any]:
     return [motion for motion, _ in kind.reach(robot)]
 
 
-class Paper:
+class FakeDriver:
     """A robot without drives: each axis follows its set-point of the cycle, within its top speed."""
 
     def __init__(self, robot: AnyRobot) -> None:

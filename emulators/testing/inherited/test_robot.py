@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.cases import Situation
 from emulators.rig import BRIDGE
-from emulators.testing.inherited.paper import (
+from emulators.testing.inherited.fake_driver import (
     START,
     AnyCase,
-    Paper,
+    FakeDriver,
     axes_of,
     cases_of,
     full_motions,
@@ -273,7 +273,7 @@ velocities = st.builds(
 words = st.lists(st.tuples(sticks | velocities, st.integers(1, 30), st.booleans()), min_size=1, max_size=6)
 
 
-def within_bounds(paper: Paper) -> None:
+def within_bounds(paper: FakeDriver) -> None:
     """Check what the guard checks, from the numbers of the robot file alone."""
     for axis in paper.robot.axes:
         demand = paper.demands.get(axis.name)
@@ -291,7 +291,7 @@ def within_bounds(paper: Paper) -> None:
         assert not (moves(paper, pair.one) and moves(paper, pair.other)), pair.name
 
 
-def moves(paper: Paper, axes: tuple[str, ...]) -> bool:
+def moves(paper: FakeDriver, axes: tuple[str, ...]) -> bool:
     """Return whether any of these axes is commanded to go elsewhere than where it is."""
     for name in axes:
         demand = paper.demands.get(name)
@@ -303,7 +303,7 @@ def moves(paper: Paper, axes: tuple[str, ...]) -> bool:
     return False
 
 
-def states(paper: Paper, word: Stick | Velocity, command: Any) -> Any:
+def states(paper: FakeDriver, word: Stick | Velocity, command: Any) -> Any:
     """Return the command after a word of the operator; one that the robot cannot mean changes nothing."""
     station = paper.kind.station
     if isinstance(word, Stick):
@@ -317,7 +317,7 @@ def states(paper: Paper, word: Stick | Velocity, command: Any) -> Any:
 def test_whatever_is_stated_the_guards_bounds_hold(
     name: str, stated: list[tuple[Stick | Velocity, int, bool]]
 ) -> None:
-    paper = Paper(find(name))
+    paper = FakeDriver(find(name))
     command = paper.kind.rest
     for word, cycles, armed in stated:
         command = states(paper, word, command)
@@ -329,13 +329,13 @@ def test_whatever_is_stated_the_guards_bounds_hold(
 def test_nothing_moves_before_it_is_armed(name: str) -> None:
     robot = find(name)
     for command in full_motions(robot_type_of(robot), robot):
-        paper = Paper(robot)
+        paper = FakeDriver(robot)
         for _ in range(20):
             paper.cycle(command, armed=False)
             assert not moves(paper, tuple(paper.axes))
 
 
-def settled(paper: Paper, command: Any, **facts: Any) -> Decision[Any]:
+def settled(paper: FakeDriver, command: Any, **facts: Any) -> Decision[Any]:
     """Go on until a cycle repeats the set-points and speeds of the one before; return its decision."""
     for _ in range(CYCLES):
         before = paper.demanded, turning(paper)
@@ -350,14 +350,14 @@ def settled(paper: Paper, command: Any, **facts: Any) -> Decision[Any]:
     raise AssertionError(f"it never settles: {events}, with {speeds}")
 
 
-def turning(paper: Paper) -> list[float]:
+def turning(paper: FakeDriver) -> list[float]:
     return [axis.velocity for axis in paper.axes.values()]
 
 
 def test_a_stop_brings_every_axis_to_rest(name: str) -> None:
     robot = find(name)
     for command in full_motions(robot_type_of(robot), robot):
-        paper = Paper(robot)
+        paper = FakeDriver(robot)
         settled(paper, command)
         decision = settled(paper, command, emergency_stopped=True)
         assert decision.stopped == frozenset(paper.kind.groups)

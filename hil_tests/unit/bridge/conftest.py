@@ -11,7 +11,7 @@ from firmware_bridge.bridge import Bridge
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from hil_tests.unit.bridge.bench import Bench, Moments, sound
-from hil_tests.unit.bridge.paper_drive import PaperDrive
+from hil_tests.unit.bridge.fake_drive import FakeDrive
 
 
 def joined() -> Bench:
@@ -21,7 +21,7 @@ def joined() -> Bench:
 def joined_with(bridge: Bridge) -> Bench:
     """Join a bridge of the test's own to four drives and a station."""
     robot = robot_types.find("rars")
-    return Bench(robot, bridge, {axis.name: PaperDrive(axis) for axis in robot.axes})
+    return Bench(robot, bridge, {axis.name: FakeDrive(axis) for axis in robot.axes})
 
 
 @pytest.fixture

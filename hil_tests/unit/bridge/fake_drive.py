@@ -31,7 +31,7 @@ STEPS = {
 }
 
 
-class PaperDrive:
+class FakeDrive:
     """SDO, NMT, states and PDOs by the EPOS2's documents, in few lines; it obeys at once.
 
     Written apart from the emulator: the bridge must agree with the documents, not with our other half.
@@ -81,7 +81,7 @@ class PaperDrive:
 
     def boots(self) -> list[Packet]:
         """Lose everything; return what the drive then sends."""
-        fresh = PaperDrive(self.axis)
+        fresh = FakeDrive(self.axis)
         self.memory, self.state, self.nmt = fresh.memory, fresh.state, fresh.nmt
         self.rpm, self.position, self._word = 0, 0.0, 0
         self.referenced = self.attained = False

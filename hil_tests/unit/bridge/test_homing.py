@@ -27,7 +27,7 @@ from hil_tests.unit.bridge.bench import (
     Moments,
     sound,
 )
-from hil_tests.unit.bridge.paper_drive import ACTUAL_POSITION, PaperDrive
+from hil_tests.unit.bridge.fake_drive import ACTUAL_POSITION, FakeDrive
 
 NAN: Final = float("nan")
 ROBOT: Final = homed(FILE, STEERS)
@@ -65,7 +65,7 @@ FRAMES: Final = (
 )
 
 
-class Seeking(PaperDrive):
+class Seeking(FakeDrive):
     """Homes by any method: goes down with the speed of 0x6099:1 for some time, and is there."""
 
     def __init__(self, axis: Axis) -> None:

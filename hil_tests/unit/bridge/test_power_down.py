@@ -11,7 +11,7 @@ from firmware_bridge.bridge.power_down import PowerDown as Down
 from firmware_bridge.bridge.power_down import PowerDownStage as Stage
 from firmware_bridge.drivers.driver import Power, Reports, Stop, Task
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
-from hil_tests.unit.pipeline.cart import PaperCart, cart
+from hil_tests.unit.pipeline.cart import FakeCart, cart
 
 if TYPE_CHECKING:
     from firmware_bridge.packet import Packet
@@ -38,7 +38,7 @@ class Standing:
     """A cart at rest, whose brush holds by itself."""
 
     def __init__(self, change: Callable[[dict[str, Any]], None] = held_brush) -> None:
-        self.cart = PaperCart(cart(change))
+        self.cart = FakeCart(cart(change))
         self.sent: list[Packet] = []
         self.power_down = Down(self.cart.robot, self.cart.fleets, self.sent)
         self.now = START

@@ -12,7 +12,7 @@ from firmware_bridge.bridge.stops import RESTS, SLOWED, Stops
 from firmware_bridge.drivers.driver import Demand, Power, Speed, Stop, Task
 from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
-from hil_tests.unit.pipeline.cart import WHEELS, PaperCart
+from hil_tests.unit.pipeline.cart import WHEELS, FakeCart
 
 START: Final[Nanoseconds] = 10 * SECOND
 SILENT: Final = 250 * MILLISECOND
@@ -34,7 +34,7 @@ class Watched:
     """The left wheel of the cart, with a stop requested."""
 
     def __init__(self, speed: float = 5.0) -> None:
-        cart = PaperCart()
+        cart = FakeCart()
         self.fleets = cart.fleets
         self.links = cart.links
         self.driver = cart.drivers["left"]

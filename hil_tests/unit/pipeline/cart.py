@@ -211,7 +211,7 @@ def cart(change: Callable[[dict[str, Any]], None] = lambda _table: None) -> Robo
     return robot_of(table, "cart.toml", Sizes, ROBOT_TYPE.groups)
 
 
-class PaperDriver:
+class FakeDriver:
     """A `firmware_bridge.drivers.driver.Driver` that executes each command at once, and keeps it."""
 
     reports = frozenset(Reports)
@@ -264,7 +264,7 @@ class PaperDriver:
         self.feedback = replace(self.feedback, received_at=now, sampled_at=now, position=position)
 
 
-class PaperLink:
+class FakeLink:
     """A `firmware_bridge.drivers.fleet.DeviceLink` that carries nothing, and may be lost."""
 
     answers_within: Nanoseconds = 10 * MILLISECOND
@@ -300,13 +300,13 @@ class PaperLink:
         return ()
 
 
-class PaperCart:
+class FakeCart:
     """The pipeline of a cart above paper devices, cycle by cycle, and a station in the test's hand."""
 
     def __init__(self, robot: Robot[Sizes] | None = None) -> None:
         self.robot: Final = robot or cart()
-        self.links: Final = {name: PaperLink(name) for name in self.robot.links}
-        self.drivers: Final = {axis.name: PaperDriver(axis) for axis in self.robot.axes}
+        self.links: Final = {name: FakeLink(name) for name in self.robot.links}
+        self.drivers: Final = {axis.name: FakeDriver(axis) for axis in self.robot.axes}
         self.fleets: Final = Fleets(
             tuple(
                 Fleet(self.links[name], table, [self.drivers[axis.name] for axis in self.robot.axes_on(name)])

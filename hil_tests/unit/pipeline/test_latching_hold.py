@@ -2,12 +2,12 @@
 
 from firmware_bridge.drivers.driver import Speed, Stop
 from firmware_bridge.intent import Arm, ClearEmergencyStop
-from hil_tests.unit.pipeline.cart import RACES, PaperCart
+from hil_tests.unit.pipeline.cart import RACES, FakeCart
 
 
-def racing() -> PaperCart:
+def racing() -> FakeCart:
     """A cart whose brush has just turned too fast; the hand lets go of the stick then."""
-    cart = PaperCart()
+    cart = FakeCart()
     cart.arms()
     cart.brush = 0.9
     cart.runs(2)
@@ -16,7 +16,7 @@ def racing() -> PaperCart:
 
 
 def test_below_its_threshold_nothing_latches() -> None:
-    cart = PaperCart()
+    cart = FakeCart()
     cart.arms()
     cart.brush = 0.8
     cart.runs(5)

@@ -4,20 +4,20 @@ import pytest
 
 from firmware_bridge.drivers.driver import Power, Speed, Stop
 from firmware_bridge.intent import Arm, ChangeDriver, ClearEmergencyStop, Disarm, EnterMode, Follow
-from hil_tests.unit.pipeline.cart import GUIDED_MPS, RADIUS_M, PaperCart
+from hil_tests.unit.pipeline.cart import GUIDED_MPS, RADIUS_M, FakeCart
 
 GUIDED = Speed(GUIDED_MPS / RADIUS_M)
 
 
-def off(cart: PaperCart, axis: str, power: Power = Power.OFF) -> None:
+def off(cart: FakeCart, axis: str, power: Power = Power.OFF) -> None:
     """Let a drive lose its power, or get it back."""
     driver = cart.drivers[axis]
     driver.feedback = type(driver.feedback)(axis, power, cart.now, cart.now)
 
 
-def brushless() -> PaperCart:
+def brushless() -> FakeCart:
     """A cart whose brush has failed, in the mode that does without it."""
-    cart = PaperCart()
+    cart = FakeCart()
     cart.runs(10)
     assert cart.requests(EnterMode("brushless")).accepted
     off(cart, "brush")
@@ -25,9 +25,9 @@ def brushless() -> PaperCart:
     return cart
 
 
-def guided() -> PaperCart:
+def guided() -> FakeCart:
     """A cart that goes its path follower's way."""
-    cart = PaperCart()
+    cart = FakeCart()
     cart.arms()
     assert cart.requests(Follow("ahead")).accepted
     cart.runs(20)
@@ -36,7 +36,7 @@ def guided() -> PaperCart:
 
 
 def test_an_armed_robot_changes_no_mode() -> None:
-    cart = PaperCart()
+    cart = FakeCart()
     cart.arms()
     verdict = cart.requests(EnterMode("brushless"))
     assert (verdict.accepted, verdict.temporary) == (False, True)
@@ -46,14 +46,14 @@ def test_an_armed_robot_changes_no_mode() -> None:
 
 
 def test_a_robot_that_moves_changes_no_mode_armed_or_not() -> None:
-    cart = PaperCart()
+    cart = FakeCart()
     cart.runs(10)
     cart.drivers["left"].command(Speed(5.0))
     assert cart.requests(EnterMode("brushless")).reason == "mode: stop and disarm first"
 
 
 def test_an_unknown_mode_is_answered_with_those_that_there_are() -> None:
-    cart = PaperCart()
+    cart = FakeCart()
     verdict = cart.requests(EnterMode("wheelless"))
     assert (verdict.accepted, verdict.temporary) == (False, False)
     assert verdict.reason == "mode: this robot has no 'wheelless'; it has brushless"
@@ -78,7 +78,7 @@ def test_what_is_wrong_with_it_holds_nothing_back_in_that_mode() -> None:
 
 
 def test_while_it_has_power_the_robot_is_held_by_a_row_of_its_own() -> None:
-    cart = PaperCart()
+    cart = FakeCart()
     cart.runs(10)
     cart.requests(EnterMode("brushless"))
     cart.runs(10)
@@ -102,7 +102,7 @@ def test_one_that_sends_nothing_any_more_is_waited_for_as_long_as_its_link_allow
     cycles: int, *, held: bool
 ) -> None:
     """250 ms: by then it has received that its power goes off, or its own watch has stopped it."""
-    cart = PaperCart()
+    cart = FakeCart()
     cart.runs(10)
     cart.requests(EnterMode("brushless"))
     cart.runs()
@@ -144,7 +144,7 @@ def test_a_guide_makes_the_commands() -> None:
 
 
 def test_an_unknown_guide_is_answered_with_those_that_there_are() -> None:
-    verdict = PaperCart().requests(Follow("astray"))
+    verdict = FakeCart().requests(Follow("astray"))
     assert (verdict.accepted, verdict.reason) == (
         False,
         "path follower: this robot has no 'astray'; it has ahead",
@@ -194,7 +194,7 @@ def test_a_guide_ends_when_another_operator_drives() -> None:
 
 
 def test_a_guide_is_refused_by_a_robot_that_is_not_armed() -> None:
-    cart = PaperCart()
+    cart = FakeCart()
     cart.runs(10)
     verdict = cart.requests(Follow("ahead"))
     assert (verdict.accepted, verdict.reason) == (False, "path follower: arm the robot first")

@@ -5,12 +5,12 @@ import pytest
 from firmware_bridge.drivers.driver import BRING_UP
 from firmware_bridge.intent import Arm, Disarm
 from firmware_bridge.units import SECOND
-from hil_tests.unit.pipeline.cart import ARM, PaperCart
+from hil_tests.unit.pipeline.cart import ARM, FakeCart
 
 
 def test_a_device_that_fell_silent_is_set_up_again_whatever_it_stated_last() -> None:
     """Its last word was that it has power, and it stands."""
-    cart = PaperCart()
+    cart = FakeCart()
     cart.runs(10)
     cart.silent = {"left"}
     cart.runs(cart.robot.silent_after["left"] // cart.robot.cycle)
@@ -23,7 +23,7 @@ def test_a_device_that_fell_silent_is_set_up_again_whatever_it_stated_last() -> 
 
 def test_controls_that_were_deflected_from_the_start_are_let_go_where_a_cycle_sees_it() -> None:
     """Let go for one message, in which it is armed, and deflected again before the bridge has looked."""
-    cart = PaperCart()
+    cart = FakeCart()
     cart.ahead = 0.5
     cart.runs(10)
     cart.ahead = 0.0
@@ -41,8 +41,8 @@ def test_controls_that_were_deflected_from_the_start_are_let_go_where_a_cycle_se
     assert cart.pipeline.seen.demanded.ahead > 0.0
 
 
-def after_a_silence() -> PaperCart:
-    cart = PaperCart()
+def after_a_silence() -> FakeCart:
+    cart = FakeCart()
     cart.arms()
     cart.talks = False
     cart.runs(20)
@@ -65,7 +65,7 @@ def test_who_lets_go_after_a_silence_has_let_go_however_soon_he_goes_on(
 
 
 def test_who_let_go_before_the_silence_was_seen_has_not() -> None:
-    cart = PaperCart()
+    cart = FakeCart()
     cart.arms()
     cart.speaks()  # the last message that is received
     cart.talks = False
@@ -87,7 +87,7 @@ def test_arming_is_refused_where_the_next_cycle_would_disarm() -> None:
 
 
 def test_a_bridge_that_has_just_stood_still_is_not_armed() -> None:
-    cart = PaperCart()
+    cart = FakeCart()
     cart.runs(10)
     cart.now += SECOND
     cart.speaks()  # packets that waited in the port come first

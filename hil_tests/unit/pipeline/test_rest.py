@@ -12,14 +12,14 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot_types import find, robot_type_of
 from firmware_bridge.safety.snapshot import Facts, Snapshot
 from firmware_bridge.units import SECOND
-from hil_tests.unit.pipeline.cart import PaperCart
+from hil_tests.unit.pipeline.cart import FakeCart
 
 BOUND: Final = 12.0 * (1.0 / 80.0)
 """rad/s: an 80th of the wheels' top speed."""
 SPINS: Final = ((BOUND, -BOUND), (-BOUND, BOUND), (BOUND, 0.0), (0.0, -BOUND), (5.0, -5.0))
 
 
-def spin(cart: PaperCart, left: float, right: float) -> None:
+def spin(cart: FakeCart, left: float, right: float) -> None:
     """Let the wheels be seen to turn with these speeds."""
     for name, speed in (("left", left), ("right", right)):
         driver = cart.drivers[name]
@@ -28,7 +28,7 @@ def spin(cart: PaperCart, left: float, right: float) -> None:
 
 @pytest.mark.parametrize(("left", "right"), SPINS)
 def test_it_is_not_armed_cleared_or_changed_and_comes_to_rest_disarmed(left: float, right: float) -> None:
-    cart = PaperCart()
+    cart = FakeCart()
     cart.runs(10)
     spin(cart, left, right)
     assert cart.requests(Arm()).reason == "arm: the robot still moves"
@@ -45,7 +45,7 @@ def test_it_is_not_armed_cleared_or_changed_and_comes_to_rest_disarmed(left: flo
 
 @pytest.mark.parametrize(("left", "right"), SPINS)
 def test_its_orderly_end_waits_for_each_wheel(left: float, right: float) -> None:
-    cart = PaperCart()
+    cart = FakeCart()
     cart.arms()
     spin(cart, left, right)
     assert not cart.pipeline.come_to_rest(cart.now)[1]
@@ -54,7 +54,7 @@ def test_its_orderly_end_waits_for_each_wheel(left: float, right: float) -> None
 
 
 def test_without_its_brush_it_rests_as_before() -> None:
-    cart = PaperCart()
+    cart = FakeCart()
     cart.runs(10)
     assert cart.requests(EnterMode("brushless")).accepted
     spin(cart, BOUND, -BOUND)
@@ -66,7 +66,7 @@ def test_without_its_brush_it_rests_as_before() -> None:
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_an_axis_that_moves_by_itself_is_not_given_its_position(sign: float) -> None:
     """The robot rests, whatever its brush does; the brush does not."""
-    cart = PaperCart()
+    cart = FakeCart()
     cart.runs(10)
     driver = cart.drivers["brush"]
     bound = driver.axis.standstill_below

@@ -5,7 +5,7 @@ from typing import Final
 import pytest
 
 from firmware_bridge.units import MILLISECOND, SECOND
-from hil_tests.unit.pipeline.cart import PaperCart
+from hil_tests.unit.pipeline.cart import FakeCart
 
 LIMIT: Final = 500 * MILLISECOND
 
@@ -13,7 +13,7 @@ LIMIT: Final = 500 * MILLISECOND
 @pytest.mark.parametrize(("gap", "armed"), [(LIMIT - 1, True), (LIMIT, False), (3 * SECOND, False)])
 def test_it_moves_nothing_until_it_is_armed_again(gap: int, *, armed: bool) -> None:
     """All else is well: axes and operator are received as ever when it goes on."""
-    cart = PaperCart()
+    cart = FakeCart()
     cart.arms()
     cart.ahead = 0.3
     cart.runs(20)

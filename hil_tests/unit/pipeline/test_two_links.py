@@ -6,7 +6,7 @@ import pytest
 
 from firmware_bridge.drivers.driver import Power, Speed, Stop
 from firmware_bridge.intent import Arm, Disarm, EmergencyStop
-from hil_tests.unit.pipeline.cart import TOOL, PaperCart, cart
+from hil_tests.unit.pipeline.cart import TOOL, FakeCart, cart
 
 
 def every_second(table: dict[str, Any]) -> None:
@@ -17,9 +17,9 @@ def stops_itself(table: dict[str, Any]) -> None:
     table["links"][TOOL]["stops"] = ["tool"]
 
 
-def sweeping(change: Any = lambda _table: None) -> PaperCart:
+def sweeping(change: Any = lambda _table: None) -> FakeCart:
     """A cart that drives and brushes."""
-    bench = PaperCart(cart(change))
+    bench = FakeCart(cart(change))
     bench.arms()
     bench.ahead = bench.brush = 0.5
     bench.runs(20)

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 from firmware_bridge.drivers.driver import Power, Speed, Stop, Task
 from firmware_bridge.intent import Arm, EmergencyStop
-from hil_tests.unit.pipeline.cart import PaperCart
+from hil_tests.unit.pipeline.cart import FakeCart
 
 
-def frozen() -> PaperCart:
+def frozen() -> FakeCart:
     """Return a cart that drives, and whose left wheel shows the same position for half a second."""
-    cart = PaperCart()
+    cart = FakeCart()
     cart.arms()
     cart.ahead = 0.3
     cart.runs(20)
