@@ -11,7 +11,7 @@ from emulators.wires.usb import ChunkWire
 from firmware_bridge.drivers.ar2.board import Ar2Board
 from firmware_bridge.drivers.epos2.serial.line import MaxonLine
 from firmware_bridge.drivers.epos2.serial.link import SerialLink
-from firmware_bridge.drivers.fleet import DeviceLink
+from firmware_bridge.drivers.link_drivers import DeviceLink
 from firmware_bridge.drivers.shield.board import Board
 from firmware_bridge.node import Node
 from firmware_bridge.robot import AnyRobot

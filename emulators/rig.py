@@ -191,10 +191,10 @@ class Rig:
     def _lines(self) -> Node:
         """Put the bridge behind its serial lines; return what is on the wires for it."""
         node: Node = self.guard
-        for fleet in self.bridge.fleets.all:
-            line = line_of(self.robot, node, fleet.link, BRIDGE, self.lines.get(fleet.name))
+        for link_drivers in self.bridge.all_drivers.all:
+            line = line_of(self.robot, node, link_drivers.link, BRIDGE, self.lines.get(link_drivers.name))
             if line is not None:
-                self.lines[fleet.name] = line
+                self.lines[link_drivers.name] = line
                 node = line.adapter
         return node
 

@@ -52,7 +52,8 @@ class RobotMode(Generic[G, M, S]):
 
     def __post_init__(self) -> None:
         # The class is frozen, so that this is the way to change a field while it is made.
-        object.__setattr__(self, "body", renamed.makes(self.body, "asked", "requested"))
+        made = renamed.makes(renamed.makes(self.body, "asked", "requested"), "demands", "set_points")
+        object.__setattr__(self, "body", made)
 
 
 @renamed.arguments(guides="path_followers")
@@ -103,7 +104,8 @@ class RobotType(Generic[G, M, S]):
     def __post_init__(self) -> None:
         followers = {name: renamed.makes(it, "wished", "command") for name, it in self.path_followers.items()}
         object.__setattr__(self, "path_followers", followers)
-        object.__setattr__(self, "body", renamed.makes(self.body, "asked", "requested"))
+        made = renamed.makes(renamed.makes(self.body, "asked", "requested"), "demands", "set_points")
+        object.__setattr__(self, "body", made)
 
     def rules(self, robot: Robot[G]) -> dict[str, Rules]:
         """Return what the gate judges by in each mode; the whole robot's is the empty name's."""

@@ -11,8 +11,8 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, Final, Protocol
 
+from firmware_bridge.drivers.all_drivers import reports_of
 from firmware_bridge.drivers.driver import Position, Speed
-from firmware_bridge.drivers.fleets import reports_of
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
 from firmware_bridge.robot.file import robot_of, schema, table_of, text_of
 from firmware_bridge.robot.problems import near
@@ -40,7 +40,7 @@ SUM_WIDEST: Final = 1.3
 SUM_OFFERED: Final = 1.01
 """Above the limit, for rounding."""
 ROUNDING: Final = 1e-9
-"""Share of a bound by which a demand may pass it: the last bits of its arithmetic."""
+"""Share of a bound by which a set-point may pass it: the last bits of its arithmetic."""
 
 
 class _Named(Protocol):
@@ -308,8 +308,8 @@ def _limit_of(robot: AnyRobot, kind: AnyRobotType, of: Mapping[str, float], most
 
 def _summed(body: KinematicModel[Any, Any], of: Mapping[str, float], motion: object, state: object) -> float:
     """Return a sum of axis speeds for a motion; 0 where they are not commanded together."""
-    demands = body.demands(motion, state)
-    speeds = {name: demand.value for name, demand in demands.items() if isinstance(demand, Speed)}
+    set_points = body.set_points(motion, state)
+    speeds = {name: set_point.value for name, set_point in set_points.items() if isinstance(set_point, Speed)}
     return (
         abs(sum(factor * speeds[name] for name, factor in of.items())) if speeds.keys() >= of.keys() else 0.0
     )
@@ -320,12 +320,12 @@ def _most_requested(robot: AnyRobot, kind: AnyRobotType) -> dict[tuple[str, str]
     body = kind.body(robot)
     most: dict[tuple[str, str], float] = {}
     for motion, state in kind.reach(robot):
-        for name, demand in body.demands(motion, state).items():
+        for name, set_point in body.set_points(motion, state).items():
             requested: Iterable[tuple[str, float]] = ()
-            if isinstance(demand, Speed):
-                requested = (("speed", abs(demand.value)),)
-            elif isinstance(demand, Position):
-                requested = (("low", -demand.value), ("high", demand.value))
+            if isinstance(set_point, Speed):
+                requested = (("speed", abs(set_point.value)),)
+            elif isinstance(set_point, Position):
+                requested = (("low", -set_point.value), ("high", set_point.value))
             for what, value in requested:
                 # Written so that NaN takes the place of any number, and stays.
                 if not value <= most.get((name, what), -math.inf):

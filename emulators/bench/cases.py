@@ -15,7 +15,7 @@ M = TypeVar("M")
 S = TypeVar("S")
 
 
-@renamed.arguments(wish="command")
+@renamed.arguments(demanded="commanded", wish="command")
 @dataclass(frozen=True, kw_only=True)
 class Situation(Generic[M, S]):
     """Differences from a robot that is well, armed and at standstill."""
@@ -24,7 +24,7 @@ class Situation(Generic[M, S]):
     """The operator's command; None: standstill."""
     body: S | None = None
     """The known state of the kinematic model; None: that of axes at their zero."""
-    demanded: M | None = None
+    commanded: M | None = None
     """The bridge's present set-point; None: for standstill."""
     located: Located | None = None
     """Quality of its localization by cameras; None: there are none."""

@@ -60,17 +60,17 @@ def remarks(robot: AnyRobot) -> Mapping[str, str]:
     }
 
 
-def _demanded_speed(seen: Snapshot[Any, Any]) -> float:
-    return float(seen.demanded.speed_mps)
+def _commanded_speed(seen: Snapshot[Any, Any]) -> float:
+    return float(seen.commanded.speed_mps)
 
 
-def _demanded_turn(seen: Snapshot[Any, Any]) -> float:
-    return float(seen.demanded.turn_rad_s)
+def _commanded_turn(seen: Snapshot[Any, Any]) -> float:
+    return float(seen.commanded.turn_rad_s)
 
 
 DEMANDED: Final = (
-    Column("demanded_speed_mps", "the bridge's set-points of the wheels", "m/s", seen=_demanded_speed),
-    Column("demanded_turn_rad_s", "the bridge's set-points of the wheels", "rad/s", seen=_demanded_turn),
+    Column("demanded_speed_mps", "the bridge's set-points of the wheels", "m/s", seen=_commanded_speed),
+    Column("demanded_turn_rad_s", "the bridge's set-points of the wheels", "rad/s", seen=_commanded_turn),
 )
 SPEED_PANEL: Final = Panel(
     "Forward speed",
@@ -138,7 +138,7 @@ def _limited(row: str, within: M, beyond: M, bound: tuple[float, str]) -> Case[M
     allowed = value / JUST if row == "sideways limit" else value
     return Case(
         row,
-        trips=Situation(command=beyond, demanded=within),
-        spares=Situation(command=within, demanded=within),
+        trips=Situation(command=beyond, commanded=within),
+        spares=Situation(command=within, commanded=within),
         reason=f"requested {requested:.2f} {unit}, allowed is {allowed:.2f} {unit}",
     )

@@ -116,7 +116,7 @@ def emulate_board(machine: "AnyRobot", given: RobotOptions) -> None:
     from emulators.servo.bank import ServoError
     from firmware_bridge.cli.real_time import carry
     from firmware_bridge.dissector import kinds_of
-    from firmware_bridge.drivers.shield.fleet import over_protocol
+    from firmware_bridge.drivers.shield.link_drivers import over_protocol
     from firmware_bridge.robot import RobotFileError
     from firmware_bridge.shell.clock import LivedClock
     from firmware_bridge.shell.ports import PortError

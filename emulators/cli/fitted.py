@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Protocol
 
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.drivers.shield.fleet import measured, over_protocol
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.drivers.shield.link_drivers import measured, over_protocol
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.path_file import Point, along_path
 from firmware_bridge.wire.maxon.frame import Generation

@@ -5,8 +5,8 @@ from typing import Final
 
 from emulators.bench.faults.failures import Failure
 from emulators.fmea.effect import Effect
+from firmware_bridge.drivers.all_drivers import reports_of
 from firmware_bridge.drivers.driver import Reports
-from firmware_bridge.drivers.fleets import reports_of
 from firmware_bridge.robot import AnyRobot
 
 ALONE: Final = frozenset({"bridge_ends"})

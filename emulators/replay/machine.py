@@ -62,12 +62,12 @@ def machine_of(order: ReplayOrder, *, timed: bool) -> Machine:
         bridge.offer(LastPlaces(order.recording / RECORDED).read())
     node: Node = guarded(bridge, robot)
     lanes = {name: _untimed(name, kind) for name, kind in kinds_of(robot).items() if kind != CAN}
-    for fleet in bridge.fleets.all:
-        line = line_of(robot, node, fleet.link, BRIDGE)
+    for link_drivers in bridge.all_drivers.all:
+        line = line_of(robot, node, link_drivers.link, BRIDGE)
         if line is not None:
             node = line.adapter
             if timed:
-                lanes[fleet.name] = _as_it_was(lanes[fleet.name].kind, line)
+                lanes[link_drivers.name] = _as_it_was(lanes[link_drivers.name].kind, line)
     for name, link in robot.epos2_links.items():
         if name not in lanes:
             # A frame in the folder of a real run has its departure, not its arrival.

@@ -12,13 +12,13 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import Final
 
+from firmware_bridge.bridge.all_drivers import AllDrivers
 from firmware_bridge.bridge.confirmed_at_start import ConfirmedAtStart
-from firmware_bridge.bridge.fleets import Fleets
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.pipeline import Pipeline
 from firmware_bridge.bridge.stops import AxisStop
+from firmware_bridge.drivers.all_drivers import all_drivers_of
 from firmware_bridge.drivers.driver import BRING_UP, Stop, Task
-from firmware_bridge.drivers.fleets import fleets_of
 from firmware_bridge.intent import Answer, ConfirmZero, Disarm, EmergencyStop, Request
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
@@ -79,7 +79,7 @@ class Bridge:
         self._outbox: list[Packet] = []
         self._idle = Reaction()
         """The newest reaction that sent nothing; most are the same."""
-        self._fleets: Final = Fleets(fleets_of(robot))
+        self._all_drivers: Final = AllDrivers(all_drivers_of(robot))
         rules = kind.rules(robot)
         self._operator: Operator = Operator(
             robot,
@@ -90,12 +90,12 @@ class Bridge:
             path_followers=tuple(kind.path_followers),
             trust=trust,
         )
-        self._permission: Permission = Permission(robot, rules, self._fleets, self._outbox, mode)
+        self._permission: Permission = Permission(robot, rules, self._all_drivers, self._outbox, mode)
         self._pipeline: Pipeline = Pipeline(
             robot,
             kind,
             rules=rules,
-            fleets=self._fleets,
+            all_drivers=self._all_drivers,
             operator=self._operator,
             permission=self._permission,
         )
@@ -137,13 +137,13 @@ class Bridge:
     @property
     def unconfirmed(self) -> tuple[str, ...]:
         """The axes, as text, whose devices did not confirm at the end that they are without power."""
-        drivers = [driver for driver in self._fleets.drivers if driver.axis.name in (self._left or ())]
+        drivers = [driver for driver in self._all_drivers.drivers if driver.axis.name in (self._left or ())]
         return tuple(driver.axis.called for driver in drivers if not driver.unpowered)
 
     @property
-    def fleets(self) -> Fleets:
+    def all_drivers(self) -> AllDrivers:
         """The ways to the devices."""
-        return self._fleets
+        return self._all_drivers
 
     @property
     def stops(self) -> Mapping[str, AxisStop]:
@@ -179,7 +179,7 @@ class Bridge:
         if self.phase is Phase.FINISHED:
             return self._reaction(now)
         if packet.link != OPERATOR:
-            self._outbox += self._fleets.receive(packet, now) or ()
+            self._outbox += self._all_drivers.receive(packet, now) or ()
         else:
             self._receive_operator(packet, now)
         return self._reaction(now)
@@ -189,9 +189,9 @@ class Bridge:
         if self.phase is not Phase.FINISHED:
             if self._cycle_at is None:
                 self._cycle_at = self._began_at = now
-                self._listens_until = now + self._fleets.listens_for
-                self._fleets.begin_beats(self._listens_until)
-            self._outbox += self._fleets.wake(now)
+                self._listens_until = now + self._all_drivers.listens_for
+                self._all_drivers.begin_beats(self._listens_until)
+            self._outbox += self._all_drivers.wake(now)
             self._keep_time(now, self._cycle_at)
         return self._reaction(now)
 
@@ -224,10 +224,10 @@ class Bridge:
             self._cycle_at = cycle_at + ((now - cycle_at) // self._cycle + 1) * self._cycle
             self._begin_cycle(now)
         if not self._refused(now):
-            self._outbox += self._fleets.beat(now)
+            self._outbox += self._all_drivers.beat(now)
         if now >= self._release_at:
             self._release_at = NEVER
-            self._outbox += self._fleets.release()
+            self._outbox += self._all_drivers.release()
         late = now >= self._collect_until
         if late:
             self._collect_until = NEVER
@@ -237,12 +237,12 @@ class Bridge:
     def _begin_cycle(self, now: Nanoseconds) -> None:
         if self._task in (Task.START, Task.ENABLE):
             self._synchronized_at = now
-            self._outbox += self._fleets.sample(self._cycles, now)
+            self._outbox += self._all_drivers.sample(self._cycles, now)
         self._cycles += 1
         if self.phase is Phase.RUNNING:
-            self._collect_until = now + self._fleets.answers_within()
+            self._collect_until = now + self._all_drivers.answers_within()
             self._release_at = now + self._cycle // 2
-            self._outbox += self._fleets.measure(now)
+            self._outbox += self._all_drivers.measure(now)
             if self._permission.homing.under_way:
                 self._confirmed.wait()
             else:
@@ -259,9 +259,9 @@ class Bridge:
     def _reaction(self, now: Nanoseconds) -> Reaction:
         """Carry on what the newest packet or instant made possible, and hand out what is to be sent."""
         listened = self._cycle_at is not None and now >= self._listens_until
-        if self.phase is Phase.STARTING and listened and not self._fleets.busy:
+        if self.phase is Phase.STARTING and listened and not self._all_drivers.busy:
             self._start_up(now)
-        elif self._collect_until != NEVER and self._fleets.sampled(self._synchronized_at):
+        elif self._collect_until != NEVER and self._all_drivers.sampled(self._synchronized_at):
             self._collect_until = NEVER
             self._run(now)
         elif self.phase is Phase.LEAVING and self._left is None:
@@ -283,20 +283,20 @@ class Bridge:
         first = min(self._cycle_at, self._collect_until)
         first = min(first, self._release_at)
         first = min(first, self._gate_deadline())
-        return min(first, self._fleets.wake_at)
+        return min(first, self._all_drivers.wake_at)
 
     def _gate_deadline(self) -> Nanoseconds:
         return self._pipeline.gate_deadline if self.phase is Phase.RUNNING else NEVER
 
     def _run(self, now: Nanoseconds) -> None:
         """Run the pipeline once, for the samples of this cycle or at a deadline in between."""
-        demanded, reported = self._pipeline.run(now)
-        self._outbox += demanded
+        commanded, reported = self._pipeline.run(now)
+        self._outbox += commanded
         self._outbox += reported
 
     def _start_up(self, now: Nanoseconds) -> None:
         """Take all drives to the next task; where one failed, switch all of them off and say so."""
-        failures = self._fleets.failures
+        failures = self._all_drivers.failures
         if self._refused(now):
             return
         if failures:
@@ -305,22 +305,22 @@ class Bridge:
             self._begin_to_leave(now)
         elif self._tasks and not (self._tasks[0] is Task.ENABLE and self._permission.forbids_power):
             self._task = self._tasks.popleft()
-            self._outbox += self._fleets.begin((self._task,), now, self._permission.rules.without)
+            self._outbox += self._all_drivers.begin((self._task,), now, self._permission.rules.without)
         else:
             self.phase = Phase.RUNNING
-            self._operator.note(self._fleets.remarks)
+            self._operator.note(self._all_drivers.remarks)
 
     def _refused(self, now: Nanoseconds) -> bool:
         """Return whether a second controller was received before anything was sent; it stays silent then."""
-        masters = self._fleets.masters(now) if self._task is None and self.phase is Phase.STARTING else {}
-        if masters:
+        starts = self._task is None and self.phase is Phase.STARTING
+        if starts and (masters := self._all_drivers.masters(now)):
             self.failure = "; ".join(f"link '{name}': {what}" for name, what in masters.items())
             self.phase = Phase.FAILED
         return self._task is None and self.phase is Phase.FAILED
 
     def _come_to_rest(self, now: Nanoseconds) -> None:
-        (demanded, rests), permission = self._pipeline.come_to_rest(now), self._permission
-        self._outbox += demanded
+        (commanded, rests), permission = self._pipeline.come_to_rest(now), self._permission
+        self._outbox += commanded
         if not self.holding:
             self._requested_at = NEVER
         elif self._requested_at == NEVER:
@@ -341,7 +341,7 @@ class Bridge:
         self._left, self._leave_until = None, now + LEFT_WITHIN
         self._permission.power_down.ordered(now)
         given_up = self._permission.stops.given_up
-        for driver in self._fleets.drivers:
+        for driver in self._all_drivers.drivers:
             if driver not in given_up:
                 self._outbox += driver.begin((Task.LEAVE,), now)
 
@@ -349,10 +349,10 @@ class Bridge:
         """Take the power from those that have not confirmed that it is off, until all steps were tried."""
         stops = self._permission.stops
         if self._left is None:
-            if self._fleets.busy and now < self._leave_until:
+            if self._all_drivers.busy and now < self._leave_until:
                 return
-            slow = [driver for driver in self._fleets.drivers if driver.busy]
-            failed = [driver for driver in self._fleets.drivers if driver.failure is not None]
+            slow = [driver for driver in self._all_drivers.drivers if driver.busy]
+            failed = [driver for driver in self._all_drivers.drivers if driver.failure is not None]
             self._left = {driver.axis.name for driver in (*slow, *failed, *stops.given_up)}
             for driver in slow:
                 self._outbox += driver.begin((), now)
@@ -370,12 +370,12 @@ class Bridge:
             self._run(now)
         elif self.phase is Phase.STARTING and self._task is Task.ENABLE and self._permission.forbids_power:
             # That ends the task, and the start-up goes on without it.
-            self._outbox += self._fleets.command_all(Stop.POWER_OFF)
+            self._outbox += self._all_drivers.command_all(Stop.POWER_OFF)
 
     def _decide(self, request: Request, now: Nanoseconds) -> Answer:
         stops = isinstance(request, EmergencyStop) or (isinstance(request, Disarm) and request.force)
         if isinstance(request, Disarm) and stops and self.phase in (Phase.FAILED, Phase.LEAVING):
-            # The drives are on their way there, and a demand would end it.
+            # The drives are on their way there, and a set-point would end it.
             return Answer(accepted=True, reason="disarmed by force: the power is being disabled already")
         if self.phase is Phase.RUNNING or stops:
             answer = self._pipeline.decide(request, now)
@@ -393,8 +393,8 @@ class Bridge:
         if self.phase is not Phase.STARTING:
             again = self._requested_at <= now < self._requested_at + SECOND_REQUEST_WITHIN
             return ActiveInterlock(ENDS.name, HELD if again else ENDING, ENDS, self._began_at)
-        waiting = [driver.axis.title for driver in self._fleets.drivers if driver.busy]
+        waiting = [driver.axis.title for driver in self._all_drivers.drivers if driver.busy]
         step = "" if self._task is None else f" ({self._task.value}: {', '.join(waiting)})"
-        hints = "".join(f"; {hint}" for hint in self._fleets.hints(now))
+        hints = "".join(f"; {hint}" for hint in self._all_drivers.hints(now))
         reason = f"the drives are being set up{step}{hints}"
         return ActiveInterlock(STARTING.name, reason, STARTING, self._began_at)

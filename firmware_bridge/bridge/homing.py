@@ -7,7 +7,7 @@ the choice of interlocks for an axis are not known here.
 from collections.abc import Mapping
 from typing import Final
 
-from firmware_bridge.drivers.driver import Demand, Driver, Homed
+from firmware_bridge.drivers.driver import Driver, Homed, SetPoint
 from firmware_bridge.intent import (
     NEVER_RECEIVED,
     ChangeDriver,
@@ -64,7 +64,7 @@ class HomingSequence:
         return () if self._driver is None else self.interlock_events
 
     @property
-    def demands(self) -> Mapping[str, Demand]:
+    def set_points(self) -> Mapping[str, SetPoint]:
         """The set-point of the axis whose homing may go on; empty without one."""
         return {} if self._driver is None else {self._driver.axis.name: Homed()}
 

@@ -7,7 +7,7 @@ motion.
 from collections.abc import Collection
 from typing import Final
 
-from firmware_bridge.bridge.fleets import Fleets
+from firmware_bridge.bridge.all_drivers import AllDrivers
 from firmware_bridge.bridge.homing import HomingSequence
 from firmware_bridge.bridge.power_down import HELD, PowerDown
 from firmware_bridge.bridge.stops import Stops
@@ -41,7 +41,7 @@ class Permission:
         self,
         robot: AnyRobot,
         rules: dict[str, Rules],
-        fleets: Fleets,
+        all_drivers: AllDrivers,
         outbox: list[Packet],
         mode: str = "",
     ) -> None:
@@ -50,15 +50,15 @@ class Permission:
         `mode`: the one that the robot is in from the start.
         """
         self._rules: Final = rules
-        self._fleets = fleets
+        self._all_drivers = all_drivers
         self.homing: Final = HomingSequence()
         """Homing of one axis now."""
         self._outbox = outbox
         self._silent_after = robot.silent_after
         self._final = False
-        self.stops: Final = Stops(robot, fleets)
+        self.stops: Final = Stops(robot, all_drivers)
         """Supervision of the axes' stops."""
-        self.power_down: Final = PowerDown(robot, fleets, outbox)
+        self.power_down: Final = PowerDown(robot, all_drivers, outbox)
         """Check of the robot's standstill before its power is disabled."""
         self.armed = False
         self.emergency_stopped = False
@@ -95,7 +95,7 @@ class Permission:
         return self.power_down.let_go or (self.powered_off and self._brakes_until == NEVER_RECEIVED)
 
     def ordered_off(self, now: Nanoseconds, *, rests: bool) -> Stop:
-        """Return what a forced disarm demands of all axes now: brake first, and no power from rest on."""
+        """Return a forced disarm's set-points for all axes: brake first, and no power from standstill on."""
         # After 3 s at the latest: the order must reach a robot that does not come to standstill, too.
         if rests or now >= self._brakes_until:
             self._brakes_until = NEVER_RECEIVED
@@ -111,7 +111,7 @@ class Permission:
         """End the start-ups that were requested: a stop was ordered. Not those by which a slope is held."""
         if self.power_down.under_way:
             return ()
-        waiting = [driver for driver in self._fleets.drivers if driver.busy and not driver.stopping]
+        waiting = [driver for driver in self._all_drivers.drivers if driver.busy and not driver.stopping]
         return tuple([packet for driver in waiting for packet in driver.begin((), now)])
 
     def part(self, events: tuple[ActiveInterlock, ...], clearing: Collection[str]) -> None:
@@ -215,10 +215,10 @@ class Permission:
     def _disarm_by_force(self, seen: AnySnapshot) -> Answer:
         now = seen.facts.now
         self.order_off(now)
-        # Its own demand may be above zero still: what was measured counts.
+        # Its own set-point may be above zero still: what was measured counts.
         stop = self.ordered_off(now, rests=self.rules.stands(seen))
         taken = {name for name, one in self.stops.of_axes.items() if one.ends_power}
-        self._outbox += self._fleets.command_all(stop, self.untrusted | self.rules.without | taken)
+        self._outbox += self._all_drivers.command_all(stop, self.untrusted | self.rules.without | taken)
         does = (
             "the drives are without power"
             if stop is Stop.POWER_OFF
@@ -271,7 +271,7 @@ class Permission:
 
     def _used(self) -> list[Driver]:
         without = self.rules.without
-        return [driver for driver in self._fleets.drivers if driver.axis.name not in without]
+        return [driver for driver in self._all_drivers.drivers if driver.axis.name not in without]
 
     def _awaken(self, asleep: list[Driver], now: Nanoseconds) -> Answer:
         """Begin to enable drives again; the operator arms again when they are."""

@@ -8,11 +8,11 @@ from collections.abc import Collection, Mapping
 from itertools import compress
 from typing import Any, Final
 
-from firmware_bridge.bridge.fleets import Fleets
+from firmware_bridge.bridge.all_drivers import AllDrivers
 from firmware_bridge.bridge.locating import Locating, on_floor
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.zeros import Zeros
-from firmware_bridge.drivers.driver import Demand, Feedback, Level, Stop
+from firmware_bridge.drivers.driver import Feedback, Level, SetPoint, Stop
 from firmware_bridge.intent import (
     NEVER_RECEIVED,
     Answer,
@@ -53,13 +53,13 @@ class Pipeline:
         kind: AnyRobotType,
         *,
         rules: Mapping[str, Rules],
-        fleets: Fleets,
+        all_drivers: AllDrivers,
         operator: Operator,
         permission: Permission,
     ) -> None:
         self._robot = robot
         self._kind = kind
-        self._fleets = fleets
+        self._all_drivers = all_drivers
         self._operator = operator
         self._permission = permission
         self._group_of: Final = {
@@ -68,16 +68,16 @@ class Pipeline:
             for axis in robot.axes
             if axis.role in roles
         }
-        reports = {driver.axis.name: driver.reports for driver in fleets.drivers}
+        reports = {driver.axis.name: driver.reports for driver in all_drivers.drivers}
         self._gate: Gate = Gate(robot, rules, reports)
         self._charge: Final = Charge(robot)
-        self._zeros: Final = Zeros(robot, kind.station.gauges, fleets)
+        self._zeros: Final = Zeros(robot, kind.station.gauges, all_drivers)
         self._followers: Final = Followers(robot)
         self._guide: AnyPathFollower | None = None
         """The path follower in the operator's place; None while the operator commands."""
         self._command: Any | None = None
         """The path follower's newest command."""
-        self._demanded: Any = kind.rest
+        self._commanded: Any = kind.rest
         self._locating: Final = Locating(robot, on_floor if kind.unrolled is None else kind.unrolled(robot))
         self._counted: Mapping[str, Feedback] | None = None
         """The samples up to which the pose has been carried on."""
@@ -107,9 +107,9 @@ class Pipeline:
             # A target of before the timeout must not start the robot when the link is back.
             self._operator.forget()
         self.gate_deadline = self._gate.next_deadline(known.facts)
-        self._demanded = rules.body.ramped(self._demanded, decision.allowed, known.body, elapsed)
+        self._commanded = rules.body.ramped(self._commanded, decision.allowed, known.body, elapsed)
         sent = self._stopped(
-            self._stop_requested(decision.stopped), self._demands(known), self._levels(decision), now
+            self._stop_requested(decision.stopped), self._set_points(known), self._levels(decision), now
         )
         self._advance(known.facts)
         self._keep(known, decision.interlock_events + self._permission.interlock_events)
@@ -127,21 +127,21 @@ class Pipeline:
             tuple([event for event in self._gate.rule(known).interlock_events if event.row.disables_power])
         )
         rules = self._permission.rules
-        rest = rules.body.rested(self._demanded, rules.groups)
-        self._demanded = rules.body.ramped(self._demanded, rest, known.body, self._elapsed(now))
-        rests = self._rests(known) and self._demand_rests(known)
-        demands = self._without_power(known, rests=rests) or self._demands_of_body(known)
-        sent = self._stopped(demands.keys() | self._group_of.keys(), demands, self._kind.on_stop, now)
+        rest = rules.body.rested(self._commanded, rules.groups)
+        self._commanded = rules.body.ramped(self._commanded, rest, known.body, self._elapsed(now))
+        rests = self._rests(known) and self._set_point_rests(known)
+        set_points = self._without_power(known, rests=rests) or self._set_points_of_body(known)
+        sent = self._stopped(set_points.keys() | self._group_of.keys(), set_points, self._kind.on_stop, now)
         self._keep(known, self._permission.interlock_events)
         return sent, rests or self._permission.powered_off
 
     def let_go(self, names: Collection[str], now: Nanoseconds) -> tuple[Packet, ...]:
         """Carry on to take the power from these axes, which have not confirmed that they have none."""
         off = dict.fromkeys(names, Stop.POWER_OFF)
-        sent, demands = self._permission.stops.watch(off, off, now)
-        for driver in self._fleets.drivers:
+        sent, set_points = self._permission.stops.watch(off, off, now)
+        for driver in self._all_drivers.drivers:
             if driver.axis.name in off:
-                sent += driver.command(demands[driver.axis.name])
+                sent += driver.command(set_points[driver.axis.name])
         return sent
 
     @property
@@ -186,8 +186,8 @@ class Pipeline:
 
     def known(self, now: Nanoseconds) -> AnySnapshot:
         """Return everything known now."""
-        fleets, permission, operator = self._fleets, self._permission, self._operator
-        axes, sensors = fleets.feedback, fleets.readings(now)
+        all_drivers, permission, operator = self._all_drivers, self._permission, self._operator
+        axes, sensors = all_drivers.feedback, all_drivers.readings(now)
         facts = Facts(
             now=now,
             armed=permission.armed,
@@ -197,8 +197,8 @@ class Pipeline:
             deflected=operator.intent.deflected,
             axes=axes,
             sensors=sensors,
-            links_lost=fleets.links_lost,
-            masters=fleets.masters(now),
+            links_lost=all_drivers.links_lost,
+            masters=all_drivers.masters(now),
             paused=permission.paused,
             neutral_required=permission.neutral_required,
             mode=permission.mode,
@@ -216,7 +216,7 @@ class Pipeline:
         return Snapshot(
             facts=facts,
             command=operator.intent.command if self._command is None else self._command,
-            demanded=self._demanded,
+            commanded=self._commanded,
             body=permission.rules.body.sensed(axes, sensors),
             pose=self._locating.pose,
             located=self._locating.located,
@@ -249,7 +249,7 @@ class Pipeline:
         return Snapshot(
             facts=known.facts,
             command=command,
-            demanded=known.demanded,
+            commanded=known.commanded,
             body=known.body,
             pose=known.pose,
             located=known.located,
@@ -273,7 +273,7 @@ class Pipeline:
 
     def _watch_homing(self, events: tuple[ActiveInterlock, ...], facts: Facts) -> None:
         homing = self._permission.homing
-        for axis in homing.demands:
+        for axis in homing.set_points:
             events = self._against(axis, events)
         homing.watch(events, facts)
 
@@ -281,13 +281,13 @@ class Pipeline:
         """Return the axes that are to stop, without those that the mode excludes."""
         permission = self._permission
         requested = (permission.powered_off or group in stopped for group in self._group_of.values())
-        moves = permission.homing.demands.keys()
+        moves = permission.homing.set_points.keys()
         return set(compress(self._group_of, requested)) - permission.rules.without - moves
 
     def _stopped(
         self,
         requested: Collection[str],
-        demands: Mapping[str, Demand],
+        set_points: Mapping[str, SetPoint],
         levels: Mapping[str, Level],
         now: Nanoseconds,
     ) -> tuple[Packet, ...]:
@@ -295,26 +295,26 @@ class Pipeline:
         stops = self._permission.stops
         escalated, changed = stops.watch(
             requested,
-            demands,
+            set_points,
             now,
             self._permission.rules.without,
             holding=self._permission.power_down.held,
         )
         self._permission.watch(stops.interlock_events)
-        sent = escalated + self._fleets.command(changed, levels, now)
-        self._followers.on_set_points(self._fleets.set_points, now)
+        sent = escalated + self._all_drivers.command(changed, levels, now)
+        self._followers.on_set_points(self._all_drivers.set_points, now)
         return sent
 
-    def _demands(self, known: AnySnapshot) -> Mapping[str, Demand]:
-        """Return each axis's demand, in the order of the body."""
+    def _set_points(self, known: AnySnapshot) -> Mapping[str, SetPoint]:
+        """Return each axis's set-point, in the order of the body."""
         permission = self._permission
         if permission.emergency_stopped or permission.powered_off:
-            rests = self._rests(known) and self._demand_rests(known)
-            return self._without_power(known, rests=rests) or self._demands_of_body(known)
+            rests = self._rests(known) and self._set_point_rests(known)
+            return self._without_power(known, rests=rests) or self._set_points_of_body(known)
         permission.power_down.not_requested(known.facts.now)
-        return self._demands_of_body(known)
+        return self._set_points_of_body(known)
 
-    def _without_power(self, known: AnySnapshot, *, rests: bool) -> Mapping[str, Demand]:
+    def _without_power(self, known: AnySnapshot, *, rests: bool) -> Mapping[str, SetPoint]:
         """Return the stop that disables all axes' power, or keeps it at standstill; none while they move."""
         permission, now = self._permission, known.facts.now
         if permission.powered_off:
@@ -325,15 +325,19 @@ class Pipeline:
         stop = permission.power_down.stop_for(rests=rests, now=now, without=without)
         return {} if stop is None else self._used(self._all(stop))
 
-    def _demands_of_body(self, known: AnySnapshot) -> Mapping[str, Demand]:
+    def _set_points_of_body(self, known: AnySnapshot) -> Mapping[str, SetPoint]:
         """Return what the body makes of what is demanded."""
-        return self._used(self._permission.rules.body.demands(self._demanded, known.body))
+        return self._used(self._permission.rules.body.set_points(self._commanded, known.body))
 
-    def _used(self, demands: Mapping[str, Demand]) -> Mapping[str, Demand]:
+    def _used(self, set_points: Mapping[str, SetPoint]) -> Mapping[str, SetPoint]:
         """Return the set-points; an axis that the mode excludes, or that is untrusted, has no power."""
         permission = self._permission
-        unused, homed = permission.rules.without | permission.untrusted, permission.homing.demands
-        return {**demands, **homed, **dict.fromkeys(unused, Stop.POWER_OFF)} if unused or homed else demands
+        unused, homed = permission.rules.without | permission.untrusted, permission.homing.set_points
+        return (
+            {**set_points, **homed, **dict.fromkeys(unused, Stop.POWER_OFF)}
+            if unused or homed
+            else set_points
+        )
 
     def _rests(self, known: AnySnapshot) -> bool:
         """Return whether the robot is at standstill; untrusted axes, whose power is off, are not judged."""
@@ -345,9 +349,9 @@ class Pipeline:
         believed = permission.rules.believed(known, permission.untrusted)
         return believed is not None and permission.rules.at_standstill(believed)
 
-    def _demand_rests(self, known: AnySnapshot) -> bool:
+    def _set_point_rests(self, known: AnySnapshot) -> bool:
         rules = self._permission.rules
-        return not rules.body.requested(self._demanded, known.body) & rules.travelling
+        return not rules.body.requested(self._commanded, known.body) & rules.travelling
 
     def _levels(self, decision: AnyDecision) -> Mapping[str, Level]:
         """Return the levels of the outputs: by the motion, or by a stop of everything."""
@@ -357,8 +361,8 @@ class Pipeline:
         stopped = decision.stopped == self._permission.rules.groups
         return {**levels, **self._kind.on_stop} if stopped else levels
 
-    def _all(self, demand: Demand) -> Mapping[str, Demand]:
-        return {driver.axis.name: demand for driver in self._fleets.drivers}
+    def _all(self, set_point: SetPoint) -> Mapping[str, SetPoint]:
+        return {driver.axis.name: set_point for driver in self._all_drivers.drivers}
 
     def _advance(self, facts: Facts) -> None:
         """Carry the pose on where all axes that it hangs on were sampled at one new instant."""
@@ -380,7 +384,7 @@ class Pipeline:
         self.seen = Snapshot(
             facts=known.facts,
             command=known.command,
-            demanded=self._demanded,
+            commanded=self._commanded,
             body=known.body,
             pose=self._locating.pose,
             located=self._locating.located,

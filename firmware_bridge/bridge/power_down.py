@@ -13,7 +13,7 @@ from enum import Enum
 from math import inf, isfinite, nan
 from typing import Final, NamedTuple
 
-from firmware_bridge.bridge.fleets import Fleets
+from firmware_bridge.bridge.all_drivers import AllDrivers
 from firmware_bridge.drivers.driver import Driver, Power, Reports, Stop, Task
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
@@ -122,12 +122,12 @@ class PowerDown:
 
     __slots__ = ("_free", "_hold", "_looks_from", "_outbox", "_pulled", "_since", "_waits_from", "stage")
 
-    def __init__(self, robot: AnyRobot, fleets: Fleets, outbox: list[Packet]) -> None:
+    def __init__(self, robot: AnyRobot, all_drivers: AllDrivers, outbox: list[Packet]) -> None:
         """Take the drives, and where to put what is to be sent at once."""
         self._outbox = outbox
         self._free: Final = tuple(
             _Axis(driver, robot.links[driver.axis.link].silent_ms * MILLISECOND)
-            for driver in fleets.drivers
+            for driver in all_drivers.drivers
             if driver.axis.unpowered is Unpowered.FREE
         )
         self.stage = PowerDownStage.KEPT
@@ -176,7 +176,7 @@ class PowerDown:
             self._look(now, without)
         elif self.stage is PowerDownStage.WATCHED:
             self._watch(now)
-        return self._demand()
+        return self._set_point()
 
     def not_requested(self, now: Nanoseconds) -> None:
         """Keep the power as it is; an axis that has lost its own is still watched, until it has it again."""
@@ -225,7 +225,7 @@ class PowerDown:
             STAYS.name, f"the robot is not at standstill: {who} moves", STAYS, self._waits_from
         )
 
-    def _demand(self) -> Stop | None:
+    def _set_point(self) -> Stop | None:
         if self.stage is PowerDownStage.KEPT:
             return None
         if self.stage in (PowerDownStage.WATCHED, PowerDownStage.LET_GO):

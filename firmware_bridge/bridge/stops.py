@@ -12,9 +12,9 @@ from collections.abc import Collection, Mapping
 from enum import Enum
 from typing import Final
 
-from firmware_bridge.bridge.fleets import Fleets, joined, requests_stop
-from firmware_bridge.drivers.driver import Demand, Driver, Position, Power, Stop
-from firmware_bridge.drivers.fleets import STOP_STEPS
+from firmware_bridge.bridge.all_drivers import AllDrivers, joined, requests_stop
+from firmware_bridge.drivers.all_drivers import STOP_STEPS
+from firmware_bridge.drivers.driver import Driver, Position, Power, SetPoint, Stop
 from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN, StopStep, gentle_within, way
 from firmware_bridge.intent import NEVER_RECEIVED, Disarm, EmergencyStop, Pause, Request
 from firmware_bridge.packet import Packet
@@ -252,11 +252,11 @@ class AxisStop:
 class Stops:
     """The stops of all axes."""
 
-    __slots__ = ("_at_once", "_axes", "_fleets", "_lost", "interlock_events")
+    __slots__ = ("_all_drivers", "_at_once", "_axes", "_lost", "interlock_events")
 
-    def __init__(self, robot: AnyRobot, fleets: Fleets) -> None:
-        self._fleets = fleets
-        self._axes: Final = {driver.axis.name: AxisStop(driver, robot) for driver in fleets.drivers}
+    def __init__(self, robot: AnyRobot, all_drivers: AllDrivers) -> None:
+        self._all_drivers = all_drivers
+        self._axes: Final = {driver.axis.name: AxisStop(driver, robot) for driver in all_drivers.drivers}
         self._at_once: Final = tuple([stop for stop in self._axes.values() if stop.first.at_once])
         self._lost: Collection[str] = ()
         """The links over which nothing reaches a device, as of the newest look."""
@@ -297,7 +297,7 @@ class Stops:
     def order(self) -> tuple[Packet, ...]:
         """Begin those again that no step has brought about; return what is sent before the next cycle."""
         self._again()
-        return joined([stop.driver.command(stop.first.demand) for stop in self._at_once])
+        return joined([stop.driver.command(stop.first.set_point) for stop in self._at_once])
 
     def _again(self) -> None:
         for stop in self._axes.values():
@@ -307,35 +307,35 @@ class Stops:
     def watch(
         self,
         requested: Collection[str],
-        demands: Mapping[str, Demand],
+        set_points: Mapping[str, SetPoint],
         now: Nanoseconds,
         without: frozenset[str] = frozenset(),
         *,
         holding: bool = False,
-    ) -> tuple[tuple[Packet, ...], dict[str, Demand]]:
+    ) -> tuple[tuple[Packet, ...], dict[str, SetPoint]]:
         """Look at every axis once in a cycle; `requested` are those to stop, `without` the excluded ones.
 
         `holding`: axes are being enabled in order to hold the robot where it is. Return the packets that a
         stage sends at once, and the set-points with those in place that a stage makes.
         """
         sent: tuple[Packet, ...] = ()
-        changed = dict(demands)
-        self._lost = self._fleets.links_lost
+        changed = dict(set_points)
+        self._lost = self._all_drivers.links_lost
         for name, stop in self._axes.items():
-            demand = demands.get(name, Stop.REST)
+            set_point = set_points.get(name, Stop.REST)
             stop.excluded = name in without
             uncommanded = name not in requested and not stop.escalates
             if uncommanded or stop.link in self._lost or stop.waits(now, holding=holding):
                 # Nothing reaches a lost link; when it is back the stop begins with the first step.
                 stop.progress = Progress.NOT_REQUESTED
             else:
-                sent += self._look(stop, demand, now)
+                sent += self._look(stop, set_point, now)
             steps_on = stop.escalates or stop.progress is Progress.GIVEN_UP or stop.keeps_off(now)
             # A command to disable the power is never replaced by a gentler one.
-            if steps_on and demand is not Stop.POWER_OFF:
-                changed[name] = stop.step.demand
-            elif stop.first.at_once and name in requested and not isinstance(demand, Stop):
-                changed[name] = stop.first.demand
+            if steps_on and set_point is not Stop.POWER_OFF:
+                changed[name] = stop.step.set_point
+            elif stop.first.at_once and name in requested and not isinstance(set_point, Stop):
+                changed[name] = stop.first.set_point
         events = [stop.event() for stop in self._axes.values() if not stop.excluded]
         self.interlock_events = tuple([event for event in events if event is not None])
         return sent, changed
@@ -344,8 +344,8 @@ class Stops:
     def _reached(self) -> list[AxisStop]:
         return [stop for stop in self._axes.values() if stop.link not in self._lost]
 
-    def _look(self, stop: AxisStop, demand: Demand, now: Nanoseconds) -> tuple[Packet, ...]:
-        off = demand is Stop.POWER_OFF
+    def _look(self, stop: AxisStop, set_point: SetPoint, now: Nanoseconds) -> tuple[Packet, ...]:
+        off = set_point is Stop.POWER_OFF
         if stop.progress is Progress.GIVEN_UP:
             if stop.confirmed(now):
                 stop.confirm(now)
@@ -356,7 +356,7 @@ class Stops:
             if stop.step.whole_board and not stop.confirmed(now):
                 sent = self._task(stop, now)
         # The bridge itself ramps down while its set-point is a speed other than 0.
-        ramped = stop.place == 0 and not requests_stop(demand) and not isinstance(demand, Position)
+        ramped = stop.place == 0 and not requests_stop(set_point) and not isinstance(set_point, Position)
         if not ramped and stop.confirmed(now):
             stop.confirm(now)
             return sent
@@ -373,7 +373,7 @@ class Stops:
             return ()
         if stop.step.silent:
             # The drives' heartbeat consumers (0x1016) stop them then, with quick stop as reaction (0x6007).
-            self._fleets.silence(stop.link, stop.until)
+            self._all_drivers.silence(stop.link, stop.until)
         return self._task(stop, now)
 
     def _task(self, stop: AxisStop, now: Nanoseconds) -> tuple[Packet, ...]:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
-from firmware_bridge.bridge.fleets import Fleets
+from firmware_bridge.bridge.all_drivers import AllDrivers
 from firmware_bridge.drivers.driver import Driver, Feedback
 from firmware_bridge.intent import NEVER_RECEIVED, ConfirmZero
 from firmware_bridge.robot import AnyRobot, Axis
@@ -22,11 +22,11 @@ SLACK: Final = 1e-6
 class Zeros:
     """The axes of one robot whose positions need confirmation."""
 
-    def __init__(self, robot: AnyRobot, gauges: tuple[AnyGauge, ...], fleets: Fleets) -> None:
+    def __init__(self, robot: AnyRobot, gauges: tuple[AnyGauge, ...], all_drivers: AllDrivers) -> None:
         """Take what is read off the robot for which role; of others it is the axis's own unit."""
         self._robot: Final = robot
         self._drivers: Final = {
-            driver.axis.name: driver for driver in fleets.drivers if driver.axis.zero_confirmed
+            driver.axis.name: driver for driver in all_drivers.drivers if driver.axis.zero_confirmed
         }
         read = {gauge.role: gauge for gauge in gauges}
         self._gauges: Final = {

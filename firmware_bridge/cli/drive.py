@@ -322,8 +322,8 @@ def _mode(name: str | None, kind: "AnyRobotType") -> str:
 
 def _with_lines(machine: "AnyRobot", places: "Mapping[str, BusAddress]", given: DriveOptions) -> "AnyRobot":
     """Return the robot with those links on serial lines that are at a serial port."""
-    from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-    from firmware_bridge.drivers.shield.fleet import measured, over_protocol
+    from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+    from firmware_bridge.drivers.shield.link_drivers import measured, over_protocol
     from firmware_bridge.robot.settings.epos2 import Epos2Driver
 
     if machine.shield_links:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Final
 
-from firmware_bridge.drivers.fleets import alone
+from firmware_bridge.drivers.all_drivers import alone
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds, to_seconds
 

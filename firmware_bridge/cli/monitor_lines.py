@@ -7,7 +7,7 @@ from pathlib import Path
 from firmware_bridge.cli.console import WRONG_INPUT, one_message, refusal, say
 from firmware_bridge.cli.robot_argument import find_robot
 from firmware_bridge.dissector import Carried, Dissector, kinds_of
-from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.recording import Direction, RecordingError, parse_chunk, side_of
 from firmware_bridge.robot import RobotFileError

@@ -122,7 +122,7 @@ class Narrated:
         if bridge.phase is not self._phase:
             self._phase = bridge.phase
             self._say(self._phase.value, now)
-            for remark in bridge.fleets.remarks if self._phase is Phase.RUNNING else ():
+            for remark in bridge.all_drivers.remarks if self._phase is Phase.RUNNING else ():
                 self._say(remark, now)
             if self._phase is Phase.FINISHED and bridge.unconfirmed and not self._alone:
                 self._say(not_confirmed(bridge), now)
@@ -131,7 +131,7 @@ class Narrated:
         if problem is not None:
             self._say(problem, now)
         self._show_operators(now)
-        late = bridge.fleets.late
+        late = bridge.all_drivers.late
         # Once a second at most: on a machine that is too slow each report costs time, too.
         if late != self._late and now - self._late_reported_at >= SECOND:
             self._say(f"late: {late - self._late} cycles were longer than the robot file allows", now)

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any, ClassVar, Final, Generic, Protocol, TypeAlias, TypeVar
 
 from firmware_bridge.differential.geometry import Geometry
-from firmware_bridge.drivers.driver import Demand, Feedback, Reading, Speed
+from firmware_bridge.drivers.driver import Feedback, Reading, SetPoint, Speed
 from firmware_bridge.motion.differential import DifferentialRamp, twist, wheel_speeds
 from firmware_bridge.motion.odometry import moved
 from firmware_bridge.motion.pose import Pose
@@ -98,14 +98,14 @@ class DifferentialBody(Generic[G, M, S]):
         """Return the motion at rest; what else is in it stays as it is."""
         return replace(motion, speed_mps=0.0, turn_rad_s=0.0) if self._group in groups else motion
 
-    def ramped(self, demanded: M, allowed: M, _state: S, elapsed: Nanoseconds) -> M:
-        """Return the next demand on the way to what is allowed."""
+    def ramped(self, commanded: M, allowed: M, _state: S, elapsed: Nanoseconds) -> M:
+        """Return the next set-point on the way to what is allowed."""
         speed, turn = self._ramp.step(
-            (demanded.speed_mps, demanded.turn_rad_s), (allowed.speed_mps, allowed.turn_rad_s), elapsed
+            (commanded.speed_mps, commanded.turn_rad_s), (allowed.speed_mps, allowed.turn_rad_s), elapsed
         )
         return replace(allowed, speed_mps=speed, turn_rad_s=turn)
 
-    def demands(self, motion: M, _state: S) -> Mapping[str, Demand]:
+    def set_points(self, motion: M, _state: S) -> Mapping[str, SetPoint]:
         """Return both wheels' speeds."""
         left, right = wheel_speeds(self._robot.geometry.base, motion.speed_mps, motion.turn_rad_s)
         return {self._left: Speed(left), self._right: Speed(right)}

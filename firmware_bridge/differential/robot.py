@@ -169,9 +169,9 @@ class DifferentialRobot(Generic[G, M, S]):
 
     def _acceleration(self, view: View[G, M, S]) -> tuple[M, str | None]:
         """Clip nothing, the ramp does; say where it will take more than one cycle."""
-        demanded, requested = view.seen.demanded, view.allowed
+        commanded, requested = view.seen.commanded, view.allowed
         speed, turn = ramp_of(view.robot).step(
-            (demanded.speed_mps, demanded.turn_rad_s),
+            (commanded.speed_mps, commanded.turn_rad_s),
             (requested.speed_mps, requested.turn_rad_s),
             view.robot.cycle,
         )
@@ -181,7 +181,7 @@ class DifferentialRobot(Generic[G, M, S]):
         ):
             return requested, None
         return requested, (
-            f"requested a step from {demanded.speed_mps:.2f} m/s and {demanded.turn_rad_s:.2f} rad/s "
+            f"requested a step from {commanded.speed_mps:.2f} m/s and {commanded.turn_rad_s:.2f} rad/s "
             f"to {requested.speed_mps:.2f} m/s and {requested.turn_rad_s:.2f} rad/s at once"
         )
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Final, Protocol, TypeAlias
 
+from firmware_bridge import renamed
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import Axis, Output, Sensor
@@ -42,17 +43,17 @@ class Homed:
 
 
 class Stop(Enum):
-    """Demands that end motion, from the gentlest on."""
+    """Set-points that end motion, from the gentlest on."""
 
     REST = "rest"
-    """Ramp down with the profile's deceleration and hold still with power on: the safe demand."""
+    """Ramp down with the profile's deceleration and hold still with power on: the safe set-point."""
     QUICK_STOP = "quick stop"
     """Ramp down with the quick stop's deceleration and hold still until enabled again."""
     POWER_OFF = "power off"
     """No torque from now on: the shaft coasts."""
 
 
-Demand: TypeAlias = Speed | Position | Homed | Stop
+SetPoint: TypeAlias = Speed | Position | Homed | Stop
 
 
 class Task(Enum):
@@ -85,7 +86,7 @@ class Task(Enum):
 
 BRING_UP: Final = (Task.FIND, Task.IDENTIFY, Task.CONFIGURE, Task.START, Task.ENABLE)
 STOPPING: Final = (Task.LISTEN, Task.BRAKE, Task.DISABLE, Task.RESET)
-"""They stop the device, so no demand that stops it ends them."""
+"""They stop the device, so no set-point that stops it ends them."""
 
 
 class StartupError(Exception):
@@ -237,8 +238,8 @@ class Driver(Protocol):
     def home(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Do `Task.HOME`; only for an axis with homing in the robot file."""
 
-    def command(self, demand: Demand) -> tuple[Packet, ...]:
-        """Send a demand; while tasks are under way only quick stop or power off, and rest to one that homes.
+    def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
+        """Send a set-point; while tasks run only quick stop or power off, and rest to one that homes.
 
         Those end the tasks, unless they are of `STOPPING` themselves.
         """
@@ -274,3 +275,6 @@ class OutputDriver(Protocol):
 
     def switch(self, levels: Mapping[str, Level], now: Nanoseconds) -> tuple[Packet, ...]:
         """Bring each named output to its level, unless the device has confirmed it already."""
+
+
+__getattr__ = renamed.module(__name__, __name__, Demand="SetPoint", Tells="Reports")

@@ -24,7 +24,7 @@ class StopStep:
     name: str
     sent: str
     """The command to the device, for people."""
-    demand: Stop
+    set_point: Stop
     """The set-point meanwhile, unless a stronger stop is commanded."""
     within: Nanoseconds
     """Longest time of the device's report, beside the ramp's own time."""

@@ -44,22 +44,22 @@ class DifferentialRamp:
     """A late cycle counts as no more than this: a gap must not become a jump."""
 
     def step(
-        self, demanded: tuple[float, float], target: tuple[float, float], elapsed: Nanoseconds
+        self, commanded: tuple[float, float], target: tuple[float, float], elapsed: Nanoseconds
     ) -> tuple[float, float]:
         """Return the next speed and turn rate, `elapsed` after those demanded."""
         seconds = to_seconds(min(elapsed, self.longest_step))
         reach = self.acceleration_mps2 * seconds
-        faster = _clipped(target[0] - demanded[0], reach)
-        tighter = _clipped(target[1] - demanded[1], self.turn_acceleration_rad_s2 * seconds)
+        faster = _clipped(target[0] - commanded[0], reach)
+        tighter = _clipped(target[1] - commanded[1], self.turn_acceleration_rad_s2 * seconds)
         # The outer wheel's rim has both changes at once; one share for both keeps the shape of the turn.
         rim = abs(faster) + abs(tighter) * self.half_track_m
         share = 1.0 if rim <= reach else reach / rim
-        speed, turn = demanded[0] + share * faster, demanded[1] + share * tighter
+        speed, turn = commanded[0] + share * faster, commanded[1] + share * tighter
         # What would pass the limit does not grow; what is there already is not cut off at once.
         if abs(speed * turn) > self.sideways_mps2:
-            turn = _clipped(turn, max(abs(demanded[1]), self.sideways_mps2 / abs(speed)))
+            turn = _clipped(turn, max(abs(commanded[1]), self.sideways_mps2 / abs(speed)))
         if abs(speed * turn) > self.sideways_mps2:
-            speed = _clipped(speed, max(abs(demanded[0]), self.sideways_mps2 / abs(turn)))
+            speed = _clipped(speed, max(abs(commanded[0]), self.sideways_mps2 / abs(turn)))
         return speed, turn
 
 

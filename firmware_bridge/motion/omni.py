@@ -77,7 +77,7 @@ class OmniRamp:
     """A late cycle counts as no more than this: a gap must not become a jump."""
 
     def step(self, before: BodyTwist, target: BodyTwist, elapsed: Nanoseconds) -> BodyTwist:
-        """Return the next demand, `elapsed` after `before`."""
+        """Return the next set-point, `elapsed` after `before`."""
         seconds = to_seconds(min(elapsed, self.longest_step))
         change = BodyTwist(*(new - old for old, new in zip(before, target, strict=True)))
         # The slowest of all changes gives the time, so that the motion goes straight to its target.

@@ -230,12 +230,12 @@ def _position_not_changing(axis: Axis, feedback: Feedback, facts: Facts, limit: 
 
 def _did(axis: Axis, known: Tracking) -> str:
     """Return the text of an axis' set-point beside its measured motion."""
-    unit, demand = axis.unit, known.demand
-    if isinstance(demand, Position):
-        did = f"commanded to {demand.value:.3f} {unit}, is at {known.position:.3f} {unit}"
-    elif isinstance(demand, Speed):
-        did = f"commanded {demand.value:.2f} {unit}/s, moves with {known.velocity:.2f} {unit}/s"
-    elif isinstance(demand, Homed):
+    unit, set_point = axis.unit, known.set_point
+    if isinstance(set_point, Position):
+        did = f"commanded to {set_point.value:.3f} {unit}, is at {known.position:.3f} {unit}"
+    elif isinstance(set_point, Speed):
+        did = f"commanded {set_point.value:.2f} {unit}/s, moves with {known.velocity:.2f} {unit}/s"
+    elif isinstance(set_point, Homed):
         did = f"homing, moves with {known.velocity:.2f} {unit}/s"
     else:
         did = f"commanded to stop, moves with {known.velocity:.2f} {unit}/s"

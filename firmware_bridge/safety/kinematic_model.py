@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, Protocol, TypeAlias, TypeVar
 
-from firmware_bridge.drivers.driver import Demand, Feedback, Reading
+from firmware_bridge.drivers.driver import Feedback, Reading, SetPoint
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.safety.snapshot import Group
 from firmware_bridge.units import Nanoseconds
@@ -31,11 +31,11 @@ class KinematicModel(Protocol[M, S]):
     def rested(self, motion: M, groups: frozenset[Group]) -> M:
         """Return the motion with these groups at rest."""
 
-    def ramped(self, demanded: M, allowed: M, state: S, elapsed: Nanoseconds) -> M:
-        """Return the next demand on the way to what is allowed, `elapsed` after `demanded`."""
+    def ramped(self, commanded: M, allowed: M, state: S, elapsed: Nanoseconds) -> M:
+        """Return the next motion on the way to the allowed one, `elapsed` after `commanded`."""
 
-    def demands(self, motion: M, state: S) -> Mapping[str, Demand]:
-        """Return the axes' demands for this motion, the first first; an axis excluded rests."""
+    def set_points(self, motion: M, state: S) -> Mapping[str, SetPoint]:
+        """Return the axes' set-points for this motion, the first first; an excluded axis is at standstill."""
 
     def advanced(
         self,

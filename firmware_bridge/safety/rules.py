@@ -64,7 +64,7 @@ class Rules:
         Each axis is judged: wheels that turn against each other leave the robot in place, and are not at
         standstill.
         """
-        return not self.body.requested(seen.demanded, seen.body) & self.travelling and self.stands(seen)
+        return not self.body.requested(seen.commanded, seen.body) & self.travelling and self.stands(seen)
 
     def stands(self, seen: AnySnapshot) -> bool:
         """Return whether the robot is at standstill, whatever it is commanded."""
@@ -91,7 +91,7 @@ class Rules:
         return Snapshot(
             facts=facts,
             command=seen.command,
-            demanded=seen.demanded,
+            commanded=seen.commanded,
             body=self.body.sensed(facts.axes, facts.sensors),
             pose=seen.pose,
             located=seen.located,

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, Generic, TypeAlias, TypeVar
 
 from firmware_bridge import renamed
-from firmware_bridge.drivers.driver import Demand, Feedback, Reading, Stop
+from firmware_bridge.drivers.driver import Feedback, Reading, SetPoint, Stop
 from firmware_bridge.immutable import Immutable
 from firmware_bridge.intent import NEVER_RECEIVED, USUAL_AGE_LIMIT, AgeLimit
 from firmware_bridge.motion.captured import Located
@@ -30,13 +30,13 @@ Group: TypeAlias = str
 class Tracking:
     """Tracking of one axis up to its newest sample; in its unit."""
 
-    demand: Demand = Stop.REST
+    set_point: SetPoint = Stop.REST
     """The set-point sent to it last."""
     changed_at: Nanoseconds = NEVER_RECEIVED
     """Time of the last change of that set-point."""
     sampled_at: Nanoseconds = NEVER_RECEIVED
     obeyed_at: Nanoseconds = NEVER_RECEIVED
-    """The newest sample at which it was where its demands let it be, or had no torque."""
+    """The newest sample at which it was where its set-points let it be, or had no torque."""
     settled_at: Nanoseconds = NEVER_RECEIVED
     """The newest one at which it had another position than before, or need not have had."""
     place_at: Nanoseconds = NEVER_RECEIVED
@@ -45,7 +45,7 @@ class Tracking:
     velocity: float = 0.0
     low: float = 0.0
     high: float = 0.0
-    """Between these its demands let it be: its position where that is demanded, else its speed."""
+    """Between these its set-points let it be: its position where that is commanded, else its speed."""
     uncommanded: bool = False
     """True where it moves further, faster or in another direction than commanded; else it stays behind."""
     backlog: float = 0.0
@@ -118,15 +118,22 @@ class Facts:
 class Snapshot(Immutable, Generic[M, S_co]):
     """The whole robot at `facts.now`, without the interlocks' decision, which follows from it."""
 
-    __slots__ = ("body", "command", "demanded", "facts", "located", "pose")
+    __slots__ = ("body", "command", "commanded", "facts", "located", "pose")
 
     def __init__(
-        self, *, facts: Facts, command: M, demanded: M, body: S_co, pose: Pose, located: Located | None = None
+        self,
+        *,
+        facts: Facts,
+        command: M,
+        commanded: M,
+        body: S_co,
+        pose: Pose,
+        located: Located | None = None,
     ) -> None:
         self.facts: Final = facts
         self.command: Final = command
         """The command of the operator or a path follower."""
-        self.demanded: Final = demanded
+        self.commanded: Final = commanded
         """The motion of the bridge's newest set-points, behind the ramp."""
         self.body: Final = body
         """State of the body by axes and sensors."""
@@ -140,6 +147,12 @@ class Snapshot(Immutable, Generic[M, S_co]):
         """The old name of `command`."""
         warn("wish", "command", "Snapshot")
         return self.command
+
+    @property
+    def demanded(self) -> M:
+        """The same as `commanded`, by its name of the release before."""
+        warn("demanded", "commanded", "Snapshot")
+        return self.commanded
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.drivers.driver import Demand, Feedback, Homed, Position, Power, Stop
+from firmware_bridge.drivers.driver import Feedback, Homed, Position, Power, SetPoint, Stop
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.safety.snapshot import Tracking
@@ -27,7 +27,7 @@ rad/s off on 10 degrees.
 LAZY: Final = 0.5
 """Share of its drive's own ramp and cruise that is awaited of an axis."""
 TURNS: Final = 1.0 / 2.0
-"""Share of the least speed that its demands let an axis have, from which it turns as commanded."""
+"""Share of the least speed that its set-points let an axis have, from which it turns as commanded."""
 IDLE: Final = 2
 """Samples ago that it turned so: where it was cut off between two, the last that moved shows a part."""
 REGULATED: Final[Nanoseconds] = 100 * MILLISECOND
@@ -81,10 +81,18 @@ def bounds_of(robot: AnyRobot, axis: Axis) -> Bounds:
 
 
 class TrackingMonitor:
-    """One axis: the demands that were sent to it, its samples, and what they say of each other."""
+    """One axis: the set-points that were sent to it, its samples, and what they say of each other."""
 
     __slots__ = (
-        "_aim", "_bounds", "_changed_at", "_coasts_at", "_demand", "_goal", "_high", "_low", "_positions",
+        "_aim",
+        "_bounds",
+        "_changed_at",
+        "_coasts_at",
+        "_goal",
+        "_high",
+        "_low",
+        "_positions",
+        "_set_point",
         "following",
     )  # fmt: skip
 
@@ -92,21 +100,21 @@ class TrackingMonitor:
         self._bounds: Final = bounds
         self._coasts_at: Final = axis.top_speed
         """Speed bound on its way to a position when it is commanded to stop."""
-        self._demand: Demand = Stop.REST
+        self._set_point: SetPoint = Stop.REST
         self._changed_at: Nanoseconds = NEVER_RECEIVED
-        self._aim: Demand | None = None
+        self._aim: SetPoint | None = None
         """The set-point in force, or its device's own stop; None while it has no torque."""
         self._positions = False
         """True where the aim is a position."""
         self._goal = self._low = self._high = 0.0
         self.following = Tracking()
 
-    def on_set_point(self, demand: Demand, now: Nanoseconds) -> None:
+    def on_set_point(self, set_point: SetPoint, now: Nanoseconds) -> None:
         """Take the set-point of the axis from now on."""
-        if demand is not self._demand and demand != self._demand:
-            self._demand, self._changed_at = demand, now
+        if set_point is not self._set_point and set_point != self._set_point:
+            self._set_point, self._changed_at = set_point, now
             if self._aim is not None:
-                self._take(demand)
+                self._take(set_point)
 
     def saw(self, feedback: Feedback) -> Tracking:
         """Return what is known up to this feedback's sample; one that was seen already changes nothing."""
@@ -120,7 +128,7 @@ class TrackingMonitor:
             self.following = self._unjudged(feedback)
             return self.following
         # The drive's own quick stop has replaced the set-point: it brakes, whatever was commanded.
-        aim = Stop.QUICK_STOP if feedback.power is Power.STOPPED else self._demand
+        aim = Stop.QUICK_STOP if feedback.power is Power.STOPPED else self._set_point
         if self._aim is None:
             self.following = self._unjudged(feedback)
             self._positions = False
@@ -136,7 +144,7 @@ class TrackingMonitor:
         self._leave(seconds)
         return self.following
 
-    def _take(self, aim: Demand) -> None:
+    def _take(self, aim: SetPoint) -> None:
         """Let the range reach to a new aim; one of another kind begins a new range where the axis is."""
         self._aim = aim
         positions = isinstance(aim, Position)
@@ -171,7 +179,7 @@ class TrackingMonitor:
     def _unjudged(self, feedback: Feedback) -> Tracking:
         at = feedback.sampled_at
         return Tracking(
-            demand=self._demand,
+            set_point=self._set_point,
             changed_at=self._changed_at,
             sampled_at=at,
             obeyed_at=at,
@@ -198,7 +206,7 @@ class TrackingMonitor:
                 owed = before.backlog + max(low, -high, 0.0) * seconds
         obeys = low - slack <= does <= high + slack
         return Tracking(
-            self._demand,
+            self._set_point,
             self._changed_at,
             at,
             at if obeys else before.obeyed_at,
@@ -217,7 +225,7 @@ class TrackingMonitor:
         )
 
     def _turns(self, velocity: float) -> bool:
-        """Return whether its speed is a good share of the least that its demands let it have."""
+        """Return whether its speed is a good share of the least that its set-points let it have."""
         least = max(self._low, 0.0) or min(self._high, 0.0)
         # The product is positive only where it turns the commanded way; a least speed of 0 proves nothing.
         return not self._positions and velocity * least > 0.0 and abs(velocity) >= TURNS * abs(least)
@@ -243,10 +251,10 @@ class Followers:
     def __init__(self, robot: AnyRobot) -> None:
         self._all: Final = {axis.name: TrackingMonitor(axis, bounds_of(robot, axis)) for axis in robot.axes}
 
-    def on_set_points(self, demands: Mapping[str, Demand], now: Nanoseconds) -> None:
+    def on_set_points(self, set_points: Mapping[str, SetPoint], now: Nanoseconds) -> None:
         """Learn what was sent to these axes."""
-        for name, demand in demands.items():
-            self._all[name].on_set_point(demand, now)
+        for name, set_point in set_points.items():
+            self._all[name].on_set_point(set_point, now)
 
     def saw(self, axes: Mapping[str, Feedback]) -> dict[str, Tracking]:
         """Return each axis's, up to its newest sample."""

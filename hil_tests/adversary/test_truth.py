@@ -11,7 +11,7 @@ from emulators.bench.columns import Sample
 from emulators.bench.faults import Fault
 from emulators.bench.mission import Mission
 from firmware_bridge.drivers.shield.booting import Booting
-from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import STANDARD_GRAVITY, from_seconds

@@ -19,11 +19,13 @@ from emulators.testing.inherited.fake_driver import seen
 from emulators.testing.process import Process
 from emulators.testing.rig import VirtualRig
 from firmware_bridge import renamed
+from firmware_bridge.drivers.driver import Reports, SetPoint
 from firmware_bridge.renamed import RenamedWarning
 from firmware_bridge.robot_type import PathFollower, RobotType
 from firmware_bridge.robot_types import find, load, robot_type_of
 from firmware_bridge.robots.climber.body import CLIMBER
 from firmware_bridge.robots.rars import ROBOT_TYPE
+from firmware_bridge.robots.rars.geometry import Degraded
 from firmware_bridge.robots.rars.motion import RarsMotion
 from firmware_bridge.safety.gate import NO_GROUP
 from firmware_bridge.safety.interlock import View
@@ -93,6 +95,8 @@ def test_attributes_are_read_by_their_old_names(tmp_path: Path) -> None:
     view: View[Any, Any, Any] = View(robot, snapshot, snapshot.command, NO_GROUP, None)
     with pytest.warns(RenamedWarning, match="Snapshot: 'wish' is called 'command' now"):
         assert snapshot.wish is snapshot.command
+    with pytest.warns(RenamedWarning, match="Snapshot: 'demanded' is called 'commanded' now"):
+        assert snapshot.demanded is snapshot.commanded
     with pytest.warns(RenamedWarning, match="View: 'asked' is called 'requested' now"):
         assert view.asked is view.requested
     program = Process([sys.executable, "-c", "print('here')"], tmp_path / "printed.txt")
@@ -129,6 +133,9 @@ def test_a_fault_is_put_on_by_its_old_words() -> None:
         ("firmware_bridge.kind", "Kind", RobotType),
         ("firmware_bridge.kind", "Guide", PathFollower),
         ("firmware_bridge.kinds", "find", find),
+        ("firmware_bridge.drivers.driver", "Demand", SetPoint),
+        ("firmware_bridge.drivers.driver", "Tells", Reports),
+        ("firmware_bridge.robots.rars.geometry", "Limp", Degraded),
         ("firmware_bridge.safety.row", "Severity", Severity),
         ("firmware_bridge.safety.body", "Body", KinematicModel),
         ("firmware_bridge.safety.snapshot", "Hold", ActiveInterlock),

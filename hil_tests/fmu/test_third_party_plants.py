@@ -288,7 +288,7 @@ def test_when_the_emulated_robot_dies_of_its_plant_the_bridge_is_safe(new_statio
     assert [target for at, target in targets if at < failed_at][-1] > 0
     late = [target for at, target in targets if at > failed_at + 500 * MILLISECOND]
     assert set(late) == {0}
-    assert bridge.seen.demanded.speed_mps == 0.0
+    assert bridge.seen.commanded.speed_mps == 0.0
     assert {f"axis timeout: {axis}" for axis in AXES} <= {event.name for event in bridge.interlock_events}
 
 

@@ -54,7 +54,7 @@ def test_a_step_that_the_ramp_delays_is_reported(sign: float, beyond: float, *, 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_only_the_change_counts(sign: float) -> None:
     for motion in (Motion(sign * 0.3), Motion(turn_rad_s=sign * 0.5)):
-        assert active(Situation(command=motion, demanded=motion)) == set()
+        assert active(Situation(command=motion, commanded=motion)) == set()
 
 
 def test_what_the_ramp_reaches_in_one_cycle_is_not_reported_even_without_a_tolerance(

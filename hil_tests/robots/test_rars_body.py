@@ -53,13 +53,13 @@ def test_angle_and_height_are_of_their_axes_and_unknown_until_they_were_received
 @pytest.mark.parametrize("speed", [-0.2, 0.4])
 def test_each_wheel_gets_its_own_speed_by_the_angle_that_is_steered(speed: float, steer: float) -> None:
     state = RarsState(steer, 0.1, 0.0, 0.0, 0.0)
-    reported = BODY.demands(RarsMotion(speed_mps=speed, steer_rad=0.1, lift_m=0.2), state)
+    reported = BODY.set_points(RarsMotion(speed_mps=speed, steer_rad=0.1, lift_m=0.2), state)
     left, right = davis.wheel_speeds(BASE, speed, steer)
     assert (reported["left"], reported["right"]) == (Speed(left), Speed(right))
     assert (left < right) == (steer * speed > 0.0)
     assert reported["steer"] == Position(davis.pinion_from_steer(BASE, 0.1))
     assert reported["lift"] == Position(scissor.screw_from_height(LIFT, 0.2))
-    assert BODY.demands(RarsMotion(), state).keys() == {"left", "right"}
+    assert BODY.set_points(RarsMotion(), state).keys() == {"left", "right"}
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])

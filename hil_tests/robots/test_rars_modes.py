@@ -51,8 +51,8 @@ def at(steer: float) -> float:
 def test_what_a_mode_does_without_is_reported_nothing_and_the_rest_is_as_ever(mode: str, name: str) -> None:
     assert ROBOT_TYPE.rules(ROBOT)[mode].without == {name}
     state = RarsState(0.2, 0.0, 0.0, 0.1, 0.0)
-    whole = WHOLE.demands(ALL, state)
-    assert body(mode).demands(ALL, state) == {
+    whole = WHOLE.set_points(ALL, state)
+    assert body(mode).set_points(ALL, state) == {
         axis: reported for axis, reported in whole.items() if axis != name
     }
 
@@ -66,7 +66,7 @@ def test_one_wheel_reports_how_the_robot_moves_in_the_turn_that_is_steered(
     state = body(mode).sensed(turned(steer, **{name: (0.0, whole[name])}), {})
     assert state.speed_mps == pytest.approx(0.15)
     assert state.yaw_rate_rad_s == pytest.approx(0.15 * davis.curvature(BASE, steer))
-    assert body(mode).demands(RarsMotion(speed_mps=0.15), state)[name].value == pytest.approx(whole[name])
+    assert body(mode).set_points(RarsMotion(speed_mps=0.15), state)[name].value == pytest.approx(whole[name])
 
 
 @pytest.mark.parametrize("steer", [-0.4, 0.0, 0.4])
@@ -103,7 +103,7 @@ def clipped(mode: str, command: RarsMotion) -> tuple[RarsMotion, list[str]]:
     """Return the command behind the mode's limits, and the names of those that reported something."""
     facts = SimpleNamespace(age_limit=USUAL_AGE_LIMIT)
     seen: Any = SimpleNamespace(
-        body=RarsState(0.1, 0.0, 0.0, 0.0, 0.0), demanded=RarsMotion(), facts=facts, command=command
+        body=RarsState(0.1, 0.0, 0.0, 0.0, 0.0), commanded=RarsMotion(), facts=facts, command=command
     )
     view: Any = View(ROBOT, seen, command, frozenset(), None)
     reported = []

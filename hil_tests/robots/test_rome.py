@@ -42,7 +42,7 @@ def seen(pose: Pose, now: Nanoseconds, sampled_at: Nanoseconds) -> Snapshot[Rome
         sensors={},
         links_lost={},
     )
-    return Snapshot(facts=facts, command=RomeMotion(), demanded=RomeMotion(), body=REST, pose=pose)
+    return Snapshot(facts=facts, command=RomeMotion(), commanded=RomeMotion(), body=REST, pose=pose)
 
 
 @pytest.mark.parametrize(
@@ -54,7 +54,7 @@ def seen(pose: Pose, now: Nanoseconds, sampled_at: Nanoseconds) -> Snapshot[Rome
     ],
 )
 def test_each_wheel_gets_its_own_speed(motion: RomeMotion, rims: tuple[float, ...]) -> None:
-    reported = BODY.demands(motion, REST)
+    reported = BODY.set_points(motion, REST)
     assert [reported[axis].value for axis in ("one", "two", "three")] == pytest.approx(
         [rim / R for rim in rims], abs=1e-12
     )
@@ -176,6 +176,6 @@ def test_what_is_too_fast_is_refused_with_the_figure(old: str, new: str, stated:
 
 def test_at_its_limits_the_guards_sums_let_it_go() -> None:
     for motion, state in robot_type_of(ROBOT).reach(ROBOT):
-        reported = BODY.demands(replace(motion, path_s=1.0), state)
+        reported = BODY.set_points(replace(motion, path_s=1.0), state)
         for row in ROBOT.guard.sums:
             assert abs(sum(factor * reported[axis].value for axis, factor in row.of.items())) <= row.bound

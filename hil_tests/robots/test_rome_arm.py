@@ -222,7 +222,7 @@ def test_until_the_cameras_have_seen_it_neither_half_begins_to_fly() -> None:
 
 
 def shown(at: Any) -> dict[str, Any]:
-    return {name: getattr(at, name) for name in ("facts", "command", "demanded", "body", "pose", "located")}
+    return {name: getattr(at, name) for name in ("facts", "command", "commanded", "body", "pose", "located")}
 
 
 def test_by_stick_the_base_drives_and_the_tool_goes_up_and_down_alone() -> None:

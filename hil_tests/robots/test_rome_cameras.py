@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from emulators.testing.inherited.fake_driver import START, seen
 from firmware_bridge.cli import program
-from firmware_bridge.drivers.shield.fleet import measured, over_protocol
+from firmware_bridge.drivers.shield.link_drivers import measured, over_protocol
 from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import RobotFileError
@@ -30,7 +30,7 @@ def placed(located: Located, now: Nanoseconds, motion: RomeMotion | None = None)
     return Snapshot(
         facts=well.facts,
         command=motion or well.command,
-        demanded=well.demanded,
+        commanded=well.commanded,
         body=well.body,
         pose=located.pose,
         located=located,

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import Any, Final
 
-from firmware_bridge.drivers.driver import Demand, Feedback, Power
+from firmware_bridge.drivers.driver import Feedback, Power, SetPoint
 from firmware_bridge.robot import Axis
 from firmware_bridge.robot.plausibility import Plausibility
 from firmware_bridge.robot_types import find
@@ -31,9 +31,9 @@ class Axle:
         self.position = 0.0
         self.does(0.0)
 
-    def commanded(self, demand: Demand) -> None:
-        """Send it a demand."""
-        self.follower.on_set_point(demand, self.now)
+    def commanded(self, set_point: SetPoint) -> None:
+        """Send it a set-point."""
+        self.follower.on_set_point(set_point, self.now)
 
     def does(self, speed: float, cycles: int = 1, power: Power = Power.ON, **changed: Any) -> Tracking:
         """Let it move with a speed for some cycles; return what is known then."""
@@ -59,16 +59,16 @@ class Axle:
         return known.obeyed_at != known.sampled_at
 
 
-def rested(demand: Demand, axis: Axis = WHEEL, **plausibility: Any) -> Axle:
+def rested(set_point: SetPoint, axis: Axis = WHEEL, **plausibility: Any) -> Axle:
     """Return an axis that stood for two seconds and then received this set-point, long ago."""
     one = Axle(axis, **plausibility)
     one.does(0.0, 40)
-    one.commanded(demand)
+    one.commanded(set_point)
     return one
 
 
-def settled(demand: Demand, speed: float) -> Axle:
-    """Return a wheel that has followed a demand for so long that its range has shrunk to it."""
-    one = rested(demand)
+def settled(set_point: SetPoint, speed: float) -> Axle:
+    """Return a wheel that has followed a set-point for so long that its range has shrunk to it."""
+    one = rested(set_point)
     one.does(speed, 200)
     return one

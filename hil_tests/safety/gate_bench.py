@@ -88,7 +88,7 @@ def well(
             **facts,
         ),
         command=RarsMotion(**{"steer_rad": 0.0, **command}),
-        demanded=RarsMotion(demanded_speed_mps),
+        commanded=RarsMotion(demanded_speed_mps),
         body=RarsState(screw_rad_s=axes["lift"].velocity, yaw_rate_rad_s=0.0, **body),
         pose=Pose(),
     )
@@ -99,7 +99,7 @@ def with_facts(seen: Snapshot, **changes: Any) -> Snapshot:
     return snapshot.Snapshot(
         facts=replace(seen.facts, **changes),
         command=seen.command,
-        demanded=seen.demanded,
+        commanded=seen.commanded,
         body=seen.body,
         pose=seen.pose,
     )

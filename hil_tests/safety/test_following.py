@@ -1,4 +1,4 @@
-"""The range in which an axis may be after its demands, and at both edges of each bound what it is called."""
+"""The range in which an axis may be after its set-points, and at both edges of each bound its name."""
 
 import math
 from dataclasses import asdict
@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import pytest
 
-from firmware_bridge.drivers.driver import Demand, Position, Speed, Stop
+from firmware_bridge.drivers.driver import Position, SetPoint, Speed, Stop
 from firmware_bridge.robot.plausibility import Plausibility
 from firmware_bridge.robot_types import find, names
 from firmware_bridge.safety.tracking import bounds_of, within
@@ -97,10 +97,12 @@ def test_a_link_of_every_second_cycle_has_twice_the_way() -> None:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize("demand", [Stop.REST, Stop.QUICK_STOP, Stop.POWER_OFF, Speed(0.0)])
-def test_what_is_commanded_to_stand_may_not_move_faster_than_its_slack(demand: Demand, sign: float) -> None:
-    assert not rested(demand).deviates(sign * SLACK)
-    one = rested(demand)
+@pytest.mark.parametrize("set_point", [Stop.REST, Stop.QUICK_STOP, Stop.POWER_OFF, Speed(0.0)])
+def test_what_is_commanded_to_stand_may_not_move_faster_than_its_slack(
+    set_point: SetPoint, sign: float
+) -> None:
+    assert not rested(set_point).deviates(sign * SLACK)
+    one = rested(set_point)
     assert one.deviates(sign * above(SLACK))
     assert one.follower.following.uncommanded
 
@@ -203,7 +205,7 @@ def test_a_range_reaches_to_each_new_speed_and_keeps_what_it_has(sign: float) ->
 
 
 @pytest.mark.parametrize("between", [1, 2, 3, 4])
-def test_each_of_several_demands_between_two_samples_counts(between: int) -> None:
+def test_each_of_several_set_points_between_two_samples_counts(between: int) -> None:
     one = rested(Speed(0.0))
     for number in range(1, between + 1):
         one.commanded(Speed(float(number)))
@@ -373,7 +375,7 @@ def test_however_slow_it_should_go_it_backlog_until_it_moves(sign: float) -> Non
 
 
 @pytest.mark.parametrize("stop", [Speed(0.0), Stop.REST])
-def test_an_encoder_that_freezes_while_its_wheel_is_stopped_is_known_at_rest(stop: Demand) -> None:
+def test_an_encoder_that_freezes_while_its_wheel_is_stopped_is_known_at_rest(stop: SetPoint) -> None:
     one = settled(Speed(4.0), 4.0)
     for speed in (3.0, 2.0, 1.0):
         one.commanded(Speed(speed))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from firmware_bridge.drivers.driver import Demand, Position, Speed, Stop
+from firmware_bridge.drivers.driver import Position, SetPoint, Speed, Stop
 from firmware_bridge.safety.tracking import bounds_of
 from hil_tests.safety.following_bench import RARS, STEERING, Axle, rested, settled
 
@@ -31,7 +31,7 @@ def test_a_wheel_that_turned_and_shows_not_one_bit_of_its_way_has_halted(sign: f
     ],
 )
 def test_a_wheel_that_stands_for_another_reason_has_not_halted(
-    reported: Demand, turned: tuple[float, ...]
+    reported: SetPoint, turned: tuple[float, ...]
 ) -> None:
     one = settled(reported, turned[0])
     for speed in turned:

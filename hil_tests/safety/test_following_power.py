@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from firmware_bridge.drivers.driver import Demand, Feedback, Position, Power, Speed, Stop
+from firmware_bridge.drivers.driver import Feedback, Position, Power, SetPoint, Speed, Stop
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import AnyRobot, CommandForm
 from firmware_bridge.robot_types import find, names
@@ -31,7 +31,7 @@ def test_power_that_comes_back_finds_the_axis_as_it_is(sign: float) -> None:
     changed = one.now
     for power in (Power.OFF, Power.ON):
         known = one.does(sign * 5.0, power=power)
-        assert (known.demand, known.changed_at) == (Speed(sign * 3.0), changed)
+        assert (known.set_point, known.changed_at) == (Speed(sign * 3.0), changed)
         assert (known.position, known.velocity) == (one.position, sign * 5.0)
         assert known.sampled_at == known.obeyed_at == known.settled_at == known.place_at == one.now
     known = one.does(sign * 5.0)
@@ -76,7 +76,7 @@ def test_a_device_that_has_stopped_by_itself_is_to_stand_whatever_it_is_reported
     assert known.uncommanded
     assert one.does(0.0, power=Power.STOPPED).obeyed_at == one.now
     one.does(0.0, 20)
-    assert known.demand == Speed(3.0), "the demand itself is kept"
+    assert known.set_point == Speed(3.0), "the demand itself is kept"
 
 
 @pytest.mark.parametrize("speed", [3.0, 0.0])
@@ -134,7 +134,7 @@ def test_a_device_that_was_not_received_or_counts_again_is_not_judged() -> None:
     assert one.does(0.0).obeyed_at == one.now
 
 
-def test_the_demand_and_when_it_changed_are_known() -> None:
+def test_the_set_point_and_when_it_changed_are_known() -> None:
     one = rested(Speed(1.0))
     changed = one.now
     one.does(1.0, 3)
@@ -142,7 +142,7 @@ def test_the_demand_and_when_it_changed_are_known() -> None:
     assert one.does(1.0).changed_at == changed
     one.commanded(Stop.REST)
     known = one.does(1.0)
-    assert (known.demand, known.changed_at) == (Stop.REST, one.now - CYCLE)
+    assert (known.set_point, known.changed_at) == (Stop.REST, one.now - CYCLE)
 
 
 @pytest.mark.parametrize("name", names())
@@ -151,13 +151,13 @@ def test_all_axes_of_a_robot_are_watched_each_by_its_own(name: str) -> None:
     followers = Followers(robot)
     axes = {axis.name: Feedback(axis.name, Power.ON, SECOND, SECOND) for axis in robot.axes}
     followers.saw(axes)
-    demands: dict[str, Demand] = {
+    set_points: dict[str, SetPoint] = {
         axis.name: Speed(0.5 * axis.top_speed) for axis in robot.axes if axis.command is CommandForm.SPEED
     }
     now = SECOND
     followers.saw({name: replace(one, sampled_at=now + 1) for name, one in axes.items()})
-    followers.on_set_points(demands, now)
+    followers.on_set_points(set_points, now)
     for _ in range(20):
         now += robot.cycle
         known = followers.saw({name: replace(one, sampled_at=now) for name, one in axes.items()})
-    assert {name for name, one in known.items() if one.obeyed_at < now} == set(demands)
+    assert {name for name, one in known.items() if one.obeyed_at < now} == set(set_points)

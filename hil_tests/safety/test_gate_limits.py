@@ -146,7 +146,7 @@ def test_the_lift_is_kept_within_its_rate_and_range(
 
 
 @pytest.mark.parametrize(
-    ("demanded", "command", "held"),
+    ("commanded", "command", "held"),
     [
         (0.0, STEP, False),
         (0.0, STEP + 0.995e-4, False),
@@ -159,9 +159,9 @@ def test_the_lift_is_kept_within_its_rate_and_range(
     ],
 )
 def test_a_command_that_the_ramp_delays_is_reported(
-    robot: Rars, well: Well, demanded: float, command: float, *, held: bool
+    robot: Rars, well: Well, commanded: float, command: float, *, held: bool
 ) -> None:
-    decision = gate_of(robot).rule(well(START, intent={"speed_mps": command}, demanded_speed_mps=demanded))
+    decision = gate_of(robot).rule(well(START, intent={"speed_mps": command}, demanded_speed_mps=commanded))
     assert decision.allowed.speed_mps == command
     assert names(decision) == (("acceleration limit",) if held else ())
 

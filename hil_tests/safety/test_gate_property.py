@@ -76,9 +76,9 @@ class AnyOrder(RuleBasedStateMachine):
     def time_passes(self, ms: int) -> None:
         self.now += ms * MILLISECOND
 
-    @rule(intent=INTENTS, demanded=st.floats(-0.5, 0.5), steer=st.floats(-1.03, 1.03))
-    def a_well_robot_is_looked_at(self, intent: dict[str, Any], demanded: float, steer: float) -> None:
-        self.look(intent=intent, demanded_speed_mps=demanded, speed_mps=demanded, steer_rad=steer)
+    @rule(intent=INTENTS, commanded=st.floats(-0.5, 0.5), steer=st.floats(-1.03, 1.03))
+    def a_well_robot_is_looked_at(self, intent: dict[str, Any], commanded: float, steer: float) -> None:
+        self.look(intent=intent, demanded_speed_mps=commanded, speed_mps=commanded, steer_rad=steer)
 
     @rule(intent=INTENTS, armed=st.booleans(), stop=st.booleans(), age=HELD, steer=KNOWN, lift=KNOWN)
     def an_unwell_robot_is_looked_at(

@@ -11,7 +11,7 @@ from firmware_bridge.safety.guard.epos2_words import (
     HALT,
     NEW_SET_POINT,
     START_HOMING,
-    SetPoint,
+    GuardedSetPoint,
 )
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.cia402 import Mode, PowerState
@@ -30,30 +30,30 @@ def axis(name: str) -> GuardedAxis:
 
 
 def sends(one: GuardedAxis, word: int, target: int = 0, now: int = 0) -> None:
-    one.sent(SetPoint(word, target), now)
+    one.sent(GuardedSetPoint(word, target), now)
 
 
 def test_before_any_word_what_takes_the_power_is_in_force() -> None:
     for name in ("left", "lift"):
         one = axis(name)
-        assert one.set_point == SetPoint(DISABLE_VOLTAGE, 0)
+        assert one.set_point == GuardedSetPoint(DISABLE_VOLTAGE, 0)
         assert not one.moving
         assert not one.powered
 
 
 def test_the_word_that_starts_a_homing_moves_while_its_drive_has_not_stated_that_it_does_not() -> None:
     one = axis("lift")
-    assert one.moves_with(SetPoint(START_HOMING, 0)) is True
+    assert one.moves_with(GuardedSetPoint(START_HOMING, 0)) is True
     one.read(at.HOMING_METHOD, (35).to_bytes(1, "little"))
-    assert one.moves_with(SetPoint(START_HOMING, FAR)) is False
+    assert one.moves_with(GuardedSetPoint(START_HOMING, FAR)) is False
 
 
 def test_only_the_words_of_a_position_go_on_to_a_goal() -> None:
     one = axis("lift")
     sends(one, NEW_SET_POINT, FAR)
     for word, moves in ((ENABLE, True), (HALT, False), (DISABLE_VOLTAGE, False)):
-        assert one.moves_with(SetPoint(word, FAR)) is moves
-        assert one.speed_with(SetPoint(word, FAR)) == 0.0, "it is commanded by position"
+        assert one.moves_with(GuardedSetPoint(word, FAR)) is moves
+        assert one.speed_with(GuardedSetPoint(word, FAR)) == 0.0, "it is commanded by position"
 
 
 def test_a_word_without_power_leaves_confirmed_what_a_drive_has_confirmed() -> None:
@@ -76,9 +76,9 @@ def test_where_an_axis_has_rested_counts_until_it_is_sent_away(rounds: int) -> N
         one.reports(ON, now + CYCLE)
         one.reports_position(place * FAR, now + CYCLE)
         near = place * FAR + 1
-        assert not one.moves_with(SetPoint(NEW_SET_POINT, near)), "near to where it rests"
+        assert not one.moves_with(GuardedSetPoint(NEW_SET_POINT, near)), "near to where it rests"
         sends(one, NEW_SET_POINT, (place + 1) * FAR, now + 2 * CYCLE)
-        assert one.moves_with(SetPoint(NEW_SET_POINT, near)), "it is on its way"
+        assert one.moves_with(GuardedSetPoint(NEW_SET_POINT, near)), "it is on its way"
 
 
 def test_a_halt_after_a_new_position_makes_older_reports_stale() -> None:
@@ -87,9 +87,9 @@ def test_a_halt_after_a_new_position_makes_older_reports_stale() -> None:
     sends(one, HALT, FAR, CYCLE)
     one.reports(ON, CYCLE)
     one.reports_position(500, 2 * CYCLE - MILLISECOND)
-    assert one.moves_with(SetPoint(NEW_SET_POINT, 501)), "that left before the halt came"
+    assert one.moves_with(GuardedSetPoint(NEW_SET_POINT, 501)), "that left before the halt came"
     one.reports_position(500, 2 * CYCLE)
-    assert not one.moves_with(SetPoint(NEW_SET_POINT, 501))
+    assert not one.moves_with(GuardedSetPoint(NEW_SET_POINT, 501))
 
 
 def test_the_end_of_a_handshake_changes_nothing_of_when_it_was_sent() -> None:
@@ -139,11 +139,11 @@ def test_a_place_that_was_rested_at_is_forgotten_with_another_mode() -> None:
     one = axis("lift")
     sends(one, HALT)
     one.reports_position(500, 5 * CYCLE)
-    assert not one.moves_with(SetPoint(NEW_SET_POINT, 501))
+    assert not one.moves_with(GuardedSetPoint(NEW_SET_POINT, 501))
     one.wrote(at.HOME_OFFSET, bytes(4))
-    assert not one.moves_with(SetPoint(NEW_SET_POINT, 501))
+    assert not one.moves_with(GuardedSetPoint(NEW_SET_POINT, 501))
     one.wrote(at.MODE, int(Mode.HOMING).to_bytes(1, "little", signed=True))
-    assert one.moves_with(SetPoint(NEW_SET_POINT, 501))
+    assert one.moves_with(GuardedSetPoint(NEW_SET_POINT, 501))
 
 
 def test_who_states_that_its_homing_turns_nothing_is_in_nobodys_way() -> None:

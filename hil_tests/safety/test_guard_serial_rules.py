@@ -10,7 +10,7 @@ from firmware_bridge.robot_types import find, names
 from firmware_bridge.safety.guard import guarded
 from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_serial import Epos2SerialRules
-from firmware_bridge.safety.guard.epos2_words import NEW_SET_POINT, SetPoint
+from firmware_bridge.safety.guard.epos2_words import NEW_SET_POINT, GuardedSetPoint
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.canopen import NmtCommand
@@ -94,8 +94,8 @@ def test_each_position_that_is_read_counts() -> None:
         desk.receives(value(read, place.to_bytes(4, "little")))
         (lift,) = (axis for axis in desk.guard.links[LINK].axes if axis.axis.name == "lift")
         assert isinstance(lift, GuardedAxis)
-        assert not lift.moves_with(SetPoint(NEW_SET_POINT, place + 1)), "near to where it rests"
-        assert lift.moves_with(SetPoint(NEW_SET_POINT, place + 100_000))
+        assert not lift.moves_with(GuardedSetPoint(NEW_SET_POINT, place + 1)), "near to where it rests"
+        assert lift.moves_with(GuardedSetPoint(NEW_SET_POINT, place + 100_000))
 
 
 def test_an_answer_to_a_write_reports_nothing_of_the_drive() -> None:

@@ -5,7 +5,7 @@ from typing import Any, Final
 import pytest
 
 from emulators.rig import BRIDGE
-from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.node import DTR_DOWN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot_types import find

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import pytest
 
-from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import find

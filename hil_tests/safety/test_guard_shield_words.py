@@ -4,7 +4,7 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard.shield_words import (
     READERS,

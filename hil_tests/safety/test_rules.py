@@ -47,7 +47,7 @@ def rules_of(*without: str) -> Rules:
 
 
 def seen(
-    left: float = 0.0, age: Nanoseconds = 0, *, demanded: float = 0.0, place: float = 0.0
+    left: float = 0.0, age: Nanoseconds = 0, *, commanded: float = 0.0, place: float = 0.0
 ) -> Snapshot[Any, Any]:
     """Return a snapshot; the left axis was last received so long ago."""
     axes = {
@@ -64,14 +64,15 @@ def seen(
         sensors={"voltage": Reading(24.0, NOW, NOW)},
         links_lost={},
     )
-    return Snapshot(facts=facts, command=0.0, demanded=demanded, body=place, pose=Pose())
+    return Snapshot(facts=facts, command=0.0, commanded=commanded, body=place, pose=Pose())
 
 
 @pytest.mark.parametrize(
-    ("demanded", "place", "rests"), [(0.0, 0.0, True), (2.0, 2.0, True), (2.0, 1.0, False), (0.0, 1.0, False)]
+    ("commanded", "place", "rests"),
+    [(0.0, 0.0, True), (2.0, 2.0, True), (2.0, 1.0, False), (0.0, 1.0, False)],
 )
-def test_a_robot_rests_while_it_is_where_it_is_to_be(demanded: float, place: float, *, rests: bool) -> None:
-    assert rules_of().at_standstill(seen(demanded=demanded, place=place)) is rests
+def test_a_robot_rests_while_it_is_where_it_is_to_be(commanded: float, place: float, *, rests: bool) -> None:
+    assert rules_of().at_standstill(seen(commanded=commanded, place=place)) is rests
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from emulators.testing.errors import RigError
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.bridge.stops import Progress
-from firmware_bridge.drivers.fleets import STOP_STEPS
+from firmware_bridge.drivers.all_drivers import STOP_STEPS
 from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN, sums, way
 from firmware_bridge.packet import Packet
 from firmware_bridge.shell.runner import STOP_WITHIN

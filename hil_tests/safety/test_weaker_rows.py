@@ -7,9 +7,9 @@ from typing import Final, TypeAlias
 import pytest
 
 from firmware_bridge import robot_types
+from firmware_bridge.drivers.all_drivers import REPORTS
 from firmware_bridge.drivers.driver import Feedback, Power, Reports
-from firmware_bridge.drivers.fleets import REPORTS
-from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import AnyLink, Axis, RobotFileError
 from firmware_bridge.robot.settings.epos2 import Epos2Driver

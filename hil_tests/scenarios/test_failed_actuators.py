@@ -9,7 +9,7 @@ import pytest
 
 from emulators.bench.faults import Fault
 from emulators.robots.rars import RarsStep as Step
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.motion import davis
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find

@@ -9,7 +9,7 @@ from emulators.bench.faults.site import ForeignNode
 from emulators.testing.inherited.scripted import mission_of, scripted
 from firmware_bridge.drivers.driver import Feedback, Position, Power
 from firmware_bridge.drivers.epos2.process_data import SET_POINT, SET_POINT_COB_ID
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
@@ -172,7 +172,7 @@ def test_a_battery_that_stays_low_stops_the_robot_and_lets_no_one_arm(rides: Rid
 
 def beside(known: Tracking) -> float:
     """Return how far an axis was beside its range; negative within it."""
-    does = known.position if isinstance(known.demand, Position) else known.velocity
+    does = known.position if isinstance(known.set_point, Position) else known.velocity
     return max(known.low - does, does - known.high)
 
 
@@ -208,7 +208,7 @@ def test_no_ordinary_mission_comes_near_a_bound(
         for axis, one in known.items():
             if axes[axis].power is not Power.ON or one.changed_at == NEVER_RECEIVED:
                 continue
-            by_position = isinstance(one.demand, Position)
+            by_position = isinstance(one.set_point, Position)
             bound = bounds[axis].position if by_position else bounds[axis].speed
             worst[axis] = max(worst[axis], beside(one) / bound, one.backlog / bounds[axis].creep)
         return known

@@ -15,8 +15,8 @@ from emulators.recorded import CHUNKS, FRAMES, SIGHTS, WORDS, recorded
 from emulators.replay import Into, RecordingFileError, ReplayOrder, replay
 from emulators.run import HAND_STREAM
 from emulators.testing.inherited.scripted import mission_of, scripted
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.node import OPERATOR, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.recording import (

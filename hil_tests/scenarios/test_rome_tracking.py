@@ -53,7 +53,7 @@ class Loop:
 def integrated() -> Vector:
     """Return the error of each 10 ms, actual less desired, m."""
     pose, rims, turned = np.zeros(3), np.zeros(3), np.zeros(3)
-    loops, total, demand, pwm = [Loop() for _ in range(3)], np.zeros(3), np.zeros(3), np.zeros(3)
+    loops, total, set_point, pwm = [Loop() for _ in range(3)], np.zeros(3), np.zeros(3), np.zeros(3)
     posed = sampled = (pose.copy(), -REQUESTED)
     inertia = (WHEEL + ROTOR * GEAR**2) / R**2
     masses = np.array([MASS + 1.5 * inertia, MASS + 1.5 * inertia, YAW + 3.0 * L**2 * inertia])
@@ -73,10 +73,10 @@ def integrated() -> Vector:
             command = np.array(
                 [world[0] * cosine + world[1] * sine, world[1] * cosine - world[0] * sine, world[2]]
             )
-            change = command - demand
+            change = command - set_point
             needed = np.hypot(*change[:2]) / RAMP
-            demand = demand + change * min(1.0, CYCLE / needed if needed else 1.0)
-            words, commands_at = (t + REPORTED, np.round(P @ demand * per_tick)), commands_at + CYCLE
+            set_point = set_point + change * min(1.0, CYCLE / needed if needed else 1.0)
+            words, commands_at = (t + REPORTED, np.round(P @ set_point * per_tick)), commands_at + CYCLE
         if words is not None and t >= words[0]:
             for loop, target in zip(loops, words[1], strict=True):
                 loop.target = int(target)

@@ -14,7 +14,7 @@ from emulators.rig import BRIDGE
 from emulators.robots.rars import BENCH_SETUP
 from emulators.run import RunOrder, drive
 from firmware_bridge.bridge import Phase
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
@@ -200,7 +200,7 @@ def test_no_arming_while_the_adapter_is_out(rides: Ridden) -> None:
     line_of(one).adapter.plugged = False
     one.runs_until(7)
     assert not armed(one)
-    assert not any(drive.busy for drive in one.rig.bridge.fleets.drivers)
+    assert not any(drive.busy for drive in one.rig.bridge.all_drivers.drivers)
 
 
 @pytest.mark.long(beside="test_a_drive_that_falls_silent_on_its_own_link_stops_its_group_alone")

@@ -7,7 +7,7 @@ import pytest
 
 from emulators.robots.rars import RarsStep as Step
 from firmware_bridge.bridge import Phase
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
 from firmware_bridge.wire.cia402 import PowerState, state_of

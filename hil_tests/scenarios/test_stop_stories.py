@@ -8,7 +8,7 @@ from emulators.robots.rars import RarsStep as Step
 from emulators.wires import DatagramWire
 from firmware_bridge.bridge import Bridge, Phase
 from firmware_bridge.bridge.stops import NOT_ACKNOWLEDGED
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot

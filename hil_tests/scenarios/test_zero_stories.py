@@ -8,7 +8,7 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds

@@ -117,7 +117,7 @@ def _pushed(robot: Robot[ClimberGeometry], seconds: float) -> tuple[Floats, Floa
     kind = robot_type_of(robot)
     path_follower = ClimberPathFollower(robot, "vertical")
     body = ClimberState(0.0, 0.0, 0.0, 1.0)
-    demanded: ClimberMotion = kind.rest
+    commanded: ClimberMotion = kind.rest
     ahead, left, heading = 0.0, 0.0, 0.0
     rows: list[float] = []
     now: Nanoseconds = 0
@@ -132,14 +132,14 @@ def _pushed(robot: Robot[ClimberGeometry], seconds: float) -> tuple[Floats, Floa
         facts = Facts(now, True, False, now, True, axes, {}, {})  # noqa: FBT003 - in the order of its fields
         pose = Pose(ahead, left, heading)
         seen: Snapshot[ClimberMotion, ClimberState] = Snapshot(
-            facts=facts, command=kind.rest, demanded=demanded, body=body, pose=pose
+            facts=facts, command=kind.rest, commanded=commanded, body=body, pose=pose
         )
-        demanded = path_follower.command(seen, CYCLE)
+        commanded = path_follower.command(seen, CYCLE)
         step = to_seconds(CYCLE)
-        middle = heading + 0.5 * demanded.turn_rad_s * step
-        ahead += demanded.speed_mps * math.cos(middle) * step
-        left += demanded.speed_mps * math.sin(middle) * step
-        heading += demanded.turn_rad_s * step
+        middle = heading + 0.5 * commanded.turn_rad_s * step
+        ahead += commanded.speed_mps * math.cos(middle) * step
+        left += commanded.speed_mps * math.sin(middle) * step
+        heading += commanded.turn_rad_s * step
     return to_seconds(CYCLE) * np.arange(len(rows), dtype=np.float64), np.array(rows, dtype=np.float64)
 
 

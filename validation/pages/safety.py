@@ -6,10 +6,10 @@ from typing import Final, TypeAlias
 
 import firmware_bridge
 from firmware_bridge import robot_types
+from firmware_bridge.drivers.all_drivers import STOP_STEPS, reports_of
 from firmware_bridge.drivers.driver import Reports
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.drivers.fleets import STOP_STEPS, reports_of
-from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.drivers.stop_steps import StopStep, sums, way
 from firmware_bridge.robot import AnyRobot, Axis, CommandForm
 from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol

@@ -7,7 +7,7 @@ from firmware_bridge.bridge.bridge import SECOND_REQUEST_WITHIN
 from firmware_bridge.bridge.permission import BRAKED_WITHIN
 from firmware_bridge.bridge.power_down import LOOKS_FOR, WATCHED_FOR
 from firmware_bridge.bridge.stops import RAMPED_WITHIN
-from firmware_bridge.drivers.fleets import CONFIRMED_BY, alone
+from firmware_bridge.drivers.all_drivers import CONFIRMED_BY, alone
 from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.ar2 import Ar2Driver

@@ -74,8 +74,8 @@ def _believed(axis: int) -> Callable[[Seen], float]:
     return read
 
 
-def _demanded_speed(seen: Seen) -> float:
-    return math.hypot(*seen.demanded.speed)
+def _commanded_speed(seen: Seen) -> float:
+    return math.hypot(*seen.commanded.speed)
 
 
 def _counted_speed(seen: Seen) -> float:
@@ -150,7 +150,7 @@ BENCH_SETUP: Final = BenchSetup(
         Column("odometry_y_m", "above the floor", "m", seen=_believed(2)),
         Column("odometry_heading_rad", "of a view from the side", "rad", seen=_straight),
         Column("odometry_left_m", "to the left", "m", seen=_believed(1)),
-        Column("demanded_speed_mps", "the bridge's set-points of the tool", "m/s", seen=_demanded_speed),
+        Column("demanded_speed_mps", "the bridge's set-points of the tool", "m/s", seen=_commanded_speed),
         Column(OFFSET, "a path follower's clock less the run's", "s", seen=_path_offset),
         *(
             Column(

@@ -59,18 +59,18 @@ def upwards(speed: float) -> Ar2Motion:
 
 def _moving(motion: Ar2Motion, body: Ar2State) -> Situation:
     """Return the situation of an arm that moves so already."""
-    return Situation(command=motion, demanded=motion, body=body)
+    return Situation(command=motion, commanded=motion, body=body)
 
 
 def _beyond(row: str, axis: int, high: float, reason: str) -> Case:
     """Return the case of one of the tool's six speeds."""
     within, beyond = ([0.0] * 6, [0.0] * 6)
     within[axis], beyond[axis] = high, JUST * high
-    demanded = motion_of(within)
+    commanded = motion_of(within)
     return Case(
         row,
-        trips=Situation(command=motion_of(beyond), demanded=demanded, body=BENT),
-        spares=Situation(command=demanded, demanded=demanded, body=BENT),
+        trips=Situation(command=motion_of(beyond), commanded=commanded, body=BENT),
+        spares=Situation(command=commanded, commanded=commanded, body=BENT),
         reason=reason,
     )
 

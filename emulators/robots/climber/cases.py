@@ -44,7 +44,7 @@ def _at_the_joint(robot: Robot[ClimberGeometry], side: float) -> Iterator[Case]:
     for angle, spared, allowed in (
         (
             half,
-            Situation(command=ahead, demanded=ahead, body=replace(WELL, joint_rad=side * slow)),
+            Situation(command=ahead, commanded=ahead, body=replace(WELL, joint_rad=side * slow)),
             0.5 * speed,
         ),
         (
@@ -55,7 +55,7 @@ def _at_the_joint(robot: Robot[ClimberGeometry], side: float) -> Iterator[Case]:
     ):
         yield Case(
             "joint limit",
-            trips=Situation(command=ahead, demanded=ahead, body=replace(WELL, joint_rad=angle)),
+            trips=Situation(command=ahead, commanded=ahead, body=replace(WELL, joint_rad=angle)),
             spares=spared,
             reason=(
                 f"the joint's angle is {math.degrees(angle):.1f} deg: requested {speed:.3f} m/s "
@@ -65,7 +65,7 @@ def _at_the_joint(robot: Robot[ClimberGeometry], side: float) -> Iterator[Case]:
     for unknown, known in ((None, "not known"), (math.nan, "nan deg")):
         yield Case(
             "joint limit",
-            trips=Situation(command=ahead, demanded=ahead, body=replace(WELL, joint_rad=unknown)),
+            trips=Situation(command=ahead, commanded=ahead, body=replace(WELL, joint_rad=unknown)),
             spares=Situation(command=ClimberMotion(turn_rad_s=0.01), body=replace(WELL, joint_rad=unknown)),
             reason=(
                 f"the joint's angle is {known}: requested {speed:.3f} m/s {first} first, allowed is 0.000 m/s"
@@ -131,8 +131,8 @@ def _bounded(robot: Robot[ClimberGeometry]) -> Iterator[Case]:
         ahead = ClimberMotion(limits.speed_mps)
         yield Case(
             row,
-            trips=Situation(command=ahead, demanded=ahead, located=there),
-            spares=Situation(command=ahead, demanded=ahead, located=gone),
+            trips=Situation(command=ahead, commanded=ahead, located=there),
+            spares=Situation(command=ahead, commanded=ahead, located=gone),
             reason=(
                 f"{bound:.2f} m of the cable are drawn, it is {bound:.2f} m long"
                 if why is None
@@ -160,8 +160,8 @@ def _coupled(robot: Robot[ClimberGeometry]) -> Iterator[Case]:
     back = ClimberMotion(-robot.geometry.limits.speed_mps)
     yield Case(
         "coupled wheels",
-        trips=Situation(command=ClimberMotion(turn_rad_s=0.1), demanded=ClimberMotion(turn_rad_s=0.1)),
-        spares=Situation(command=back, demanded=back),
+        trips=Situation(command=ClimberMotion(turn_rad_s=0.1), commanded=ClimberMotion(turn_rad_s=0.1)),
+        spares=Situation(command=back, commanded=back),
         reason="requested a turn of 0.10 rad/s: one shaft turns both wheels",
         robot=machine,
     )

@@ -95,8 +95,8 @@ def _twist(values: Mapping[str, float], robot: Rars) -> TwistAxes:
     return TwistAxes(speed, yaw_rate=-speed * math.copysign(1.0 / radius, steer))
 
 
-def _demanded(seen: Snapshot[RarsMotion, RarsState]) -> float:
-    return seen.demanded.speed_mps
+def _commanded(seen: Snapshot[RarsMotion, RarsState]) -> float:
+    return seen.commanded.speed_mps
 
 
 def _remarks(robot: Rars) -> Mapping[str, str]:
@@ -123,7 +123,7 @@ BENCH_SETUP: Final = BenchSetup(
         *PLANAR,
         Column("steer_rad", "inner front wheel, left positive", "rad", plant="steer"),
         Column("lift_m", "height above collapsed", "m", plant="lift_height"),
-        Column("demanded_speed_mps", "the bridge's set-points of the wheels", "m/s", seen=_demanded),
+        Column("demanded_speed_mps", "the bridge's set-points of the wheels", "m/s", seen=_commanded),
     ),
     panels=(
         Panel(

@@ -127,8 +127,8 @@ def _limited(row: str, within: RarsMotion, beyond: RarsMotion, values: tuple[flo
     requested, allowed, unit = values
     return Case(
         row,
-        trips=Situation(command=beyond, demanded=within),
-        spares=Situation(command=within, demanded=within),
+        trips=Situation(command=beyond, commanded=within),
+        spares=Situation(command=within, commanded=within),
         reason=f"requested {requested:.2f} {unit}, allowed is {allowed:.2f} {unit}",
     )
 
@@ -142,8 +142,8 @@ def _tipping(robot: Robot[RarsGeometry], steer_rad: float) -> Case:
     within, beyond = RarsMotion(top), RarsMotion(JUST * top)
     return Case(
         "tipping limit",
-        trips=Situation(command=beyond, demanded=within, body=turning),
-        spares=Situation(command=within, demanded=within, body=turning),
+        trips=Situation(command=beyond, commanded=within, body=turning),
+        spares=Situation(command=within, commanded=within, body=turning),
         reason=f"requested {JUST * top:.2f} m/s, allowed is {top:.2f} m/s",
         robot=robot.model_copy(update={"geometry": robot.geometry.model_copy(update={"limits": limits})}),
     )

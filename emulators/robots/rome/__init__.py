@@ -51,12 +51,12 @@ def _stick(values: Mapping[str, float], robot: Rome) -> StickAxes:
     )
 
 
-def _demanded_ahead(seen: Seen) -> float:
-    return seen.demanded.ahead_mps
+def _commanded_ahead(seen: Seen) -> float:
+    return seen.commanded.ahead_mps
 
 
-def _demanded_left(seen: Seen) -> float:
-    return seen.demanded.left_mps
+def _commanded_left(seen: Seen) -> float:
+    return seen.commanded.left_mps
 
 
 def _path_offset(seen: Seen) -> float:
@@ -110,8 +110,8 @@ BENCH_SETUP: Final = BenchSetup(
     columns=(
         *PLANAR,
         Column("speed_left_mps", "speed to the left", "m/s", plant="speed_sideways"),
-        Column("demanded_speed_mps", "the bridge's set-point, ahead", "m/s", seen=_demanded_ahead),
-        Column("demanded_left_mps", "the bridge's set-point, to the left", "m/s", seen=_demanded_left),
+        Column("demanded_speed_mps", "the bridge's set-point, ahead", "m/s", seen=_commanded_ahead),
+        Column("demanded_left_mps", "the bridge's set-point, to the left", "m/s", seen=_commanded_left),
         Column(OFFSET, "a path follower's clock less the run's", "s", seen=_path_offset),
         Column("battery_v", "battery's terminal voltage", "V", plant="battery_voltage"),
     ),

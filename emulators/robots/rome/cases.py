@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from emulators.bench import cases as bench
-from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
@@ -111,7 +111,7 @@ def _limited(robot: Robot[RomeGeometry], side: float) -> Iterator[Case]:
         trips=Situation(command=RomeMotion(0.0, side * JUST * left, side * JUST * turning)),
         spares=Situation(
             command=RomeMotion(0.0, side * left, side * turning),
-            demanded=RomeMotion(0.0, side * left, side * turning),
+            commanded=RomeMotion(0.0, side * left, side * turning),
         ),
         reason=(f"requested {JUST * limits.rim_mps:.2f} m/s at a wheel, allowed is {limits.rim_mps:.2f} m/s"),
     )
@@ -121,7 +121,7 @@ def _beyond(row: str, within: RomeMotion, beyond: RomeMotion, requested: str, al
     """Return the case of a limit that is passed at the pace that the base has already."""
     return Case(
         row,
-        trips=Situation(command=beyond, demanded=within),
-        spares=Situation(command=within, demanded=within),
+        trips=Situation(command=beyond, commanded=within),
+        spares=Situation(command=within, commanded=within),
         reason=f"requested {requested}, allowed is {allowed}",
     )

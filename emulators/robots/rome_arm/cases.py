@@ -54,7 +54,7 @@ def _whole(half: Half, case: bench.Case[Any, Any], robot: Robot[RomeArmGeometry]
 
 def _both(half: Half, of_half: bench.Situation[Any, Any]) -> Situation:
     """Return the situation of both, in which the other half rests."""
-    put = {"command": of_half.command, "demanded": of_half.demanded}
+    put = {"command": of_half.command, "commanded": of_half.commanded}
     body = WHOLE if of_half.body is None else replace(WHOLE, **{half.name: of_half.body})
     motions = {key: None if it is None else half.put(RomeArmMotion(), it) for key, it in put.items()}
     return Situation(body=body, located=of_half.located, **motions)
@@ -94,8 +94,8 @@ def _between(robot: Robot[RomeArmGeometry]) -> Iterator[Case]:
     ahead, back = (RomeArmMotion(arm=arm.Ar2Motion(ahead_mps=speed)) for speed in (slow, -slow))
     yield Case(
         "tool balance",
-        trips=Situation(command=ahead, demanded=ahead, body=WHOLE),
-        spares=Situation(command=back, demanded=back, body=WHOLE),
+        trips=Situation(command=ahead, commanded=ahead, body=WHOLE),
+        spares=Situation(command=back, commanded=back, body=WHOLE),
         reason=f"the center of gravity would be {kept} inside the wheels",
         robot=_balanced(robot, margin_m=room),
     )

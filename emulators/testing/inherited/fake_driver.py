@@ -6,7 +6,7 @@ from typing import Any, Final, TypeAlias
 
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.cases import Case, Situation
-from firmware_bridge.drivers.driver import Demand, Feedback, Position, Power, Reading, Reports, Speed
+from firmware_bridge.drivers.driver import Feedback, Position, Power, Reading, Reports, SetPoint, Speed
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_type import AnyRobotType
@@ -73,7 +73,7 @@ def seen(
     return Snapshot(
         facts=Facts(**(known | facts)),
         command=kind.rest if situation.command is None else situation.command,
-        demanded=kind.rest if situation.demanded is None else situation.demanded,
+        commanded=kind.rest if situation.commanded is None else situation.commanded,
         body=body,
         pose=Pose(),
         located=situation.located,
@@ -106,9 +106,9 @@ class FakeDriver:
         self.gate: Final = gate_of(robot)
         self.axes: Final = axes_of(robot, START)
         self.before: Mapping[str, Feedback] = dict(self.axes)
-        """The axes as the newest demands found them."""
-        self.demanded: Any = self.kind.rest
-        self.demands: Mapping[str, Demand] = {}
+        """The axes as the newest set-points found them."""
+        self.commanded: Any = self.kind.rest
+        self.set_points: Mapping[str, SetPoint] = {}
         self.now: Nanoseconds = START
 
     def cycle(self, command: Any, **facts: Any) -> Decision[Any]:
@@ -116,12 +116,14 @@ class FakeDriver:
         self.now += self.robot.cycle
         for name, axis in self.axes.items():
             self.axes[name] = replace(axis, received_at=self.now, sampled_at=self.now)
-        situation: AnySituation = Situation(command=command, demanded=self.demanded)
+        situation: AnySituation = Situation(command=command, commanded=self.commanded)
         known = seen(self.robot, self.now, situation, self.axes, **facts)
         # The order is that of the bridge's pipeline: evaluate, ramp, then set-points from the ramp's result.
         decision = self.gate.rule(known)
-        self.demanded = self.rules.body.ramped(self.demanded, decision.allowed, known.body, self.robot.cycle)
-        self.demands = self.rules.body.demands(self.demanded, known.body)
+        self.commanded = self.rules.body.ramped(
+            self.commanded, decision.allowed, known.body, self.robot.cycle
+        )
+        self.set_points = self.rules.body.set_points(self.commanded, known.body)
         self._obey()
         return decision
 
@@ -129,21 +131,21 @@ class FakeDriver:
         self.before = dict(self.axes)
         seconds = to_seconds(self.robot.cycle)
         for axis in self.robot.axes:
-            before, demand = self.axes[axis.name], self.demands.get(axis.name)
+            before, set_point = self.axes[axis.name], self.set_points.get(axis.name)
             velocity = 0.0
-            if isinstance(demand, Speed):
-                velocity = demand.value
-            elif isinstance(demand, Position):
+            if isinstance(set_point, Speed):
+                velocity = set_point.value
+            elif isinstance(set_point, Position):
                 # Bounded, so that a set-point that jumps shows as a speed, and not as a jump of the axis.
                 reach = axis.top_speed * seconds
-                way = min(max(demand.value - before.position, -reach), reach)
+                way = min(max(set_point.value - before.position, -reach), reach)
                 velocity = way / seconds
             position = before.position + velocity * seconds
             self.axes[axis.name] = replace(before, position=position, velocity=velocity)
 
     def speeds(self) -> dict[str, float]:
         """Return what is demanded of the axes that are commanded by speed."""
-        return {name: one.value for name, one in self.demands.items() if isinstance(one, Speed)}
+        return {name: one.value for name, one in self.set_points.items() if isinstance(one, Speed)}
 
 
 def silence_of(robot: AnyRobot, link: str) -> Nanoseconds:

@@ -276,11 +276,11 @@ words = st.lists(st.tuples(sticks | velocities, st.integers(1, 30), st.booleans(
 def within_bounds(paper: FakeDriver) -> None:
     """Check what the guard checks, from the numbers of the robot file alone."""
     for axis in paper.robot.axes:
-        demand = paper.demands.get(axis.name)
-        if isinstance(demand, Position):
+        set_point = paper.set_points.get(axis.name)
+        if isinstance(set_point, Position):
             assert axis.travel is not None
             low, high = axis.travel
-            assert low - 1e-6 * abs(low) <= demand.value <= high + 1e-6 * abs(high)
+            assert low - 1e-6 * abs(low) <= set_point.value <= high + 1e-6 * abs(high)
     requested = paper.speeds()
     for axis in paper.robot.axes:
         assert abs(requested.get(axis.name, 0.0)) <= axis.top_speed * ROUNDING
@@ -294,11 +294,11 @@ def within_bounds(paper: FakeDriver) -> None:
 def moves(paper: FakeDriver, axes: tuple[str, ...]) -> bool:
     """Return whether any of these axes is commanded to go elsewhere than where it is."""
     for name in axes:
-        demand = paper.demands.get(name)
-        if isinstance(demand, Position):
-            if abs(demand.value - paper.before[name].position) > 1e-6:
+        set_point = paper.set_points.get(name)
+        if isinstance(set_point, Position):
+            if abs(set_point.value - paper.before[name].position) > 1e-6:
                 return True
-        elif isinstance(demand, Speed) and demand.value != 0.0:
+        elif isinstance(set_point, Speed) and set_point.value != 0.0:
             return True
     return False
 
@@ -338,9 +338,9 @@ def test_nothing_moves_before_it_is_armed(name: str) -> None:
 def settled(paper: FakeDriver, command: Any, **facts: Any) -> Decision[Any]:
     """Go on until a cycle repeats the set-points and speeds of the one before; return its decision."""
     for _ in range(CYCLES):
-        before = paper.demanded, turning(paper)
+        before = paper.commanded, turning(paper)
         decision: Decision[Any] = paper.cycle(command, **facts)
-        if (paper.demanded, turning(paper)) == before:
+        if (paper.commanded, turning(paper)) == before:
             return decision
     events = (
         "; ".join(f"{event.name}: {event.reason}" for event in decision.interlock_events)
@@ -362,7 +362,7 @@ def test_a_stop_brings_every_axis_to_rest(name: str) -> None:
         decision = settled(paper, command, emergency_stopped=True)
         assert decision.stopped == frozenset(paper.kind.groups)
         assert not moves(paper, tuple(paper.axes))
-        assert not paper.rules.body.requested(paper.demanded, paper.kind.body(robot).sensed(paper.axes, {}))
+        assert not paper.rules.body.requested(paper.commanded, paper.kind.body(robot).sensed(paper.axes, {}))
 
 
 def test_its_missions_drive_without_a_refusal_and_it_ends_without_power(name: str, mission: str) -> None:

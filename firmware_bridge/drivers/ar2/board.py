@@ -44,7 +44,7 @@ class Question(NamedTuple):
 
 
 class Ar2Board:
-    """A `firmware_bridge.drivers.fleet.DeviceLink`."""
+    """A `firmware_bridge.drivers.link_drivers.DeviceLink`."""
 
     def __init__(self, name: str, table: Ar2Link) -> None:
         self.name = name
@@ -143,7 +143,7 @@ class Ar2Board:
         self.under_way = ()
         self._starts_until = NEVER
 
-    def demanded(self) -> None:
+    def note_set_point(self) -> None:
         """Move the joints to where they are wanted, as soon as the line is free."""
         self._dirty = True
 
@@ -153,7 +153,7 @@ class Ar2Board:
         self._places.append(Question(words.place(joint.number, steps), joint))
         return self._go_on(now)
 
-    # For the fleet
+    # For the link's drivers
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Request proof that it is there, and has done its move, unless a request is under way."""
@@ -355,12 +355,12 @@ class Ar2Board:
             self._fail("it has to be found first")
             return
         for joint in self.joints:
-            joint.enabled, joint.released, joint.demand = True, False, Stop.REST
+            joint.enabled, joint.released, joint.set_point = True, False, Stop.REST
 
     def _let_go(self, _now: Nanoseconds) -> None:
         """Move no joint any more; the answer to the question proves that none does."""
         for joint in self.joints:
-            joint.enabled, joint.released, joint.demand = False, False, Stop.POWER_OFF
+            joint.enabled, joint.released, joint.set_point = False, False, Stop.POWER_OFF
 
     def _fail(self, problem: str) -> None:
         self.problem = problem

@@ -8,11 +8,11 @@ are the board's: a set-point is noted here.
 from typing import Final, Protocol
 
 from firmware_bridge.drivers.driver import (
-    Demand,
     Feedback,
     Position,
     Power,
     Reports,
+    SetPoint,
     StartupError,
     Stop,
     Task,
@@ -53,7 +53,7 @@ class Words(Protocol):
     def end_tasks(self) -> None:
         """Do those under way no more."""
 
-    def demanded(self) -> None:
+    def note_set_point(self) -> None:
         """Move the joints to where they are wanted, soon."""
 
     def placed(self, joint: "Ar2Joint", steps: int, now: Nanoseconds) -> tuple[Packet, ...]:
@@ -74,7 +74,7 @@ class Ar2Joint:
         by_motor = 2.0 * axis.ar2.full_steps_s * to_seconds(link.move)
         self.most: Final = int(min(by_axis, by_motor)) + MOVES_AT_ONCE
         """Steps of one move."""
-        self.demand: Demand = Stop.REST
+        self.set_point: SetPoint = Stop.REST
         self.enabled = False
         """True where it may be moved."""
         self.released = False
@@ -167,16 +167,16 @@ class Ar2Joint:
         del now
         return ()
 
-    def command(self, demand: Demand) -> tuple[Packet, ...]:
-        """Note a demand; while tasks are under way only one that stops, unless they do so themselves."""
+    def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
+        """Note a set-point; while tasks are under way only one that stops, unless they do so themselves."""
         if self._board.under_way:
-            if demand not in {Stop.QUICK_STOP, Stop.POWER_OFF} or self._board.stops:
+            if set_point not in {Stop.QUICK_STOP, Stop.POWER_OFF} or self._board.stops:
                 return ()
             self._board.end_tasks()
-        self.demand = demand
-        if demand is Stop.POWER_OFF:
+        self.set_point = set_point
+        if set_point is Stop.POWER_OFF:
             self.enabled = False
-        self._board.demanded()
+        self._board.note_set_point()
         return ()
 
     def release(self) -> tuple[Packet, ...]:
@@ -196,9 +196,9 @@ class Ar2Joint:
     @property
     def wanted(self) -> int:
         """Steps from where it is counted to where it shall be."""
-        if self.count is None or not self.enabled or not isinstance(self.demand, Position):
+        if self.count is None or not self.enabled or not isinstance(self.set_point, Position):
             return 0
-        return self.steps_at(self.demand.value) - self.count
+        return self.steps_at(self.set_point.value) - self.count
 
     def moved(self, steps: int) -> None:
         """Learn that so many steps are done."""
@@ -209,7 +209,7 @@ class Ar2Joint:
         """Learn that no one knows any more where it stands, and that it may not be moved."""
         self.count = self.commanded = None
         self.enabled = self.released = False
-        self.demand = Stop.REST
+        self.set_point = Stop.REST
 
     def sampled(self, cycle_at: Nanoseconds, now: Nanoseconds, *, placed: bool) -> None:
         """Take the board's answer to a cycle's request; `placed`: its position was sent since."""

@@ -13,7 +13,7 @@ from firmware_bridge.wire.mavlink_pose import MavlinkPose, poses
 
 
 class MavlinkPoses:
-    """A `firmware_bridge.drivers.fleet.DeviceLink`."""
+    """A `firmware_bridge.drivers.link_drivers.DeviceLink`."""
 
     def __init__(self, name: str, table: CaptureLink, bodies: Iterable[SeenBody]) -> None:
         self.name = name

@@ -35,7 +35,7 @@ _WHICH: Final = packet(MessageId.REQUEST_MODELDEF)
 
 
 class NatNetLink:
-    """A `firmware_bridge.drivers.fleet.DeviceLink`."""
+    """A `firmware_bridge.drivers.link_drivers.DeviceLink`."""
 
     def __init__(self, name: str, table: CaptureLink, bodies: Iterable[SeenBody]) -> None:
         self.name = name

@@ -8,7 +8,7 @@ stop as the EPOS2 Application Notes do.
 import math
 from typing import Final, Protocol
 
-from firmware_bridge.drivers.driver import Demand, Position, Speed, Stop
+from firmware_bridge.drivers.driver import Position, SetPoint, Speed, Stop
 from firmware_bridge.drivers.epos2.feedback import DriveFeedback
 from firmware_bridge.drivers.epos2.process_data import SET_POINT, SET_POINT_COB_ID
 from firmware_bridge.drivers.epos2.scale import WHOLE_COUNTER, Scale, highest_rpm, travel_of, wrapped
@@ -33,20 +33,20 @@ SMALLEST_MOVE_QC: Final = 2
 """A target that changed by less is not sent again: it is the rounding of the kinematics."""
 
 
-class SetPoint(Protocol):
+class Epos2SetPoint(Protocol):
     """The set-point frame of one drive."""
 
     def word(self, controlword: int) -> Packet:
         """Return a frame with this controlword and a target that moves nothing."""
 
-    def demand(self, demand: Demand) -> Packet:
-        """Return the frame for a demand; to a drive that is not enabled never one to move."""
+    def frame_for(self, set_point: SetPoint) -> Packet:
+        """Return the frame for a set-point; to a drive that is not enabled never one to move."""
 
     def release(self) -> Packet | None:
         """Return the frame that ends a handshake; None where none is open."""
 
 
-def set_point(axis: Axis, feedback: DriveFeedback) -> SetPoint:
+def set_point(axis: Axis, feedback: DriveFeedback) -> Epos2SetPoint:
     """Return the kind of set-point that the axis's command needs."""
     if axis.command is CommandForm.SPEED:
         return VelocitySetPoint(axis, feedback)
@@ -67,15 +67,15 @@ class VelocitySetPoint:
         """Return a frame with this controlword and speed 0."""
         return self._frame(controlword, 0)
 
-    def demand(self, demand: Demand) -> Packet:
-        """Return the frame for a demand; a position, or what is no finite speed, counts as rest."""
-        if demand is Stop.POWER_OFF:
+    def frame_for(self, set_point: SetPoint) -> Packet:
+        """Return the frame for a set-point; a position, or what is no finite speed, counts as rest."""
+        if set_point is Stop.POWER_OFF:
             return self._frame(DISABLE_VOLTAGE, 0)
         # Not enabled: 0x000B gives no power, while 0x000F would enable a drive in Switched on (transition 4).
-        if demand is Stop.QUICK_STOP or self._feedback.state is not PowerState.OPERATION_ENABLED:
+        if set_point is Stop.QUICK_STOP or self._feedback.state is not PowerState.OPERATION_ENABLED:
             return self._frame(QUICK_STOP, 0)
-        if isinstance(demand, Speed) and math.isfinite(demand.value):
-            rpm = self._scale.rpm(demand.value)
+        if isinstance(set_point, Speed) and math.isfinite(set_point.value):
+            rpm = self._scale.rpm(set_point.value)
             return self._frame(ENABLE, round(min(max(rpm, -self._highest_rpm), self._highest_rpm)))
         return self._frame(ENABLE, 0)
 
@@ -110,14 +110,14 @@ class PositionSetPoint:
         self._target_qc = self._travel.clip(wrapped(self._feedback.position_qc))
         return self._frame(controlword)
 
-    def demand(self, demand: Demand) -> Packet:
-        """Return the frame for a demand; a speed, or what is no finite position, counts as rest."""
-        if demand is Stop.POWER_OFF:
+    def frame_for(self, set_point: SetPoint) -> Packet:
+        """Return the frame for a set-point; a speed, or what is no finite position, counts as rest."""
+        if set_point is Stop.POWER_OFF:
             return self.word(DISABLE_VOLTAGE)
-        if demand is Stop.QUICK_STOP or self._stopped():
+        if set_point is Stop.QUICK_STOP or self._stopped():
             return self.word(QUICK_STOP)
-        if isinstance(demand, Position) and math.isfinite(demand.value):
-            return self._go(self._scale.within(demand.value, self._travel))
+        if isinstance(set_point, Position) and math.isfinite(set_point.value):
+            return self._go(self._scale.within(set_point.value, self._travel))
         self._under_way = False
         return self._frame(HALT)
 
@@ -126,7 +126,7 @@ class PositionSetPoint:
         if not self._bit_is_set:
             return None
         # In a drive that stopped by itself since, 0x000F would put the power on again.
-        return self.demand(Stop.QUICK_STOP) if self._stopped() else self._frame(ENABLE)
+        return self.frame_for(Stop.QUICK_STOP) if self._stopped() else self._frame(ENABLE)
 
     def _go(self, target_qc: int) -> Packet:
         if self._bit_is_set:

@@ -5,11 +5,11 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Final
 
-from firmware_bridge.drivers.driver import STOPPING, Demand, StartupError, Stop, Task
+from firmware_bridge.drivers.driver import STOPPING, SetPoint, StartupError, Stop, Task
 from firmware_bridge.drivers.epos2 import tasks as scripts
 from firmware_bridge.drivers.epos2 import zero
 from firmware_bridge.drivers.epos2.feedback import DriveFeedback
-from firmware_bridge.drivers.epos2.set_point import QUICK_STOP, SetPoint
+from firmware_bridge.drivers.epos2.set_point import QUICK_STOP, Epos2SetPoint
 from firmware_bridge.drivers.epos2.setup import SetupObject
 from firmware_bridge.drivers.script_runner import Do, Script, ScriptRunner
 from firmware_bridge.packet import Packet
@@ -45,7 +45,7 @@ class TaskRunner:
         self,
         axis: Axis,
         feedback: DriveFeedback,
-        set_point: SetPoint,
+        set_point: Epos2SetPoint,
         runner: ScriptRunner,
         configuration: tuple[SetupObject, ...],
         *,
@@ -98,17 +98,17 @@ class TaskRunner:
         """True where the one under way stops the drive itself."""
         return self._task in STOPPING
 
-    def lets(self, demand: Demand) -> bool:
+    def lets(self, set_point: SetPoint) -> bool:
         """Return whether a set-point may be sent: during tasks one that stops, during homing also rest."""
         # A stop always passes: no task may keep an axis from being stopped.
-        if not self.busy or demand is Stop.QUICK_STOP or demand is Stop.POWER_OFF:
+        if not self.busy or set_point is Stop.QUICK_STOP or set_point is Stop.POWER_OFF:
             return True
-        return demand is Stop.REST and self._task is Task.HOME
+        return set_point is Stop.REST and self._task is Task.HOME
 
-    def meant(self, demand: Demand) -> Demand:
-        """Return a demand as it may reach the drive: in homing mode a new position would start that."""
+    def meant(self, set_point: SetPoint) -> SetPoint:
+        """Return a set-point as it may reach the drive: in homing mode a new position would start that."""
         # A new position in homing mode would start a homing: bit 4 means both.
-        return demand if self._in_own_mode or isinstance(demand, Stop) else Stop.REST
+        return set_point if self._in_own_mode or isinstance(set_point, Stop) else Stop.REST
 
     @property
     def configured(self) -> bool:

@@ -15,7 +15,7 @@ from firmware_bridge.drivers.epos2.set_point import (
     FAULT_RESET,
     QUICK_STOP,
     SHUTDOWN,
-    SetPoint,
+    Epos2SetPoint,
 )
 from firmware_bridge.drivers.epos2.setup import SetupObject
 from firmware_bridge.drivers.epos2.steps import controlled, expected, failing, nmt, pause, read, written
@@ -93,14 +93,14 @@ def start(axis: Axis, feedback: DriveFeedback) -> Script:
     )
 
 
-def enable(axis: Axis, feedback: DriveFeedback, set_point: SetPoint) -> Script:
+def enable(axis: Axis, feedback: DriveFeedback, set_point: Epos2SetPoint) -> Script:
     """Walk to operation enabled, over a fault reset where there is a fault."""
     # From the request on the power may come at any time; only a new Statusword proves the contrary.
     feedback.unpowered = False
     return (Do(lambda: _towards_enabled(axis, feedback, set_point, 0)),)
 
 
-def leave(axis: Axis, feedback: DriveFeedback, set_point: SetPoint) -> Script:
+def leave(axis: Axis, feedback: DriveFeedback, set_point: Epos2SetPoint) -> Script:
     """Take the power off in order, end the watch over the bridge, stop process data unless it flowed before.
 
     The task fails, and leaves the watch on, where the drive's own statusword does not confirm that it has no
@@ -246,7 +246,7 @@ def _farewell(axis: Axis, feedback: DriveFeedback, rows: tuple[SetupObject, ...]
     return (Ask(Transfer(rows[0].address, rows[0].raw, attempts=1), judge),)
 
 
-def _towards_enabled(axis: Axis, feedback: DriveFeedback, set_point: SetPoint, resets: int) -> Script:
+def _towards_enabled(axis: Axis, feedback: DriveFeedback, set_point: Epos2SetPoint, resets: int) -> Script:
     """Take the next step from the present state; `resets` faults were reset so far."""
     if feedback.state is PowerState.OPERATION_ENABLED:
         feedback.fault = 0
@@ -285,7 +285,7 @@ def _ask_for_fault(feedback: DriveFeedback) -> Script:
     return () if feedback.fault else (Ask(Transfer(NEWEST_ERROR), learn),)
 
 
-def _turn(axis: Axis, feedback: DriveFeedback, set_point: SetPoint, controlword: int | None) -> Script:
+def _turn(axis: Axis, feedback: DriveFeedback, set_point: Epos2SetPoint, controlword: int | None) -> Script:
     """Send a controlword, or none, and wait until the drive leaves its present state."""
     state = feedback.state
     return (

@@ -32,7 +32,7 @@ _LETTING_GO: Final = (Task.LEAVE, Task.DISABLE)
 
 
 class Board:
-    """A `firmware_bridge.drivers.fleet.DeviceLink`."""
+    """A `firmware_bridge.drivers.link_drivers.DeviceLink`."""
 
     def __init__(self, name: str, table: ShieldLink, dialect: Dialect, answers_within: Nanoseconds) -> None:
         self.name = name
@@ -134,11 +134,11 @@ class Board:
         self._waiting.end()
         self._starts_until = NEVER
 
-    def demanded(self) -> None:
+    def note_set_point(self) -> None:
         """Say what the motors want, as soon as the line is free."""
         self._dirty = True
 
-    # For the fleet
+    # For the link's drivers
 
     def sample(self, now: Nanoseconds) -> tuple[Packet, ...]:
         """Ask for all counts, unless the questions of the cycle before are not answered."""
@@ -347,13 +347,13 @@ class Board:
             self._fail("it has to be set up first")
             return None
         for motor in self.motors:
-            motor.enabled, motor.demand = True, Stop.REST
+            motor.enabled, motor.set_point = True, Stop.REST
         return iter(())
 
     def _let_go(self) -> Iterator[Say]:
         """Yield the commands that release all motors, and a request whose answer proves their arrival."""
         for motor in self.motors:
-            motor.enabled, motor.demand = False, Stop.POWER_OFF
+            motor.enabled, motor.set_point = False, Stop.POWER_OFF
         release = self._dialect.release if self.configured else self._dialect.release_again
         yield from release(motor.number for motor in self.motors)
         yield self._dialect.find()

@@ -30,7 +30,7 @@ def expressed(
             motor.on_output(outputs[motor.number])
     if dialect.on_board:
         return words, None
-    off = [motor for motor in motors if motor.demand is Stop.POWER_OFF]
+    off = [motor for motor in motors if motor.set_point is Stop.POWER_OFF]
     if not off:
         return words, None
     # A command may be damaged on the line without a report: it is repeated while the wheel turns.

@@ -7,10 +7,10 @@ line is free, at the same instant where it is.
 from typing import Final, Protocol
 
 from firmware_bridge.drivers.driver import (
-    Demand,
     Feedback,
     Power,
     Reports,
+    SetPoint,
     Speed,
     StartupError,
     Stop,
@@ -60,7 +60,7 @@ class Words(Protocol):
     def end_tasks(self) -> None:
         """Do those under way no more."""
 
-    def demanded(self) -> None:
+    def note_set_point(self) -> None:
         """Say what the motors want, soon."""
 
 
@@ -77,7 +77,7 @@ class ShieldMotor:
         cycle = robot.cycle * link.every
         self.regulator: Final = Ticks(axis, cycle) if link.stops_itself else Pwm(axis, cycle)
         self._per_count: Final = axis.direction / axis.shield.counts_per_unit(axis.ratio)
-        self.demand: Demand = Stop.REST
+        self.set_point: SetPoint = Stop.REST
         self.way = 0
         """Direction of its half bridge: 1 or -1; 0 where it was released."""
         self.enabled = False
@@ -175,17 +175,17 @@ class ShieldMotor:
         del now
         return ()
 
-    def command(self, demand: Demand) -> tuple[Packet, ...]:
-        """Note a demand; while tasks are under way only one that stops, unless they do so themselves."""
+    def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
+        """Note a set-point; while tasks are under way only one that stops, unless they do so themselves."""
         tasks = self._board.under_way
         if tasks:
-            if demand not in {Stop.QUICK_STOP, Stop.POWER_OFF} or self._board.stops:
+            if set_point not in {Stop.QUICK_STOP, Stop.POWER_OFF} or self._board.stops:
                 return ()
             self._board.end_tasks()
-        self.demand = demand
-        if demand is Stop.POWER_OFF:
+        self.set_point = set_point
+        if set_point is Stop.POWER_OFF:
             self.enabled = False
-        self._board.demanded()
+        self._board.note_set_point()
         return ()
 
     def release(self) -> tuple[Packet, ...]:
@@ -201,8 +201,8 @@ class ShieldMotor:
         """Return its next command: ticks or PWM; one step of its regulator."""
         elapsed = 0 if self._regulated_at == NEVER_RECEIVED else now - self._regulated_at
         self._regulated_at = now
-        wanted = self.demand.value if isinstance(self.demand, Speed) and self.enabled else 0.0
-        if not self.enabled or self.demand is Stop.QUICK_STOP:
+        wanted = self.set_point.value if isinstance(self.set_point, Speed) and self.enabled else 0.0
+        if not self.enabled or self.set_point is Stop.QUICK_STOP:
             self.regulator.reset()
             return 0
         return self.regulator.next(wanted, self._velocity if self.measured else None, elapsed)
@@ -218,7 +218,7 @@ class ShieldMotor:
         self._count = None
         self._velocity = 0.0
         self._estimated_at = self._sampled_at = NEVER_RECEIVED
-        self.demand, self.way, self.enabled = Stop.REST, 0, False
+        self.set_point, self.way, self.enabled = Stop.REST, 0, False
 
     def counted(self, count: int, bits: int, requested_at: Nanoseconds, cycle_at: Nanoseconds) -> None:
         """Take its encoder's count, which wraps at so many bits."""
@@ -243,7 +243,7 @@ class ShieldMotor:
     def sampled(self, cycle_at: Nanoseconds, now: Nanoseconds) -> None:
         """Learn that the board has answered all questions of a cycle; where nothing is counted, believe."""
         if not self.measured:
-            commanded = self.demand.value if isinstance(self.demand, Speed) and self.enabled else 0.0
+            commanded = self.set_point.value if isinstance(self.set_point, Speed) and self.enabled else 0.0
             # Nothing counts here: the position follows from the speed commanded since the last sample.
             if self._estimated_at != NEVER_RECEIVED:
                 self._position += self._velocity * to_seconds(cycle_at - self._estimated_at)

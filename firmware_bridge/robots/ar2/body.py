@@ -1,6 +1,6 @@
 """The arm's body: from joints to the tool, and from how the tool shall move to where the joints shall be.
 
-A demand is where the joints are at the end of its cycle, so that steps that are too small for one are made up
+A set-point is where the joints are at the cycle's end, so that steps that are too small for one are made up
 for in a later one. Source of the law: A. Seleit, MSc thesis, UCF, 2020, (3.15) and (3.16).
 """
 
@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from firmware_bridge.drivers.driver import Demand, Feedback, Position, Reading
+from firmware_bridge.drivers.driver import Feedback, Position, Reading, SetPoint
 from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.motion.ramp import MARGIN
@@ -27,7 +27,7 @@ NOTHING: Final[frozenset[str]] = frozenset()
 MOVES: Final = 0.02
 """Share of its top speed from which a joint counts as moving."""
 APART: Final = 0.75
-"""Steps that a joint may be from where its last demand had it: one is rounded, and half of it is left."""
+"""Steps of a joint from its last set-point: one by rounding, and half of it is left."""
 NEAR_TOP: Final = 0.95
 """Share of the joints' top speeds that is used: steps are whole."""
 
@@ -78,33 +78,33 @@ class Ar2Kinematics:
         return motion_of(STILL, path_s=motion.path_s) if TOOL in groups else motion
 
     def ramped(
-        self, demanded: Ar2Motion, allowed: Ar2Motion, state: Ar2State, elapsed: Nanoseconds
+        self, commanded: Ar2Motion, allowed: Ar2Motion, state: Ar2State, elapsed: Nanoseconds
     ) -> Ar2Motion:
-        """Return the next demand on the way to what is allowed, with where the joints shall be."""
+        """Return the next set-point on the way to what is allowed, with where the joints shall be."""
         seconds, limits = to_seconds(elapsed), self._limits
         twist = (
-            *changed(demanded.speed, allowed.speed, MARGIN * limits.acceleration_mps2 * seconds),
-            *changed(demanded.turn, allowed.turn, MARGIN * limits.turn_acceleration_rad_s2 * seconds),
+            *changed(commanded.speed, allowed.speed, MARGIN * limits.acceleration_mps2 * seconds),
+            *changed(commanded.turn, allowed.turn, MARGIN * limits.turn_acceleration_rad_s2 * seconds),
         )
         if twist == STILL:
             return Ar2Motion(path_s=allowed.path_s)
-        begin = self.begin(demanded, state)
+        begin = self.begin(commanded, state)
         # One share for all joints keeps the tool's direction; the travel is clipped against rounding only.
         rates, share = self.rates(begin, twist)
         angles = np.clip(np.array(begin) + share * self._cycle_s * rates.joints, *self._travel)
         return motion_of(twist, tuple(map(float, angles)), allowed.path_s)
 
-    def begin(self, demanded: Ar2Motion, state: Ar2State) -> tuple[float, ...]:
+    def begin(self, commanded: Ar2Motion, state: Ar2State) -> tuple[float, ...]:
         """Return from where the joints go on: from where they were to be, unless they have not got there."""
-        if demanded.angles is None:
+        if commanded.angles is None:
             return state.angles
         # A joint that is further off than its rounding did not get there: it goes on from where it is
         # counted.
         apart = (
             abs(a - b) > APART * one
-            for a, b, one in zip(demanded.angles, state.angles, self._steps, strict=True)
+            for a, b, one in zip(commanded.angles, state.angles, self._steps, strict=True)
         )
-        return state.angles if any(apart) else demanded.angles
+        return state.angles if any(apart) else commanded.angles
 
     def rates(self, angles: tuple[float, ...], twist: tuple[float, ...]) -> tuple[Rates, float]:
         """Return the joints' rates for the tool's motion, and the share of them at which all may follow."""
@@ -112,7 +112,7 @@ class Ar2Kinematics:
         top = [NEAR_TOP * it for it in self._fastest]
         return found, slowed(AR2, angles, found.joints, top, self._cycle_s, margin=self._margin)
 
-    def demands(self, motion: Ar2Motion, _state: Ar2State) -> Mapping[str, Demand]:
+    def set_points(self, motion: Ar2Motion, _state: Ar2State) -> Mapping[str, SetPoint]:
         """Return where the joints shall be; those that shall stay rest."""
         if motion.angles is None:
             return {}

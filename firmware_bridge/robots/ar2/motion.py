@@ -21,7 +21,7 @@ class Ar2Motion:
     pitch_rad_s: float = 0.0
     yaw_rad_s: float = 0.0
     angles: tuple[float, ...] | None = None
-    """Of the six joints, rad: where a demand has them be at the end of its cycle; None: where they are."""
+    """Of the six joints, rad: where a set-point has them be at the end of its cycle; None: where they are."""
     path_s: float | None = None
     """Progress of a path follower on its course, in s; None without one."""
 

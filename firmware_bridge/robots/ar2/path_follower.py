@@ -82,7 +82,7 @@ class Ar2PathFollower:
 
     def command(self, seen: Snapshot[Ar2Motion, Ar2State], elapsed: Nanoseconds) -> Ar2Motion:
         """Return the motion towards where the course is now."""
-        actual = AR2.pose(self._body.begin(seen.demanded, seen.body))
+        actual = AR2.pose(self._body.begin(seen.commanded, seen.body))
         # The first cycle only takes the place: the course begins where the tool is.
         if self._start is None:
             self._start = actual

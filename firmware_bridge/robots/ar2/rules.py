@@ -140,7 +140,7 @@ def _joints(view: View) -> tuple[Ar2Motion, str | None]:
     if motion.twist == STILL:
         return motion, None
     body = Ar2Kinematics(view.robot)
-    rates, share = body.rates(body.begin(view.seen.demanded, view.body), motion.twist)
+    rates, share = body.rates(body.begin(view.seen.commanded, view.body), motion.twist)
     if rates.watch.damping and share >= 1.0:
         return motion, f"near a singular posture, at {rates.watch.smallest:.3f}: the tool leaves its path"
     if share >= 1.0:
@@ -152,7 +152,7 @@ def _joints(view: View) -> tuple[Ar2Motion, str | None]:
 def _acceleration(view: View) -> tuple[Ar2Motion, str | None]:
     """Clip nothing, the ramp does; say where it will take more than one cycle."""
     requested, limits, cycle_s = view.allowed, view.geometry.limits, to_seconds(view.robot.cycle)
-    before = view.seen.demanded
+    before = view.seen.commanded
     speed = changed(before.speed, requested.speed, limits.acceleration_mps2 * cycle_s)
     turn = changed(before.turn, requested.turn, limits.turn_acceleration_rad_s2 * cycle_s)
     if math.dist((*speed, *turn), requested.twist) <= TOLERANCE:

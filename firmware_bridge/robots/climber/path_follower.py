@@ -53,7 +53,7 @@ class ClimberPathFollower:
         self._legs: Final = PATHS[name](geometry.paths)
         self._axes: Final = tuple(axis.name for axis in robot.axes)
         self._ramp: Final = ramp_of(robot)
-        self._demanded = 0.0, 0.0
+        self._commanded = 0.0, 0.0
         self._lead: Final = self._control.speed_mps / self._control.k_rho_per_s
         """So far ahead the reference is: at a smaller speed the angles to a nearer one are but noise."""
         self._begin: tuple[float, float] | None = None
@@ -77,7 +77,7 @@ class ClimberPathFollower:
     def command(self, seen: Snapshot[ClimberMotion, ClimberState], elapsed: Nanoseconds) -> ClimberMotion:
         """Return the motion towards where the path is now."""
         located, age = seen.located, self._age(seen)
-        self._demanded = seen.demanded.speed_mps, seen.demanded.turn_rad_s
+        self._commanded = seen.commanded.speed_mps, seen.commanded.turn_rad_s
         if located is not None and located.source is Source.UNSEEN:
             return self._motion(0.0, 0.0)
         pose = seen.pose if located is not None else placed(self._geometry, seen.pose)
@@ -191,5 +191,5 @@ class ClimberPathFollower:
             min(max(speed, -limits.speed_mps), limits.speed_mps),
             min(max(turn, -limits.turn_rate_rad_s), limits.turn_rate_rad_s),
         )
-        speed, turn = self._ramp.step(self._demanded, command, self._ramp.longest_step)
+        speed, turn = self._ramp.step(self._commanded, command, self._ramp.longest_step)
         return ClimberMotion(speed, turn, path_s=(self._done_m + self._way) / self._control.speed_mps)

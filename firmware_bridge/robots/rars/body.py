@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
-from firmware_bridge.drivers.driver import Demand, Feedback, Position, Reading, Speed
+from firmware_bridge.drivers.driver import Feedback, Position, Reading, SetPoint, Speed
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.motion import davis, scissor
 from firmware_bridge.motion.odometry import moved
@@ -101,28 +101,28 @@ class Rars:
         return motion
 
     def ramped(
-        self, demanded: RarsMotion, allowed: RarsMotion, state: RarsState, elapsed: Nanoseconds
+        self, commanded: RarsMotion, allowed: RarsMotion, state: RarsState, elapsed: Nanoseconds
     ) -> RarsMotion:
-        """Return the next demand: the speed on its ramp in the turn actually steered, a near height."""
+        """Return the next set-point: the speed on its ramp in the turn actually steered, a near height."""
         bend = davis.curvature(self._base, steered(state))
         # Slower while the turn straightens: the energy of the turn goes into the base's speed.
         top = self._top_mps * (1.0 - GIVES_BACK * self._straightens(allowed, bend))
         speed = min(max(allowed.speed_mps, -top), top)
-        speed = self._ramp.step(demanded.speed_mps, speed, bend, elapsed)
-        height = self._next_height(demanded.lift_m, allowed, state.lift_m, to_seconds(elapsed))
+        speed = self._ramp.step(commanded.speed_mps, speed, bend, elapsed)
+        height = self._next_height(commanded.lift_m, allowed, state.lift_m, to_seconds(elapsed))
         return replace(allowed, speed_mps=speed, lift_m=height, lift_rate_mps=0.0)
 
-    def demands(self, motion: RarsMotion, state: RarsState) -> Mapping[str, Demand]:
-        """Return the steering's demand first, as in the thesis; the wheels follow the actual angle."""
+    def set_points(self, motion: RarsMotion, state: RarsState) -> Mapping[str, SetPoint]:
+        """Return the steering's set-point first, as in the thesis; the wheels follow the actual angle."""
         left, right = davis.wheel_speeds(self._base, motion.speed_mps, steered(state))
-        demands: dict[str, Demand] = {}
+        set_points: dict[str, SetPoint] = {}
         if motion.steer_rad is not None:
-            demands[self._steering] = Position(davis.pinion_from_steer(self._base, motion.steer_rad))
-        demands[self._left] = Speed(left)
-        demands[self._right] = Speed(right)
+            set_points[self._steering] = Position(davis.pinion_from_steer(self._base, motion.steer_rad))
+        set_points[self._left] = Speed(left)
+        set_points[self._right] = Speed(right)
         if motion.lift_m is not None:
-            demands[self._screw] = Position(scissor.screw_from_height(self._lift, motion.lift_m))
-        return demands
+            set_points[self._screw] = Position(scissor.screw_from_height(self._lift, motion.lift_m))
+        return set_points
 
     def advanced(
         self,

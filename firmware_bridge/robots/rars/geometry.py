@@ -66,4 +66,6 @@ class RarsGeometry(Table):
         return steer_from_curvature(self.base, 1.0 / self.limits.turn_radius_m)
 
 
-__getattr__ = renamed.module(__name__, __name__, Geometry="RarsGeometry")
+__getattr__ = renamed.module(
+    __name__, __name__, Geometry="RarsGeometry", Limits="RarsLimits", Limp="Degraded"
+)

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Final
 
-from firmware_bridge.drivers.driver import Demand, Feedback, Reading, Speed
+from firmware_bridge.drivers.driver import Feedback, Reading, SetPoint, Speed
 from firmware_bridge.motion import davis
 from firmware_bridge.motion.odometry import moved
 from firmware_bridge.motion.pose import Pose
@@ -49,10 +49,14 @@ class Failed(Rars):
         super().__init__(robot, robot.geometry.narrowed)
         self._out: Final = robot.axis(self.role).name
 
-    def demands(self, motion: RarsMotion, state: RarsState) -> Mapping[str, Demand]:
-        """Return the demands of the axes that are left."""
-        # Without a demand the excluded axis is sent the power-off of every cycle.
-        return {name: demand for name, demand in super().demands(motion, state).items() if name != self._out}
+    def set_points(self, motion: RarsMotion, state: RarsState) -> Mapping[str, SetPoint]:
+        """Return the set-points of the axes that are left."""
+        # Without a set-point the excluded axis is sent the power-off of every cycle.
+        return {
+            name: set_point
+            for name, set_point in super().set_points(motion, state).items()
+            if name != self._out
+        }
 
 
 class SteeringFailed(Failed):
@@ -101,11 +105,11 @@ class OneWheel(Failed):
             state, speed_mps=speed, yaw_rate_rad_s=speed * davis.curvature(self._base, steered(state))
         )
 
-    def demands(self, motion: RarsMotion, state: RarsState) -> Mapping[str, Demand]:
-        """Return the steering's demand, and that of the wheel that drives."""
+    def set_points(self, motion: RarsMotion, state: RarsState) -> Mapping[str, SetPoint]:
+        """Return the steering's set-point, and that of the wheel that drives."""
         rolling = motion.speed_mps / self._base.wheel_radius_m
         return {
-            **super().demands(motion, state),
+            **super().set_points(motion, state),
             self._driven: Speed(rolling * self._share(steered(state))),
         }
 

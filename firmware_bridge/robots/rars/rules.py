@@ -72,8 +72,8 @@ def _base_drives(view: View) -> str | None:
     # Written so that a NaN trips.
     if not abs(speed) <= (BASE_RESTS_MPS if view.holding else BASE_MOVES_MPS):
         return f"the robot drives with {speed:.2f} m/s"
-    if view.seen.demanded.speed_mps != 0.0:
-        return f"the robot is commanded to drive with {view.seen.demanded.speed_mps:.2f} m/s"
+    if view.seen.commanded.speed_mps != 0.0:
+        return f"the robot is commanded to drive with {view.seen.commanded.speed_mps:.2f} m/s"
     if view.allowed.speed_mps != 0.0:
         return f"the robot is requested to drive with {view.allowed.speed_mps:.2f} m/s"
     return None
@@ -170,16 +170,16 @@ def _lift_range(view: View) -> tuple[RarsMotion, str | None]:
 
 def _acceleration(view: View, limits: RarsLimits) -> tuple[RarsMotion, str | None]:
     """Clip nothing, the ramp does; say where it will take more than one cycle."""
-    demanded, speed = view.seen.demanded.speed_mps, view.allowed.speed_mps
+    commanded, speed = view.seen.commanded.speed_mps, view.allowed.speed_mps
     ramp = ramp_of(view.robot, limits)
     bend = davis.curvature(view.geometry.base, steered(view.body))
     # Reported where the ramp cannot get there in one cycle; the ramp itself limits.
-    if abs(speed - ramp.step(demanded, speed, bend, ramp.longest_step)) <= SPEED_TOLERANCE_MPS:
+    if abs(speed - ramp.step(commanded, speed, bend, ramp.longest_step)) <= SPEED_TOLERANCE_MPS:
         return view.allowed, None
     limit = limits.acceleration_mps2
     return (
         view.allowed,
-        f"requested a step from {demanded:.2f} to {speed:.2f} m/s at once, limit {limit:.2f} m/s2",
+        f"requested a step from {commanded:.2f} to {speed:.2f} m/s at once, limit {limit:.2f} m/s2",
     )
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
-from firmware_bridge.drivers.driver import Demand, Feedback, Reading, Speed
+from firmware_bridge.drivers.driver import Feedback, Reading, SetPoint, Speed
 from firmware_bridge.motion.omni import BodyTwist, OmniRamp, moved, rims, shortened, twist
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.motion.ramp import MARGIN
@@ -63,12 +63,12 @@ class RomeKinematics:
         return replace(motion, ahead_mps=0.0, left_mps=0.0, turn_rad_s=0.0) if BASE in groups else motion
 
     def ramped(
-        self, demanded: RomeMotion, allowed: RomeMotion, _state: RomeState, elapsed: Nanoseconds
+        self, commanded: RomeMotion, allowed: RomeMotion, _state: RomeState, elapsed: Nanoseconds
     ) -> RomeMotion:
-        """Return the next demand on the way to what is allowed."""
-        return replace(allowed, **_as_motion(self._ramp.step(demanded.twist, allowed.twist, elapsed)))
+        """Return the next set-point on the way to what is allowed."""
+        return replace(allowed, **_as_motion(self._ramp.step(commanded.twist, allowed.twist, elapsed)))
 
-    def demands(self, motion: RomeMotion, _state: RomeState) -> Mapping[str, Demand]:
+    def set_points(self, motion: RomeMotion, _state: RomeState) -> Mapping[str, SetPoint]:
         """Return the wheels' speeds."""
         speeds = rims(motion.twist, self._distance)
         return {name: Speed(rim / self._radius) for name, rim in zip(self.rolling, speeds, strict=True)}

@@ -114,11 +114,11 @@ def _rim(view: View) -> tuple[RomeMotion, str | None]:
 
 def _acceleration(view: View) -> tuple[RomeMotion, str | None]:
     """Clip nothing, the ramp does; say where it will take more than one cycle."""
-    demanded, requested = view.seen.demanded, view.allowed
-    near = ramp_of(view.robot).step(demanded.twist, requested.twist, view.robot.cycle)
+    commanded, requested = view.seen.commanded, view.allowed
+    near = ramp_of(view.robot).step(commanded.twist, requested.twist, view.robot.cycle)
     if max(abs(new - old) for old, new in zip(near, requested.twist, strict=True)) <= TOLERANCE:
         return requested, None
-    return requested, f"requested a step from {_text_of(demanded)} to {_text_of(requested)} at once"
+    return requested, f"requested a step from {_text_of(commanded)} to {_text_of(requested)} at once"
 
 
 def _text_of(motion: RomeMotion) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
-from firmware_bridge.drivers.driver import Demand, Feedback, Reading
+from firmware_bridge.drivers.driver import Feedback, Reading, SetPoint
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.ar2 import body as arms
@@ -51,15 +51,15 @@ class RomeArmKinematics:
         )
 
     def ramped(
-        self, demanded: RomeArmMotion, allowed: RomeArmMotion, state: RomeArmState, elapsed: Nanoseconds
+        self, commanded: RomeArmMotion, allowed: RomeArmMotion, state: RomeArmState, elapsed: Nanoseconds
     ) -> RomeArmMotion:
-        """Return the next demand; with its arm stretched out the base changes its speed more slowly."""
+        """Return the next set-point; with its arm stretched out the base changes its speed more slowly."""
         share = self.share(state)
         return replace(
             allowed,
             # Less time for the ramp is less acceleration, in the same proportion for all directions.
-            base=self._base.ramped(demanded.base, allowed.base, state.base, round(share * elapsed)),
-            arm=self._arm.ramped(demanded.arm, allowed.arm, state.arm, elapsed),
+            base=self._base.ramped(commanded.base, allowed.base, state.base, round(share * elapsed)),
+            arm=self._arm.ramped(commanded.arm, allowed.arm, state.arm, elapsed),
         )
 
     def share(self, state: RomeArmState) -> float:
@@ -72,9 +72,12 @@ class RomeArmKinematics:
         # Never 0: a base that may not slow down would not stop either.
         return max(LEAST, FOLLOWED * min(1.0, max(LEAST, room / limit)))
 
-    def demands(self, motion: RomeArmMotion, state: RomeArmState) -> Mapping[str, Demand]:
+    def set_points(self, motion: RomeArmMotion, state: RomeArmState) -> Mapping[str, SetPoint]:
         """Return the wheels' speeds, and where the joints shall be."""
-        return {**self._base.demands(motion.base, state.base), **self._arm.demands(motion.arm, state.arm)}
+        return {
+            **self._base.set_points(motion.base, state.base),
+            **self._arm.set_points(motion.arm, state.arm),
+        }
 
     def advanced(
         self,

@@ -53,7 +53,7 @@ class Half:
         return Snapshot(
             facts=seen.facts,
             command=self.of(seen.command),
-            demanded=self.of(seen.demanded),
+            commanded=self.of(seen.commanded),
             body=self.of(seen.body),
             pose=seen.pose,
             located=seen.located,

@@ -54,8 +54,8 @@ def _tips(view: View) -> tuple[RomeArmMotion, str | None]:
         return motion, None
     half = ARM.view(view)
     arm = Arm(half.robot)
-    # From where the demand has the joints, as they are there at the end of the move.
-    angles = arm.begin(half.seen.demanded, half.body)
+    # From where the set-point has the joints, as they are there at the end of the move.
+    angles = arm.begin(half.seen.commanded, half.body)
     rates, share = arm.rates(angles, motion.arm.twist)
     later = np.array(angles) + HORIZON * to_seconds(view.robot.cycle) * share * rates.joints
     now = balance(geometry, angles).room_m

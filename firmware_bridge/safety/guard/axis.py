@@ -14,7 +14,7 @@ from firmware_bridge.safety.guard.epos2_words import (
     POWERED_STATES,
     QUICK_STOP,
     START_HOMING,
-    SetPoint,
+    GuardedSetPoint,
 )
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.zeroing import READ, WRITTEN, Zeroing
@@ -120,16 +120,16 @@ class GuardedAxis:
         return self.zeroing.within_s
 
     @property
-    def set_point(self) -> SetPoint:
+    def set_point(self) -> GuardedSetPoint:
         """The set-point in force."""
-        return SetPoint(DISABLE_VOLTAGE if self._word is None else self._word, self.target)
+        return GuardedSetPoint(DISABLE_VOLTAGE if self._word is None else self._word, self.target)
 
     @property
-    def safe(self) -> SetPoint:
+    def safe(self) -> GuardedSetPoint:
         """The set-point that removes motion, and gives no power to a drive without it."""
-        return SetPoint(self._safe_word(), 0 if self.by_speed else self.target)
+        return GuardedSetPoint(self._safe_word(), 0 if self.by_speed else self.target)
 
-    def moves_with(self, set_point: SetPoint) -> bool:
+    def moves_with(self, set_point: GuardedSetPoint) -> bool:
         """Return whether the axis would move by this set-point.
 
         A position counts until its drive reports that it is there, until a halt, or until the power is off.
@@ -144,13 +144,13 @@ class GuardedAxis:
             return self._rests_at is None or abs(set_point.target - self._rests_at) > self._margin_qc
         return set_point.word == ENABLE and self._has_goal
 
-    def speed_with(self, set_point: SetPoint) -> float:
+    def speed_with(self, set_point: GuardedSetPoint) -> float:
         """Return the speed with which the axis would move by this set-point, in its unit a second."""
         if not (self.by_speed and self.moves_with(set_point)):
             return 0.0
         return set_point.target / self._rpm_per_unit
 
-    def requested_by(self, set_point: SetPoint) -> RequestedMotion:
+    def requested_by(self, set_point: GuardedSetPoint) -> RequestedMotion:
         """Return what the axis would do by this set-point."""
         return RequestedMotion(self.moves_with(set_point), self.speed_with(set_point))
 
@@ -167,7 +167,7 @@ class GuardedAxis:
             return f"node {self.node} has been without an order to disable its power stage for {patience} ms"
         return None
 
-    def sent(self, set_point: SetPoint, now: Nanoseconds) -> None:
+    def sent(self, set_point: GuardedSetPoint, now: Nanoseconds) -> None:
         """Note what is in force from now on."""
         before = self._word
         # Only an unbroken command to disable the power counts towards the reset, the last stop stage.

@@ -17,7 +17,7 @@ from typing import Final, Protocol
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, CommandForm
 from firmware_bridge.safety.guard.axis import GuardedAxis
-from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, TARGET_UNIT, SetPoint
+from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, TARGET_UNIT, GuardedSetPoint
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.safety.guard.writes import SAMPLE_PDO, STATUS_PDO, Writes, writes_on_can
@@ -77,7 +77,7 @@ class AxisSetPoint:
         """Check length, controlword and target."""
         if len(payload) != _SET_POINT.size:
             return f"{len(payload)} bytes where {_SET_POINT.size} are mapped"
-        word, target = SetPoint(*_SET_POINT.unpack(payload))
+        word, target = GuardedSetPoint(*_SET_POINT.unpack(payload))
         if word not in CONTROLWORDS[self.command]:
             return f"controlword 0x{word:04X} is not listed"
         if target not in self.targets:
@@ -147,7 +147,7 @@ class Epos2CanRules(WireRules):
     def requested_by(self, packet: Packet) -> Mapping[InForce, RequestedMotion]:
         """Return what the frame has its axis do."""
         axis = self._by_set_point[packet.address]
-        return {axis: axis.requested_by(SetPoint(*_SET_POINT.unpack(packet.payload)))}
+        return {axis: axis.requested_by(GuardedSetPoint(*_SET_POINT.unpack(packet.payload)))}
 
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
         """Look into the list, and at what is in force."""
@@ -202,7 +202,7 @@ class Epos2CanRules(WireRules):
         del requested
         axis = self._by_set_point.get(packet.address)
         if axis is not None:
-            axis.sent(SetPoint(*_SET_POINT.unpack(packet.payload)), now)
+            axis.sent(GuardedSetPoint(*_SET_POINT.unpack(packet.payload)), now)
             return (axis,)
         if packet.address == canopen.NMT:
             self._commands(packet.payload[0], packet.payload[1])
@@ -216,7 +216,7 @@ class Epos2CanRules(WireRules):
             axis.wrote(address, raw)
             return ()
         # An object changes the Controlword alone; the target in the drive stays in force.
-        axis.sent(SetPoint(int.from_bytes(raw, "little"), axis.target), now)
+        axis.sent(GuardedSetPoint(int.from_bytes(raw, "little"), axis.target), now)
         return (axis,)
 
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:

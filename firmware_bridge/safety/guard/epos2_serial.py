@@ -15,7 +15,13 @@ from firmware_bridge.node import LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.safety.guard.axis import GuardedAxis
-from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, START_HOMING, TARGET, SetPoint
+from firmware_bridge.safety.guard.epos2_words import (
+    CONTROLWORDS,
+    LISTED_NMT,
+    START_HOMING,
+    TARGET,
+    GuardedSetPoint,
+)
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.wire_rules import WireRules
 from firmware_bridge.safety.guard.writes import Values, Writes, writes_over_serial
@@ -194,12 +200,12 @@ def _target(axis: GuardedAxis) -> Address:
     return TARGET[axis.axis.command]
 
 
-def _written(request: WriteObject, axis: GuardedAxis) -> SetPoint:
+def _written(request: WriteObject, axis: GuardedAxis) -> GuardedSetPoint:
     """Return what is in force at an axis when its controlword or target was written."""
     word, target = axis.set_point
     if address_of(request) == CONTROLWORD:
-        return SetPoint(DataType.UNSIGNED32.decode(request.raw), target)
-    return SetPoint(word, DataType.INTEGER32.decode(request.raw))
+        return GuardedSetPoint(DataType.UNSIGNED32.decode(request.raw), target)
+    return GuardedSetPoint(word, DataType.INTEGER32.decode(request.raw))
 
 
 def _read(rules: Epos2SerialRules, request: ReadObject, _now: Nanoseconds) -> str | None:

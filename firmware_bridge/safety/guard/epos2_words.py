@@ -51,7 +51,7 @@ LISTED_NMT: Final = (
 """The permitted NMT commands. STOP is none: a stopped drive receives neither set-points nor SDO."""
 
 
-class SetPoint(NamedTuple):
+class GuardedSetPoint(NamedTuple):
     """The set-point in force for a drive."""
 
     word: int

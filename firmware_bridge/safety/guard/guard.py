@@ -239,7 +239,7 @@ class Guarded:
         return sent
 
     def _spoken_for(self, now: Nanoseconds) -> tuple[Packet, ...]:
-        """Return safe demands for all axes when some axis moves and some axis was forgotten for too long."""
+        """Return safe set-points for all axes when one moves and one was forgotten for too long."""
         alarmed = self._speak_at != NEVER
         if not alarmed and not any(axis.moving for axis in self._axes):
             self._moving_since = self._deadline = NEVER

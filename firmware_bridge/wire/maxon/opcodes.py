@@ -1,7 +1,7 @@
 """The commands of the serial protocols, one row each, and the codecs that come from the rows.
 
 An answer always has its command's full layout, also on error: of
-ReadObject maxon's library demands it, for the others it is an assumption.
+ReadObject maxon's library set-points it, for the others it is an assumption.
 """
 
 from collections.abc import Mapping

@@ -99,7 +99,7 @@ class Robotlike:
         snapshot = Snapshot(
             facts=reported.facts,
             command=self.operator.intent.command,
-            demanded=reported.demanded,
+            commanded=reported.commanded,
             body=replace(reported.body, yaw_rate_rad_s=0.4),
             pose=self.pose,
         )

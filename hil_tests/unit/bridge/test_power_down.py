@@ -40,7 +40,7 @@ class Standing:
     def __init__(self, change: Callable[[dict[str, Any]], None] = held_brush) -> None:
         self.cart = FakeCart(cart(change))
         self.sent: list[Packet] = []
-        self.power_down = Down(self.cart.robot, self.cart.fleets, self.sent)
+        self.power_down = Down(self.cart.robot, self.cart.all_drivers, self.sent)
         self.now = START
         self.without: frozenset[str] = frozenset()
         for name in self.cart.drivers:
@@ -55,7 +55,7 @@ class Standing:
         )
 
     def requests(self, later: Nanoseconds = 0, *, rests: bool = True) -> Stop | None:
-        """Request it, cycle by cycle, for so long; return the newest demand."""
+        """Request it, cycle by cycle, for so long; return the newest set-point."""
         until, silent = self.now + later, {}
         for name, driver in self.cart.drivers.items():
             silent[name] = self.now - driver.feedback.received_at > 0

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_bridge.bridge.stops import RESTS, SLOWED, Stops
-from firmware_bridge.drivers.driver import Demand, Power, Speed, Stop, Task
+from firmware_bridge.drivers.driver import Power, SetPoint, Speed, Stop, Task
 from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
 from hil_tests.unit.pipeline.cart import WHEELS, FakeCart
@@ -35,13 +35,13 @@ class Watched:
 
     def __init__(self, speed: float = 5.0) -> None:
         cart = FakeCart()
-        self.fleets = cart.fleets
+        self.all_drivers = cart.all_drivers
         self.links = cart.links
         self.driver = cart.drivers["left"]
-        self.stops = Stops(cart.robot, cart.fleets)
+        self.stops = Stops(cart.robot, cart.all_drivers)
         self.now = START
         self.requested = {"left"}
-        self.demand: Demand = Stop.REST
+        self.set_point: SetPoint = Stop.REST
         self.reports(speed)
 
     def reports(self, speed: float, power: Power = Power.ON) -> None:
@@ -50,12 +50,12 @@ class Watched:
             self.driver.feedback, velocity=speed, power=power, received_at=self.now, sampled_at=self.now
         )
 
-    def looks(self, later: Nanoseconds = 0) -> Mapping[str, Demand]:
-        """Look at it so much later; return the demands as they are to be sent."""
+    def looks(self, later: Nanoseconds = 0) -> Mapping[str, SetPoint]:
+        """Look at it so much later; return the set-points as they are to be sent."""
         self.now += later
-        sent, demands = self.stops.watch(self.requested, {"left": self.demand}, self.now)
+        sent, set_points = self.stops.watch(self.requested, {"left": self.set_point}, self.now)
         assert sent == (), "a paper driver sends nothing"
-        return demands
+        return set_points
 
     def unconfirmed(self) -> str | None:
         """The step that failed last, if any."""
@@ -140,11 +140,11 @@ def test_one_that_is_not_received_is_given_its_time_out_and_no_more(power: Power
 def test_while_the_bridge_itself_ramps_the_drive_is_not_late() -> None:
     watched = Watched()
     for speed in range(100, 0, -5):
-        watched.demand = Speed(speed / 10.0)
+        watched.set_point = Speed(speed / 10.0)
         watched.looks(CYCLE)
         watched.reports(speed / 10.0)
     assert watched.unconfirmed() is None
-    watched.demand = Speed(0.0)
+    watched.set_point = Speed(0.0)
     watched.looks(CYCLE)
     assert not watched.confirmed()
 
@@ -181,14 +181,14 @@ def test_for_an_axis_that_rested_no_one_else_loses_power() -> None:
 
 def test_a_power_off_that_was_ordered_begins_with_it() -> None:
     watched = Watched(0.0)
-    watched.demand = Stop.POWER_OFF
+    watched.set_point = Stop.POWER_OFF
     watched.reports(0.0)
     assert escalated(watched) == ["power off by PDO", "power off by SDO", "silence", "reset"]
 
 
 def test_rest_is_not_enough_where_the_power_was_ordered_off() -> None:
     watched = Watched(0.0)
-    watched.demand = Stop.POWER_OFF
+    watched.set_point = Stop.POWER_OFF
     watched.looks()
     watched.now += CYCLE
     watched.reports(0.0)
@@ -201,13 +201,13 @@ def test_rest_is_not_enough_where_the_power_was_ordered_off() -> None:
 
 def test_the_link_is_silent_for_that_step_and_no_longer() -> None:
     watched = Watched()
-    watched.fleets.begin_beats(START)
-    beats: dict[str, list[Nanoseconds]] = {fleet.name: [] for fleet in watched.fleets.all}
+    watched.all_drivers.begin_beats(START)
+    beats: dict[str, list[Nanoseconds]] = {link_drivers.name: [] for link_drivers in watched.all_drivers.all}
     for link in watched.links.values():
         link.beats = beats[link.name]
     while not watched.stops.given_up:
         watched.looks(CYCLE)
-        watched.fleets.beat(watched.now)
+        watched.all_drivers.beat(watched.now)
     missed = sorted(set(beats["tool"]) - set(beats["drives"]))
     assert set(beats["drives"]) < set(beats["tool"])
     assert missed[-1] - missed[0] >= 200 * MILLISECOND, "longer than the drives' patience"
@@ -328,10 +328,10 @@ def without_power() -> Watched:
 def test_the_word_that_took_the_power_stays_in_force_until_that_is_steady() -> None:
     watched = without_power()
     while watched.now < START + 20 * SECOND:
-        demand = watched.looks(CYCLE)["left"]
-        if demand is not Stop.POWER_OFF:
+        set_point = watched.looks(CYCLE)["left"]
+        if set_point is not Stop.POWER_OFF:
             break
-    assert demand is Stop.REST
+    assert set_point is Stop.REST
     assert to_seconds(watched.now - watched.stops.of_axes["left"].confirmed_at) == pytest.approx(
         0.5, abs=0.06
     )

@@ -9,7 +9,7 @@ from hypothesis import given
 from firmware_bridge.dissector import Carried, Dissector, kinds_of
 from firmware_bridge.dissector.boards import RosLine
 from firmware_bridge.dissector.dissector import KINDS
-from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.settings.ar2 import Ar2Firmware
 from firmware_bridge.robot.settings.capture import CaptureDriver

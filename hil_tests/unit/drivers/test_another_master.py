@@ -4,10 +4,10 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.drivers.epos2.can.fleet import REMEMBERED, can_fleet
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.drivers.fleet import Fleet
-from firmware_bridge.drivers.fleets import fleets_of
+from firmware_bridge.drivers.all_drivers import all_drivers_of
+from firmware_bridge.drivers.epos2.can.link_drivers import REMEMBERED, can_link_drivers
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
+from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, Nanoseconds
@@ -17,10 +17,10 @@ ROBOT: Final = find("rars")
 RECEIVED: Final[Nanoseconds] = 7 * MILLISECOND
 
 
-def receives(address: int, payload: bytes = b"") -> Fleet:
-    fleet = can_fleet(ROBOT, LINK)
-    assert fleet.link.receive(Packet(LINK, address, payload), RECEIVED) == ()
-    return fleet
+def receives(address: int, payload: bytes = b"") -> LinkDrivers:
+    link_drivers = can_link_drivers(ROBOT, LINK)
+    assert link_drivers.link.receive(Packet(LINK, address, payload), RECEIVED) == ()
+    return link_drivers
 
 
 @pytest.mark.parametrize(
@@ -56,8 +56,8 @@ def test_what_others_may_send(address: int) -> None:
 
 
 def test_it_listens_as_long_as_the_drives_would_and_a_serial_line_receives_no_one() -> None:
-    assert can_fleet(ROBOT, LINK).link.listens_for == 200 * MILLISECOND
-    (line,) = fleets_of(over_serial(ROBOT))
+    assert can_link_drivers(ROBOT, LINK).link.listens_for == 200 * MILLISECOND
+    (line,) = all_drivers_of(over_serial(ROBOT))
     assert (line.link.listens_for, line.link.master(0)) == (0, None)
 
 
@@ -83,6 +83,6 @@ def test_it_listens_as_long_as_the_drives_would_and_a_serial_line_receives_no_on
 @pytest.mark.parametrize("node", [1, 4])
 def test_what_someone_else_writes_to_a_drive(node: int, frame: str, *, writes: bool) -> None:
     """Reading is free; a block transfer the drive does not know, nor what is cut short."""
-    fleet = receives(0x600 + node, bytes.fromhex(frame))
-    reported = {driver.axis.epos2.node: driver.feedback.rewritten for driver in fleet.drivers}
+    link_drivers = receives(0x600 + node, bytes.fromhex(frame))
+    reported = {driver.axis.epos2.node: driver.feedback.rewritten for driver in link_drivers.drivers}
     assert reported == {**dict.fromkeys(range(1, 5), ""), **({node: f"60{node}#{frame}"} if writes else {})}

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from firmware_bridge.drivers.driver import Level, Power, Reading
 from firmware_bridge.drivers.epos2.inputs_outputs import AnalogueInput, DigitalOutputs, ObjectRequest
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.drivers.sdo_client import Outcome, SdoRefusedError, SdoTimeoutError, Transfer
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet, Reaction
@@ -20,7 +20,7 @@ from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.canopen import NmtCommand
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.functions import OUTPUT_STATE
-from hil_tests.unit.drivers.fleet_bench import HOST, Bench
+from hil_tests.unit.drivers.link_drivers_bench import HOST, Bench
 from hil_tests.unit.drivers.robots import LINK, changed
 
 ON, OFF = Level(on=True), Level(on=False)

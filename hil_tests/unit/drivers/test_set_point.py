@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.drivers.driver import Demand, Position, Speed, Stop
+from firmware_bridge.drivers.driver import Position, SetPoint, Speed, Stop
 from firmware_bridge.drivers.epos2.feedback import DriveFeedback
 from firmware_bridge.drivers.epos2.scale import Scale, highest_rpm
 from firmware_bridge.drivers.epos2.set_point import PositionSetPoint, VelocitySetPoint
@@ -22,11 +22,11 @@ NOT_ENABLED = [None, *(state for state in PowerState if state is not PowerState.
 
 
 def to(quadcounts: float) -> Position:
-    """The demand for a position of the steering that is given in quadcounts."""
+    """The set-point for a position of the steering that is given in quadcounts."""
     return Position(quadcounts / SCALE.quadcounts_per_unit)
 
 
-DEMANDS: list[Demand] = [Speed(1.0), to(500), *Stop]
+DEMANDS: list[SetPoint] = [Speed(1.0), to(500), *Stop]
 
 
 def feedback(
@@ -46,7 +46,7 @@ def steering(state: PowerState | None = PowerState.OPERATION_ENABLED, position: 
 
 
 @pytest.mark.parametrize(
-    ("demand", "payload"),
+    ("set_point", "payload"),
     [
         # Recorded (kay01-kwon, EPOS2 candump): 0F 00 and 4112 rpm; 16.562 rad/s behind 26:1 are 4112 rpm.
         (Speed(16.5622), "0f 00 84 0f 00 00"),  # ... and the axis's top speed is 16 rad/s
@@ -60,66 +60,66 @@ def steering(state: PowerState | None = PowerState.OPERATION_ENABLED, position: 
     ],
     ids=str,
 )
-def test_a_wheels_demand_becomes_these_bytes(demand: Demand, payload: str) -> None:
-    packet = wheel().demand(demand)
+def test_a_wheels_set_point_becomes_these_bytes(set_point: SetPoint, payload: str) -> None:
+    packet = wheel().frame_for(set_point)
     assert (packet.link, packet.address) == (LINK, 0x501)
     assert packet.payload.hex(" ") == payload
 
 
 def test_a_reversed_axis_turns_the_other_way() -> None:
     reversed_axis = with_axis(LEFT, direction=-1)
-    packet = VelocitySetPoint(reversed_axis, feedback(reversed_axis)).demand(Speed(6.0))
+    packet = VelocitySetPoint(reversed_axis, feedback(reversed_axis)).frame_for(Speed(6.0))
     assert packet.payload.hex(" ") == "0f 00 2e fa ff ff"
 
 
 @every("state", NOT_ENABLED, ids=str)
-@every("demand", [Speed(3.0), to(500), Stop.REST, Stop.QUICK_STOP], ids=str)
+@every("set_point", [Speed(3.0), to(500), Stop.REST, Stop.QUICK_STOP], ids=str)
 def test_a_drive_that_is_not_enabled_receives_quick_stop_only(
-    state: PowerState | None, demand: Demand
+    state: PowerState | None, set_point: SetPoint
 ) -> None:
-    assert wheel(state).demand(demand).payload.hex(" ") == "0b 00 00 00 00 00"
-    assert steering(state).demand(demand).payload.hex(" ") == "0b 00 00 00 00 00"
+    assert wheel(state).frame_for(set_point).payload.hex(" ") == "0b 00 00 00 00 00"
+    assert steering(state).frame_for(set_point).payload.hex(" ") == "0b 00 00 00 00 00"
 
 
 def test_a_new_position_rises_is_released_and_is_not_sent_again() -> None:
     # maxon's library: move absolute, at once = 0x003F; bit 4 goes low before the next one.
     axis = steering()
-    assert axis.demand(to(500)).payload.hex(" ") == "3f 00 f4 01 00 00"
+    assert axis.frame_for(to(500)).payload.hex(" ") == "3f 00 f4 01 00 00"
     released = axis.release()
     assert released is not None
     assert released.payload.hex(" ") == "0f 00 f4 01 00 00"
     assert axis.release() is None
-    assert axis.demand(to(500)).payload.hex(" ") == "0f 00 f4 01 00 00"
+    assert axis.frame_for(to(500)).payload.hex(" ") == "0f 00 f4 01 00 00"
 
 
 @pytest.mark.parametrize(("change", "word"), [(-2, "3f"), (-1, "0f"), (0, "0f"), (1, "0f"), (2, "3f")])
 def test_a_position_that_hardly_changed_is_not_new(change: int, word: str) -> None:
     axis = steering()
-    axis.demand(to(500))
+    axis.frame_for(to(500))
     axis.release()
-    assert axis.demand(to(500 + change)).payload.hex(" ").startswith(word)
+    assert axis.frame_for(to(500 + change)).payload.hex(" ").startswith(word)
 
 
 def test_before_the_release_a_newer_position_waits() -> None:
     axis = steering()
-    axis.demand(to(500))
-    assert axis.demand(to(600)).payload.hex(" ") == "3f 00 f4 01 00 00"
+    axis.frame_for(to(500))
+    assert axis.frame_for(to(600)).payload.hex(" ") == "3f 00 f4 01 00 00"
     axis.release()
-    assert axis.demand(to(600)).payload.hex(" ") == "3f 00 58 02 00 00"
+    assert axis.frame_for(to(600)).payload.hex(" ") == "3f 00 58 02 00 00"
 
 
 def test_rest_is_halt_with_the_last_target_and_ends_the_handshake() -> None:
     axis = steering()
-    axis.demand(to(500))
-    assert axis.demand(Stop.REST).payload.hex(" ") == "0f 01 f4 01 00 00"
+    axis.frame_for(to(500))
+    assert axis.frame_for(Stop.REST).payload.hex(" ") == "0f 01 f4 01 00 00"
     assert axis.release() is None
 
 
 def test_after_a_rest_the_same_position_is_new() -> None:
     axis = steering()
-    axis.demand(to(500))
-    axis.demand(Stop.REST)
-    assert axis.demand(to(500)).payload.hex(" ") == "3f 00 f4 01 00 00"
+    axis.frame_for(to(500))
+    axis.frame_for(Stop.REST)
+    assert axis.frame_for(to(500)).payload.hex(" ") == "3f 00 f4 01 00 00"
 
 
 def test_words_on_the_way_to_power_carry_the_actual_position() -> None:
@@ -131,7 +131,7 @@ def test_words_on_the_way_to_power_carry_the_actual_position() -> None:
 def test_the_release_never_puts_power_on_again(state: PowerState | None) -> None:
     known = feedback(STEER)
     axis = PositionSetPoint(STEER, known)
-    axis.demand(to(500))
+    axis.frame_for(to(500))
     known.state = state
     released = axis.release()
     assert released is not None
@@ -143,26 +143,26 @@ def test_the_release_never_puts_power_on_again(state: PowerState | None) -> None
     st.lists(st.one_of(st.sampled_from(DEMANDS), st.builds(Position, st.floats()), st.none())),
     st.sampled_from([None, *PowerState]),
 )
-def test_a_target_never_leaves_the_travel(script: list[Demand | None], state: PowerState | None) -> None:
+def test_a_target_never_leaves_the_travel(script: list[SetPoint | None], state: PowerState | None) -> None:
     axis = steering(state, position=2**31 - 1)
-    for demand in script:
-        packet = axis.release() if demand is None else axis.demand(demand)
+    for set_point in script:
+        packet = axis.release() if set_point is None else axis.frame_for(set_point)
         if packet is not None:
             assert -1000 <= int.from_bytes(packet.payload[2:], "little", signed=True) <= 1000
 
 
 @given(st.floats())
 def test_a_speed_never_exceeds_the_top_speed(rad_s: float) -> None:
-    payload = wheel().demand(Speed(rad_s)).payload
+    payload = wheel().frame_for(Speed(rad_s)).payload
     assert abs(int.from_bytes(payload[2:], "little", signed=True)) <= highest_rpm(LEFT) == 3972
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), float("-inf")])
 def test_what_is_no_number_counts_as_rest(value: float) -> None:
-    assert wheel().demand(Speed(value)).payload.hex(" ") == "0f 00 00 00 00 00"
+    assert wheel().frame_for(Speed(value)).payload.hex(" ") == "0f 00 00 00 00 00"
     axis = steering()
-    axis.demand(to(500))
-    assert axis.demand(Position(value)).payload.hex(" ") == "0f 01 f4 01 00 00"
+    axis.frame_for(to(500))
+    assert axis.frame_for(Position(value)).payload.hex(" ") == "0f 01 f4 01 00 00"
 
 
 @pytest.mark.parametrize(("travel", "ends"), [((-0.2, 0.5), (-400, 1000)), ((0.0, 0.1), (0, 200))])
@@ -174,7 +174,7 @@ def test_a_slide_in_meters_stays_in_its_travel(
     slide = with_axis(STEER, unit="m", ratio=2.0 * math.pi, travel=travel, direction=direction)
     axis = PositionSetPoint(slide, feedback(slide))
     for far in (-10.0, 10.0):
-        target = int.from_bytes(axis.demand(Position(far)).payload[2:], "little", signed=True)
+        target = int.from_bytes(axis.frame_for(Position(far)).payload[2:], "little", signed=True)
         assert target == direction * ends[far > 0.0]
         axis.release()
 

@@ -5,9 +5,9 @@ from typing import Any, Final
 
 import pytest
 
-from firmware_bridge.drivers.driver import BRING_UP, Demand, Level, Power, Speed, Stop
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
-from firmware_bridge.drivers.fleets import DRIVERS, fleets_of
+from firmware_bridge.drivers.all_drivers import DRIVERS, all_drivers_of
+from firmware_bridge.drivers.driver import BRING_UP, Level, Power, SetPoint, Speed, Stop
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, Output
 from firmware_bridge.robot.settings.ar2 import Ar2Driver
@@ -15,7 +15,7 @@ from firmware_bridge.robot.settings.capture import CaptureDriver
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.robot.settings.shield import ShieldDriver
 from firmware_bridge.wire.epos2 import address as at
-from hil_tests.unit.drivers.fleet_bench import Bench
+from hil_tests.unit.drivers.link_drivers_bench import Bench
 from hil_tests.unit.drivers.robots import LINK, changed
 
 FRONT: Final = LINK
@@ -53,31 +53,34 @@ def on_both() -> AnyRobot:
 ROBOTS = pytest.mark.parametrize("make", [on_can, on_lines, on_both])
 
 
-def test_every_driver_of_the_robot_file_makes_a_fleet() -> None:
+def test_every_driver_of_the_robot_file_makes_link_drivers() -> None:
     assert set(DRIVERS) == {*Epos2Driver, *ShieldDriver, *Ar2Driver, *CaptureDriver}
 
 
 @ROBOTS
-def test_each_link_has_a_fleet_of_its_own_in_the_file_s_order(make: Callable[[], AnyRobot]) -> None:
-    front, rear = fleets_of(make())
+def test_each_link_has_drivers_of_its_own_in_the_file_s_order(make: Callable[[], AnyRobot]) -> None:
+    front, rear = all_drivers_of(make())
     assert [front.name, rear.name] == [FRONT, REAR]
     assert [driver.axis.name for driver in rear.drivers] == ["rear_left", "rear_right"]
 
 
 @ROBOTS
 def test_what_is_sent_has_the_link_s_name(make: Callable[[], AnyRobot]) -> None:
-    for fleet in fleets_of(make()):
-        demands: dict[str, Demand] = {driver.axis.name: Speed(1.0) for driver in fleet.drivers}
-        sent = (*fleet.begin(BRING_UP, 0), *fleet.link.sample(0), *fleet.link.beat(0))
-        sent += (*fleet.command(dict.fromkeys(demands, Stop.QUICK_STOP)), *fleet.command(demands))
+    for link_drivers in all_drivers_of(make()):
+        set_points: dict[str, SetPoint] = {driver.axis.name: Speed(1.0) for driver in link_drivers.drivers}
+        sent = (*link_drivers.begin(BRING_UP, 0), *link_drivers.link.sample(0), *link_drivers.link.beat(0))
+        sent += (
+            *link_drivers.command(dict.fromkeys(set_points, Stop.QUICK_STOP)),
+            *link_drivers.command(set_points),
+        )
         assert sent
-        assert {packet.link for packet in sent} == {fleet.name}
+        assert {packet.link for packet in sent} == {link_drivers.name}
 
 
 def test_a_sample_on_one_link_is_none_on_the_other() -> None:
-    front, rear = fleets_of(on_can())
-    for fleet in (front, rear):
-        fleet.begin(BRING_UP, 0)
+    front, rear = all_drivers_of(on_can())
+    for link_drivers in (front, rear):
+        link_drivers.begin(BRING_UP, 0)
     before = [driver.feedback for driver in rear.drivers]
     front.link.receive(Packet(FRONT, 0x701, b"\x05"), 1)
     front.link.receive(Packet(FRONT, 0x081, bytes.fromhex("11 86 20 00 00 00 00 00")), 1)
@@ -87,11 +90,11 @@ def test_a_sample_on_one_link_is_none_on_the_other() -> None:
 
 @pytest.mark.long(keeps=["on_can"])
 @ROBOTS
-def test_both_links_come_up_and_each_drive_takes_its_own_demand(make: Callable[[], AnyRobot]) -> None:
+def test_both_links_come_up_and_each_drive_takes_its_own_set_point(make: Callable[[], AnyRobot]) -> None:
     bench = Bench(make())
     bench.starts()
     wanted = {"left": 2.0, "right": -2.0, "rear_left": 4.0, "rear_right": 0.0}
-    bench.host.demands = {name: Speed(speed) for name, speed in wanted.items()}
+    bench.host.set_points = {name: Speed(speed) for name, speed in wanted.items()}
     bench.runs(1.0)
     for name, speed in wanted.items():
         feedback = bench.feedback(name)
@@ -108,7 +111,7 @@ def test_a_link_that_is_cut_leaves_the_other_one_alone(make: Callable[[], AnyRob
     bench = Bench(make(), guarding=False)
     bench.starts()
     bench.host.repairs = False
-    bench.host.demands = dict.fromkeys(("left", "right", "rear_left", "rear_right"), Speed(2.0))
+    bench.host.set_points = dict.fromkeys(("left", "right", "rear_left", "rear_right"), Speed(2.0))
     bench.runs(0.5)
     cut_at = bench.world.now
     for name in ("rear_left", "rear_right"):
@@ -125,7 +128,7 @@ def test_a_link_that_is_cut_leaves_the_other_one_alone(make: Callable[[], AnyRob
 @pytest.mark.long(keeps=["0.1501-on_can"])
 @ROBOTS
 @pytest.mark.parametrize("after", [0.0, 0.1501, 0.7003, 2.0517])
-def test_fleets_that_were_taken_back_go_on_as_they_went(make: Callable[[], AnyRobot], after: float) -> None:
+def test_drivers_that_were_taken_back_go_on_as_they_went(make: Callable[[], AnyRobot], after: float) -> None:
     """With sensors and outputs, in the middle of the set-up and of requests."""
     robot = make()
     lamp = {"name": "lamp", "title": "lamp", "link": REAR, "settings": {"axis": "rear_left", "output": 2}}

@@ -74,7 +74,7 @@ def test_the_ramp_keeps_every_bound_whatever_it_is_requested(
 
 
 @pytest.mark.parametrize(
-    ("demanded", "target", "stepped"),
+    ("commanded", "target", "stepped"),
     [
         ((0.0, 0.0), (1.0, 0.0), (0.02, 0.0)),
         ((0.0, 0.0), (0.0, -1.0), (0.0, -0.08)),
@@ -91,10 +91,10 @@ def test_the_ramp_keeps_every_bound_whatever_it_is_requested(
     ],
 )
 def test_a_step_goes_as_far_as_the_bounds_let_it(
-    demanded: tuple[float, float], target: tuple[float, float], stepped: tuple[float, float]
+    commanded: tuple[float, float], target: tuple[float, float], stepped: tuple[float, float]
 ) -> None:
     """Speed alone, turn alone, both by the rim; then the turn, and then the speed, by the pull sideways."""
-    assert RAMP.step(demanded, target, CYCLE) == pytest.approx(stepped)
+    assert RAMP.step(commanded, target, CYCLE) == pytest.approx(stepped)
 
 
 @given(speeds, turns)

@@ -21,7 +21,7 @@ def test_the_bounds_come_from_the_robot_file_with_a_margin() -> None:
 
 
 @pytest.mark.parametrize(
-    ("speed", "target", "demand"),
+    ("speed", "target", "set_point"),
     [
         (0.0, 0.5, STEP),
         (0.0, -0.5, -STEP),
@@ -36,8 +36,8 @@ def test_the_bounds_come_from_the_robot_file_with_a_margin() -> None:
         (-0.03, 0.5, -0.03 + STEP),
     ],
 )
-def test_straight_on_one_step_is_the_limit_at_most(speed: float, target: float, demand: float) -> None:
-    assert RAMP.step(speed, target, 0.0, CYCLE) == pytest.approx(demand, abs=1e-12)
+def test_straight_on_one_step_is_the_limit_at_most(speed: float, target: float, set_point: float) -> None:
+    assert RAMP.step(speed, target, 0.0, CYCLE) == pytest.approx(set_point, abs=1e-12)
 
 
 @pytest.mark.parametrize(("elapsed", "share"), [(0, 0.0), (CYCLE // 2, 0.5), (CYCLE, 1.0), (4 * CYCLE, 1.0)])
@@ -48,18 +48,18 @@ def test_a_step_is_as_long_as_its_time_but_no_longer_than_a_cycle(elapsed: int, 
 @pytest.mark.parametrize("bend", [1 / 0.415, -1 / 0.415])
 def test_the_outer_wheel_stays_within_the_limit(bend: float) -> None:
     # From rest V^2/R is nothing yet: the outer wheel binds, 1 + m/R times the base.
-    demand = RAMP.step(0.0, 0.5, bend, CYCLE)
-    assert demand * (1 + 0.2 / 0.415) == pytest.approx(STEP)
+    set_point = RAMP.step(0.0, 0.5, bend, CYCLE)
+    assert set_point * (1 + 0.2 / 0.415) == pytest.approx(STEP)
 
 
 @pytest.mark.parametrize("bend", [1.0, -1.0])
 def test_forward_and_centripetal_acceleration_add_up_as_vectors(bend: float) -> None:
     # At 1.1 m/s on 1 m the turn takes 1.21 m/s2 of 1.3.
-    demand = RAMP.step(1.1, 1.13, bend, CYCLE)
+    set_point = RAMP.step(1.1, 1.13, bend, CYCLE)
     fastest = 1.13
     along = math.sqrt(1.3**2 - (fastest**2) ** 2)
-    assert demand == pytest.approx(1.1 + along * 0.05)
-    assert math.hypot((demand - 1.1) / 0.05, demand**2) < 1.3
+    assert set_point == pytest.approx(1.1 + along * 0.05)
+    assert math.hypot((set_point - 1.1) / 0.05, set_point**2) < 1.3
 
 
 def test_a_target_above_what_the_turn_allows_is_the_turns_top_speed() -> None:
@@ -87,9 +87,9 @@ def test_near_the_turns_top_speed_nothing_is_left_to_speed_up(sign: float) -> No
 @pytest.mark.parametrize(("speed", "sign"), [(2.0, 1), (-2.0, -1)])
 def test_braking_is_always_possible(speed: float, sign: int) -> None:
     # A turn that tightened at speed takes more than the limit; braking keeps its share.
-    demand = RAMP.step(speed, 0.0, 1.0, CYCLE)
+    set_point = RAMP.step(speed, 0.0, 1.0, CYCLE)
     assert pytest.approx(0.5) == BRAKING_SHARE
-    assert demand == pytest.approx(speed - sign * 0.5 * STEP)
+    assert set_point == pytest.approx(speed - sign * 0.5 * STEP)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

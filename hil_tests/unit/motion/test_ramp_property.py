@@ -17,13 +17,13 @@ TIMES = st.integers(1, 200 * MILLISECOND)
 
 @given(SPEEDS, SPEEDS, BENDS, TIMES)
 def test_no_step_passes_either_bound(speed: float, target: float, bend: float, elapsed: int) -> None:
-    demand = RAMP.step(speed, target, bend, elapsed)
+    set_point = RAMP.step(speed, target, bend, elapsed)
     seconds = to_seconds(min(elapsed, RAMP.longest_step))
-    along = abs(demand - speed) / seconds
-    centripetal = max(abs(speed), abs(demand)) ** 2 * abs(bend)
+    along = abs(set_point - speed) / seconds
+    centripetal = max(abs(speed), abs(set_point)) ** 2 * abs(bend)
     assert math.hypot(along, centripetal) <= RAMP.limit_mps2 * (1 + 1e-6)
     assert along * (1 + RAMP.half_track_m * abs(bend)) <= RAMP.limit_mps2 * (1 + 1e-6)
-    assert min(speed, target) <= demand <= max(speed, target)
+    assert min(speed, target) <= set_point <= max(speed, target)
 
 
 @given(SPEEDS, SPEEDS, BENDS)

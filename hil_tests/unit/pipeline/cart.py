@@ -10,20 +10,20 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
-from firmware_bridge.bridge.fleets import Fleets
+from firmware_bridge.bridge.all_drivers import AllDrivers
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.pipeline import Pipeline
 from firmware_bridge.drivers.driver import (
-    Demand,
     Feedback,
     Power,
     Reading,
     Reports,
+    SetPoint,
     Speed,
     StartupError,
     Task,
 )
-from firmware_bridge.drivers.fleet import Fleet
+from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.intent import Answer, Arm, Request
 from firmware_bridge.motion.odometry import moved
 from firmware_bridge.motion.pose import Pose
@@ -99,12 +99,14 @@ class Cart:
             motion = replace(motion, ahead=0.0)
         return replace(motion, brush=0.0) if "tool" in groups else motion
 
-    def ramped(self, demanded: Sweep, allowed: Sweep, _state: Sensed, elapsed: Nanoseconds) -> Sweep:
+    def ramped(self, commanded: Sweep, allowed: Sweep, _state: Sensed, elapsed: Nanoseconds) -> Sweep:
         """Ramp the wheels with 2 m/s2; the brush follows at once."""
         reach = 2.0 * to_seconds(elapsed)
-        return replace(allowed, ahead=min(max(allowed.ahead, demanded.ahead - reach), demanded.ahead + reach))
+        return replace(
+            allowed, ahead=min(max(allowed.ahead, commanded.ahead - reach), commanded.ahead + reach)
+        )
 
-    def demands(self, motion: Sweep, _state: Sensed) -> Mapping[str, Demand]:
+    def set_points(self, motion: Sweep, _state: Sensed) -> Mapping[str, SetPoint]:
         wheel = Speed(motion.ahead / RADIUS_M)
         return {"left": wheel, "right": wheel, "brush": Speed(motion.brush)}
 
@@ -122,8 +124,12 @@ class Cart:
 class Unbrushed(Cart):
     """The cart after its brush has failed."""
 
-    def demands(self, motion: Sweep, state: Sensed) -> Mapping[str, Demand]:
-        return {name: demand for name, demand in super().demands(motion, state).items() if name != "brush"}
+    def set_points(self, motion: Sweep, state: Sensed) -> Mapping[str, SetPoint]:
+        return {
+            name: set_point
+            for name, set_point in super().set_points(motion, state).items()
+            if name != "brush"
+        }
 
 
 class Ahead:
@@ -225,7 +231,7 @@ class FakeDriver:
     def __init__(self, axis: Axis) -> None:
         self.axis: Final = axis
         self.feedback = Feedback(axis.name, Power.ON, received_at=0, sampled_at=0)
-        self.demands: list[Demand] = []
+        self.set_points: list[SetPoint] = []
         self.begun: list[Task] = []
         self.zeros: list[float] = []
 
@@ -245,11 +251,11 @@ class FakeDriver:
         self.begun.append(Task.HOME)
         return ()
 
-    def command(self, demand: Demand) -> tuple[Packet, ...]:
-        self.demands.append(demand)
-        speed = demand.value if isinstance(demand, Speed) else 0.0
+    def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
+        self.set_points.append(set_point)
+        speed = set_point.value if isinstance(set_point, Speed) else 0.0
         self.feedback = replace(self.feedback, velocity=speed)
-        return (Packet(self.axis.link, self.axis.epos2.node, repr(demand).encode()),)
+        return (Packet(self.axis.link, self.axis.epos2.node, repr(set_point).encode()),)
 
     def release(self) -> tuple[Packet, ...]:
         return ()
@@ -265,7 +271,7 @@ class FakeDriver:
 
 
 class FakeLink:
-    """A `firmware_bridge.drivers.fleet.DeviceLink` that carries nothing, and may be lost."""
+    """A `firmware_bridge.drivers.link_drivers.DeviceLink` that carries nothing, and may be lost."""
 
     answers_within: Nanoseconds = 10 * MILLISECOND
     beat_every: Nanoseconds = 50 * MILLISECOND
@@ -307,9 +313,11 @@ class FakeCart:
         self.robot: Final = robot or cart()
         self.links: Final = {name: FakeLink(name) for name in self.robot.links}
         self.drivers: Final = {axis.name: FakeDriver(axis) for axis in self.robot.axes}
-        self.fleets: Final = Fleets(
+        self.all_drivers: Final = AllDrivers(
             tuple(
-                Fleet(self.links[name], table, [self.drivers[axis.name] for axis in self.robot.axes_on(name)])
+                LinkDrivers(
+                    self.links[name], table, [self.drivers[axis.name] for axis in self.robot.axes_on(name)]
+                )
                 for name, table in self.robot.links.items()
             )
         )
@@ -322,12 +330,12 @@ class FakeCart:
             rolling=rules[""].body.rolling,
             modes=tuple(ROBOT_TYPE.modes),
         )
-        self.permission: Final[Permission] = Permission(self.robot, rules, self.fleets, [])
+        self.permission: Final[Permission] = Permission(self.robot, rules, self.all_drivers, [])
         self.pipeline: Final[Pipeline] = Pipeline(
             self.robot,
             ROBOT_TYPE,
             rules=rules,
-            fleets=self.fleets,
+            all_drivers=self.all_drivers,
             operator=self._operator,
             permission=self.permission,
         )
@@ -346,7 +354,7 @@ class FakeCart:
             self.now += self.robot.cycle
             if self.talks:
                 self.speaks()
-            self.fleets.sample(self.cycle, self.now)
+            self.all_drivers.sample(self.cycle, self.now)
             self.cycle += 1
             for name, driver in self.drivers.items():
                 if self.links[driver.axis.link].lost is None and name not in self.silent:
@@ -366,13 +374,13 @@ class FakeCart:
         """Return what holds now, by name."""
         return {event.name for event in self.pipeline.interlock_events}
 
-    def newest(self, axis: str) -> Demand:
+    def newest(self, axis: str) -> SetPoint:
         """Return the axis' last set-point."""
-        return self.drivers[axis].demands[-1]
+        return self.drivers[axis].set_points[-1]
 
     def reported(self) -> dict[str, int]:
         """Return the number of set-points of each axis."""
-        return {name: len(driver.demands) for name, driver in self.drivers.items()}
+        return {name: len(driver.set_points) for name, driver in self.drivers.items()}
 
     def speaks(self) -> None:
         x, r = round(self.ahead * 1000), round(-self.brush * 1000)

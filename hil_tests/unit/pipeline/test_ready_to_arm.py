@@ -32,13 +32,13 @@ def test_controls_that_were_deflected_from_the_start_are_let_go_where_a_cycle_se
     cart.ahead = 0.5
     cart.runs(5)
     assert "stick not neutral" in cart.held()
-    assert cart.pipeline.seen.demanded.ahead == 0.0
+    assert cart.pipeline.seen.commanded.ahead == 0.0
     cart.ahead = 0.0
     cart.runs()
     cart.ahead = 0.5
     cart.runs()
     assert "stick not neutral" not in cart.held()
-    assert cart.pipeline.seen.demanded.ahead > 0.0
+    assert cart.pipeline.seen.commanded.ahead > 0.0
 
 
 def after_a_silence() -> FakeCart:
@@ -61,7 +61,7 @@ def test_who_lets_go_after_a_silence_has_let_go_however_soon_he_goes_on(
     cart.talks = True
     cart.runs(10)
     assert ("stick not neutral" not in cart.held()) is moves
-    assert (cart.pipeline.seen.demanded.ahead > 0.0) is moves
+    assert (cart.pipeline.seen.commanded.ahead > 0.0) is moves
 
 
 def test_who_let_go_before_the_silence_was_seen_has_not() -> None:

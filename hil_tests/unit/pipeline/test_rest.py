@@ -99,7 +99,7 @@ def seen(left_rad_s: float, age: int) -> Snapshot[Any, Any]:
     )
     rest = robot_type_of(RARS).rest
     body = RULES[""].body.sensed(axes, {})
-    return Snapshot(facts=facts, command=rest, demanded=rest, body=body, pose=Pose(1.0, 2.0, 3.0))
+    return Snapshot(facts=facts, command=rest, commanded=rest, body=body, pose=Pose(1.0, 2.0, 3.0))
 
 
 @pytest.mark.parametrize(
@@ -127,7 +127,7 @@ def test_what_a_mode_senses_is_the_same_snapshot_with_its_own_body() -> None:
     before: Snapshot[Any, Any] = Snapshot(
         facts=one.facts,
         command=command,
-        demanded=one.demanded,
+        commanded=one.commanded,
         body=one.body,
         pose=one.pose,
         located=located,  # type: ignore[arg-type] # handed on, whatever it is
@@ -137,7 +137,7 @@ def test_what_a_mode_senses_is_the_same_snapshot_with_its_own_body() -> None:
     assert after.body == RULES["left_failed"].body.sensed(before.facts.axes, {})
     assert after.facts is before.facts
     assert after.command is command
-    assert (after.demanded, after.pose) == (one.demanded, one.pose)
+    assert (after.commanded, after.pose) == (one.commanded, one.pose)
     assert after.located is located
 
 

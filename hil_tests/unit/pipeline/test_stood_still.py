@@ -23,10 +23,10 @@ def test_it_moves_nothing_until_it_is_armed_again(gap: int, *, armed: bool) -> N
     assert cart.permission.armed is armed
     cart.runs(20)
     assert cart.permission.armed is armed
-    assert (cart.pipeline.seen.demanded.ahead == 0.0) is not armed
+    assert (cart.pipeline.seen.commanded.ahead == 0.0) is not armed
     cart.ahead = 0.0
     cart.runs(20)
     cart.arms()
     cart.ahead = 0.3
     cart.runs(20)
-    assert cart.pipeline.seen.demanded.ahead == pytest.approx(0.3)
+    assert cart.pipeline.seen.commanded.ahead == pytest.approx(0.3)

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from emulators.replay import Into, RecordingFileError, ReplayOrder, replay
 from emulators.replay.recordings import Recording, cut_off, read_can, read_lines, read_telemetry
 from firmware_bridge.cli import program
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import candump_line, tlog_records
 from firmware_bridge.robot_types import find

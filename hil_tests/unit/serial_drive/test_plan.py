@@ -4,10 +4,10 @@ import re
 
 import pytest
 
+from firmware_bridge.drivers.all_drivers import all_drivers_of
 from firmware_bridge.drivers.epos2.serial.feedback import IN_TURN
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.drivers.epos2.serial.plan import PlanError, fitting_plan, plan_for
-from firmware_bridge.drivers.fleets import fleets_of
 from firmware_bridge.robot import AnyRobot, Output
 from firmware_bridge.units import MICROSECOND, MILLISECOND
 from firmware_bridge.wire.maxon.frame import Generation
@@ -61,7 +61,7 @@ def test_a_cycle_one_millisecond_too_short_is_refused() -> None:
 def test_rs232_is_refused_with_the_object_and_what_would_help() -> None:
     """At the start, before a byte leaves: a line that is too slow must not make every cycle late."""
     with pytest.raises(PlanError) as refusal:
-        fleets_of(over(Generation.V1))
+        all_drivers_of(over(Generation.V1))
     stated = str(refusal.value)
     assert "link 'drives': a cycle of 50 ms does not hold statusword of node 4 (scissor lift)" in stated
     assert "2.5 ms too late" in stated
@@ -69,9 +69,9 @@ def test_rs232_is_refused_with_the_object_and_what_would_help() -> None:
     assert "(links.drives.port_latency_us)" in stated
     least = re.search(r"cycle_ms = (\d+)", stated)
     assert least is not None
-    fleets_of(over(Generation.V1, cycle_ms=int(least[1])))
+    all_drivers_of(over(Generation.V1, cycle_ms=int(least[1])))
     with pytest.raises(PlanError):
-        fleets_of(over(Generation.V1, cycle_ms=int(least[1]) - 1))
+        all_drivers_of(over(Generation.V1, cycle_ms=int(least[1]) - 1))
 
 
 def test_a_line_that_no_cycle_holds_is_refused() -> None:

@@ -9,8 +9,8 @@ from typing import Final
 import pytest
 
 from firmware_bridge.drivers.epos2.serial.client import reading, writing
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
 from firmware_bridge.drivers.epos2.serial.line import MaxonLine
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot_types import find
 from firmware_bridge.wire.epos2 import address as at

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.robot import AnyRobot, RobotFileError
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.wire.maxon.frame import Generation

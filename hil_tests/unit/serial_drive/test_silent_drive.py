@@ -8,7 +8,7 @@ from firmware_bridge.drivers.driver import Stop
 from firmware_bridge.drivers.epos2.serial.drive import Epos2OnSerial
 from firmware_bridge.drivers.epos2.serial.exchange import LineExchange, Rank
 from firmware_bridge.drivers.epos2.serial.feedback import ERROR_REGISTER, POSITION, STATUSWORD, ReadRow
-from firmware_bridge.drivers.epos2.serial.fleet import over_serial
+from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import find
 from firmware_bridge.wire.abort import AbortCode

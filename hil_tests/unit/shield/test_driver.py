@@ -11,7 +11,7 @@ from emulators.arduino_omni.motors import four_motors
 from firmware_bridge.drivers.driver import Reports, Speed, Stop, Task
 from firmware_bridge.drivers.shield.dialects import DIALECTS, Dialect
 from firmware_bridge.drivers.shield.expressed import expressed
-from firmware_bridge.drivers.shield.fleet import over_protocol, shield_fleet
+from firmware_bridge.drivers.shield.link_drivers import over_protocol, shield_link_drivers
 from firmware_bridge.drivers.shield.motor import ShieldMotor
 from firmware_bridge.drivers.shield.plan import MOST, ShieldPlanError, fitting_plan, shield_plan
 from firmware_bridge.drivers.shield.regulator import Pwm, Ticks
@@ -77,7 +77,7 @@ def test_mwprotocol_states_the_worked_frames() -> None:
 
 
 def motor(protocol: str = "arduinoio", place: int = 0, encoders: int | None = None) -> ShieldMotor:
-    made = shield_fleet(over(protocol, encoders), "board").drivers[place]
+    made = shield_link_drivers(over(protocol, encoders), "board").drivers[place]
     assert isinstance(made, ShieldMotor)
     return made
 
@@ -194,8 +194,8 @@ def test_a_stop_ends_with_the_boards_reset_and_reports_of_its_own_stop_where_it_
         notes[protocol] = steps[-1].note
         assert steps[-1].task is Task.RESET
         assert steps[2].within == 3 * robot.shield_link("board").answers_within_ms * MILLISECOND
-        assert steps[0].demand is Stop.REST
-        assert all(step.demand is Stop.POWER_OFF for step in steps if step.ends_power)
+        assert steps[0].set_point is Stop.REST
+        assert all(step.set_point is Stop.POWER_OFF for step in steps if step.ends_power)
     assert names["ros-arduino-bridge"] == names["arduinoio"] == ["speed 0", "brake", "release", "reset"]
     assert "it stops them 2000 ms after the last one" in notes["ros-arduino-bridge"]
     assert "it stops" not in notes["arduinoio"]
@@ -203,8 +203,8 @@ def test_a_stop_ends_with_the_boards_reset_and_reports_of_its_own_stop_where_it_
 
 def test_what_answers_a_task_that_a_stop_has_ended_is_nobodys() -> None:
     """The bridge lives on; motors that it has not released count as driven, by any earlier driver."""
-    fleet = shield_fleet(over("ros-arduino-bridge"), "board")
-    board, one = fleet.link, fleet.drivers[0]
+    link_drivers = shield_link_drivers(over("ros-arduino-bridge"), "board")
+    board, one = link_drivers.link, link_drivers.drivers[0]
     requested = one.begin((Task.IDENTIFY, Task.CONFIGURE), SECOND)
     requested += board.wake(SECOND + 100 * MILLISECOND)
     assert [packet.payload for packet in requested] == [b"b\r"]
@@ -229,7 +229,7 @@ def test_a_start_shows_whether_the_reset_of_a_board_works_that_does_not_stop_by_
     protocol: str, remark: str, *, wires: bool
 ) -> None:
     """Start by a firmware's own greeting; ArduinoIO sends none, and a cut wire lets nothing begin."""
-    link = shield_fleet(over(protocol), "board").link
+    link = shield_link_drivers(over(protocol), "board").link
     board = Board(FIRMWARES[protocol], four_motors(), encoders=over(protocol).shield_link("board").counted)
     now, ended = 5 * SECOND, False
     for at in range(0, now, SECOND // 10):
@@ -256,7 +256,7 @@ def test_a_start_shows_whether_the_reset_of_a_board_works_that_does_not_stop_by_
 def test_a_silent_board_is_reported_every_word_that_lets_go_before_one_again(
     protocol: ShieldProtocol, task: Task
 ) -> None:
-    link = shield_fleet(over(protocol), "board").link
+    link = shield_link_drivers(over(protocol), "board").link
     reported = [packet.payload for packet in link.begin((task,), SECOND)]  # type: ignore[attr-defined]
     for at in range(SECOND, 2 * SECOND, MILLISECOND):
         reported += [packet.payload for packet in (link.wake(at) if link.wake_at <= at else ())]
@@ -268,10 +268,10 @@ def test_a_silent_board_is_reported_every_word_that_lets_go_before_one_again(
 
 def test_motors_that_are_released_stay_so_while_speed_0_is_stated_again() -> None:
     """Speed 0 for all of them drives none, whether the board answers it or not."""
-    fleet = shield_fleet(over("ros-arduino-bridge"), "board")
-    motors = [one for one in fleet.drivers if isinstance(one, ShieldMotor)]
+    link_drivers = shield_link_drivers(over("ros-arduino-bridge"), "board")
+    motors = [one for one in link_drivers.drivers if isinstance(one, ShieldMotor)]
     for one in motors:
-        one.enabled, one.demand = True, Speed(0.0)
+        one.enabled, one.set_point = True, Speed(0.0)
     words, releases = expressed(dialect("ros-arduino-bridge"), motors, SECOND, configured=True)
     assert [word.data for word in words] == [b"m 0 0 0\r"]
     assert releases == motors
@@ -279,6 +279,6 @@ def test_motors_that_are_released_stay_so_while_speed_0_is_stated_again() -> Non
         one.way, one.released = 0, True
     expressed(dialect("ros-arduino-bridge"), motors, SECOND + CYCLE, configured=True)
     assert all(one.unpowered for one in motors)
-    motors[0].demand = Speed(1.0)
+    motors[0].set_point = Speed(1.0)
     expressed(dialect("ros-arduino-bridge"), motors, SECOND + 2 * CYCLE, configured=True)
     assert not any(one.unpowered for one in motors)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.drivers.shield.fleet import over_protocol
+from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.drivers.shield.regulator import Pwm, Ticks
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find

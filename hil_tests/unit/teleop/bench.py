@@ -115,7 +115,7 @@ class Bench(Generic[G, M, S]):
     def snapshot(self) -> Snapshot[M, S]:
         """Return what the bridge knows now."""
         return Snapshot(
-            facts=self.facts, command=self.command, demanded=self.rest, body=self.body, pose=self.pose
+            facts=self.facts, command=self.command, commanded=self.rest, body=self.body, pose=self.pose
         )
 
     def report(self, *events: ActiveInterlock) -> list[Any]:

@@ -3,7 +3,7 @@
 from collections import deque
 from typing import Final
 
-from firmware_bridge.drivers.driver import Demand, Task
+from firmware_bridge.drivers.driver import SetPoint, Task
 from firmware_bridge.drivers.epos2.can.feedback import CanFeedback
 from firmware_bridge.drivers.epos2.drive import Epos2Drive
 from firmware_bridge.drivers.epos2.inputs_outputs import ObjectRequest
@@ -47,18 +47,18 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
         self._drop_requests()
         return self._waiting(self._tasks.begin((Task.HOME,), now))
 
-    def command(self, demand: Demand) -> tuple[Packet, ...]:
-        """Send a demand; while tasks are under way only what stops.
+    def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
+        """Send a set-point; while tasks are under way only what stops.
 
         Those end the tasks, unless they stop the drive themselves.
         """
-        if not self._tasks.lets(demand):
+        if not self._tasks.lets(set_point):
             return ()
         if self.busy:
             if not self._tasks.stopping:
                 self._tasks.end()
             self.wake_at = self._scripts.wake_at
-        return (self._set_point.demand(self._tasks.meant(demand)),)
+        return (self._set_point.frame_for(self._tasks.meant(set_point)),)
 
     def release(self) -> tuple[Packet, ...]:
         """End the handshake of a new position, where one is open."""

@@ -7,7 +7,7 @@ makes it count. A set-point that has not wholly left when the next one comes is 
 from collections.abc import Callable
 from typing import Final
 
-from firmware_bridge.drivers.driver import Demand, Task
+from firmware_bridge.drivers.driver import SetPoint, Task
 from firmware_bridge.drivers.epos2.drive import Epos2Drive
 from firmware_bridge.drivers.epos2.feedback import FAULT_STATES
 from firmware_bridge.drivers.epos2.inputs_outputs import ObjectRequest, outputs_at
@@ -116,17 +116,17 @@ class Epos2OnSerial(Epos2Drive[SerialFeedback]):
         """Have it home by the robot file."""
         return self.begin((Task.HOME,), now)
 
-    def command(self, demand: Demand) -> tuple[Packet, ...]:
-        """Send a demand; while tasks are under way only what stops.
+    def command(self, set_point: SetPoint) -> tuple[Packet, ...]:
+        """Send a set-point; while tasks are under way only what stops.
 
         Those end the tasks, unless they stop the drive themselves.
         """
-        if not self._tasks.lets(demand):
+        if not self._tasks.lets(set_point):
             return ()
         if self.busy and not self._tasks.stopping:
             self._tasks.end()
         self._forget_unsent()
-        return self._sent((self._set_point.demand(self._tasks.meant(demand)),))
+        return self._sent((self._set_point.frame_for(self._tasks.meant(set_point)),))
 
     def release(self) -> tuple[Packet, ...]:
         """End the handshake of a new position, where one is open."""

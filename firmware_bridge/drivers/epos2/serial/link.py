@@ -35,7 +35,7 @@ def guarding(link: Epos2Link, nodes: Sequence[int]) -> RequestCanFrame:
 
 
 class SerialLink:
-    """A `firmware_bridge.drivers.fleet.DeviceLink`."""
+    """A `firmware_bridge.drivers.link_drivers.DeviceLink`."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""A robot's fleets behind the guard, before emulated drives: start-up by stages, then cycle after cycle."""
+"""A robot's drivers behind the guard, with emulated drives: start-up by stages, then the cycles."""
 
 from collections.abc import Mapping
 from typing import Final
@@ -7,9 +7,9 @@ from emulators.epos2.objects.catalogue import PROFILES
 from emulators.single import DrivesOrder, drives
 from emulators.wires import CanWire, SerialWire
 from emulators.world import Wire, World
-from firmware_bridge.drivers.driver import BRING_UP, Demand, Feedback, Level, Reading, Task
+from firmware_bridge.drivers.all_drivers import all_drivers_of
+from firmware_bridge.drivers.driver import BRING_UP, Feedback, Level, Reading, SetPoint, Task
 from firmware_bridge.drivers.epos2.serial.line import MaxonLine
-from firmware_bridge.drivers.fleets import fleets_of
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
@@ -21,11 +21,11 @@ HOST: Final = "host"
 
 
 class Host:
-    """Does with fleets what a bridge does, and judges nothing; a `firmware_bridge.node.Node`."""
+    """Commands drivers as a bridge does, and judges nothing; a `firmware_bridge.node.Node`."""
 
     def __init__(self, robot: AnyRobot) -> None:
-        self.fleets: Final = {fleet.name: fleet for fleet in fleets_of(robot)}
-        self.demands: dict[str, Demand] = {}
+        self.all_drivers: Final = {link_drivers.name: link_drivers for link_drivers in all_drivers_of(robot)}
+        self.set_points: dict[str, SetPoint] = {}
         self.levels: dict[str, Level] = {}
         self.running = False
         self.repairs = True
@@ -33,54 +33,62 @@ class Host:
         self._cycle = robot.cycle
         self._cycle_at: Nanoseconds = 0
         self._release_at: Nanoseconds = NEVER
-        self._beats = dict.fromkeys(self.fleets, 0)
+        self._beats = dict.fromkeys(self.all_drivers, 0)
         self._tasks = list(BRING_UP)
         self._task: Task | None = None
 
     def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
-        return self._reaction(self.fleets[packet.link].link.receive(packet, now), now)
+        return self._reaction(self.all_drivers[packet.link].link.receive(packet, now), now)
 
     def wake(self, now: Nanoseconds) -> Reaction:
         sent: tuple[Packet, ...] = ()
-        for fleet in self.fleets.values():
-            sent += fleet.wake(now)
-            if now >= self._beats[fleet.name]:
-                self._beats[fleet.name] = now + fleet.link.beat_every
-                sent += fleet.link.beat(now)
+        for link_drivers in self.all_drivers.values():
+            sent += link_drivers.wake(now)
+            if now >= self._beats[link_drivers.name]:
+                self._beats[link_drivers.name] = now + link_drivers.link.beat_every
+                sent += link_drivers.link.beat(now)
         if now >= self._cycle_at:
             self._cycle_at += self._cycle
             sent += self._begin_cycle(now)
         if now >= self._release_at:
             self._release_at = NEVER
-            for fleet in self.fleets.values():
-                sent += fleet.release()
+            for link_drivers in self.all_drivers.values():
+                sent += link_drivers.release()
         return self._reaction(sent, now)
 
     def _begin_cycle(self, now: Nanoseconds) -> tuple[Packet, ...]:
         sent: tuple[Packet, ...] = ()
-        for fleet in self.fleets.values():
+        for link_drivers in self.all_drivers.values():
             if self.running or self._task in (Task.START, Task.ENABLE):
-                sent += fleet.link.sample(now)
-            for driver in fleet.drivers if self.running and self.repairs else ():
+                sent += link_drivers.link.sample(now)
+            for driver in link_drivers.drivers if self.running and self.repairs else ():
                 if not driver.configured and not driver.busy:
                     sent += driver.begin(BRING_UP, now)
             if self.running:
-                sent += fleet.measure(now) + fleet.command(self.demands) + fleet.switch(self.levels, now)
+                sent += (
+                    link_drivers.measure(now)
+                    + link_drivers.command(self.set_points)
+                    + link_drivers.switch(self.levels, now)
+                )
                 self._release_at = now + self._cycle // 2
         return sent
 
     def _reaction(self, sent: tuple[Packet, ...], now: Nanoseconds) -> Reaction:
-        if not self.running and not any(fleet.busy for fleet in self.fleets.values()):
-            failures = [failure for fleet in self.fleets.values() for failure in fleet.failures]
+        if not self.running and not any(link_drivers.busy for link_drivers in self.all_drivers.values()):
+            failures = [
+                failure for link_drivers in self.all_drivers.values() for failure in link_drivers.failures
+            ]
             assert not failures, failures
             if self._tasks:
                 self._task = self._tasks.pop(0)
-                for fleet in self.fleets.values():
-                    sent += fleet.begin((self._task,), now)
+                for link_drivers in self.all_drivers.values():
+                    sent += link_drivers.begin((self._task,), now)
             else:
                 self.running = True
         wake_at = min([self._cycle_at, self._release_at, *self._beats.values()])
-        return Reaction(sent, min([wake_at, *(fleet.wake_at for fleet in self.fleets.values())]))
+        return Reaction(
+            sent, min([wake_at, *(link_drivers.wake_at for link_drivers in self.all_drivers.values())])
+        )
 
 
 class Bench:
@@ -133,14 +141,14 @@ class Bench:
     def feedback(self, axis: str) -> Feedback:
         found = [
             driver.feedback
-            for fleet in self.host.fleets.values()
-            for driver in fleet.drivers
+            for link_drivers in self.host.all_drivers.values()
+            for driver in link_drivers.drivers
             if driver.axis.name == axis
         ]
         return found[0]
 
     def readings(self) -> Mapping[str, Reading]:
         known: dict[str, Reading] = {}
-        for fleet in self.host.fleets.values():
-            known |= fleet.readings(self.world.now)
+        for link_drivers in self.host.all_drivers.values():
+            known |= link_drivers.readings(self.world.now)
         return known

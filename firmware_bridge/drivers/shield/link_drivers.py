@@ -1,6 +1,6 @@
 """A board with a motor shield as one link of the robot, and the same robot with another firmware on it."""
 
-from firmware_bridge.drivers.fleet import Fleet
+from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.drivers.shield.board import Board
 from firmware_bridge.drivers.shield.dialects import DIALECTS
 from firmware_bridge.drivers.shield.motor import ShieldMotor
@@ -10,13 +10,13 @@ from firmware_bridge.robot.problems import near
 from firmware_bridge.robot.settings.shield import ShieldProtocol
 
 
-def shield_fleet(robot: AnyRobot, name: str) -> Fleet:
+def shield_link_drivers(robot: AnyRobot, name: str) -> LinkDrivers:
     """Return the motors on the robot's link of this name; ShieldPlanError where its cycle is too short."""
     plan, table, axes = fitting_plan(robot, name), robot.shield_link(name), robot.axes_on(name)
     dialect = DIALECTS[table.protocol](table, [axis.shield for axis in axes])
     board = Board(name, table, dialect, plan.answers_within)
     board.motors = tuple(ShieldMotor(axis, robot, board) for axis in axes)
-    return Fleet(board, table, board.motors)
+    return LinkDrivers(board, table, board.motors)
 
 
 def measured(robot: AnyRobot) -> AnyRobot:

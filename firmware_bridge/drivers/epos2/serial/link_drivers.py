@@ -7,17 +7,17 @@ from firmware_bridge.drivers.epos2.serial.drive import Epos2OnSerial
 from firmware_bridge.drivers.epos2.serial.exchange import LineExchange
 from firmware_bridge.drivers.epos2.serial.link import SerialLink
 from firmware_bridge.drivers.epos2.serial.plan import fitting_plan
-from firmware_bridge.drivers.fleet import Fleet
+from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.robot import AnyRobot, Problem, RobotFileError
 from firmware_bridge.wire.maxon.frame import Generation
 
 
-def serial_fleet(robot: AnyRobot, name: str) -> Fleet:
+def serial_link_drivers(robot: AnyRobot, name: str) -> LinkDrivers:
     """Return the devices on the robot's serial link of this name; PlanError where its cycle is too short."""
     plan, table, exchange = fitting_plan(robot, name), robot.epos2_link(name), LineExchange(name)
     drives = tuple(Epos2OnSerial(axis, robot, exchange) for axis in robot.axes_on(name))
     link = SerialLink(name, drives, exchange, table, plan.answers_within)
-    return Fleet(link, table, drives, inputs_of(robot, name, drives), outputs_of(robot, drives))
+    return LinkDrivers(link, table, drives, inputs_of(robot, name, drives), outputs_of(robot, drives))
 
 
 def over_serial(

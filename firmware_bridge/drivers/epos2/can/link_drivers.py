@@ -6,7 +6,7 @@ from typing import Final
 from firmware_bridge.drivers.epos2.can.drive import Epos2OnCan
 from firmware_bridge.drivers.epos2.inputs_outputs import inputs_of, outputs_at, outputs_of
 from firmware_bridge.drivers.epos2.process_data import SET_POINT_COB_ID
-from firmware_bridge.drivers.fleet import Fleet
+from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.epos2 import Epos2Link
@@ -21,16 +21,16 @@ REMEMBERED: Final[Nanoseconds] = SECOND
 """Time for which a second controller's frame counts: it may be back any moment."""
 
 
-def can_fleet(robot: AnyRobot, name: str) -> Fleet:
+def can_link_drivers(robot: AnyRobot, name: str) -> LinkDrivers:
     """Return the devices on the robot's CAN link of this name."""
     table = robot.epos2_link(name)
     drives = tuple(Epos2OnCan(axis, table, outputs_at(robot, axis)) for axis in robot.axes_on(name))
     link = CanLink(name, drives, table)
-    return Fleet(link, table, drives, inputs_of(robot, name, drives), outputs_of(robot, drives))
+    return LinkDrivers(link, table, drives, inputs_of(robot, name, drives), outputs_of(robot, drives))
 
 
 class CanLink:
-    """A `firmware_bridge.drivers.fleet.DeviceLink`."""
+    """A `firmware_bridge.drivers.link_drivers.DeviceLink`."""
 
     def __init__(self, name: str, drives: Iterable[Epos2OnCan], table: Epos2Link) -> None:
         self.name = name

@@ -3,18 +3,18 @@
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from firmware_bridge.drivers.ar2 import fleet as ar2
+from firmware_bridge.drivers.ar2 import link_drivers as ar2
 from firmware_bridge.drivers.ar2 import stops as ar2_stops
-from firmware_bridge.drivers.capture.fleet import capture_fleet
+from firmware_bridge.drivers.capture.link_drivers import capture_link_drivers
 from firmware_bridge.drivers.driver import Reports
 from firmware_bridge.drivers.epos2 import feedback as epos2
 from firmware_bridge.drivers.epos2 import stops as epos2_stops
-from firmware_bridge.drivers.epos2.can.fleet import can_fleet
-from firmware_bridge.drivers.epos2.serial.fleet import serial_fleet
-from firmware_bridge.drivers.fleet import Fleet
+from firmware_bridge.drivers.epos2.can.link_drivers import can_link_drivers
+from firmware_bridge.drivers.epos2.serial.link_drivers import serial_link_drivers
+from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.drivers.shield import motor as shield
 from firmware_bridge.drivers.shield import stops as shield_stops
-from firmware_bridge.drivers.shield.fleet import shield_fleet
+from firmware_bridge.drivers.shield.link_drivers import shield_link_drivers
 from firmware_bridge.drivers.stop_steps import StopStep
 from firmware_bridge.robot import AnyLink, AnyRobot, Axis
 from firmware_bridge.robot.settings.ar2 import Ar2Driver
@@ -22,12 +22,12 @@ from firmware_bridge.robot.settings.capture import CaptureDriver
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.robot.settings.shield import ShieldDriver
 
-DRIVERS: Final[Mapping[str, Callable[[AnyRobot, str], Fleet]]] = {
-    Epos2Driver.CAN: can_fleet,
-    Epos2Driver.SERIAL: serial_fleet,
-    ShieldDriver.MOTOR_SHIELD: shield_fleet,
-    Ar2Driver.AR2: ar2.ar2_fleet,
-    **dict.fromkeys(CaptureDriver, capture_fleet),
+DRIVERS: Final[Mapping[str, Callable[[AnyRobot, str], LinkDrivers]]] = {
+    Epos2Driver.CAN: can_link_drivers,
+    Epos2Driver.SERIAL: serial_link_drivers,
+    ShieldDriver.MOTOR_SHIELD: shield_link_drivers,
+    Ar2Driver.AR2: ar2.ar2_link_drivers,
+    **dict.fromkeys(CaptureDriver, capture_link_drivers),
 }
 """Makers of a link's devices, by the driver that the robot file names."""
 
@@ -72,6 +72,6 @@ def reports_of(robot: AnyRobot, axis: Axis) -> frozenset[Reports]:
     return REPORTS[link.driver](axis, link)
 
 
-def fleets_of(robot: AnyRobot) -> tuple[Fleet, ...]:
+def all_drivers_of(robot: AnyRobot) -> tuple[LinkDrivers, ...]:
     """Return the devices of each link, in the robot file's order; PlanError where a cycle does not fit."""
     return tuple(DRIVERS[link.driver](robot, name) for name, link in robot.links.items())

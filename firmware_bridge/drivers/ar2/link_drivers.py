@@ -3,7 +3,7 @@
 from firmware_bridge.drivers.ar2.board import Ar2Board
 from firmware_bridge.drivers.ar2.joint import REPORTS, Ar2Joint
 from firmware_bridge.drivers.driver import Reports
-from firmware_bridge.drivers.fleet import Fleet
+from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.robot import AnyLink, AnyRobot, Axis, Problem, RobotFileError
 from firmware_bridge.units import MICROSECOND, MILLISECOND
 
@@ -16,7 +16,7 @@ def reports(_axis: Axis, _link: AnyLink) -> frozenset[Reports]:
     return REPORTS
 
 
-def ar2_fleet(robot: AnyRobot, name: str) -> Fleet:
+def ar2_link_drivers(robot: AnyRobot, name: str) -> LinkDrivers:
     """Return the joints on the robot's link of this name; RobotFileError where a cycle is too short."""
     table, axes = robot.ar2_link(name), robot.axes_on(name)
     cycle = robot.cycle * table.every
@@ -30,4 +30,4 @@ def ar2_fleet(robot: AnyRobot, name: str) -> Fleet:
         raise RobotFileError(robot.name, Problem(f"links.{name}.move_ms", problem))
     board = Ar2Board(name, table)
     board.joints = tuple(Ar2Joint(axis, robot, board) for axis in axes)
-    return Fleet(board, table, board.joints)
+    return LinkDrivers(board, table, board.joints)

@@ -4,12 +4,12 @@ from collections.abc import Iterable, Mapping
 from typing import Final, Protocol
 
 from firmware_bridge.drivers.driver import (
-    Demand,
     Driver,
     Level,
     OutputDriver,
     Reading,
     SensorDriver,
+    SetPoint,
     Stop,
     Task,
 )
@@ -67,7 +67,7 @@ class DeviceLink(Protocol):
         """Act on the time."""
 
 
-class Fleet:
+class LinkDrivers:
     """The devices in the order of the robot file; what a method returns is to be sent."""
 
     def __init__(
@@ -131,9 +131,11 @@ class Fleet:
         used = [driver for driver in self.drivers if driver.axis.name not in without]
         return _joined([driver.begin(tasks, now) for driver in used])
 
-    def command(self, demands: Mapping[str, Demand]) -> tuple[Packet, ...]:
-        """Send each axis its demand; an axis without one rests."""
-        return _joined([driver.command(demands.get(driver.axis.name, Stop.REST)) for driver in self.drivers])
+    def command(self, set_points: Mapping[str, SetPoint]) -> tuple[Packet, ...]:
+        """Send each axis its set-point; an axis without one rests."""
+        return _joined(
+            [driver.command(set_points.get(driver.axis.name, Stop.REST)) for driver in self.drivers]
+        )
 
     def release(self) -> tuple[Packet, ...]:
         """End the handshakes that are open."""

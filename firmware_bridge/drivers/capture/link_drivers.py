@@ -3,12 +3,12 @@
 from firmware_bridge.drivers.capture.body import SeenBody
 from firmware_bridge.drivers.capture.mavlink import MavlinkPoses
 from firmware_bridge.drivers.capture.natnet import NatNetLink
-from firmware_bridge.drivers.fleet import Fleet
+from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver
 
 
-def capture_fleet(robot: AnyRobot, name: str) -> Fleet:
+def capture_link_drivers(robot: AnyRobot, name: str) -> LinkDrivers:
     """Return the bodies on the robot's capture link of this name."""
     table = robot.capture_links[name]
     bodies = tuple(
@@ -17,4 +17,4 @@ def capture_fleet(robot: AnyRobot, name: str) -> Fleet:
         if sensor.link == name and isinstance(sensor.settings, CaptureBody)
     )
     made = NatNetLink if table.driver is CaptureDriver.NATNET else MavlinkPoses
-    return Fleet(made(name, table, bodies), table, (), bodies)
+    return LinkDrivers(made(name, table, bodies), table, (), bodies)
