@@ -12,9 +12,10 @@ from inspect import cleandoc
 from typing import Any, Final, TypeAlias
 
 import typer
-from typer.core import TyperCommand, TyperGroup
+from typer.core import TyperCommand
 
 from firmware_bridge.cli.console import refusal, say
+from firmware_bridge.cli.usage import PlainGroup
 
 COMMAND_GROUP: Final = "firmware_bridge.commands"
 """Entry points of this group are tuples of rows."""
@@ -121,7 +122,7 @@ def _worked(signature: Callable[..., Any], work: Callable[[Any], None]) -> Calla
     return called
 
 
-class Rows(TyperGroup):
+class Rows(PlainGroup):
     """A group that has the program's own commands at hand, and looks for others only when they are wanted.
 
     So nothing that is installed beside the program delays a stop, or takes a command's place.

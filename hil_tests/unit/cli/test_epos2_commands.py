@@ -268,7 +268,7 @@ def test_a_command_that_lacks_its_words_states_which(words: tuple[str, ...]) -> 
     result = CliRunner().invoke(program, ["epos2", *words], env={"COLUMNS": "200", "TERM": "dumb"})
     assert isinstance(result.exception, SystemExit)
     assert result.exit_code == 2
-    assert "Missing argument" in result.output
+    assert "missing argument" in result.output
 
 
 @pytest.mark.parametrize("command", COMMANDS)
