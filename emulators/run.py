@@ -135,7 +135,7 @@ def drive(order: RunOrder, progress: Progress) -> Summary:
 
 
 def operator_of(order: RunOrder) -> Node:
-    """Return who drives the mission: its operator with his stick, or its pilot."""
+    """Return the driver of the mission: its operator with a stick, or its pilot."""
     if order.mission.pilot is not None:
         return PilotedMission(order.mission.on(order.robot), order.mission.step, order.mission.pilot)
     hand = np.random.default_rng([order.seed, HAND_STREAM])

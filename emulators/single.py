@@ -1,6 +1,6 @@
 """Drives without a robot: each with a motor and a load of its own, or all above one plant from an FMU.
 
-It refuses to know which bus they are on.
+Not known here: which bus they are on.
 """
 
 from collections.abc import Callable, Mapping, Sequence

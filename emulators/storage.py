@@ -1,6 +1,6 @@
 """Saved parameters of emulated drives in files: one file for each drive, replaced as a whole or not at all.
 
-It refuses to know what the parameters do. The file is JSON, for people to read, and to edit with care.
+Not known here: what the parameters do. The file is JSON, for people to read, and to edit with care.
 """
 
 import json

@@ -1,6 +1,6 @@
 """Unzip, check, load and instantiate an FMU with FMPy, and undo all of it, once.
 
-It refuses to know variables: only whether this machine can run the file as a slave.
+Variables are not known here: only whether this machine can run the file as a slave.
 """
 
 import contextlib

@@ -1,6 +1,6 @@
 """Machines that a plant's binary may be for, and the compilers that make it: this one, and those across.
 
-It refuses to know plants: files of C go in, a library comes out, or a sentence on what is missing.
+Plants are not known here: files of C go in, a library comes out, or a sentence on what is missing.
 """
 
 import os

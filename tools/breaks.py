@@ -1,7 +1,7 @@
 # ruff: noqa: INP001 - a script's neighbor, not a package
 """Ways to break one node of a program: what each is called, and what turns the node into its successor.
 
-It refuses to know which nodes a module has, and that some ways do nothing there.
+Not known here: the nodes of a module, and changes that have no effect there.
 """
 
 import ast

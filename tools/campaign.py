@@ -1,7 +1,7 @@
 # ruff: noqa: INP001 - a script's neighbor, not a package
 """Mutants of a module, each against tests that reach its line, in forks of one that has loaded all the rest.
 
-It refuses to know which modules are tried, and which mutants may survive.
+Not known here: which modules are tried, and which mutants may survive.
 """
 
 import gc

@@ -1,6 +1,6 @@
 """A whole board: a Mega on USB with its shield, one of four firmwares on it, and motors at its terminals.
 
-It refuses to know who is on the other end of the USB, and what the motors turn.
+Not known here: who is on the other end of the USB, and what the motors turn.
 """
 
 from collections.abc import Callable, Mapping

@@ -59,7 +59,7 @@ class Pilot(Table):
         return placed(self.shape(), at, offset_m=self.offset_m, turned_rad=turned)
 
     def follower(self, robot: AnyRobot) -> PathDriver:
-        """Return who drives along it, no faster than the session's agreed delay lets the robot go.
+        """Return the driver along it, no faster than the session's agreed delay lets the robot go.
 
         PathError where its file is none.
         """

@@ -24,7 +24,7 @@ class FaultRecord:
 
 @dataclass(frozen=True, slots=True)
 class InterlockEvent:
-    """One interlock from the instant at which it held to the instant at which it let go."""
+    """One interlock event, from the instant at which it became active to the one at which it cleared."""
 
     name: str
     reason: str

@@ -84,7 +84,7 @@ def _over_time(title: str, *headings: str) -> Table:
 
 
 def span(row: Faulted | InterlockEntry) -> tuple[str, str]:
-    """Return in words from when to when."""
+    """Return the text of a span of time."""
     return f"{row.began_s:.2f} s", "end" if row.ended_s is None else f"{row.ended_s:.2f} s"
 
 

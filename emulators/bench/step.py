@@ -90,7 +90,7 @@ class Step(Table):
     home: Annotated[tuple[str, ...] | None, Field(min_length=1, strict=False)] = None
     """Let axes find their zero, by their roles, one after the other; they move."""
     pause: Annotated[bool | None, Sends(_PAUSE_CONTINUE, lambda wait, _: (0.0 if wait else 1.0,), 1)] = None
-    """True: stop and wait there; false: go on, the stick let go."""
+    """True: stop and wait there; false: continue, the stick at neutral."""
     mode: Annotated[
         str | None, Sends(176, lambda mode, robot: (1.0, number_of_own(modes(robot).index(mode))))
     ] = None

@@ -256,7 +256,7 @@ def _storage(axis: "Axis", given: RobotOptions) -> "Storage":
 
 
 def _outside(machine: "AnyRobot", baud: int, given: RobotOptions) -> "tuple[Openers, str]":
-    """Return what opens each link, and how they are called in words."""
+    """Return what opens each link, and the text that names them."""
     from firmware_bridge.cli.links import opened
     from firmware_bridge.cli.places import BusAddress, places_of
 

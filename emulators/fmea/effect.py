@@ -19,7 +19,7 @@ from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds, from_seconds
 LASTS_S: Final = 2.0
 """Duration of a failure that has an end."""
 LETS_GO_S: Final = 1.0
-"""Time for which the operator goes on as before; then the stick is let go, while the failure lasts."""
+"""Time for which the operator goes on as before; then the stick goes to neutral, while the failure lasts."""
 WATCHED_S: Final = 3.5
 """Time of observation: the end of the failure, and the robot's motion then."""
 STANDS_WITHIN_S: Final = 12.0
@@ -91,7 +91,7 @@ class Effect:
 
 
 def watched(rig: VirtualRig, lasts_s: float | None = None) -> Course:
-    """Run on, and return what is seen; the operator lets go on the way."""
+    """Run on, and return what is seen; the stick goes to neutral on the way."""
     began, first = rig.bench.world.now, len(rig.bench.samples)
     rig.runs(LETS_GO_S)
     rig.operator.lets_go()

@@ -1,6 +1,6 @@
 """The server's half of the dialogue: who is served in which version, and what commands are answered.
 
-It refuses to know what is seen. Sources: OptiTrack's page on remote requests, and what a Motive 2.1 has
+Not known here: what is seen. Sources: OptiTrack's page on remote requests, and what a Motive 2.1 has
 answered. Where they are silent:
 * a client that is not received for 10 s is dropped; any packet of his keeps him.
 * frames go to the address and port from which the client has connected, as OptiTrack's samples expect it.

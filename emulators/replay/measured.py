@@ -34,7 +34,7 @@ class Measured:
     """Number of packets in the recording, on all links."""
     lasts: Nanoseconds
     difference: str = ""
-    """The first packet that this bridge sends otherwise than is recorded, in words; empty where none is."""
+    """The first packet that this bridge sends otherwise than is recorded, as text; empty without one."""
     differs_at: Nanoseconds | None = None
 
 

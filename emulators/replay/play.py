@@ -29,7 +29,7 @@ class ReplayResult:
     until: Nanoseconds
     """The end of the recording, or the first difference."""
     difference: str | None
-    """The first difference in words; None where there is none."""
+    """The first difference as text; None where there is none."""
 
 
 def replay(order: ReplayOrder, progress: Progress = lambda _now, _end: None) -> ReplayResult:

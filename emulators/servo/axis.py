@@ -1,6 +1,6 @@
 """One servo axis as a flat record of whole numbers: what a regulator needs to know between two ticks.
 
-It refuses to know objects, states and the bus. Every value fits 64 bits, so that the kernel in C works on the
+Not known here: objects, states and the bus. Every value fits 64 bits, so that the kernel in C works on the
 same record and gives the same results.
 """
 

@@ -1,6 +1,6 @@
 """Commands to one axis between two ticks: regulators handed over without a jump of the current, and braking.
 
-It refuses to know modes and states: who may command is decided elsewhere.
+Modes and states are not known here: who may command is decided elsewhere.
 """
 
 from emulators.servo.axis import (

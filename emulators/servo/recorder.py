@@ -1,6 +1,6 @@
 """Records fields of an axis tick by tick into a ring, with samples from before a trigger.
 
-Whole numbers only; the kernel in C works on the same record. It refuses to know objects and their units: what
+Whole numbers only; the kernel in C works on the same record. Not known here: objects and their units: what
 is kept are the axis' own numbers.
 """
 

@@ -1,6 +1,6 @@
 """The sensors of an axis, their wires, and what the drive notices when they fail, every millisecond.
 
-Whole numbers only, as in `emulators.servo.loops`. It refuses to know which emergency a finding is.
+Whole numbers only, as in `emulators.servo.loops`. Not known here: which emergency a finding is.
 
 `sensor_faults` and `encoder_loss` say what is wrong with the wires: a bench test sets them, and the drive
 sees no more of them than the counts, pulses and levels that come out of this module.

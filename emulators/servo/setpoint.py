@@ -1,6 +1,6 @@
 """Analog set-points, one millisecond at a time: the voltage at an input instead of a set value.
 
-Source: EPOS2 EDS (0x2301 to 0x2303). It refuses to know which object is which; `emulators.epos2.modes` does.
+Source: EPOS2 EDS (0x2301 to 0x2303). Not known here: which object is which; `emulators.epos2.modes` does.
 """
 
 from typing import Final

@@ -52,7 +52,7 @@ class RealDrives:
 
     def lose_power(self, nodes: str) -> None:
         """Skip the test."""
-        raise SkipTest(f"no one here can take the power from the real drives {nodes}")
+        raise SkipTest(f"no one here can disable the power of the real drives {nodes}")
 
     def finish(self) -> None:
         """Stop those that may have been commanded, and then switch their power off."""

@@ -1,4 +1,4 @@
-"""A robot in virtual time as a test sees it: who drives it, how it moves, what holds it, what goes wrong."""
+"""A robot in virtual time as a test sees it: its operator, motion, interlock events and faults."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager

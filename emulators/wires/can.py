@@ -1,6 +1,6 @@
 """A CAN bus: one frame at a time, exact stuffed length, arbitration by identifier, interframe space, load.
 
-It refuses to know bit errors (`emulators.wires.faulty_can` does): a frame whose sender is cut off under way
+Bit errors are not known here (`emulators.wires.faulty_can` does): a frame whose sender is cut off under way
 is destroyed, all others arrive.
 Every node has one queue, first in first out; the heads of the queues arbitrate.
 """

@@ -1,6 +1,6 @@
 """Fault confinement of one CAN controller: the two error counters, and what they make of it.
 
-Source: ISO 11898-1, fault confinement; Bosch CAN 2.0, part B, section 8. It refuses to know what damages
+Source: ISO 11898-1, fault confinement; Bosch CAN 2.0, part B, section 8. Not known here: what damages
 frames.
 """
 

@@ -136,7 +136,7 @@ class Pipeline:
         return sent, rests or self._permission.powered_off
 
     def let_go(self, names: Collection[str], now: Nanoseconds) -> tuple[Packet, ...]:
-        """Carry on to take the power from these axes, which have not confirmed that they have none."""
+        """Carry on to disable the power of these axes, which have not confirmed that they have none."""
         off = dict.fromkeys(names, Stop.POWER_OFF)
         sent, set_points = self._permission.stops.watch(off, off, now)
         for driver in self._all_drivers.drivers:

@@ -3,7 +3,7 @@
 Eleven unknowns: the left half's six, the joint's rate, both wheels' spins, the caster's swivel and spin. Nine
 equations: the material of each wheel stands still where it touches, or slides there as commanded. Wheels'
 spins are given, so nine unknowns remain; forces at the contacts follow from the transpose of the same matrix.
-Both are solved here by elimination, in closed form. Refuses to know motors, magnets and springs.
+Both are solved here by elimination, in closed form. Not known here: motors, magnets and springs.
 """
 
 from dataclasses import dataclass

@@ -1,7 +1,7 @@
 """Surfaces that are climbed, by their fundamental forms: curvature, torsion, metric, and where a point lies.
 
 Coordinates s and z are arcs in m through the origin, at right angles to each other everywhere. Another
-surface is one more function here. Refuses to know wheels.
+surface is one more function here. Not known here: wheels.
 """
 
 from collections.abc import Callable

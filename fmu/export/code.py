@@ -1,4 +1,4 @@
-"""Blocks to C: no function but sqrt and our own. Refuses to know what the equations mean."""
+"""Blocks to C: no function but sqrt and our own. Not known here: what the equations mean."""
 
 import math
 import re

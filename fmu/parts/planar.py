@@ -1,6 +1,6 @@
 """A rigid body on a floor, in its own frame: where it is, how it moves, what forces do to it.
 
-Its origin lies on its long axis, the center of mass some way ahead of it. Refuses to know what it stands on.
+Its origin lies on its long axis, the center of mass some way ahead of it. Not known here: what it stands on.
 """
 
 from collections.abc import Iterable

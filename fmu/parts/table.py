@@ -1,6 +1,6 @@
 """A run from a table of inputs over time, and the file that it is kept in.
 
-Refuses to know the model: names, inputs and times are given.
+The model is not known here: names, inputs and times are given.
 """
 
 import csv

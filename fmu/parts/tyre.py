@@ -3,7 +3,7 @@
 The tyre's deflection z grows with the slip velocity and is wiped off as the wheel rolls on: its steady state
 is (3.83) over the slip of [R] 3.4.3, both corrected, and sideways over the slip angle atan(v_t / v_l) below
 (3.76); at rest it is a spring, so nothing creeps. Whatever the
-load does, it takes energy out and adds none. [R] is that of fmu/rars. Refuses to know whose
+load does, it takes energy out and adds none. [R] is that of fmu/rars. It does not depend on whose
 wheel it is.
 """
 

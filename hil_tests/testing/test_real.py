@@ -126,7 +126,7 @@ def test_what_no_one_can_do_to_them_is_left_out(program: Program) -> None:
     for wrong, commands in (
         (lambda: real("1", "--load", "2e-5,0.001"), "take no --load"),
         (lambda: real("1"), "needs a line to real drives"),
-        (lambda: real.lose_power("1"), "no one here can take the power"),
+        (lambda: real.lose_power("1"), "no one here can disable the power"),
     ):
         with pytest.raises(SkipTest, match=commands):
             wrong()

@@ -1,7 +1,7 @@
 """The board's serial port: the rates that its divider can make, and the two rings of the core.
 
 Source: ArduinoCore-avr, HardwareSerial.cpp: 64-byte rings of which one byte stays free; a byte that finds the
-receive ring full is dropped, without a word. It refuses to know what the bytes mean.
+receive ring full is dropped, without a word. Not known here: what the bytes mean.
 """
 
 from collections import deque

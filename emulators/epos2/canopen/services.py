@@ -1,6 +1,6 @@
 """The CANopen services of one drive: which identifiers count in a network state, and what their frames do.
 
-Source: CiA 301 v4.02. It refuses to know how the drive starts and by which command its state changes.
+Source: CiA 301 v4.02. Not known here: how the drive starts and by which command its state changes.
 """
 
 from collections.abc import Callable

@@ -1,6 +1,6 @@
 """The power sequence: transitions in their order, what they do to stage and brake, ramps before power goes.
 
-The rules are rows in `power_states`; here is their order in time. It refuses to know who commands and which
+The rules are rows in `power_states`; here is their order in time. Not known here: who commands and which
 errors stand, and objects other than the option codes and decelerations that its ramps need.
 """
 

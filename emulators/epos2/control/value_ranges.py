@@ -1,6 +1,6 @@
 """Values that the drive refuses although the EDS gives no range for them: one row per object.
 
-It refuses to know refusals that depend on a state; motion control, PDOs and memory keep their own.
+Refusals that depend on a state are not here; motion control, PDOs and memory keep their own.
 """
 
 from collections.abc import Collection

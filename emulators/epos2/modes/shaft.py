@@ -1,6 +1,6 @@
 """One axis under command, as every mode sees it: the store's limits and ramps, and braking.
 
-It refuses to know modes and states.
+Not known here: modes and states.
 """
 
 from typing import Final
