@@ -60,7 +60,7 @@ LEAST_LOGIC_MV: int = 4_500
 LEAST_GATE_MV: int = 9_000
 """The supply of the power stage's gate drivers (ASSUME)."""
 WIDEST_SPEED: int = 1 << 30
-"""Velocity errors saturate here, at more than twice 25 000 rpm."""
+"""Velocity errors and what feed-forward takes saturate here, at more than twice 25 000 rpm."""
 WIDEST_WAY: int = 1 << 36
 """Position errors saturate here, at some 60 turns: far past every current limit."""
 
@@ -191,6 +191,15 @@ def profile_step(axis: ServoAxis) -> int:
     return PROFILE_DONE if done else 0
 
 
+def _forward(axis: ServoAxis, speed: int, acceleration: int) -> int:
+    """Return the feed-forward current in mA by the gains for speed and acceleration."""
+    # A gear's input and a spline may jump further: products with the gains must stay within 63 bits.
+    at_speed = within(axis.velocity_demand, WIDEST_SPEED)
+    at_acceleration = within(axis.acceleration_demand, WIDEST_SPEED)
+    ahead = (speed * at_speed) >> SPEED_FORWARD_PLACES
+    return ahead + ((acceleration * at_acceleration) >> ACCELERATION_FORWARD_PLACES)
+
+
 def velocity(axis: ServoAxis) -> None:
     """Velocity PI with feed-forward.
 
@@ -202,8 +211,7 @@ def velocity(axis: ServoAxis) -> None:
     before = axis.velocity_integral
     integral = before + axis.velocity_i * error
     command = (axis.velocity_p * error + integral) >> VELOCITY_PLACES
-    command += (axis.velocity_speed_forward * demand) >> SPEED_FORWARD_PLACES
-    command += (axis.velocity_acceleration_forward * axis.acceleration_demand) >> ACCELERATION_FORWARD_PLACES
+    command += _forward(axis, axis.velocity_speed_forward, axis.velocity_acceleration_forward)
     limit = axis.current_limit_ma
     bounded = within(command, limit)
     if bounded == command or (integral > before) != (command > 0):
@@ -229,8 +237,7 @@ def position(axis: ServoAxis) -> int:
     command = (axis.position_p * error) >> POSITION_P_PLACES
     command += integral >> POSITION_I_PLACES
     command += (axis.position_d * derivative) >> POSITION_D_PLACES
-    command += (axis.position_speed_forward * demand) >> SPEED_FORWARD_PLACES
-    command += (axis.position_acceleration_forward * axis.acceleration_demand) >> ACCELERATION_FORWARD_PLACES
+    command += _forward(axis, axis.position_speed_forward, axis.position_acceleration_forward)
     bounded = within(command, axis.current_limit_ma)
     if bounded == command or (integral > axis.position_integral) != (command > 0):
         axis.position_integral = within(integral, axis.current_limit_ma << POSITION_I_PLACES)

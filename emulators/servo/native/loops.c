@@ -73,14 +73,21 @@ static int64_t limited(const servo_axis *axis, int64_t wanted, int64_t integral,
     return bounded;
 }
 
+static int64_t ahead(const servo_axis *axis, int64_t speed, int64_t acceleration)
+{
+    int64_t at_speed = within(axis->velocity_demand, WIDEST_SPEED);
+    int64_t at_acceleration = within(axis->acceleration_demand, WIDEST_SPEED);
+    return ((speed * at_speed) >> SPEED_FORWARD_PLACES)
+           + ((acceleration * at_acceleration) >> ACCELERATION_FORWARD_PLACES);
+}
+
 static void velocity(servo_axis *axis)
 {
     int64_t demand = axis->velocity_demand;
     int64_t error = within(demand - shifted(axis->step, axis->fraction), WIDEST_SPEED);
     int64_t integral = axis->velocity_integral + axis->velocity_i * error;
     int64_t wanted = (axis->velocity_p * error + integral) >> VELOCITY_PLACES;
-    wanted += (axis->velocity_speed_forward * demand) >> SPEED_FORWARD_PLACES;
-    wanted += (axis->velocity_acceleration_forward * axis->acceleration_demand) >> ACCELERATION_FORWARD_PLACES;
+    wanted += ahead(axis, axis->velocity_speed_forward, axis->velocity_acceleration_forward);
     axis->current_demand_ma = limited(axis, wanted, integral, &axis->velocity_integral, VELOCITY_PLACES);
 }
 
@@ -98,8 +105,7 @@ static int64_t position(servo_axis *axis)
     wanted = (axis->position_p * error) >> POSITION_P_PLACES;
     wanted += integral >> POSITION_I_PLACES;
     wanted += (axis->position_d * derivative) >> POSITION_D_PLACES;
-    wanted += (axis->position_speed_forward * demand) >> SPEED_FORWARD_PLACES;
-    wanted += (axis->position_acceleration_forward * axis->acceleration_demand) >> ACCELERATION_FORWARD_PLACES;
+    wanted += ahead(axis, axis->position_speed_forward, axis->position_acceleration_forward);
     axis->current_demand_ma = limited(axis, wanted, integral, &axis->position_integral, POSITION_I_PLACES);
     return flags;
 }

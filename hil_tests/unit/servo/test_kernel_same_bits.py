@@ -4,10 +4,11 @@ import ctypes
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from emulators.servo import kernel
@@ -98,8 +99,15 @@ LIVES = st.lists(
 )
 
 
+JUMPS: Final = Leg(
+    (*(Order(0, kind, 0, 0, 0, 0) for kind in (5, 0, 0)), Order(0, 12, 19_559_216, 0, 0, 0)), 18
+)
+"""A spline there and back in 1 ms: its acceleration by the gain for it was more than 63 bits."""
+
+
 @settings(max_examples=examples(60), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(life=LIVES, seed=st.integers(0, 2**16), draw=st.sampled_from((tame, wild)))
+@example(life=[JUMPS], seed=9, draw=wild)
 def test_whatever_is_ordered_both_obey_alike(pair: Pair, life: list[Leg], seed: int, draw: Draw) -> None:
     twin, one = pair(draw, seed)
     power = Leg(tuple(Order(axis, 0, 0, 0, 1000, 1000) for axis in range(COUNT)), 3)
