@@ -101,7 +101,8 @@ class Interlocks(Mapping[str, str]):
         self._shown: Final = shown
 
     def __getitem__(self, name: str) -> str:
-        return self._reasons[interlock(name, self._where)]
+        # A third party's own interlock may have a name that was one of ours before.
+        return self._reasons[name if name in self._reasons else interlock(name, self._where)]
 
     def __iter__(self) -> Iterator[str]:
         return map(self._shown, self._reasons)

@@ -1,9 +1,10 @@
 """A recording whose texts are in the words of the release before: all of it is compared but STATUSTEXT.
 
 A text of another length is another number of messages, so sequence numbers are not compared either: each
-recorded message must be among those that were sent before, as often as it is recorded.
+recorded message must be among those that were sent before, as often as its sender has sent it.
 """
 
+import warnings
 from collections import defaultdict, deque
 from collections.abc import Iterable, Sequence
 from typing import Final
@@ -13,10 +14,12 @@ from emulators.replay.recordings import RESOLUTION
 from emulators.replay.senders import Sent
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import MAVLINK_2, mavlink_messages
+from firmware_bridge.renamed import RenamedWarning
 from firmware_bridge.units import Nanoseconds
 
 OLD_WORDS: Final = b"released: "
 """Begin of a text that an interlock event was over; it is "cleared: " now."""
+NOT_COMPARED: Final = "the recording's texts are of the release before: all is compared but STATUSTEXT"
 _STATUSTEXT: Final = 253
 _V1_NUMBER: Final = slice(5, 6)
 _V1_HEAD: Final = 6
@@ -29,6 +32,7 @@ def answers_of(recorded: Iterable[Sent], sender: str) -> Comparison:
     own = [one for one in recorded if one.sender == sender]
     texts = (one.entry.packet.payload for one in own)
     if any(_content(text)[0] == _STATUSTEXT and OLD_WORDS in text for text in texts):
+        warnings.warn(NOT_COMPARED, RenamedWarning, stacklevel=2)
         return AllButTexts(own, sender)
     return Messages(own, sender)
 
@@ -42,6 +46,8 @@ class AllButTexts:
         self._sender = sender
         self._sent: defaultdict[tuple[int, bytes], deque[Nanoseconds]] = defaultdict(deque)
         """The instants at which each content was sent, but for those that were recorded."""
+        self._matched: set[bytes] = set()
+        """Recorded messages that have come; a link may double a datagram, and the recording has it twice."""
         self._found: Difference | None = None
 
     def take(self, now: Nanoseconds, sender: str, packet: Packet) -> None:
@@ -56,13 +62,16 @@ class AllButTexts:
             wanted = self._expected[0].entry
             if wanted.at + RESOLUTION > now:
                 break
-            sent = self._sent[_content(wanted.packet.payload)]
-            if sent and sent[0] < wanted.at + RESOLUTION:
+            message = wanted.packet.payload
+            sent = self._sent[_content(message)]
+            if message not in self._matched:
+                if not sent or sent[0] >= wanted.at + RESOLUTION:
+                    self._found = Difference(self._expected[0], None)
+                    break
                 sent.popleft()
-                self._expected.popleft()
-                self.compared += 1
-            else:
-                self._found = Difference(self._expected[0], None)
+                self._matched.add(message)
+            self._expected.popleft()
+            self.compared += 1
         return () if self._found is None else (self._found,)
 
 

@@ -34,7 +34,7 @@ from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 REST_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest way to rest at an orderly end; then the power goes off, unless a stop still escalates."""
 SECOND_REQUEST_WITHIN: Final[Nanoseconds] = 5 * SECOND
-"""Interval of two commands to end that disables the power of a robot held on a slope."""
+"""Time after a hold on a slope began, or after a command to end, in which the next one disables the power."""
 LEFT_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest that taking the power off in order may last; then it is taken off step by step."""
 PLACE_DIGITS: Final = 4
@@ -198,7 +198,7 @@ class Bridge:
     def stop(self, now: Nanoseconds) -> Reaction:
         """Begin the orderly end: ramp to rest, power off, leave; done when `finished`.
 
-        While it is `holding` it does not end; two commands within 5 s disable the power.
+        While it is `holding`, a command within 5 s of its begin, or of the one before, disables the power.
         """
         if self.holding:
             if now < self._requested_at + SECOND_REQUEST_WITHIN:

@@ -96,7 +96,7 @@ class InterlockTexts:
         """Past events that were information."""
 
     def due(self, events: tuple[ActiveInterlock, ...], now: Nanoseconds) -> list[Message]:
-        """Return texts of what is not as commanded last."""
+        """Return texts of what is not as reported last."""
         current = {event.text_key: event for event in events if event.text_key not in self._informed}
         if current.keys() == self._shown.keys():
             return []

@@ -10,6 +10,7 @@ from emulators.bench.records import InterlockEvent
 from emulators.bench.summary import as_json, summarize
 from emulators.testing.rig import VirtualRig
 from firmware_bridge import renamed
+from firmware_bridge.bridge import stops
 from firmware_bridge.renamed import RenamedWarning
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.common import (
@@ -65,3 +66,11 @@ def test_each_new_name_is_one_of_today_and_short_enough() -> None:
     assert set(renamed.INTERLOCKS.values()) <= {*common, *axes}
     assert not set(renamed.INTERLOCKS) & {*common, *axes}
     assert max(map(len, (*common, *axes))) <= 24
+
+
+def test_a_stage_of_a_stop_is_found_by_its_old_name_and_an_interlock_of_one_s_own_by_its_own() -> None:
+    found = renamed.Interlocks({"stop not acknowledged: left": "ramp", "paused": "by the owner"}, "rig")
+    with pytest.warns(RenamedWarning, match="'reset unconfirmed' is called 'stop not acknowledged' now"):
+        assert found["reset unconfirmed: left"] == "ramp"
+    assert found["paused"] == "by the owner"
+    assert renamed.NOT_ACKNOWLEDGED == stops.NOT_ACKNOWLEDGED

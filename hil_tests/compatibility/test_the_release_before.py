@@ -47,6 +47,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Site:
 def test_its_recording_plays_again(site: Site) -> None:
     shown = site.run(*PROGRAM, "replay", str(RECORDING), "carrier")
     assert "no difference" in shown
+    assert "all is compared but STATUSTEXT" in shown
 
 
 @pytest.mark.long(beside="test_its_recording_plays_again")

@@ -23,10 +23,10 @@ from firmware_bridge.cli.usage import text_of
     ],
 )
 def test_a_mistake_is_one_line_with_its_command(message: str, shown: str) -> None:
-    assert text_of(message, "firmware-bridge epos2 scan") == (
+    assert text_of(message, "epos2 scan") == (
         f"firmware-bridge: epos2 scan: {shown}; see 'firmware-bridge epos2 scan -h'"
     )
-    assert text_of(message, "firmware-bridge") == f"firmware-bridge: {shown}; see 'firmware-bridge -h'"
+    assert text_of(message, "") == f"firmware-bridge: {shown}; see 'firmware-bridge -h'"
 
 
 @pytest.mark.parametrize(
@@ -48,6 +48,14 @@ def test_the_program_ends_with_2_and_one_line(words: tuple[str, ...]) -> None:
     assert line.startswith("firmware-bridge: ")
     assert line.endswith(" -h'")
     assert found.stdout == ""
+
+
+def test_an_option_without_its_value_is_named_with_its_command() -> None:
+    found = CliRunner().invoke(program, ["bench", "rars", "--mission"])
+    (line,) = found.stderr.splitlines()
+    assert line == (
+        "firmware-bridge: bench: option '--mission' requires an argument; see 'firmware-bridge bench -h'"
+    )
 
 
 def test_a_group_alone_shows_its_help() -> None:

@@ -11,6 +11,7 @@ from emulators.replay import replay as play
 from emulators.replay.ending import end_requested_at
 from firmware_bridge.intent import ConfirmZero
 from firmware_bridge.recording import EPOCH
+from firmware_bridge.renamed import RenamedWarning
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND
 
@@ -24,17 +25,20 @@ ORDER = ReplayOrder(
 
 
 def test_a_real_run_is_played_until_it_was_requested_to_end() -> None:
-    outcome = play(ORDER)
+    with pytest.warns(RenamedWarning, match="all is compared but STATUSTEXT"):
+        outcome = play(ORDER)
     assert outcome.difference is None
     assert outcome.compared > 1_000
     assert 2 * SECOND < outcome.until < 3 * SECOND
-    assert play(replace(ORDER, until=SECOND)).until < SECOND + 10 * MILLISECOND, "he may want less"
+    with pytest.warns(RenamedWarning):
+        assert play(replace(ORDER, until=SECOND)).until < SECOND + 10 * MILLISECOND, "he may want less"
 
 
 def test_without_its_events_what_came_of_the_end_differs(tmp_path: Path) -> None:
     for name in ("can.log.xz", "operator.tlog.xz"):
         shutil.copy(RUN / name, tmp_path)
-    outcome = play(replace(ORDER, recording=tmp_path))
+    with pytest.warns(RenamedWarning):
+        outcome = play(replace(ORDER, recording=tmp_path))
     assert outcome.difference is not None
     assert outcome.until > 2_900 * MILLISECOND
 
