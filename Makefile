@@ -65,6 +65,8 @@ $(READY): pyproject.toml setup.py $(wildcard emulators/servo/native/*.[ch] $(BES
 	@[ -x $(BIN)/python ] || $(PYTHON) -m venv .venv
 	@echo "setup: 2 of 4, pip 25.1 or later"
 	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --upgrade 'pip>=25.1'
+	@# The example's name until 0.1.0: its entry points would name a folder that is gone.
+	@$(BIN)/python -m pip uninstall --quiet --quiet --yes carrier
 	@echo "setup: 3 of 4, the program, the libraries that it needs, and those that its tests need"
 	@set -o pipefail; $(BIN)/python -m pip install --disable-pip-version-check --progress-bar off \
 		--editable ".[plants,plots]" $(BESIDE:%=--editable %) --group dev 2>&1 | tee .venv/pip.log | $(FETCHED) || \

@@ -28,7 +28,7 @@ from emulators.arduino_omni.motors import four_motors
 from emulators.arduino_omni.shield.motor_shield import PORTS
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet
-from firmware_bridge.shell.clock import Clock
+from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, from_seconds, to_seconds
 from firmware_bridge.wire.arduino import mw, mw_messages
 

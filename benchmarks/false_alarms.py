@@ -25,8 +25,8 @@ DRIVEN: Final = (
     ("rars", "interlocks"),
     ("rars", "circles"),
     ("rars", "line"),
-    ("carrier", "figure_eight"),
-    ("carrier", "interlocks"),
+    ("diff_drive", "figure_eight"),
+    ("diff_drive", "interlocks"),
 )
 FLOORS: Final = (None, 0.15)
 """The plant's own, and one so slippery."""

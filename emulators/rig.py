@@ -169,7 +169,7 @@ class Rig:
         """Start a bridge in the place of the one that was, which is killed where it still runs."""
         if self.world.here(BRIDGE):
             self.world.detach(BRIDGE)
-        # As the shell does from its file: the new process is offered the last positions.
+        # As the runtime does from its file: the new process is offered the last positions.
         places = self.bridge.places
         self._start_bridge()
         self.bridge.offer(places)

@@ -25,7 +25,7 @@ from emulators.rig import Rig
 from firmware_bridge import renamed
 from firmware_bridge.node import Node
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.shell.run_file import AsRun, run_file
+from firmware_bridge.runtime.run_file import AsRun, run_file
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 
 HAND_STREAM: Final = 0

@@ -73,14 +73,14 @@ ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("robots/rome_arm/*", ("robots/test_rome_arm", "scenarios/test_rome_arm_stories")),
     ("robots/rome/*", ("robots/test_rome", "robots/test_rome_cameras")),
     ("robots/*", (*GATE, "robots/test_rars_body", "unit/motion/*", "unit/pipeline/test_rest")),
-    ("differential/*", ("robots/test_carrier*",)),
-    ("carrier/*", ("robots/test_carrier*",)),
+    ("differential/*", ("robots/test_diff_drive*",)),
+    ("diff_drive/*", ("robots/test_diff_drive*",)),
     ("teleop/*", ("unit/teleop/*",)),
 )
 """Modules of `firmware_bridge` or an example, and files of `hil_tests`; what stands first counts."""
 SLOW: Final = ("*_property", "*_imports", "*_machine", "*_garbage", "*_emulated_*", "*/test_any_sender")
 """Files that never count: one of them takes as long as all others of its room."""
-NONE: Final = ("carrier/plant/*", "carrier/bench_setup", "carrier/cases")
+NONE: Final = ("diff_drive/plant/*", "diff_drive/bench_setup", "diff_drive/cases")
 """The bench's half of an example."""
 
 

@@ -8,7 +8,7 @@ from firmware_bridge.units import Nanoseconds
 class Adapter:
     """Adapter around a node, on one of its links: while unplugged it blocks packets, and reports so.
 
-    The node learns it at its next turn, as from a port of the real shell.
+    The node learns it at its next turn, as from a port of the real runtime.
     """
 
     def __init__(self, node: Node, link: str) -> None:
@@ -44,7 +44,7 @@ class Adapter:
         if self._reported is self.plugged:
             return ()
         self._reported = self.plugged
-        # Reported before the packet in hand, as the shell's port does it.
+        # Reported before the packet in hand, as the runtime's port does it.
         event = LINE_BACK if self.plugged else LINE_LOST
         return self.node.receive(Packet(self._link, event, b""), now).sent
 

@@ -13,7 +13,7 @@ from emulators.motion_capture.film import Physics
 from emulators.motion_capture.system import COMMAND, DATA, MotionCapture
 from firmware_bridge.node import SERIAL, Node
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.shell.ports import Port, UdpPort
+from firmware_bridge.runtime.ports import Port, UdpPort
 from firmware_bridge.wire.internet import place_of
 from firmware_bridge.wire.natnet.messages import DATA_PORT
 

@@ -17,7 +17,7 @@ from firmware_bridge.cli.commands import command
 from firmware_bridge.cli.console import FAILED, one_message, say, written_by
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
 from firmware_bridge.cli.tables import terminal
-from firmware_bridge.shell.ports import LostPort, PortError, open_can
+from firmware_bridge.runtime.ports import LostPort, PortError, open_can
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
 from firmware_bridge.wire.epos2 import address as at
 

@@ -12,7 +12,7 @@ from firmware_bridge.cli.options import DurationOption, until
 from firmware_bridge.cli.recorded import RecordOption, recording
 from firmware_bridge.node import SERIAL
 from firmware_bridge.recording import device_side
-from firmware_bridge.shell.black_box import SERIAL_LOG
+from firmware_bridge.runtime.black_box import SERIAL_LOG
 
 if TYPE_CHECKING:
     from emulators.arduino_omni.ar2.board import Ar2Board
@@ -71,9 +71,9 @@ def run(given: Ar2Options) -> None:
     from emulators.cli.watched import keeping_reported
     from firmware_bridge.cli.links import open_serial
     from firmware_bridge.cli.real_time import carry
-    from firmware_bridge.shell.clock import LivedClock
-    from firmware_bridge.shell.ports import PortError
-    from firmware_bridge.shell.ports.pseudo_terminal import WORD
+    from firmware_bridge.runtime.clock import LivedClock
+    from firmware_bridge.runtime.ports import PortError
+    from firmware_bridge.runtime.ports.pseudo_terminal import WORD
 
     firmware = FIRMWARES.get(given.firmware)
     if firmware is None:

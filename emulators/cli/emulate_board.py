@@ -13,7 +13,7 @@ from firmware_bridge.cli.options import DurationOption, until
 from firmware_bridge.cli.recorded import RecordOption, recording
 from firmware_bridge.node import SERIAL
 from firmware_bridge.recording import device_side
-from firmware_bridge.shell.black_box import SERIAL_LOG
+from firmware_bridge.runtime.black_box import SERIAL_LOG
 
 if TYPE_CHECKING:
     from emulators.arduino_omni.board import Firmware
@@ -143,8 +143,8 @@ def run(given: BoardOptions) -> None:
     from emulators.servo.seam import ServoError
     from firmware_bridge.cli.links import open_serial
     from firmware_bridge.cli.real_time import carry
-    from firmware_bridge.shell.clock import LivedClock
-    from firmware_bridge.shell.ports import PortError
+    from firmware_bridge.runtime.clock import LivedClock
+    from firmware_bridge.runtime.ports import PortError
     from fmu.errors import PlantError
 
     firmware = _firmware(given)
@@ -197,7 +197,7 @@ def _firmware(given: BoardOptions) -> "Firmware":
 
 def _plan(given: BoardOptions) -> "list[Planned]":
     from emulators.arduino_omni.faults import UNPLUGGED, planned
-    from firmware_bridge.shell.ports.pseudo_terminal import WORD
+    from firmware_bridge.runtime.ports.pseudo_terminal import WORD
 
     try:
         plan = [planned(text) for text in given.fault or ()]

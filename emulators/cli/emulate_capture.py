@@ -92,8 +92,8 @@ def run(given: CaptureOptions) -> None:
 
     from emulators.motion_capture.system import COMMAND, DATA, MotionCapture, Timing
     from firmware_bridge.cli.real_time import carry
-    from firmware_bridge.shell.clock import LivedClock
-    from firmware_bridge.shell.ports import PortError, UdpPort
+    from firmware_bridge.runtime.clock import LivedClock
+    from firmware_bridge.runtime.ports import PortError, UdpPort
 
     bodies = bodies_named(given.body or ["robot"])
     cameras = Cameras(noise_m=given.noise_mm * _MILLI, lost=given.lost, up=given.up)

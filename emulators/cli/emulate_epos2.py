@@ -20,7 +20,7 @@ from firmware_bridge.cli.outside import Outside
 from firmware_bridge.cli.recorded import RecordOption, recording
 from firmware_bridge.node import CAN, SERIAL
 from firmware_bridge.recording import device_side
-from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
+from firmware_bridge.runtime.black_box import CAN_LOG, SERIAL_LOG
 from firmware_bridge.wire.maxon.frame import Generation
 
 if TYPE_CHECKING:
@@ -197,7 +197,7 @@ def run(given: DrivesOptions) -> None:
     from firmware_bridge.cli.links import on_the_line, opened
     from firmware_bridge.cli.node_numbers import numbers
     from firmware_bridge.cli.real_time import carry
-    from firmware_bridge.shell.clock import LivedClock
+    from firmware_bridge.runtime.clock import LivedClock
     from fmu.errors import PlantError
 
     nodes = numbers(given.node)
@@ -358,7 +358,7 @@ def _load(text: str, *, named: bool) -> "ShaftLoad":
 
 def _commissioned(file: Path) -> "Mapping[Address, int]":
     from emulators.epos2.objects.saved_parameters import is_parameter
-    from firmware_bridge.shell.data_sheets import SheetError, configured
+    from firmware_bridge.runtime.data_sheets import SheetError, configured
     from firmware_bridge.wire.epos2.differences import ANY_TYPE
 
     with one_message(SheetError):

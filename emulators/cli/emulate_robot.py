@@ -24,7 +24,7 @@ from firmware_bridge.cli.outside import Outside
 from firmware_bridge.cli.recorded import RecordOption, recording
 from firmware_bridge.node import CAN, SERIAL, Node
 from firmware_bridge.recording import device_side
-from firmware_bridge.shell.black_box import CAN_LOG, SERIAL_LOG
+from firmware_bridge.runtime.black_box import CAN_LOG, SERIAL_LOG
 from firmware_bridge.units import Nanoseconds, from_seconds, to_seconds
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from firmware_bridge.cli.links import Openers
     from firmware_bridge.cli.places import BusAddress
     from firmware_bridge.robot import AnyRobot, Axis
-    from firmware_bridge.shell.ports import Port
+    from firmware_bridge.runtime.ports import Port
 
 
 EXAMPLES: Final = """Examples:
@@ -118,8 +118,8 @@ def emulate_board(machine: "AnyRobot", given: RobotOptions) -> None:
     from firmware_bridge.dissector import kinds_of
     from firmware_bridge.drivers.shield.link_drivers import over_protocol
     from firmware_bridge.robot import RobotFileError
-    from firmware_bridge.shell.clock import LivedClock
-    from firmware_bridge.shell.ports import PortError
+    from firmware_bridge.runtime.clock import LivedClock
+    from firmware_bridge.runtime.ports import PortError
     from fmu.errors import PlantError
 
     with one_message(RobotFileError, PlantError):
@@ -161,8 +161,8 @@ def _line_of(machine: "AnyRobot", name: str, given: RobotOptions, *, alone: bool
     """Open the line to a board; where there are several each has a pseudo-terminal of its own. PortError."""
     from firmware_bridge.cli.links import open_serial
     from firmware_bridge.robot.settings.shield import ShieldLink
-    from firmware_bridge.shell.ports import PortError
-    from firmware_bridge.shell.ports.pseudo_terminal import WORD
+    from firmware_bridge.runtime.ports import PortError
+    from firmware_bridge.runtime.ports.pseudo_terminal import WORD
 
     table = machine.links[name]
     rate = table.line_rate if isinstance(table, ShieldLink) else machine.ar2_link(name).line_rate
@@ -198,7 +198,7 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
     from firmware_bridge.cli.links import on_the_line
     from firmware_bridge.cli.real_time import carry
     from firmware_bridge.robot import RobotFileError
-    from firmware_bridge.shell.clock import LivedClock
+    from firmware_bridge.runtime.clock import LivedClock
     from fmu.errors import PlantError
 
     protocol = generation_of(given.protocol)
@@ -271,7 +271,7 @@ def _outside(machine: "AnyRobot", baud: int, given: RobotOptions) -> "tuple[Open
 
 
 def _opener(machine: "AnyRobot", name: str, place: "BusAddress") -> "Callable[[], Port]":
-    from firmware_bridge.shell.ports import open_can
+    from firmware_bridge.runtime.ports import open_can
 
     if place.device is not None:
         raise refusal(

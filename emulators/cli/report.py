@@ -13,7 +13,7 @@ from firmware_bridge.cli.console import one_message, refusal, say, written_by
 from firmware_bridge.units import to_seconds
 
 if TYPE_CHECKING:
-    from firmware_bridge.shell.run_file import AsRun
+    from firmware_bridge.runtime.run_file import AsRun
 
 EXAMPLES: Final = """Examples:
 
@@ -107,7 +107,7 @@ def run(given: ReportOptions) -> None:
 
 def _as_run(given: ReportOptions) -> "AsRun":
     from firmware_bridge.cli.robot_argument import find_robot
-    from firmware_bridge.shell.run_file import RUN_FILE, AsRun, read_run
+    from firmware_bridge.runtime.run_file import RUN_FILE, AsRun, read_run
 
     if given.robot is not None:
         return AsRun(find_robot(given.robot))

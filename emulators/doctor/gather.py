@@ -29,7 +29,7 @@ from emulators.servo import kernel
 from emulators.servo.seam import ServoError
 from firmware_bridge import robot_types
 from firmware_bridge.robot import RobotFileError
-from firmware_bridge.shell.clock import Clock, resolution
+from firmware_bridge.runtime.clock import Clock, resolution
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from fmu import plants
 from fmu.build import is_built

@@ -10,7 +10,7 @@ from statistics import median
 from typing import Final
 
 from emulators.doctor.facts import CanInterface, Facts
-from firmware_bridge.shell.runner import LATE
+from firmware_bridge.runtime.runner import LATE
 from firmware_bridge.units import MICROSECOND, MILLISECOND, Nanoseconds
 
 

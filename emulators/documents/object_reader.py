@@ -9,9 +9,9 @@ from firmware_bridge.drivers.commissioning.can_access import CanAccess
 from firmware_bridge.drivers.commissioning.client import JobClient
 from firmware_bridge.drivers.commissioning.reading import Reading
 from firmware_bridge.node import CAN
-from firmware_bridge.shell.clock import Clock
-from firmware_bridge.shell.ports import Port
-from firmware_bridge.shell.runner import run
+from firmware_bridge.runtime.clock import Clock
+from firmware_bridge.runtime.ports import Port
+from firmware_bridge.runtime.runner import run
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS

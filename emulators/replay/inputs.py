@@ -25,7 +25,7 @@ from firmware_bridge.node import CAN, OPERATOR
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import mavlink_origin
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.shell.black_box import EVENTS_LOG, STATIONS_LOG
+from firmware_bridge.runtime.black_box import EVENTS_LOG, STATIONS_LOG
 from firmware_bridge.units import MICROSECOND, Nanoseconds
 
 

@@ -20,8 +20,8 @@ from firmware_bridge.dissector import kinds_of
 from firmware_bridge.node import CAN, OPERATOR, Node
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot_types import robot_type_of
+from firmware_bridge.runtime.last_places import RECORDED, LastPlaces
 from firmware_bridge.safety.guard import guarded
-from firmware_bridge.shell.last_places import RECORDED, LastPlaces
 from firmware_bridge.units import Nanoseconds
 
 

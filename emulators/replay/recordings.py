@@ -26,7 +26,7 @@ from firmware_bridge.recording import (
     parse_chunk,
     parse_tlog,
 )
-from firmware_bridge.shell import can_files
+from firmware_bridge.runtime import can_files
 from firmware_bridge.units import MICROSECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.can import ERROR, frame_bits
 

@@ -74,7 +74,7 @@ def worked_out(given: Specification) -> dict[str, str]:
     rolling = ROLLS * GRAVITY * given.mass_kg / 2.0 * radius / gear / motor.torque_constant_nm_a
     numbers: dict[str, object] = {
         "name": given.name,
-        "Name": given.name.capitalize(),
+        "Name": given.name.replace("_", " ").capitalize(),
         "left": given.axes[0],
         "right": given.axes[1],
         "left_node": given.nodes[0],

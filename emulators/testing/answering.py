@@ -14,8 +14,8 @@ import serial
 
 from emulators.testing.buses import Bus
 from firmware_bridge.cli.node_numbers import numbers
-from firmware_bridge.shell.clock import Clock
-from firmware_bridge.shell.ports import open_can
+from firmware_bridge.runtime.clock import Clock
+from firmware_bridge.runtime.ports import open_can
 from firmware_bridge.units import from_seconds
 from firmware_bridge.wire.arduino import ar2, arduinoio, firmata, mw, mw_messages, ros_arduino_bridge
 from firmware_bridge.wire.canopen import SDO_REQUEST, SDO_RESPONSE

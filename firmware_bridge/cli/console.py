@@ -11,7 +11,7 @@ from typing import Final
 
 import typer
 
-from firmware_bridge.shell.printer import Printer
+from firmware_bridge.runtime.printer import Printer
 
 FAILED: Final = 1
 WRONG_INPUT: Final = 2

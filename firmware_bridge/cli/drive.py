@@ -29,7 +29,7 @@ from firmware_bridge.cli.options import (
 )
 from firmware_bridge.cli.recorded import RecordOption, recording
 from firmware_bridge.node import OPERATOR, Node
-from firmware_bridge.shell.black_box import CAN_LOG, CAPTURE_LOG, OPERATOR_LOG, SERIAL_LOG, Texts
+from firmware_bridge.runtime.black_box import CAN_LOG, CAPTURE_LOG, OPERATOR_LOG, SERIAL_LOG, Texts
 from firmware_bridge.wire.maxon.frame import Generation
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from firmware_bridge.robot.settings.ar2 import Ar2Link
     from firmware_bridge.robot.settings.shield import ShieldLink
     from firmware_bridge.robot_type import AnyRobotType
-    from firmware_bridge.shell.ports import Port
+    from firmware_bridge.runtime.ports import Port
     from firmware_bridge.slow_link.conditions import Conditions
 
 
@@ -198,10 +198,10 @@ def run(given: DriveOptions) -> None:
     from firmware_bridge.robot import RobotFileError
     from firmware_bridge.robot.path_file import PathFileError, along_path
     from firmware_bridge.robot_types import robot_type_of
+    from firmware_bridge.runtime.last_places import LastPlaces, known_places, usual_path
+    from firmware_bridge.runtime.ports import UdpPort
+    from firmware_bridge.runtime.run_file import AsRun, run_file
     from firmware_bridge.safety.guard import guarded
-    from firmware_bridge.shell.last_places import LastPlaces, known_places, usual_path
-    from firmware_bridge.shell.ports import UdpPort
-    from firmware_bridge.shell.run_file import AsRun, run_file
 
     machine = find_robot(given.robot)
     named, slow = split_links(machine, given.link)
@@ -358,7 +358,7 @@ def _no_board(table: "ShieldLink | Ar2Link") -> str:
 
 
 def _serial_opener(machine: "AnyRobot", place: "BusAddress", rate: int) -> "Callable[[], Port]":
-    from firmware_bridge.shell.ports import ReturningLine
+    from firmware_bridge.runtime.ports import ReturningLine
 
     device = place.device
     if device is None:
@@ -375,7 +375,7 @@ def _nothing_received(spoken: Generation, rate: int) -> str:
 
 
 def _can_opener(place: "BusAddress", bit_rate: int | None, default: int) -> "Callable[[], Port]":
-    from firmware_bridge.shell.ports import open_can
+    from firmware_bridge.runtime.ports import open_can
 
     return lambda: open_can(place.interface, place.channel, bit_rate, default_bit_rate=default, say=say)
 

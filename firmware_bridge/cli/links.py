@@ -8,8 +8,8 @@ from typing import TypeAlias
 from firmware_bridge.cli.console import one_message, refusal, say
 from firmware_bridge.cli.outside import Outside
 from firmware_bridge.node import CAN, SERIAL
-from firmware_bridge.shell.ports import Port, PortError, PseudoTerminal, SeenOpening, SerialLine, open_can
-from firmware_bridge.shell.ports.pseudo_terminal import WORD
+from firmware_bridge.runtime.ports import Port, PortError, PseudoTerminal, SeenOpening, SerialLine, open_can
+from firmware_bridge.runtime.ports.pseudo_terminal import WORD
 from firmware_bridge.wire.maxon.frame import Generation
 
 Openers: TypeAlias = dict[str, Callable[[], Port]]

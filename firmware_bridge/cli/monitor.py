@@ -24,7 +24,7 @@ from firmware_bridge.cli.options import (
     until,
 )
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.shell import can_files
+from firmware_bridge.runtime import can_files
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 if TYPE_CHECKING:
@@ -218,7 +218,7 @@ def _live(given: MonitorOptions, picture: "BusPicture") -> None:
     from firmware_bridge.cli.real_time import carry
     from firmware_bridge.cli.tables import terminal
     from firmware_bridge.node import CAN
-    from firmware_bridge.shell.ports import open_can
+    from firmware_bridge.runtime.ports import open_can
 
     with ExitStack() as stack:
         if on_a_terminal():
@@ -291,7 +291,7 @@ def _device(given: MonitorOptions) -> bool:
 
 
 def _sheet(given: MonitorOptions) -> "Mapping[Address, int] | None":
-    from firmware_bridge.shell.data_sheets import SheetError, defaults
+    from firmware_bridge.runtime.data_sheets import SheetError, defaults
 
     with one_message(SheetError):
         return None if given.eds is None else defaults(given.eds).values
@@ -300,7 +300,7 @@ def _sheet(given: MonitorOptions) -> "Mapping[Address, int] | None":
 def _configured(given: MonitorOptions) -> "tuple[Expected, ...]":
     """Return the nodes of configuration files; one that names none ends the program with a message."""
     from firmware_bridge.dissector.robot_mapping import Expected
-    from firmware_bridge.shell.data_sheets import SheetError, configured
+    from firmware_bridge.runtime.data_sheets import SheetError, configured
     from firmware_bridge.wire.epos2.differences import ANY_TYPE
 
     found = []

@@ -10,8 +10,8 @@ from firmware_bridge.cli.remembered import Remembered
 from firmware_bridge.node import Node, Stoppable, holds
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.runtime.last_places import LastPlaces
 from firmware_bridge.safety.snapshot import ActiveInterlock
-from firmware_bridge.shell.last_places import LastPlaces
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 
 Say: TypeAlias = Callable[[str], None]

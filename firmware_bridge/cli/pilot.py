@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from firmware_bridge.pilot.paths import Path as Way
     from firmware_bridge.robot import AnyRobot
     from firmware_bridge.robot_type import AnyRobotType
-    from firmware_bridge.shell.ports import Port
+    from firmware_bridge.runtime.ports import Port
 
 
 EXAMPLES: Final = """Examples:
@@ -135,9 +135,9 @@ def run(given: PilotOptions) -> None:
     from firmware_bridge.robot import RobotFileError
     from firmware_bridge.robot.problems import near
     from firmware_bridge.robot_types import robot_type_of
-    from firmware_bridge.shell.clock import Clock
-    from firmware_bridge.shell.last_places import usual_path
-    from firmware_bridge.shell.ports import UdpPort
+    from firmware_bridge.runtime.clock import Clock
+    from firmware_bridge.runtime.last_places import usual_path
+    from firmware_bridge.runtime.ports import UdpPort
     from firmware_bridge.teleop.trust import Trust
 
     with one_message(RobotFileError):
@@ -209,8 +209,8 @@ def _controls(given: PilotOptions) -> str:
     """
     from firmware_bridge.pilot.joystick import DEVICES, USUAL, is_gamepad
     from firmware_bridge.robot.problems import near
-    from firmware_bridge.shell.ports import PortError
-    from firmware_bridge.shell.ports.joystick import JoystickPort, identity
+    from firmware_bridge.runtime.ports import PortError
+    from firmware_bridge.runtime.ports.joystick import JoystickPort, identity
 
     if given.controls is None:
         with one_message(PortError), closing(JoystickPort(given.device)) as port:
@@ -237,8 +237,8 @@ def _path(name: str, size: float) -> "Way":
 
 
 def _device(given: PilotOptions) -> "Callable[[], Port]":
-    from firmware_bridge.shell.ports.joystick import JoystickPort
-    from firmware_bridge.shell.ports.keyboard import KeyboardPort
+    from firmware_bridge.runtime.ports.joystick import JoystickPort
+    from firmware_bridge.runtime.ports.keyboard import KeyboardPort
 
     return KeyboardPort if given.keyboard else partial(JoystickPort, given.device)
 

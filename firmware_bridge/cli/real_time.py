@@ -8,9 +8,9 @@ import typer
 
 from firmware_bridge.cli.console import FAILED, UNCONFIRMED, held_up_by_nothing, one_message, refusal, say
 from firmware_bridge.node import Node
-from firmware_bridge.shell.clock import Clock, LivedClock
-from firmware_bridge.shell.ports import LostPort, Port, PortError
-from firmware_bridge.shell.runner import IN_ORDER, Ending, run
+from firmware_bridge.runtime.clock import Clock, LivedClock
+from firmware_bridge.runtime.ports import LostPort, Port, PortError
+from firmware_bridge.runtime.runner import IN_ORDER, Ending, run
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
 UNREAD: Final = "SIGPIPE"

@@ -11,7 +11,7 @@ import typer
 from firmware_bridge.cli.console import one_message, say
 from firmware_bridge.node import Node
 from firmware_bridge.recording import Recorded
-from firmware_bridge.shell.black_box import BlackBox, BlackBoxError, Texts, no_texts
+from firmware_bridge.runtime.black_box import BlackBox, BlackBoxError, Texts, no_texts
 
 RecordOption = Annotated[
     Path | None,

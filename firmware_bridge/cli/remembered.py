@@ -8,7 +8,7 @@ from typing import Final
 from firmware_bridge.cli.console import refusal
 from firmware_bridge.node import Node, Stoppable
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.shell.kept_stamps import DamagedStampsError, KeptStamps
+from firmware_bridge.runtime.kept_stamps import DamagedStampsError, KeptStamps
 from firmware_bridge.teleop.trust import Stamps, Trust
 from firmware_bridge.units import NEVER, Nanoseconds
 

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Final
 
 from firmware_bridge.cli.console import one_message, refusal
-from firmware_bridge.shell.clock import Clock
-from firmware_bridge.shell.ports import PortError
-from firmware_bridge.shell.ports.udp import reaches_beyond
+from firmware_bridge.runtime.clock import Clock
+from firmware_bridge.runtime.ports import PortError
+from firmware_bridge.runtime.ports.udp import reaches_beyond
 from firmware_bridge.teleop.trust import KEY_LENGTH, Network, Trust
 
 SHORTEST_PHRASE: Final = 12

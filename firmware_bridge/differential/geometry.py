@@ -16,7 +16,7 @@ class Limits(Table):
     turn_rate_rad_s: Positive
     turn_acceleration_rad_s2: Positive
     sideways_mps2: Positive
-    """Speed times turn rate: what load and tyres stand."""
+    """Speed times turn rate: what load and tires stand."""
 
 
 class Geometry(Table):

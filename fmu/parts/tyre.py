@@ -1,6 +1,6 @@
-"""One tyre on the floor: slip, adhesion by the corrected (3.83), and a bristle that holds at rest.
+"""One tire on the floor: slip, adhesion by the corrected (3.83), and a bristle that holds at rest.
 
-The tyre's deflection z grows with the slip velocity and is wiped off as the wheel rolls on: its steady state
+The tire's deflection z grows with the slip velocity and is wiped off as the wheel rolls on: its steady state
 is (3.83) over the slip of [R] 3.4.3, both corrected, and sideways over the slip angle atan(v_t / v_l) below
 (3.76); at rest it is a spring, so nothing creeps. Whatever the
 load does, it takes energy out and adds none. [R] is that of fmu/rars. It does not depend on whose
@@ -58,7 +58,7 @@ class Tyre:
         self._grip: Expression = None
 
     def bears(self, load: Expression) -> None:
-        """Give the tyre its load in N."""
+        """Give the tire its load in N."""
         self._load = positive_part(load)
         self._grip = self._p["floor_friction"] * self._load + TRACE
 
@@ -115,7 +115,7 @@ class Tyre:
         and sooner where LAG holds back.
         """
         excess = self._p["tyre_stiffness"] * LAG * (1 - self._held_back(way))
-        # 1 at rest, where the tyre is a spring.
+        # 1 at rest, where the tire is a spring.
         fade = positive_part(self._held_back(way) - self._p["tyre_damping"] * self._loose(way))
         wiped, stretching = self._wiped(way), self._stretching(way)
         return (

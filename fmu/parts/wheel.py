@@ -1,4 +1,4 @@
-"""A driven wheel that stands fixed in its body: motor, gear, rim, and a tyre on the floor."""
+"""A driven wheel that stands fixed in its body: motor, gear, rim, and a tire on the floor."""
 
 from collections.abc import Mapping
 
@@ -44,7 +44,7 @@ class DrivenWheel:
         return Push(force, self.tyre.force_left(), -self.left * force)
 
     def energy(self) -> Expression:
-        """Return the energy of rim, rolling bristle and tyre in J; the rotor's own is the shaft's."""
+        """Return the energy of rim, rolling bristle and tire in J; the rotor's own is the shaft's."""
         shaft = self.shaft
         spin = self._spin_inertia * (shaft.speed / shaft.gear) ** 2
         bristle = self._resistance * self._presliding / shaft.gear * shaft.friction**2

@@ -43,8 +43,8 @@ way by half of it; in its tightest turn the pull goes round faster than regulato
 BOTH_GIVE: Final = 0.014
 """Share of speed times turn rate, per degree of slope.
 
-Backwards down 6.6 degrees, turning, the carrier races by 3 % and turns by 7.5 % too much until its regulators
-have caught up; 0.638 of 0.576 m/s2 are measured.
+Backwards down 6.6 degrees, turning, the differential drive races by 3 % and turns by 7.5 % too much until its
+regulators have caught up; 0.638 of 0.576 m/s2 are measured.
 """
 
 
@@ -290,7 +290,7 @@ OWN: Final[Mapping[str, tuple[Own, ...]]] = {
         Own("acceleration beyond its limit", _acceleration),
         Own("less than 30 mm from tipping", _tipping),
     ),
-    "carrier": (
+    "diff_drive": (
         Own("acceleration beyond its limit", _acceleration),
         Own("sideways acceleration beyond its limit", _sideways, 0.1),
     ),

@@ -21,7 +21,7 @@ from hil_tests.adversary.truth import invariants
 ROBOTS: Final = {
     "rars": 7,
     "rars --serial v2": 7,
-    "carrier": 7,
+    "diff_drive": 7,
     "rome": 2,
     "rome --protocol arduinoio --encoders 3": 2,
     "rome --protocol mw --encoders 3": 2,
@@ -137,7 +137,7 @@ def not_receiving(*_: Any, **__: Any) -> Answer:
 @pytest.mark.interpreted
 def test_an_emergency_stop_that_does_nothing_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Permission, "_stop", not_receiving)
-    one = search(find("carrier"), HONEST)
+    one = search(find("diff_drive"), HONEST)
     found = next(found for found, _ in map(one.looked, (44,)) if found is not None)
     assert found.violation.name == "motion with power that may not be"
     assert any(step.emergency_stop for step in found.mission.step)

@@ -37,7 +37,7 @@ comes on top.
 FORGETS_S: Final = 0.1
 """Allowance beside a board's auto-stop: its last command is a cycle old, and its loop looks at 30 Hz."""
 ENDS_S: Final = 15.0
-"""The longest end of a bridge; firmware_bridge/shell/runner.py waits so long."""
+"""The longest end of a bridge; firmware_bridge/runtime/runner.py waits so long."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -64,7 +64,7 @@ def test_a_file_that_outgrows_its_page_is_two_files() -> None:
 
 
 def test_one_place_sleeps_and_one_module_reads_a_clock() -> None:
-    allowed = {"firmware_bridge/shell", "emulators/run.py"}
+    allowed = {"firmware_bridge/runtime", "emulators/run.py"}
     readers = {name(path) for path in sources(*PACKAGES) if "time" in imports(path)}
     assert {path for path in readers if not path.startswith(tuple(allowed))} == set()
 

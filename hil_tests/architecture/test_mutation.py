@@ -149,7 +149,16 @@ def test_the_rooms_have_modules_and_every_module_tests() -> None:
     every = list(targets())
     assert len(every) == len(set(every))
     rooms = {target.partition("/")[0] for target in every}
-    assert rooms == {"safety", "bridge", "differential", "drivers", "motion", "robots", "carrier", "teleop"}
+    assert rooms == {
+        "safety",
+        "bridge",
+        "differential",
+        "drivers",
+        "motion",
+        "robots",
+        "diff_drive",
+        "teleop",
+    }
     without = [
         target for target in every if not all(file.exists() for file in files_for(target) or [Path("-")])
     ]

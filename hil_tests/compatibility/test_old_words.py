@@ -27,12 +27,12 @@ from firmware_bridge.robots.climber.body import CLIMBER
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.robots.rars.geometry import Degraded
 from firmware_bridge.robots.rars.motion import RarsMotion
+from firmware_bridge.runtime.run_file import RUN_FILE, AsRun, read_run, run_file
 from firmware_bridge.safety.gate import NO_GROUP
 from firmware_bridge.safety.interlock import View
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.safety.kinematic_model import KinematicModel
 from firmware_bridge.safety.snapshot import ActiveInterlock
-from firmware_bridge.shell.run_file import RUN_FILE, AsRun, read_run, run_file
 from firmware_bridge.teleop.station import Station, Value
 from firmware_bridge.units import SECOND
 from fmu.export.model import StateVariable
@@ -90,7 +90,7 @@ def test_a_recording_has_the_old_keys_of_its_robot(tmp_path: Path) -> None:
 
 
 def test_attributes_are_read_by_their_old_names(tmp_path: Path) -> None:
-    robot = find("carrier")
+    robot = find("diff_drive")
     snapshot = seen(robot, SECOND)
     view: View[Any, Any, Any] = View(robot, snapshot, snapshot.command, NO_GROUP, None)
     with pytest.warns(RenamedWarning, match="Snapshot: 'wish' is called 'command' now"):
@@ -106,7 +106,7 @@ def test_attributes_are_read_by_their_old_names(tmp_path: Path) -> None:
 
 
 def test_what_the_operator_has_received_has_its_old_name() -> None:
-    rig = VirtualRig(find("carrier"))
+    rig = VirtualRig(find("diff_drive"))
     try:
         with pytest.warns(RenamedWarning, match=r"rig\.operator: 'told' is called 'texts' now"):
             assert rig.operator.told == rig.operator.texts
@@ -162,7 +162,7 @@ def test_a_state_of_a_plant_has_its_old_name() -> None:
 
 
 def test_a_robot_file_has_its_old_axis_keys(tmp_path: Path) -> None:
-    own = find("carrier")
+    own = find("diff_drive")
     text = robot_type_of(own).file.read_text(encoding="utf-8")
     file = tmp_path / "old.toml"
     old = text.replace("plausibility = ", "belief = ").replace("standstill_group = ", "stands_with = ")

@@ -109,7 +109,7 @@ def test_build_writes_what_check_finds_good(tmp_path: Path, fmi: int) -> None:
     status, out, err = run("check", str(path))
     assert (status, err) == (0, "")
     verdict, *logged = out.splitlines()
-    assert verdict == "verdict:     good; it fits carrier, rars"
+    assert verdict == "verdict:     good; it fits diff_drive, rars"
     assert [line.split(None, 1)[1] for line in logged[:5]] == [
         "rars, 183 variables",
         f"{fmi}.0, co-simulation and model exchange",
@@ -188,7 +188,7 @@ def test_build_goes_into_this_folder_unless_reported_otherwise(
 @pytest.mark.parametrize(
     ("words", "logged"),
     [
-        (("build", "mars"), "there is no plant 'mars'; did you mean 'rars'? there are: ar2, carrier, "),
+        (("build", "mars"), "there is no plant 'mars'; did you mean 'rars'? there are: ar2, climber, "),
         (
             ("build", "rars", "--out", "/proc/nowhere/rars.fmu"),
             "/proc/nowhere/rars.fmu: the FMU cannot be written",
@@ -247,7 +247,7 @@ def requested_of_a_plant(name: str) -> list[str]:
 @pytest.mark.parametrize(
     ("robot", "axes", "body"),
     [
-        ("carrier", ["left", "right"], ["x", "y", "heading", "speed", "yaw_rate"]),
+        ("diff_drive", ["left", "right"], ["x", "y", "heading", "speed", "yaw_rate"]),
         (
             "rars",
             ["left", "right", "steer", "lift"],

@@ -13,7 +13,7 @@ import pytest
 from emulators.rig import Rig
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
-from firmware_bridge.shell.clock import Clock
+from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from firmware_bridge.wire.internet import number_of
 from hil_tests.scenarios.ride import READY_S, ride

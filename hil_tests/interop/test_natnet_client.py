@@ -17,7 +17,7 @@ from typing import Any, Final
 import pytest
 from natnet import NatNetClient
 
-from firmware_bridge.shell.clock import Clock
+from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.units import MILLISECOND, SECOND
 
 PROGRAM: Final = Path(sys.executable).with_name("firmware-bridge")

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Final
 
 import pytest
-from carrier.plant import PLANT
+from diff_drive.plant import PLANT
 from typer.testing import CliRunner
 
 from emulators.motors import MOTORS
@@ -28,9 +28,9 @@ from firmware_bridge.robot_types import find
 ROOT: Final = Path(__file__).parents[2]
 PRODUCT: Final = ("firmware_bridge", "emulators", "fmu", "examples")
 PROCESSOR_S: Final = 60.0
-CARRIER: Final = Specification(
+DIFF_DRIVE: Final = Specification(
     kind="differential",
-    name="carrier",
+    name="diff_drive",
     nodes=(1, 2),
     wheel_radius_m=0.08,
     track_m=0.35,
@@ -141,10 +141,10 @@ def test_what_it_writes_is_code_to_hold_up(mouse: tuple[Beside, float]) -> None:
 
 
 def test_the_example_is_what_it_writes_and_what_was_added_to_it() -> None:
-    example = ROOT / "examples/carrier"
-    for name, text in written(CARRIER).items():
+    example = ROOT / "examples/diff_drive"
+    for name, text in written(DIFF_DRIVE).items():
         found = (example / name).read_text(encoding="utf-8")
-        if name == "src/carrier/carrier.toml":
+        if name == "src/diff_drive/diff_drive.toml":
             assert found.startswith(text)
             assert list(tomllib.loads(found.removeprefix(text))) == ["outputs"]
         else:
@@ -165,10 +165,10 @@ def test_the_rule_for_gains_gives_those_that_rars_was_tuned_to() -> None:
 
 def test_the_friction_that_it_writes_is_more_than_its_plant_has_and_less_than_a_slope() -> None:
     """Check the current that holds the robot on 3 degrees: it must not pass for friction."""
-    axis, motor = find("carrier").axis("left_wheel"), MOTORS["RE40"]
+    axis, motor = find("diff_drive").axis("left_wheel"), MOTORS["RE40"]
     plant = {parameter.name: parameter.start for parameter in PLANT.parameters}
-    half = CARRIER.mass_kg * 9.81 / 2.0
-    a_newton = CARRIER.wheel_radius_m / axis.ratio / motor.torque_constant_nm_a
+    half = DIFF_DRIVE.mass_kg * 9.81 / 2.0
+    a_newton = DIFF_DRIVE.wheel_radius_m / axis.ratio / motor.torque_constant_nm_a
     rolls = half * max(plant["rolling_resistance"], plant["castor_resistance"]) * a_newton
     slope = half * math.sin(math.radians(3.0)) * a_newton
     assert motor.no_load_current_a + rolls < axis.friction < slope

@@ -11,7 +11,7 @@ from emulators.testing.errors import RigError
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.bridge.stops import Progress
 from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN
-from firmware_bridge.shell.runner import STOP_WITHIN
+from firmware_bridge.runtime.runner import STOP_WITHIN
 from firmware_bridge.units import to_seconds
 from hil_tests.adversary.failing import FAILING
 from hil_tests.rows import every

@@ -12,7 +12,7 @@ from firmware_bridge.safety.guard.capture import CaptureRules
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.internet import number_of
 from firmware_bridge.wire.natnet.messages import MessageId, packet, text_payload
-from hil_tests.unit.capture_driver.captured_carrier import CAMERAS, captured_carrier
+from hil_tests.unit.capture_driver.captured_diff_drive import CAMERAS, captured_diff_drive
 
 SERVER = number_of("192.168.1.10", 1510)
 OTHER = number_of("192.168.1.11", 1510)
@@ -37,7 +37,7 @@ class States:
 
 
 def left(*packets: Packet) -> tuple[Packet, ...]:
-    return guarded(States(*packets), captured_carrier()).wake(0).sent
+    return guarded(States(*packets), captured_diff_drive()).wake(0).sent
 
 
 @pytest.mark.parametrize("message", MessageId, ids=lambda it: it.name)
@@ -60,7 +60,7 @@ def test_a_listener_s_words_leave_and_no_others(message: MessageId) -> None:
 def test_nothing_else_leaves_and_nothing_else_stops_for_it(stated: Packet) -> None:
     beside = Packet(OPERATOR, 0, b"telemetry")
     refusals: list[Refusal] = []
-    node = guarded(States(stated, beside), captured_carrier(), refusals.append)
+    node = guarded(States(stated, beside), captured_diff_drive(), refusals.append)
     assert node.wake(0).sent == (beside,)
     assert [(one.packet, one.sent) for one in refusals] == [(stated, ())]
 
@@ -68,19 +68,19 @@ def test_nothing_else_leaves_and_nothing_else_stops_for_it(stated: Packet) -> No
 def test_what_comes_in_is_the_bridge_s() -> None:
     bridge = States()
     received = Packet(CAMERAS, SERVER, b"whatever")
-    guarded(bridge, captured_carrier()).receive(received, 0)
+    guarded(bridge, captured_diff_drive()).receive(received, 0)
     assert bridge.received == [received]
 
 
 def test_a_fault_of_cameras_wants_cameras() -> None:
     for kind in ("body_hidden", "markers_swapped"):
         fault = read({"kind": kind, "at_s": 1.0, "until_s": 2.0})
-        assert list(fault.problems(captured_carrier())) == []
+        assert list(fault.problems(captured_diff_drive())) == []
         assert list(fault.problems(find("rars"))) == [("kind", "rars has no link to a capture system")]
 
 
 def test_what_follows_a_listener_s_number_does_not_matter_and_the_number_is_of_two_bytes() -> None:
-    rules = CaptureRules(captured_carrier(), CAMERAS)
+    rules = CaptureRules(captured_diff_drive(), CAMERAS)
     assert not rules.waiting
     keep = int(MessageId.KEEPALIVE)
     more = Packet(CAMERAS, SERVER, keep.to_bytes(2, "little") + (3).to_bytes(2, "little") + b"abc")

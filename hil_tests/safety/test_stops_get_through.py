@@ -15,7 +15,7 @@ from firmware_bridge.bridge.stops import Progress
 from firmware_bridge.drivers.all_drivers import STOP_STEPS
 from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN, sums, way
 from firmware_bridge.packet import Packet
-from firmware_bridge.shell.runner import STOP_WITHIN
+from firmware_bridge.runtime.runner import STOP_WITHIN
 from firmware_bridge.units import to_seconds
 from hil_tests.lanes import examples
 from hil_tests.rows import every
@@ -152,7 +152,7 @@ def test_an_order_begins_a_stop_again_that_nothing_brought_about() -> None:
         assert speed(rig) < 0.005
 
 
-@every("robot", (*SHIELDS, *DRIVES, ARM, "carrier"))
+@every("robot", (*SHIELDS, *DRIVES, ARM, "diff_drive"))
 def test_the_power_is_taken_within_five_seconds_by_the_rows(robot: str) -> None:
     machine = robot_of(robot)
     for axis in machine.axes:

@@ -11,7 +11,7 @@ from typing import Final
 
 import pytest
 
-from firmware_bridge.shell.clock import Clock
+from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.lanes import HUNG_S
 

@@ -22,7 +22,7 @@ MISSIONS: Final = {
     "rars": ("line", 7.0),
     "rome": ("line", 7.0),
     "climber": ("vertical", 9.0),
-    "carrier": ("line", 7.0),
+    "diff_drive": ("line", 7.0),
     "ar2": ("pose", 9.0),
     "rome_arm": ("pose", 9.0),
 }
@@ -57,7 +57,7 @@ def driven(robot: AnyRobot) -> Iterator[Samples]:
         rig.finish()
 
 
-@pytest.mark.long(keeps=["rars", "rome", "carrier", "climber"])
+@pytest.mark.long(keeps=["rars", "rome", "diff_drive", "climber"])
 @pytest.mark.parametrize("name", MISSIONS)
 def test_the_robot_moves_as_with_motors_that_are_not_mirrored(name: str) -> None:
     robot = find(name)

@@ -184,8 +184,8 @@ def beside(known: Tracking) -> float:
         ("rars", "line", None),
         ("rars", "interlocks", None),
         ("rars", "interlocks", 0.15),
-        ("carrier", "figure_eight", None),
-        ("carrier", "interlocks", 0.15),
+        ("diff_drive", "figure_eight", None),
+        ("diff_drive", "interlocks", 0.15),
     ],
 )
 def test_no_ordinary_mission_comes_near_a_bound(

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import pytest
 import serial
 
-from firmware_bridge.shell.clock import Clock
+from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.units import MILLISECOND, SECOND
 from firmware_bridge.wire.maxon.frame import Generation, MaxonAnswer
 from firmware_bridge.wire.maxon.lines import host_end

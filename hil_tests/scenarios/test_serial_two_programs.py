@@ -14,7 +14,7 @@ import pytest
 os.environ["MAVLINK20"] = "1"
 from pymavlink.dialects.v20 import common as mavlink
 
-from firmware_bridge.shell.clock import Clock
+from firmware_bridge.runtime.clock import Clock
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.lanes import HUNG_S
 

@@ -22,9 +22,9 @@ from firmware_bridge.drivers.commissioning.job import JobError
 from firmware_bridge.drivers.commissioning.network_command import GatewayCheck
 from firmware_bridge.drivers.commissioning.serial_access import OWN, SerialAccess
 from firmware_bridge.node import CAN, SERIAL
-from firmware_bridge.shell.clock import Clock
-from firmware_bridge.shell.ports import LostPort, Port, PortError, SerialLine, open_can
-from firmware_bridge.shell.runner import run
+from firmware_bridge.runtime.clock import Clock
+from firmware_bridge.runtime.ports import LostPort, Port, PortError, SerialLine, open_can
+from firmware_bridge.runtime.runner import run
 from firmware_bridge.units import NEVER, Nanoseconds
 from firmware_bridge.wire.canopen import ALL_NODES, FIRST_NODE
 from firmware_bridge.wire.maxon.frame import Generation

@@ -44,7 +44,7 @@ class Station:
 
 
 class Carrier:
-    """Stand-in for the shell: an exception in the node is followed by `stop`."""
+    """Stand-in for the runtime: an exception in the node is followed by `stop`."""
 
     def __init__(self, node: Guarded) -> None:
         self.node = node

@@ -14,28 +14,28 @@ from firmware_bridge.packet import Packet
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robot.settings.capture import CaptureBody, CaptureDriver
 from firmware_bridge.robot_types import robot_type_named
-from firmware_bridge.shell.clock import Clock, LivedClock
+from firmware_bridge.runtime.clock import Clock, LivedClock
 from firmware_bridge.units import MILLISECOND
 from firmware_bridge.wire.internet import number_of
 from firmware_bridge.wire.natnet import messages
 from firmware_bridge.wire.natnet.messages import MessageId, packet, split
-from hil_tests.unit.capture_driver.captured_carrier import CAPTURE, captured_carrier, file_at, written
+from hil_tests.unit.capture_driver.captured_diff_drive import CAPTURE, captured_diff_drive, file_at, written
 
-SETTINGS = 'body = "carrier", fastest_mps = 1.0, fastest_rad_s = 2.0'
+SETTINGS = 'body = "diff_drive", fastest_mps = 1.0, fastest_rad_s = 2.0'
 LEFT = 'role = "left_wheel"\nlink = "drives"'
 
 
 def test_a_link_to_cameras_and_a_body_are_read() -> None:
-    robot = captured_carrier()
+    robot = captured_diff_drive()
     link = robot.capture_links["cameras"]
     assert (link.driver, link.server_number) == (CaptureDriver.NATNET, number_of("192.168.1.10", 1510))
     settings = robot.sensors[-1].settings
     assert isinstance(settings, CaptureBody)
-    assert (settings.body, settings.up, settings.mount.x) == ("carrier", "y", 0.0)
+    assert (settings.body, settings.up, settings.mount.x) == ("diff_drive", "y", 0.0)
 
 
 def test_cameras_are_where_the_file_states_and_need_no_place() -> None:
-    assert list(places_of(captured_carrier(), None, BusAddress())) == ["drives"]
+    assert list(places_of(captured_diff_drive(), None, BusAddress())) == ["drives"]
 
 
 @pytest.mark.parametrize(
@@ -50,8 +50,11 @@ def test_cameras_are_where_the_file_states_and_need_no_place() -> None:
         (('link = "cameras"', 'link = "drives"'), "has a body, and 'drives' is no capture system"),
         (("fastest_mps = 1.0", "fastest_mps = 0.0"), "fastest_mps"),
         (("fastest_mps = 1.0, ", ""), "fastest_mps: is missing"),
-        (('body = "carrier"', 'body = "carrier", up = "x"'), "'x' is not known; there are: y, z"),
-        (('body = "carrier"', 'body = "carrier", mount = { x = 200.0 }'), "more than 10 m from the robot"),
+        (('body = "diff_drive"', 'body = "diff_drive", up = "x"'), "'x' is not known; there are: y, z"),
+        (
+            ('body = "diff_drive"', 'body = "diff_drive", mount = { x = 200.0 }'),
+            "more than 10 m from the robot",
+        ),
         ((SETTINGS, 'axis = "left", input = 2, per_volt = 1.0'), "needs body"),
         (('name = "place"', 'name = "place"\nevery = 3'), "every: no such key"),
     ],
@@ -86,7 +89,7 @@ def test_emulate_serves_the_cameras_beside_the_drives(
             sent.extend(node.wake(now * MILLISECOND).sent)
 
     monkeypatch.setattr("firmware_bridge.cli.real_time.carry", carried)
-    given: Any = {"robot": str(tmp_path / "carrier.toml"), "interface": "virtual"}
+    given: Any = {"robot": str(tmp_path / "diff_drive.toml"), "interface": "virtual"}
     run(RobotOptions(**given))
     assert {"can", "cameras commands", "cameras frames"} <= set(opened)
     (answer,) = [it for it in sent if it.link == "cameras commands"]

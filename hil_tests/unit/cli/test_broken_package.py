@@ -39,7 +39,7 @@ def test_it_is_one_row_among_the_robots(site: Path) -> None:
     rows = [line for line in out.splitlines() if "scout" in line]
     assert len(rows) == 1
     assert "cannot be loaded" in rows[0]
-    assert all(f" {name} " in out for name in ("rars", "rome", "climber", "carrier"))
+    assert all(f" {name} " in out for name in ("rars", "rome", "climber", "diff_drive"))
     assert complained.startswith(f"firmware-bridge: {WHY}")
 
 
@@ -52,7 +52,7 @@ def test_who_names_it_is_reported_why(site: Path, words: tuple[str, ...]) -> Non
 
 def test_the_others_are_driven_as_ever(site: Path, tmp_path: Path) -> None:
     status, out, complained = stated(
-        site, "bench", "carrier", "--mission", "line", "--out", str(tmp_path / "out")
+        site, "bench", "diff_drive", "--mission", "line", "--out", str(tmp_path / "out")
     )
     assert (status, complained) == (0, "")
     assert "results:" in out

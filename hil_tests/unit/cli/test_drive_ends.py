@@ -8,8 +8,8 @@ import pytest
 from firmware_bridge.cli.drive import DriveOptions, run
 from firmware_bridge.cli.narrated import Narrated, StartUpFailedError
 from firmware_bridge.node import Stoppable
-from firmware_bridge.shell.ports import Port
-from firmware_bridge.shell.runner import STOP_WITHIN
+from firmware_bridge.runtime.ports import Port
+from firmware_bridge.runtime.runner import STOP_WITHIN
 from firmware_bridge.units import MILLISECOND, NEVER, SECOND, Nanoseconds, to_seconds
 
 NAMES: Final = "left rear wheel", "right rear wheel", "steering", "scissor lift"

@@ -14,7 +14,7 @@ from emulators.storage import ParameterFile
 from firmware_bridge.drivers.epos2.setup import SetupObject, commissioned
 from firmware_bridge.node import Node
 from firmware_bridge.robot_types import find
-from firmware_bridge.shell.clock import Clock, LivedClock
+from firmware_bridge.runtime.clock import Clock, LivedClock
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.epos2 import address as at
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from firmware_bridge.shell.clock import Clock
-from firmware_bridge.shell.ports import PseudoTerminal
+from firmware_bridge.runtime.clock import Clock
+from firmware_bridge.runtime.ports import PseudoTerminal
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.lanes import HUNG_S
 from hil_tests.unit.cli.bench_drives import Bench, ask, bench

@@ -10,7 +10,7 @@ from firmware_bridge.cli.narrated import Narrated
 from firmware_bridge.cli.remembered import Remembered
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot_types import robot_type_of
-from firmware_bridge.shell.last_places import LastPlaces
+from firmware_bridge.runtime.last_places import LastPlaces
 from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import SECOND, Nanoseconds
 from hil_tests.safety.driving import robot_of

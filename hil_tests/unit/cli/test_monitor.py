@@ -16,7 +16,7 @@ from firmware_bridge.dissector.bus_picture import BusPicture
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
 from firmware_bridge.recording import Direction, chunk_line, device_side
-from firmware_bridge.shell.ports import LostPort
+from firmware_bridge.runtime.ports import LostPort
 from firmware_bridge.units import NEVER, Nanoseconds
 from hil_tests.rows import every
 
@@ -77,7 +77,7 @@ def run(*words: str) -> Any:
 
 
 def on_scripted(monkeypatch: pytest.MonkeyPatch, *words: str) -> Any:
-    monkeypatch.setattr("firmware_bridge.shell.ports.open_can", lambda *_, **_more: Scripted(RECEIVED))
+    monkeypatch.setattr("firmware_bridge.runtime.ports.open_can", lambda *_, **_more: Scripted(RECEIVED))
     return run("-i", "virtual", "-c", "foreign", *words)
 
 

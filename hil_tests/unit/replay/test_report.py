@@ -17,7 +17,7 @@ from firmware_bridge.cli import program
 from firmware_bridge.intent import ConfirmZero
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robot_types import find
-from firmware_bridge.shell.run_file import RUN_FILE, AsRun, read_run, run_file
+from firmware_bridge.runtime.run_file import RUN_FILE, AsRun, read_run, run_file
 
 REAL: Final = Path(__file__).with_name("places_known")
 """3 s of `drive rars` at emulated drives in real time, no one driving."""

@@ -9,7 +9,7 @@ from firmware_bridge import robot_types
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robot.settings.epos2 import Epos2Device
 
-CARRIER: Final = robot_types.robots()["carrier"].read_text(encoding="utf-8")
+DIFF_DRIVE: Final = robot_types.robots()["diff_drive"].read_text(encoding="utf-8")
 
 
 def problems(text: str, *changes: tuple[str, str]) -> str:
@@ -17,7 +17,7 @@ def problems(text: str, *changes: tuple[str, str]) -> str:
         assert before in text
         text = text.replace(before, after)
     try:
-        robot_types.parse(text, "carrier.toml")
+        robot_types.parse(text, "diff_drive.toml")
     except RobotFileError as error:
         return str(error)
     return ""
@@ -55,7 +55,7 @@ TRACK: Final = "track_m = 0.35"
 def test_a_sum_of_another_geometry_is_reported_with_the_right_line(
     change: tuple[str, str], reported: list[str]
 ) -> None:
-    found = problems(CARRIER, change)
+    found = problems(DIFF_DRIVE, change)
     assert all(text in found for text in reported), found
     assert found.count("guard.sums") == (2 if "wheel" in change[1] and reported else len(reported))
 
@@ -63,7 +63,7 @@ def test_a_sum_of_another_geometry_is_reported_with_the_right_line(
 def test_the_offered_lines_make_the_file_good() -> None:
     assert (
         problems(
-            CARRIER,
+            DIFF_DRIVE,
             (RADIUS, "wheel_radius_m = 0.12"),
             ("{ left = 0.04, right = 0.04 }", "{ left = 0.06, right = 0.06 }"),
             ("{ left = -0.2286, right = 0.2286 }", "{ left = -0.3429, right = 0.3429 }"),
@@ -99,17 +99,17 @@ def test_a_drive_s_currents_are_those_of_the_emulated_one(device: Epos2Device) -
 def test_currents_beyond_the_drive_s_are_reported_with_what_it_takes(
     changes: tuple[tuple[str, str], ...], reported: str
 ) -> None:
-    assert reported in problems(CARRIER, *changes)
+    assert reported in problems(DIFF_DRIVE, *changes)
 
 
 def test_one_wrong_key_of_an_axis_makes_no_other_mistake() -> None:
-    misspelt = CARRIER.replace('command = "speed"', 'comand = "speed"', 1)
+    misspelt = DIFF_DRIVE.replace('command = "speed"', 'comand = "speed"', 1)
     assert problems(misspelt).splitlines() == [
-        "carrier.toml: axes[0].command: is missing",
-        "carrier.toml: axes[0].comand: no such key; perhaps 'command'?",
+        "diff_drive.toml: axes[0].command: is missing",
+        "diff_drive.toml: axes[0].comand: no such key; perhaps 'command'?",
     ]
-    second = CARRIER.index("[[axes]]", CARRIER.index("[[axes]]") + 1)
-    alone = CARRIER[: CARRIER.index("[[axes]]")] + CARRIER[second:]
+    second = DIFF_DRIVE.index("[[axes]]", DIFF_DRIVE.index("[[axes]]") + 1)
+    alone = DIFF_DRIVE[: DIFF_DRIVE.index("[[axes]]")] + DIFF_DRIVE[second:]
     found = problems(alone, ("top_speed = 10.33", "top_speeed = 10.33"))
     assert "axes[0].top_speeed: no such key; perhaps 'top_speed'?" in found
     assert "must have at least 1" not in found
@@ -132,4 +132,4 @@ def test_one_wrong_key_of_an_axis_makes_no_other_mistake() -> None:
 def test_numbers_that_no_robot_has_are_refused_with_the_reason(
     change: tuple[str, str], reported: str
 ) -> None:
-    assert reported in problems(CARRIER, change)
+    assert reported in problems(DIFF_DRIVE, change)

@@ -18,7 +18,7 @@ from emulators.world import World
 from firmware_bridge.cli import program
 from firmware_bridge.node import CAN
 from firmware_bridge.packet import Packet
-from firmware_bridge.shell.data_sheets import SheetError, configured
+from firmware_bridge.runtime.data_sheets import SheetError, configured
 from firmware_bridge.units import SECOND
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address

@@ -156,7 +156,7 @@ def test_after_a_silence_a_button_that_is_still_held_counts_as_pressed_then() ->
     assert lifted(bench, (500, True)) == [-0.1]
 
 
-@pytest.mark.parametrize("robot", ["rars", "climber", "carrier", "rome"])
+@pytest.mark.parametrize("robot", ["rars", "climber", "diff_drive", "rome"])
 def test_an_axis_that_is_not_used_any_more_is_neutral_at_once(robot: str) -> None:
     bench = bench_of(robot)
     bench.say(manual())
@@ -167,7 +167,7 @@ def test_an_axis_that_is_not_used_any_more_is_neutral_at_once(robot: str) -> Non
     assert bench.command == still
 
 
-@pytest.mark.parametrize("robot", ["rars", "climber", "carrier", "rome"])
+@pytest.mark.parametrize("robot", ["rars", "climber", "diff_drive", "rome"])
 def test_a_channel_that_is_given_back_is_neutral_at_once(robot: str) -> None:
     bench = bench_of(robot)
     bench.say(manual())

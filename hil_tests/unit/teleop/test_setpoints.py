@@ -199,7 +199,7 @@ def test_a_yaw_rate_alone_is_one_whatever_stands_in_the_velocity() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "turns"), [("rome", True), ("carrier", True), ("climber", True), ("rars", False)]
+    ("name", "turns"), [("rome", True), ("diff_drive", True), ("climber", True), ("rars", False)]
 )
 def test_a_yaw_rate_alone_turns_a_robot_that_can_turn_where_it_stands(name: str, *, turns: bool) -> None:
     bench = bench_of(name)
