@@ -65,7 +65,7 @@ def _of(title: str, sheet: MotorSheet, continuous_current_a: float) -> Motor:
         rotor_inertia_kg_m2=sheet["rotor_inertia"],
         no_load_current_a=sheet["no_load_current"],
         continuous_current_a=continuous_current_a,
-        source="ASSUME, from the catalog, unchecked",
+        source="assumed, from the catalog, unchecked",
     )
 
 
@@ -74,7 +74,7 @@ MOTORS: Final = {
     "RE40": _of("maxon RE40 150 W 24 V (148867)", RE40, 5.77),
     "RE50": _of("maxon RE50 200 W 24 V (370354)", RE50, 10.0),
 }
-"""ASSUME, from the catalog, unchecked: compare with the data sheet of the motor that is there."""
+"""Assumed, from the catalog, unchecked: compare with the data sheet of the motor that is there."""
 
 
 @cache

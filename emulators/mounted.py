@@ -1,7 +1,7 @@
 """Equipment of a single drive: motor, encoder, gear and load; and a check of the client's settings for it.
 
 A real drive cannot know its equipment, and neither does the emulated one: with other settings it counts,
-commutates and supervises by those. ASSUME: a brushed motor at a drive that is set up for hall sensors shows
+commutates and supervises by those. Assumed: a brushed motor at a drive that is set up for hall sensors shows
 none of them; a motor with three phases at one that is set up for a brushed motor gives no torque.
 """
 

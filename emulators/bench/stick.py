@@ -8,7 +8,7 @@ import numpy as np
 from firmware_bridge.units import SECOND, Nanoseconds, to_seconds
 
 TREMOR_TIME_S: Final = 0.2
-"""Correlation time of the hand's tremor. ASSUME."""
+"""Correlation time of the hand's tremor. Assumed."""
 
 
 class Ramp:

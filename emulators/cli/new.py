@@ -83,8 +83,8 @@ def new(
 ) -> None:
     """Write a package for a new robot: robot file, rules, plant, missions; it drives at once.
 
-    The gains are worked out from the motor's data and the mass. Look at each number marked ASSUME before the
-    real robot moves.
+    The gains are worked out from the motor's data and the mass. Check each number marked as assumed before
+    the real robot moves.
     """
     from emulators import motors
     from emulators.motors import MotorError
@@ -119,7 +119,7 @@ def new(
     # The robot file keeps within the drive: the motor could bear more.
     if wanted > given:
         say(f"the motor's {wanted:g} A are more than an EPOS2 {device} gives: {given:g} A are written")
-    say(f"{target}: {len(paths)} files; look at each ASSUME in src/{name}/{name}.toml before the robot moves")
+    say(f"{target}: {len(paths)} files; before it moves check what src/{name}/{name}.toml marks as assumed")
     say(f"next: pip install -e {target}")
     say(f"then: firmware-bridge bench {name}")
 

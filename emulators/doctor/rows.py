@@ -42,13 +42,13 @@ class Check:
 
 OLDEST: Final = (3, 11)
 NEWEST: Final = (3, 14)
-"""Pythons. ASSUME: a later one works, too; no one has tried."""
+"""Pythons. Assumed: a later one works, too; no one has tried."""
 CYCLE: Final[Nanoseconds] = 50 * MILLISECOND
 """Cycle of the bridge on most robots that come with it; a robot file has its own, `cycle_ms`."""
 COARSE: Final[Nanoseconds] = MILLISECOND
 """Limit of a clock's resolution: with longer steps it cannot distinguish one frame from the next."""
 CROWDED: Final = 2.0
-"""Processes for each processor. ASSUME: with twice as many as there are processors a cycle waits its turn
+"""Processes for each processor. Assumed: with twice as many as there are processors a cycle waits its turn
 often; with more than one each, now and then."""
 PURPOSES: Final = {
     "plants": "for plants of your own",

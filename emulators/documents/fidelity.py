@@ -33,7 +33,7 @@ _FIGURES: Final = (
 _ROOT: Final = Path(emulators.__file__).parent
 _MODULES: Final = ("epos2", "servo", "wires")
 _ASSUMPTION: Final = re.compile(
-    r"""(?:(?P<before>[^."()]{3,}[.:;]?)\s*\(?)?ASSUME: (?P<what>.+?)"""
+    r"""(?:(?P<before>[^."()]{3,}[.:;]?)\s*\(?)?\b[Aa]ssumed: (?P<what>.+?)"""
     r"""(?:\.(?=\s|$|"|\))|\)(?=[.;:, ]|$)|\"{3})"""
 )
 _SILENT: Final = re.compile(r"Where (?:it is|they are|the sources are) silent: (?P<what>.+?)\"{3}")

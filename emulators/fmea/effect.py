@@ -25,10 +25,10 @@ WATCHED_S: Final = 3.5
 STANDS_WITHIN_S: Final = 12.0
 """... and so long where it still moves then: a robot that moves after it counts as never stopping."""
 ASIDE: Final[Mapping[str, float]] = {"m": 0.02, "rad": 0.05}
-"""Limits of a deviation from the run without the failure. ASSUME; the first is what docs/safety.md allows a
+"""Limits of a deviation from the run without the failure. Assumed; the first is what docs/safety.md allows a
 robot at standstill without power."""
 SHARE: Final = 0.05
-"""... and this share of the distance without the failure: tolerance of a robot without a fault. ASSUME."""
+"""... and this share of the distance without the failure: tolerance of a robot without a fault. Assumed."""
 STILL: Final[Mapping[str, float]] = {"m": 0.001, "rad": 0.003}
 """Limits of motion below which a robot is at standstill."""
 RESTS_S: Final = 0.3
@@ -37,7 +37,7 @@ RESTS_S: Final = 0.3
 
 EACH_MS: Final = SAMPLE_EVERY / MILLISECOND
 LATE_MS: Final = 500.0
-"""Limit from which an unreported deviation counts as noticed late. ASSUME."""
+"""Limit from which an unreported deviation counts as noticed late. Assumed."""
 
 
 class Assessment(StrEnum):

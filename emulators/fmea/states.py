@@ -9,9 +9,9 @@ from emulators.bench.step import Holds, inputs
 from emulators.testing.rig import VirtualRig
 
 SHARE: Final = 0.5
-"""Share of full stick, on each channel that a state drives. ASSUME: a usual command."""
+"""Share of full stick, on each channel that a state drives. Assumed: a usual command."""
 GOES_S: Final = 1.5
-"""Time by which a robot has reached the commanded speed; ASSUME of those that will come."""
+"""Time by which a robot has reached the commanded speed; assumed of those that will come."""
 STOPPING_S: Final = 0.1
 STOPPED_S: Final = 2.0
 

@@ -117,11 +117,11 @@ class ServoAxis(ServoRecord, ctypes.Structure):
         self.raised = self.braking = self.waits = self.speed_before = 0
         self.left = LEFT_MA
         self.learning = LEAST_LEARNING
-        # ASSUME: 90 % of the supply reaches the winding; the rest is the bridge and its dead time.
+        # assumed: 90 % of the supply reaches the winding; the rest is the bridge and its dead time.
         self.voltage_percent = 90
-        # ASSUME: the hardware cuts off above 1.5 times the 70/10's largest output current of 25 A.
+        # assumed: the hardware cuts off above 1.5 times the 70/10's largest output current of 25 A.
         self.over_current_ma = 37_500
-        # ASSUME: supply range 11 V to 70 V, from the type's name and its sisters.
+        # assumed: supply range 11 V to 70 V, from the type's name and its sisters.
         self.under_voltage_mv = 10_000
         self.over_voltage_mv = 75_000
         self._undisturbed()
@@ -137,7 +137,7 @@ class ServoAxis(ServoRecord, ctypes.Structure):
         self.logic_mv = LOGIC_MV
         self.gate_mv = GATE_MV
         self.ambient_mc = AMBIENT_MC
-        # ASSUME: the continuous current, 10 A for the 70/10, heats the power stage by 50 K.
+        # assumed: the continuous current, 10 A for the 70/10, heats the power stage by 50 K.
         self.square_per_mc = 10_000**2 // STAGE_RISE_MC
         self.sensor_faults = self.encoder_loss = self.mounted_pole_pairs = 0
         self.slipped = self.loss_rest = 0
@@ -163,7 +163,7 @@ class ServoAxis(ServoRecord, ctypes.Structure):
         self.hall_pole_pairs = self.hall_angle_supervised = self.auxiliary_supervised = 0
 
     def restart(self) -> None:
-        """Begin as after power-on: power off, position 0 at the present angle (ASSUME: counter cleared)."""
+        """Begin as after power-on: power off, position 0 at the present angle (assumed: counter cleared)."""
         self.powered = 0
         self.profile = DIRECT
         self.regulator = IDLE

@@ -1,6 +1,6 @@
 """Positions at which an output gives a pulse: found every millisecond, between the last count and this one.
 
-Whole numbers only; the kernel in C does the same. ASSUME: a pulse lasts whole milliseconds, for that is how
+Whole numbers only; the kernel in C does the same. Assumed: a pulse lasts whole milliseconds, for that is how
 often the plant sees the outputs; its beginning and its end are events.
 """
 

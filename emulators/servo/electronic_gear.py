@@ -1,7 +1,7 @@
 """The electronic gear: following the digital position input, one millisecond at a time, in whole numbers.
 
 Source: EPOS2 EDS (0x2300). The demand keeps to the limits of velocity and acceleration, so that it may fall
-behind; it then closes up like a move to a target that itself moves. ASSUME: what it follows ends at the
+behind; it then closes up like a move to a target that itself moves. Assumed: what it follows ends at the
 software position limits, and the input's way beyond them is not lost.
 """
 

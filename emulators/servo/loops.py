@@ -50,15 +50,15 @@ from emulators.servo.spline import spline
 AVERAGE: int = 5
 """Low-pass of the averaged values: alpha = 2^-5 per sample (EPOS Firmware Specification)."""
 HEATING: int = 17
-"""Low-pass of the current's square: a time constant of 2^17 ms for the power stage (ASSUME)."""
+"""Low-pass of the current's square: a time constant of 2^17 ms for the power stage (assumed)."""
 HOTTEST_MC: int = 100_000
-"""The power stage's temperature above which it switches off, 1/1000 degree Celsius (ASSUME)."""
+"""The power stage's temperature above which it switches off, 1/1000 degree Celsius (assumed)."""
 COOLED_MC: int = 5_000
-"""Temperature drop of the power stage after which the over-temperature is gone (ASSUME)."""
+"""Temperature drop of the power stage after which the over-temperature is gone (assumed)."""
 LEAST_LOGIC_MV: int = 4_500
-"""The 5 V supply for sensors and logic (ASSUME: 10 % below)."""
+"""The 5 V supply for sensors and logic (assumed: 10 % below)."""
 LEAST_GATE_MV: int = 9_000
-"""The supply of the power stage's gate drivers (ASSUME)."""
+"""The supply of the power stage's gate drivers (assumed)."""
 WIDEST_SPEED: int = 1 << 30
 """Velocity errors and what feed-forward takes saturate here, at more than twice 25 000 rpm."""
 WIDEST_WAY: int = 1 << 36
@@ -126,8 +126,8 @@ def electrical(axis: ServoAxis) -> int:
 def bounds(axis: ServoAxis) -> int:
     """Report that the shaft passes a software position limit, or is driven on beyond it.
 
-    ASSUME: what leads back or comes to rest is no fault, or no one could bring the shaft back after a reset.
-    ASSUME: while a position is regulated its demand must be beyond, too, or every move to the very limit
+    Assumed: what leads back or comes to rest is no fault, or no one could bring the shaft back after a reset.
+    Assumed: while a position is regulated its demand must be beyond, too, or every move to the very limit
     would be a fault by the last count of its overshoot.
     """
     if not (axis.position_limited and axis.powered):
@@ -156,7 +156,7 @@ def within(value: int, widest: int) -> int:
 def budget(axis: ServoAxis, flags: int) -> int:
     """I2t: spend the square of the current above the continuous one; when spent, allow no more than that.
 
-    ASSUME: the output current limit is allowed again when half of the budget has been regained.
+    Assumed: the output current limit is allowed again when half of the budget has been regained.
     """
     current, continuous = axis.current_ma, axis.continuous_ma
     thermal = axis.thermal + current * current - continuous * continuous
@@ -203,7 +203,7 @@ def _forward(axis: ServoAxis, speed: int, acceleration: int) -> int:
 def velocity(axis: ServoAxis) -> None:
     """Velocity PI with feed-forward.
 
-    Anti-windup (ASSUME): the integrator stays within the current limit, and holds while the output is
+    Anti-windup (assumed): the integrator stays within the current limit, and holds while the output is
     limited unless it leads back.
     """
     demand = axis.velocity_demand
@@ -279,7 +279,7 @@ def arrival(axis: ServoAxis, flags: int) -> int:
 def rest(axis: ServoAxis) -> int:
     """Return whether the shaft rests: the averaged speed within the standstill window, and no speed demanded.
 
-    ASSUME: window and time of the standstill supervision (0x2101) serve for the status bit "speed = 0", too.
+    Assumed: window and time of the standstill supervision (0x2101) serve for the status bit "speed = 0", too.
     """
     speed = axis.velocity_average
     window = axis.rest_window

@@ -92,7 +92,7 @@ class ReferenceServo:
         """Run one tick of the current loops.
 
         PI: 1/256 Ohm of gain on mA gives mV in 8 binary places (maxon's command library). The integrator
-        holds while the voltage is limited, unless it leads back (ASSUME).
+        holds while the voltage is limited, unless it leads back (assumed).
         """
         inputs = self._plant.inputs
         for loop in powered:

@@ -82,7 +82,7 @@ def speed_rpm(axis: ServoRecord, units: int) -> int:
 def raw_speed_rpm(axis: ServoRecord) -> int:
     """Return the last ms's quadcounts in rpm, to nearest: 0x606C as recorded of two drives, 59, 117, 410 ...
 
-    ASSUME: halves, and negative speeds, which no recording has, away from zero.
+    Assumed: halves, and negative speeds, which no recording has, away from zero.
     """
     rpm = nearest(abs(axis.step) * MILLISECONDS_PER_MINUTE, axis.resolution)
     return rpm if axis.step >= 0 else -rpm
@@ -139,7 +139,7 @@ def _filter(raw: Settings) -> int:
     """Return the weight of the new sample in the derivative's low-pass, in 16 binary places.
 
     Thesis (4.5): K_D s / (1 + K_D s / (10 K_P)). In raw objects K_D/K_P is 8 ms times their ratio, so
-    the time constant is 0.8 ms times that ratio; sampled at 1 ms as Euler backwards (ASSUME).
+    the time constant is 0.8 ms times that ratio; sampled at 1 ms as Euler backwards (assumed).
     """
     if raw.position_p <= 0 or raw.position_d <= 0:
         return 1 << FILTER_PLACES

@@ -43,13 +43,13 @@ HALL_LINES: Final = 7
 HALL_SEQUENCE: Final = 0o546231
 """The pattern of each sixth of an electrical turn, one octal digit each, the first one leftmost."""
 INDEX_TOLERANCE: Final = 7
-"""Places: two indexes may lie 2^-7 of a turn from where they should (ASSUME)."""
+"""Places: two indexes may lie 2^-7 of a turn from where they should (assumed)."""
 INDEX_SOONEST: Final = 2
-"""Places: a pulse within 2^-2 of a turn after another is a spurious one (ASSUME)."""
+"""Places: a pulse within 2^-2 of a turn after another is a spurious one (assumed)."""
 INDEX_TURNS: Final = 2
 """Turns without an index (EPOS Firmware Specification, by analogy)."""
 CONTRARY_MS: Final = 20
-"""Time for which full voltage drives one way while the count goes the other way (ASSUME)."""
+"""Time for which full voltage drives one way while the count goes the other way (assumed)."""
 
 
 def counted(axis: ServoAxis, turned: int) -> int:
@@ -165,7 +165,7 @@ def _direction(axis: ServoAxis) -> int:
     """Find an encoder that counts against the motor.
 
     No load does that: where the voltage is at its limit one way, the shaft goes the other way and does not
-    slow down, the count is wrong. ASSUME: no document gives the drive's own criterion.
+    slow down, the count is wrong. Assumed: no document gives the drive's own criterion.
     """
     limit = axis.supply_mv * axis.voltage_percent // 100
     voltage, step, average = axis.voltage_mv, axis.step, axis.velocity_average

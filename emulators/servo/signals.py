@@ -23,7 +23,7 @@ def notice(axis: ServoAxis) -> bool:
     """Note a passed index and changed pins; say whether one of them is watched.
 
     Of several indexes in one ms the last one counts; it is latched as the position at its own count,
-    whichever way it was passed. ASSUME: the index lies where the mounted encoder's count is a multiple of
+    whichever way it was passed. Assumed: the index lies where the mounted encoder's count is a multiple of
     its turn.
     """
     raised = False

@@ -5,9 +5,9 @@ ms (a leg at constant velocity in any number). The second half of a leg mirrors 
 distance is known exactly beforehand, in spite of rounding: the legs end exactly at their target.
 
 A leg's peak acceleration is the one that was given, so that it takes pi/2 times as long as a trapezoid's ramp
-(ASSUME: no document states if maxon's sin2 profile keeps the peak or the mean acceleration; the peak is the
+(assumed: no document states if maxon's sin2 profile keeps the peak or the mean acceleration; the peak is the
 limit that the mechanics know). A profile that is changed under way goes on from the present velocity with a
-new leg (ASSUME): the velocity is continuous, and the acceleration within its limits.
+new leg (assumed): the velocity is continuous, and the acceleration within its limits.
 """
 
 from dataclasses import dataclass

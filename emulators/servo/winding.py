@@ -13,9 +13,9 @@ from emulators.servo.loops import AVERAGE
 from firmware_bridge.units import to_seconds
 
 DIODES_MV: Final = 1_600
-"""Voltage drop of two flyback diodes in a row (ASSUME: 0.8 V each, body diodes of the power stage).
+"""Voltage drop of two flyback diodes in a row (assumed: 0.8 V each, body diodes of the power stage).
 
-ASSUME: the source of the supply takes what comes through them at the voltage that it has. Where less is left
+Assumed: the source of the supply takes what comes through them at the voltage that it has. Where less is left
 at the drive, by a long cable or a bad contact, the back-EMF lifts it, and only the source's voltage brakes.
 """
 RESTING: Final = 10
@@ -28,7 +28,7 @@ SLOWING: Final = 16
 In a faster braking the current comes from the earlier speed, and requires too much.
 """
 MOST_LEARNING: Final = 1 << 28
-"""16 Ohm: an upper bound of them (ASSUME)."""
+"""16 Ohm: an upper bound of them (assumed)."""
 SETTLING_MS: Final = 1
 """Time for which the current is left to itself after the voltage has been raised for the constant ..."""
 RECOVERING_MS: Final = 3

@@ -28,7 +28,7 @@ from firmware_bridge.units import SECOND, Nanoseconds, from_seconds, to_seconds
 ARM_S: Final = 3.0
 """Time by which the drives of every robot here are set up, and the operator may arm."""
 ARMED_BY_S: Final = 20.0
-"""ASSUME: a robot that is not armed by then will not be; those of this tree are armed at 3.01 s."""
+"""Assumed: a robot that is not armed by then will not be; those of this tree are armed at 3.01 s."""
 STEP_S: Final = 0.01
 """Interval at which a condition is checked: that of the samples."""
 UNIT_WORDS: Final = {"m/s": "mps", "rad/s": "rad_s"}

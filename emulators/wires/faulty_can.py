@@ -36,7 +36,7 @@ FLAG_BITS: Final = 6 + 8
 """Error flag and error delimiter."""
 WAITING: Final = 10
 """Frames that wait while a station cannot send; further ones are dropped (Linux' default queue, txqueuelen;
-ASSUME for a drive)."""
+assumed for a drive)."""
 
 
 class FaultyCanWire(CanWire):

@@ -1,7 +1,7 @@
 """The drive's USB port as a line: a converter chip at 1 MBd, from which the host reads once a millisecond.
 
 Source: maxon's command library, which sets the chip's latency timer to 1 ms. The other way, from the host to
-the drive, takes the time of the bytes only (ASSUME). USB frames, 62 bytes each, are not distinguished.
+the drive, takes the time of the bytes only (assumed). USB frames, 62 bytes each, are not distinguished.
 """
 
 from typing import Final

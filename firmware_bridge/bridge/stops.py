@@ -13,9 +13,9 @@ from enum import Enum
 from typing import Final
 
 from firmware_bridge.bridge.all_drivers import AllDrivers, joined, requests_stop
-from firmware_bridge.drivers.all_drivers import STOP_STEPS
+from firmware_bridge.drivers.all_drivers import STOP_STAGES
 from firmware_bridge.drivers.driver import Driver, Position, Power, SetPoint, Stop
-from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN, StopStep, gentle_within, way
+from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN, StopStage, gentle_within, sequence
 from firmware_bridge.intent import NEVER_RECEIVED, Disarm, EmergencyStop, Pause, Request
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
@@ -23,7 +23,7 @@ from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.safety.snapshot import ActiveInterlock
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
-RESTS: Final = 0.01
+AT_STANDSTILL: Final = 0.01
 """An axis is at standstill below this share of its top speed."""
 SLOWED: Final = 0.75
 """Share of its speed below which an axis slows down: its stage may last its row's full time."""
@@ -44,16 +44,33 @@ class Progress(Enum):
     UNDER_WAY = "under way"
     CONFIRMED = "confirmed"
     GIVEN_UP = "given up"
-    """No step is left, and none was confirmed."""
+    """No stage is left, and none was confirmed."""
 
 
 class AxisStop:
     """The stop of one axis."""
 
     __slots__ = (
-        "_due", "_failed_at", "_gentle_until", "_rested", "_rests_below", "_row", "_silent_after",
-        "_slowing_from", "_ways", "begun_at", "confirmed_at", "driver", "excluded", "link", "off", "place",
-        "progress", "since", "steps", "until",
+        "_at_standstill",
+        "_due",
+        "_failed_at",
+        "_gentle_until",
+        "_row",
+        "_sequences",
+        "_silent_after",
+        "_slowing_from",
+        "_standstill_below",
+        "begun_at",
+        "confirmed_at",
+        "driver",
+        "excluded",
+        "link",
+        "off",
+        "place",
+        "progress",
+        "since",
+        "stages",
+        "until",
     )  # fmt: skip
 
     def __init__(self, driver: Driver, robot: AnyRobot) -> None:
@@ -61,9 +78,9 @@ class AxisStop:
         link = robot.links[axis.link]
         self.driver: Final = driver
         self.link: Final = axis.link
-        steps = STOP_STEPS[link.driver](robot, axis)
-        self._ways: Final = {off: way(steps, off=off) for off in (False, True)}
-        self._rests_below: Final = RESTS * axis.top_speed
+        stages = STOP_STAGES[link.driver](robot, axis)
+        self._sequences: Final = {off: sequence(stages, off=off) for off in (False, True)}
+        self._standstill_below: Final = AT_STANDSTILL * axis.top_speed
         self._silent_after: Final = link.silent_ms * MILLISECOND
         stops = None if link.stops is None else frozenset(link.stops)
         self._row: Final = InterlockBase(
@@ -72,13 +89,13 @@ class AxisStop:
         self.progress = Progress.NOT_REQUESTED
         self.excluded = False
         """The robot's mode does without the axis: what becomes of it holds nothing back."""
-        self._rested = False
+        self._at_standstill = False
         """True where it was at standstill in its last report before the stop."""
         self._slowing_from = 0.0
         self.off = False
         """True where the power was ordered off."""
-        self.steps: tuple[StopStep, ...] = ()
-        """Of the way that was begun."""
+        self.stages: tuple[StopStage, ...] = ()
+        """Of the sequence that was begun."""
         self.place = 0
         self.begun_at: Nanoseconds = 0
         """Time when the present stage was begun."""
@@ -95,14 +112,14 @@ class AxisStop:
         """Latest begin of the first stage that disables the power."""
 
     @property
-    def step(self) -> StopStep:
-        """The present step; the last one where all were tried."""
-        return self.steps[min(self.place, len(self.steps) - 1)]
+    def stage(self) -> StopStage:
+        """The present stage; the last one where all were tried."""
+        return self.stages[min(self.place, len(self.stages) - 1)]
 
     @property
-    def first(self) -> StopStep:
-        """The gentlest step."""
-        return self._ways[False][0]
+    def first(self) -> StopStage:
+        """The gentlest stage."""
+        return self._sequences[False][0]
 
     @property
     def escalates(self) -> bool:
@@ -112,18 +129,18 @@ class AxisStop:
     @property
     def ends_power(self) -> bool:
         """True while a stage is under way that disables the power, ordered or not."""
-        return self.escalates and self.step.ends_power
+        return self.escalates and self.stage.ends_power
 
     def keeps_off(self, now: Nanoseconds) -> bool:
         """Return whether the power-off command stays in force: its confirmation is not steady yet."""
-        off = self.progress is Progress.CONFIRMED and self.place > 0 and self.step.ends_power
+        off = self.progress is Progress.CONFIRMED and self.place > 0 and self.stage.ends_power
         return off and now - self.confirmed_at < STEADY
 
     def begin(self, now: Nanoseconds, *, off: bool) -> None:
-        """Begin with the first step, or go on where the same stop had come to."""
+        """Begin with the first stage, or go on where the same stop had come to."""
         feedback, before = self.driver.feedback, self.progress
         same = before is Progress.CONFIRMED and now - self.confirmed_at < STEADY
-        if same and self.off == off and self.step.ends_power:
+        if same and self.off == off and self.stage.ends_power:
             # Its device, which may have restarted meanwhile, is commanded again, and has its time to answer.
             until, self._failed_at = self.until, now
             self.progress = Progress.UNDER_WAY
@@ -132,12 +149,14 @@ class AxisStop:
             return
         if not same and before in (Progress.CONFIRMED, Progress.NOT_REQUESTED):
             self.since = now
-        self._rested = feedback.sampled_at != NEVER_RECEIVED and abs(feedback.velocity) <= self._rests_below
+        self._at_standstill = (
+            feedback.sampled_at != NEVER_RECEIVED and abs(feedback.velocity) <= self._standstill_below
+        )
         self.progress, self.off = Progress.UNDER_WAY, off
-        rested = self._rested and not off
+        standing = self._at_standstill and not off
         # Withholding the heartbeat disables every drive of the link: on a slope the robot would roll.
-        self.steps = tuple(step for step in self._ways[off] if not (rested and step.takes_all))
-        self._gentle_until = self.since + gentle_within(self.steps)
+        self.stages = tuple(stage for stage in self._sequences[off] if not (standing and stage.takes_all))
+        self._gentle_until = self.since + gentle_within(self.stages)
         self._enter(0, now)
 
     def confirm(self, now: Nanoseconds) -> None:
@@ -149,24 +168,24 @@ class AxisStop:
         """Begin the next stage, if one is left; after the time of the gentle ones it disables the power."""
         following, self._failed_at = self.place + 1, now
         if now >= self._gentle_until:
-            ends_power = (it for it, step in enumerate(self.steps) if it >= following and step.ends_power)
+            ends_power = (it for it, stage in enumerate(self.stages) if it >= following and stage.ends_power)
             following = next(ends_power, following)
-        if following < len(self.steps):
+        if following < len(self.stages):
             self._enter(following, now)
         else:
-            self.place, self.progress = len(self.steps), Progress.GIVEN_UP
+            self.place, self.progress = len(self.stages), Progress.GIVEN_UP
 
     def extend(self, now: Nanoseconds, *, ramped: bool) -> None:
         """Let a stage that brings to standstill last its row's full time, where the axis slows down.
 
         While the bridge itself still ramps down the stage has not begun; that does not last for ever either.
         """
-        if self.step.ends_power:
+        if self.stage.ends_power:
             return
         speed = self._speed(now)
         if ramped and now < self.begun_at + RAMPED_WITHIN:
             self._slows(now)
-            self.until = now + self.step.lasts(speed)
+            self.until = now + self.stage.lasts(speed)
         elif speed < self._slowing_from and speed <= SLOWED * self._slowing_from:
             self._slows(now)
 
@@ -177,7 +196,7 @@ class AxisStop:
         feedback = self.driver.feedback
         # A report that left the device before the stage began proves nothing about it.
         fresh = feedback.received_at > self.begun_at and self._received(now)
-        return fresh and not self.step.ends_power and abs(feedback.velocity) <= self._rests_below
+        return fresh and not self.stage.ends_power and abs(feedback.velocity) <= self._standstill_below
 
     def changes_to(self, *, off: bool) -> bool:
         """Return whether the stop begins again because the power was ordered off, or is not any more."""
@@ -198,13 +217,13 @@ class AxisStop:
         return holding or not moves
 
     def late(self, now: Nanoseconds) -> bool:
-        """Return whether the present step has had its time, or has nothing to wait for."""
-        step, driver = self.step, self.driver
+        """Return whether the present stage has had its time, or has nothing to wait for."""
+        stage, driver = self.stage, self.driver
         if now >= self.until:
             return True
-        if step.ends_with_task:
+        if stage.ends_with_task:
             return not driver.busy
-        if step.ends_power:
+        if stage.ends_power:
             return False
         if now >= self._gentle_until or driver.feedback.received_at >= self._due:
             return True
@@ -212,18 +231,18 @@ class AxisStop:
         # stage needs a device that receives.
         patience = self._silent_after
         if driver.feedback.power is Power.UNKNOWN:
-            patience = 0 if step.received else step.judged_after(0.0)
+            patience = 0 if stage.received else stage.judged_after(0.0)
         return now >= max(self.begun_at, driver.feedback.received_at) + patience
 
     def event(self) -> ActiveInterlock | None:
-        """Return what the operator is informed of; None while no step has failed."""
+        """Return what the operator is informed of; None while no stage has failed."""
         if not self.escalates and self.progress is not Progress.GIVEN_UP:
             return None
-        failed = self.steps[self.place - 1]
+        failed = self.stages[self.place - 1]
         if self.progress is Progress.GIVEN_UP:
             then = RUNS_ON
         else:
-            then = f"next: {self.step.name}" + (f", {self.step.note}" if self.step.note else "")
+            then = f"next: {self.stage.name}" + (f", {self.stage.note}" if self.stage.note else "")
         axis = self.driver.axis
         reason = f"{axis.called}: {failed.name} not acknowledged; {then}"
         return ActiveInterlock(
@@ -233,12 +252,12 @@ class AxisStop:
     def _enter(self, place: int, now: Nanoseconds) -> None:
         self.place, self.begun_at = place, now
         self._slows(now)
-        self.until = now + self.step.lasts(self._slowing_from)
+        self.until = now + self.stage.lasts(self._slowing_from)
 
     def _slows(self, now: Nanoseconds) -> None:
         """Judge from now on whether it slows down from its present speed."""
         self._slowing_from = self._speed(now)
-        self._due = now + self.step.judged_after(self._slowing_from)
+        self._due = now + self.stage.judged_after(self._slowing_from)
 
     def _received(self, now: Nanoseconds) -> bool:
         return now - self.driver.feedback.received_at < self._silent_after
@@ -295,7 +314,7 @@ class Stops:
         return self.order() if isinstance(request, EmergencyStop | Disarm) else ()
 
     def order(self) -> tuple[Packet, ...]:
-        """Begin those again that no step has brought about; return what is sent before the next cycle."""
+        """Begin those again that no stage has brought about; return what is sent before the next cycle."""
         self._again()
         return joined([stop.driver.command(stop.first.set_point) for stop in self._at_once])
 
@@ -326,14 +345,14 @@ class Stops:
             stop.excluded = name in without
             uncommanded = name not in requested and not stop.escalates
             if uncommanded or stop.link in self._lost or stop.waits(now, holding=holding):
-                # Nothing reaches a lost link; when it is back the stop begins with the first step.
+                # Nothing reaches a lost link; when it is back the stop begins with the first stage.
                 stop.progress = Progress.NOT_REQUESTED
             else:
                 sent += self._look(stop, set_point, now)
-            steps_on = stop.escalates or stop.progress is Progress.GIVEN_UP or stop.keeps_off(now)
+            commands_on = stop.escalates or stop.progress is Progress.GIVEN_UP or stop.keeps_off(now)
             # A command to disable the power is never replaced by a gentler one.
-            if steps_on and set_point is not Stop.POWER_OFF:
-                changed[name] = stop.step.set_point
+            if commands_on and set_point is not Stop.POWER_OFF:
+                changed[name] = stop.stage.set_point
             elif stop.first.at_once and name in requested and not isinstance(set_point, Stop):
                 changed[name] = stop.first.set_point
         events = [stop.event() for stop in self._axes.values() if not stop.excluded]
@@ -353,7 +372,7 @@ class Stops:
         sent: tuple[Packet, ...] = ()
         if stop.progress is Progress.NOT_REQUESTED or stop.changes_to(off=off):
             stop.begin(now, off=off)
-            if stop.step.whole_board and not stop.confirmed(now):
+            if stop.stage.whole_board and not stop.confirmed(now):
                 sent = self._task(stop, now)
         # The bridge itself ramps down while its set-point is a speed other than 0.
         ramped = stop.place == 0 and not requests_stop(set_point) and not isinstance(set_point, Position)
@@ -371,10 +390,10 @@ class Stops:
         stop.go_on(now)
         if stop.progress is Progress.GIVEN_UP:
             return ()
-        if stop.step.silent:
+        if stop.stage.silent:
             # The drives' heartbeat consumers (0x1016) stop them then, with quick stop as reaction (0x6007).
             self._all_drivers.silence(stop.link, stop.until)
         return self._task(stop, now)
 
     def _task(self, stop: AxisStop, now: Nanoseconds) -> tuple[Packet, ...]:
-        return () if stop.step.task is None else stop.driver.begin((stop.step.task,), now)
+        return () if stop.stage.task is None else stop.driver.begin((stop.stage.task,), now)

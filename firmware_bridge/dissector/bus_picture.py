@@ -29,7 +29,7 @@ BEATS: Final = 5
 SHORTEST: Final[Nanoseconds] = MILLISECOND
 """No heartbeat's period is shorter (CiA 301): frames that come closer have waited somewhere together."""
 MISSED: Final = 2
-"""A heartbeat is missing after so many of its own periods. ASSUME: consumers wait about as long; CiA 301
+"""A heartbeat is missing after so many of its own periods. Assumed: consumers wait about as long; CiA 301
 leaves it to who sets them up."""
 _NO_STATUS: Final = ""
 _COMMANDED: Final[Mapping[NmtCommand | None, NmtState | None]] = {

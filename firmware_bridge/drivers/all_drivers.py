@@ -15,7 +15,7 @@ from firmware_bridge.drivers.link_drivers import LinkDrivers
 from firmware_bridge.drivers.shield import motor as shield
 from firmware_bridge.drivers.shield import stops as shield_stops
 from firmware_bridge.drivers.shield.link_drivers import shield_link_drivers
-from firmware_bridge.drivers.stop_steps import StopStep
+from firmware_bridge.drivers.stop_stages import StopStage
 from firmware_bridge.robot import AnyLink, AnyRobot, Axis
 from firmware_bridge.robot.settings.ar2 import Ar2Driver
 from firmware_bridge.robot.settings.capture import CaptureDriver
@@ -38,12 +38,12 @@ REPORTS: Final[Mapping[str, Callable[[Axis, AnyLink], frozenset[Reports]]]] = {
 }
 """Reports of an axis' device, by the driver of its link, before there is one."""
 
-STOP_STEPS: Final[Mapping[str, Callable[[AnyRobot, Axis], tuple[StopStep, ...]]]] = {
-    **dict.fromkeys(Epos2Driver, epos2_stops.stop_steps),
-    ShieldDriver.MOTOR_SHIELD: shield_stops.stop_steps,
-    Ar2Driver.AR2: ar2_stops.stop_steps,
+STOP_STAGES: Final[Mapping[str, Callable[[AnyRobot, Axis], tuple[StopStage, ...]]]] = {
+    **dict.fromkeys(Epos2Driver, epos2_stops.stop_stages),
+    ShieldDriver.MOTOR_SHIELD: shield_stops.stop_stages,
+    Ar2Driver.AR2: ar2_stops.stop_stages,
 }
-"""In which steps an axis of a robot is stopped, by the driver of its link."""
+"""The stop stages of a robot's axis, by the driver of its link."""
 
 CONFIRMED_BY: Final[Mapping[str, str]] = {
     **dict.fromkeys(Epos2Driver, epos2_stops.CONFIRMED_BY),

@@ -2,7 +2,7 @@
 
 Source: A. Seleit, MSc thesis, UCF, 2020, 2.4: 1 TU is 1 s there; how many meters 1 DU is, it does not say.
 
-ASSUME 0.4 m for 1 DU: the printed orbit then needs 2.9 by 3.5 m. Height has a scale of its own, because it
+Assumed 0.4 m for 1 DU: the printed orbit then needs 2.9 by 3.5 m. Height has a scale of its own, because it
 is a fortieth of the rest.
 """
 

@@ -36,7 +36,7 @@ class Watch(NamedTuple):
 class Damping:
     """From which least singular value on rates are damped, and how much at a singular posture.
 
-    ASSUME 0.03 and 0.03: for 20 mm/s of the tool the joints then do 0.67 rad/s at most, all together.
+    Assumed 0.03 and 0.03: for 20 mm/s of the tool the joints then do 0.67 rad/s at most, all together.
     """
 
     below: float = 0.03

@@ -67,7 +67,7 @@ DEVICES: Final[MappingProxyType[str, Device]] = MappingProxyType(
         ),
     }
 )
-"""ASSUME: as the kernel's drivers hid-lg (Logitech G29) and xpad number them; others may number otherwise."""
+"""Assumed: as the kernel's drivers hid-lg (Logitech G29) and xpad number them; others may differ."""
 USUAL: Final = "pedals"
 _PADS: Final = re.compile(
     r"pad\b|x-?box|dual ?(shock|sense)|joy-?con|pro controller|wireless controller", re.IGNORECASE

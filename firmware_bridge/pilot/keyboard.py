@@ -1,7 +1,7 @@
 """A keyboard, where there is no joystick: a terminal reports keys pressed, and not keys released.
 
 So the operator keeps a key down, and its repetition keeps the robot going. A key is taken as down until its
-repetition must have begun, and then from one to the next: ASSUME 0.7 s and 0.2 s, above the 660 ms and 40 ms
+repetition must have begun, and then from one to the next: assumed 0.7 s and 0.2 s, above the 660 ms and 40 ms
 with which X begins. The terminal repeats only the newest key.
 """
 

@@ -33,7 +33,7 @@ class LinkDirection:
     bandwidth: float = 0.0
     """bit/s of a serial line, ten bits a byte: packets queue; 0: no bound."""
     queue: Nanoseconds = SECOND
-    """Longest wait of a packet, which is lost beyond it. ASSUME: a radio's buffer of a second."""
+    """Longest wait of a packet, which is lost beyond it. Assumed: a radio's buffer of a second."""
 
 
 @dataclass(frozen=True, slots=True)

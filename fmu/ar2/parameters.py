@@ -1,7 +1,7 @@
 """The AR2 in numbers: every parameter with unit and source.
 
 [A] is Annin Robotics, AR2 and AR3: lengths, joints' limits and steps. What it does not give, motors and
-masses, is ASSUME: orders of magnitude of the kind of motor, and links of an arm that fits on ROME's base.
+masses, is assumed: orders of magnitude of the kind of motor, and links of an arm that fits on ROME's base.
 """
 
 import math
@@ -57,28 +57,28 @@ def _rows(axis: str, joint: Joint) -> tuple[Parameter, ...]:
             math.radians(joint.least - 1.0),
             "rad",
             f"lower stop, {axis}",
-            "ASSUME, 1 degree behind [A]'s limit",
+            "assumed, 1 degree behind [A]'s limit",
         ),
         Parameter(
             f"stop_high_{axis}",
             math.radians(joint.most + 1.0),
             "rad",
             f"upper stop, {axis}",
-            "ASSUME, 1 degree behind [A]'s limit",
+            "assumed, 1 degree behind [A]'s limit",
         ),
         Parameter(
             f"holding_{axis}",
             joint.holding,
             "N.m",
             f"motor's torque at rest, {axis}",
-            "ASSUME, from memory",
+            "assumed, from memory",
             least=0.0,
         ),
         Parameter(
-            f"rotor_inertia_{axis}", joint.rotor, "kg.m2", f"rotor, {axis}", "ASSUME, motors of this size"
+            f"rotor_inertia_{axis}", joint.rotor, "kg.m2", f"rotor, {axis}", "assumed, motors of this size"
         ),
         Parameter(
-            f"mass_{axis}", joint.mass, "kg", f"link {axis}, at the middle between its frames", "ASSUME"
+            f"mass_{axis}", joint.mass, "kg", f"link {axis}, at the middle between its frames", "assumed"
         ),
     )
 
@@ -90,17 +90,17 @@ PARAMETERS: Final[tuple[Parameter, ...]] = (
     Parameter("upper_arm", 0.305, "m", "second axis to the third", "[A], a of link 2", least=0.0),
     Parameter("forearm", 0.22263, "m", "third axis to the wrist's point", "[A], -d of link 4", least=0.0),
     Parameter("hand", 0.03625, "m", "wrist's point to the tool", "[A], -d of link 6", least=0.0),
-    Parameter("payload", 0.0, "kg", "what the tool carries", "ASSUME, nothing", least=0.0, tunable=True),
-    Parameter("gravity", 9.81, "m/s2", "standard gravity", "ASSUME", least=0.0),
+    Parameter("payload", 0.0, "kg", "what the tool carries", "assumed, nothing", least=0.0, tunable=True),
+    Parameter("gravity", 9.81, "m/s2", "standard gravity", "assumed", least=0.0),
     Parameter(
-        "efficiency", 0.7, "1", "motor's torque that is left behind the gear, both ways", "ASSUME", least=0.0
+        "efficiency", 0.7, "1", "motor's torque that is left behind the gear, both ways", "assumed", least=0.0
     ),
     Parameter(
         "pole_pairs",
         50.0,
         "1",
         "turns of the field for one of the rotor",
-        "ASSUME, 200 full steps",
+        "assumed, 200 full steps",
         least=0.0,
     ),
     Parameter(
@@ -108,7 +108,7 @@ PARAMETERS: Final[tuple[Parameter, ...]] = (
         1_500.0 * math.tau / 200.0,
         "rad/s",
         "rotor's speed at which no torque is left, which falls straight to there",
-        "ASSUME, 1500 full steps/s",
+        "assumed, 1500 full steps/s",
         least=0.0,
     ),
     Parameter(
@@ -116,7 +116,7 @@ PARAMETERS: Final[tuple[Parameter, ...]] = (
         0.01,
         "s",
         "time in which a free rotor loses its speed",
-        "ASSUME, damping of some 2 % at the swing of a step",
+        "assumed, damping of some 2 % at the swing of a step",
         least=0.0,
     ),
     Parameter(
@@ -124,8 +124,8 @@ PARAMETERS: Final[tuple[Parameter, ...]] = (
         0.0025,
         "s",
         "time in which a rotor loses its swing by its driver, which has current",
-        "ASSUME, 8 % more: a digital driver damps its motor; with 2 % alone the arm would lose its steps at a"
-        " quarter of the rate at which its own GUI drives it to the switches without a ramp",
+        "assumed, 8 % more: a digital driver damps its motor; with 2 % alone the arm would lose its steps at"
+        " a quarter of the rate at which its own GUI drives it to the switches without a ramp",
         least=0.0,
     ),
     Parameter(
@@ -133,7 +133,7 @@ PARAMETERS: Final[tuple[Parameter, ...]] = (
         0.1,
         "1",
         "dry friction of gear and bearing, part of the motor's torque at rest behind the gear",
-        "ASSUME; a third of what the efficiency takes",
+        "assumed; a third of what the efficiency takes",
         least=0.0,
     ),
     Parameter(
@@ -141,11 +141,11 @@ PARAMETERS: Final[tuple[Parameter, ...]] = (
         5e-5,
         "rad",
         "way over which dry friction builds up",
-        "ASSUME, a sixth of a step",
+        "assumed, a sixth of a step",
         least=0.0,
     ),
-    Parameter("stop_stiffness", 5_000.0, "N.m/rad", "stops' stiffness", "ASSUME"),
-    Parameter("stop_damping", 0.5, "s/rad", "stops' damping, part of their torque per speed", "ASSUME"),
+    Parameter("stop_stiffness", 5_000.0, "N.m/rad", "stops' stiffness", "assumed"),
+    Parameter("stop_damping", 0.5, "s/rad", "stops' damping, part of their torque per speed", "assumed"),
 )
 
 SETS: Final[Mapping[str, Mapping[str, float]]] = {

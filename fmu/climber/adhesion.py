@@ -15,9 +15,9 @@ from fmu.export.model import Expression, Output, StateVariable
 from fmu.parts.symbols import inner, symbol
 
 PEELING = sp.Float(0.02)
-"""m/s for each N that pulls more than the magnet holds (ASSUME): it lets go within some 10 ms."""
+"""m/s for each N that pulls more than the magnet holds (assumed): it lets go within some 10 ms."""
 CLOSING = sp.Float(500.0)
-"""1/s, how fast a gap closes again (ASSUME)."""
+"""1/s, how fast a gap closes again (assumed)."""
 TRACE = sp.Float(1e-12)
 """N2, so that nothing is divided by zero where no force is."""
 

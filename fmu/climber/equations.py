@@ -81,7 +81,7 @@ class Climber:
         return named(stops - spring - P["joint_damping"] * self._rolling.joint)
 
     def accelerations(self) -> tuple[Expression, Expression]:
-        """Return the motors' accelerations; inertia is that of the robot on a plane (ASSUME).
+        """Return the motors' accelerations; inertia is that of the robot on a plane (assumed).
 
         The surface pushes at the rim; where magnets have let go, a wheel turns alone.
         """

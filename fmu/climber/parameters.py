@@ -1,7 +1,7 @@
 """The climbing robot in numbers: every parameter with unit and source; tanks and robots of the paper as sets.
 
 [C] is Qualls, Canfield, Shibakov, "Kinematic control of a mobile robot performing manufacturing tasks on
-non-planar surfaces", JAMRIS 10(3), 2016. It names no motors, masses, magnets or casters: those are ASSUME.
+non-planar surfaces", JAMRIS 10(3), 2016. It names no motors, masses, magnets or casters: those are assumed.
 """
 
 import math
@@ -25,30 +25,30 @@ RE20: Final[MotorSheet] = {
 """A motor of maxon RE20's size, 10 W, 24 V: right in the order of magnitude only."""
 
 MOTORS: Final[tuple[Parameter, ...]] = (
-    *motor_rows("wheel", "ASSUME, a motor of the size of maxon RE20 10 W 24 V", **RE20),
-    Parameter("gear_wheel", 84.0, "1", "gear ratio", "ASSUME", least=0.0),
+    *motor_rows("wheel", "assumed, a motor of the size of maxon RE20 10 W 24 V", **RE20),
+    Parameter("gear_wheel", 84.0, "1", "gear ratio", "assumed", least=0.0),
     Parameter(
         "coupled",
         0.0,
         "1",
         "1: one shaft joins both wheels, as in [C] 5; 0: each turns alone",
-        "ASSUME, else it cannot steer",
+        "assumed, else it cannot steer",
         least=0.0,
         most=1.0,
     ),
     Parameter(
-        "presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "ASSUME", least=0.0
+        "presliding", 0.05, "rad", "shaft angle over which dry friction builds up", "assumed", least=0.0
     ),
     Parameter(
         "gear_friction",
         0.5,
         "N.m",
         "gear's dry friction, at the wheel",
-        "ASSUME, it holds the robot",
+        "assumed, it holds the robot",
         least=0.0,
         tunable=True,
     ),
-    *battery_rows("ASSUME"),
+    *battery_rows("assumed"),
 )
 
 ROBOT: Final[tuple[Parameter, ...]] = (
@@ -60,7 +60,7 @@ ROBOT: Final[tuple[Parameter, ...]] = (
         0.005,
         "m",
         "radius of the wheel's cross section r_t, at most r_w",
-        "ASSUME",
+        "assumed",
         least=0.0,
     ),
     Parameter(
@@ -72,38 +72,40 @@ ROBOT: Final[tuple[Parameter, ...]] = (
         least=0.0,
     ),
     Parameter("caster_distance", 0.04445, "m", "caster's pivot behind the wheels l", "[C] 5", least=0.0),
-    Parameter("caster_offset", 0.012, "m", "caster's axle behind its pivot c", "ASSUME", least=0.0),
-    Parameter("caster_radius", 0.0127, "m", "caster wheel's radius", "ASSUME", least=0.0),
-    Parameter("caster_crown", 0.003, "m", "radius of the caster wheel's cross section", "ASSUME", least=0.0),
-    Parameter("mass", 2.0, "kg", "whole robot", "ASSUME", tunable=True),
-    Parameter("mass_behind", 0.015, "m", "centre of mass behind the wheels", "ASSUME"),
-    Parameter("mass_height", 0.025, "m", "centre of mass off a plane surface", "ASSUME"),
-    Parameter("yaw_inertia", 0.005, "kg.m2", "whole robot about its normal, at the wheels' middle", "ASSUME"),
-    Parameter("wheel_inertia", 5e-5, "kg.m2", "one wheel about its axle", "ASSUME"),
+    Parameter("caster_offset", 0.012, "m", "caster's axle behind its pivot c", "assumed", least=0.0),
+    Parameter("caster_radius", 0.0127, "m", "caster wheel's radius", "assumed", least=0.0),
+    Parameter("caster_crown", 0.003, "m", "radius of the caster wheel's cross section", "assumed", least=0.0),
+    Parameter("mass", 2.0, "kg", "whole robot", "assumed", tunable=True),
+    Parameter("mass_behind", 0.015, "m", "centre of mass behind the wheels", "assumed"),
+    Parameter("mass_height", 0.025, "m", "centre of mass off a plane surface", "assumed"),
+    Parameter(
+        "yaw_inertia", 0.005, "kg.m2", "whole robot about its normal, at the wheels' middle", "assumed"
+    ),
+    Parameter("wheel_inertia", 5e-5, "kg.m2", "one wheel about its axle", "assumed"),
 )
 
 JOINT: Final[tuple[Parameter, ...]] = (
-    Parameter("joint_spring", 0.5, "N.m/rad", "joint's spring", "ASSUME", least=0.0),
-    Parameter("joint_rest", 0.0, "rad", "joint's angle without load", "ASSUME"),
-    Parameter("joint_damping", 0.02, "N.m.s/rad", "joint's damping", "ASSUME", least=0.0),
+    Parameter("joint_spring", 0.5, "N.m/rad", "joint's spring", "assumed", least=0.0),
+    Parameter("joint_rest", 0.0, "rad", "joint's angle without load", "assumed"),
+    Parameter("joint_damping", 0.02, "N.m.s/rad", "joint's damping", "assumed", least=0.0),
     Parameter(
-        "joint_stop", math.radians(25.0), "rad", "joint's stops, both ways from flat", "ASSUME", least=0.0
+        "joint_stop", math.radians(25.0), "rad", "joint's stops, both ways from flat", "assumed", least=0.0
     ),
-    Parameter("stop_stiffness", 200.0, "N.m/rad", "stiffness of its stops", "ASSUME", least=0.0),
-    Parameter("joint_sensor", math.pi / 10.0, "rad", "joint's angle for 1 V of its sensor", "ASSUME"),
-    Parameter("joint_sensor_rest", 2.5, "V", "joint's sensor where the joint is flat", "ASSUME"),
+    Parameter("stop_stiffness", 200.0, "N.m/rad", "stiffness of its stops", "assumed", least=0.0),
+    Parameter("joint_sensor", math.pi / 10.0, "rad", "joint's angle for 1 V of its sensor", "assumed"),
+    Parameter("joint_sensor_rest", 2.5, "V", "joint's sensor where the joint is flat", "assumed"),
 )
 
 MAGNETS: Final[tuple[Parameter, ...]] = (
-    Parameter("magnet_wheel", 60.0, "N", "pull-off force of a wheel", "ASSUME", least=0.0, tunable=True),
-    Parameter("magnet_caster", 20.0, "N", "pull-off force of the caster", "ASSUME", least=0.0, tunable=True),
-    Parameter("magnet_reach", 0.002, "m", "gap from which no magnet holds", "ASSUME", least=0.0),
+    Parameter("magnet_wheel", 60.0, "N", "pull-off force of a wheel", "assumed", least=0.0, tunable=True),
+    Parameter("magnet_caster", 20.0, "N", "pull-off force of the caster", "assumed", least=0.0, tunable=True),
+    Parameter("magnet_reach", 0.002, "m", "gap from which no magnet holds", "assumed", least=0.0),
     Parameter(
         "wall_friction",
         0.5,
         "1",
         "friction between wheel and wall",
-        "ASSUME",
+        "assumed",
         least=0.0,
         tunable=True,
     ),
@@ -112,7 +114,7 @@ MAGNETS: Final[tuple[Parameter, ...]] = (
         50.0,
         "N.s/m",
         "force beyond friction for each m/s of a sliding wheel; very large: it never slides",
-        "ASSUME",
+        "assumed",
         least=0.0,
     ),
 )
@@ -124,24 +126,24 @@ TANK: Final[tuple[Parameter, ...]] = (
         1e12,
         "m",
         "radius of the circle that is the tank's axis: very large is a cylinder, 0 a sphere",
-        "ASSUME",
+        "assumed",
         least=0.0,
     ),
-    Parameter("gravity", 9.81, "m/s2", "standard gravity", "ASSUME", least=0.0),
+    Parameter("gravity", 9.81, "m/s2", "standard gravity", "assumed", least=0.0),
     Parameter(
         "axis_tilt", math.pi / 2, "rad", "cylinder's axis over the horizontal", "[C] 5, a standing tank"
     ),
 )
 
 START: Final[tuple[Parameter, ...]] = (
-    Parameter("start_arc", 0.0, "m", "the middle's way round the tank at the start", "ASSUME"),
-    Parameter("start_height", 0.0, "m", "the middle's way along the axis at the start", "ASSUME"),
-    Parameter("start_heading", math.pi / 2, "rad", "heading at the start: up the axis", "ASSUME"),
+    Parameter("start_arc", 0.0, "m", "the middle's way round the tank at the start", "assumed"),
+    Parameter("start_height", 0.0, "m", "the middle's way along the axis at the start", "assumed"),
+    Parameter("start_heading", math.pi / 2, "rad", "heading at the start: up the axis", "assumed"),
     Parameter(
-        "start_swivel", 0.0, "rad", "caster's swivel at the start: 0 trails behind the pivot", "ASSUME"
+        "start_swivel", 0.0, "rad", "caster's swivel at the start: 0 trails behind the pivot", "assumed"
     ),
     Parameter(
-        "start_joint", 0.0, "rad", "joint's angle at the start, beyond that of upright wheels", "ASSUME"
+        "start_joint", 0.0, "rad", "joint's angle at the start, beyond that of upright wheels", "assumed"
     ),
 )
 
@@ -164,7 +166,7 @@ _VALIDATION: Final[Mapping[str, float]] = {
     "magnet_wheel": 120.0,
     "magnet_caster": 40.0,
 }
-"""[C] 4 gives r_w and b; the rest is the laboratory's robot, twice as large (ASSUME)."""
+"""[C] 4 gives r_w and b; the rest is the laboratory's robot, twice as large (assumed)."""
 RATIOS: Final[Mapping[str, float]] = {
     "ratio_7": 7.5,
     "ratio_13": 13.3,
@@ -176,7 +178,7 @@ RATIOS: Final[Mapping[str, float]] = {
 }
 """r_c / b. The paper's radii of 2e5, 2e2 and 0.5e2 "m" do not fit its ratios; the ratios count."""
 
-_RE25: Final = {row.name: row.start for row in motor_rows("wheel", "ASSUME, maxon RE25 20 W 24 V", **RE25)}
+_RE25: Final = {row.name: row.start for row in motor_rows("wheel", "assumed, maxon RE25 20 W 24 V", **RE25)}
 """A motor that carries 4 kg up a wall for ever: half the weight and the gear's friction take 1.1 A of it."""
 
 SETS: Final[Mapping[str, Mapping[str, float]]] = {
@@ -192,7 +194,7 @@ SETS: Final[Mapping[str, Mapping[str, float]]] = {
 }
 """The laboratory's robot on its tank ([C] 5, r_c / b = 7.5), the validation robot ([C] 4) on its tank and on
 others, with larger motors on ratio 20 for missions, the laboratory's robot on a sphere and on a pipe's bend
-(ASSUME)."""
+(assumed)."""
 
 PLANT: Final = Plant(
     "climber",

@@ -1,4 +1,4 @@
-"""Motors' data as the catalog has them, for every plant that has one and for tuning; ASSUME, unchecked."""
+"""Motors' data as the catalog has them, for every plant that has one and for tuning; assumed, unchecked."""
 
 from typing import Final, TypedDict
 

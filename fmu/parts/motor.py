@@ -10,12 +10,12 @@ from fmu.export.model import Expression, Output, StateVariable
 from fmu.parts.symbols import HALF, inner, symbol
 
 STICTION: Final = sp.Float(1.25)
-"""Ratio of static to sliding friction: ASSUME, brushes and gear grease have 1.1 to 1.5."""
+"""Ratio of static to sliding friction: assumed, brushes and gear grease have 1.1 to 1.5."""
 STICKING_RATE: Final = sp.Float(4.0)
-"""1/s: friction falls to Coulomb's law up to the speed of so many `presliding` a second (ASSUME)."""
+"""1/s: friction falls to Coulomb's law up to the speed of so many `presliding` a second (assumed)."""
 HELD: Final = sp.Float(0.8)
 LOOSE: Final = sp.Float(0.95)
-"""Shares of what holds: all spring up to the first, all sliding from the second (ASSUME)."""
+"""Shares of what holds: all spring up to the first, all sliding from the second (assumed)."""
 
 
 class Shaft:

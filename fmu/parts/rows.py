@@ -14,7 +14,7 @@ def motor_rows(
     no_load_current: float,
     voltage: float = 24.0,
 ) -> tuple[Parameter, ...]:
-    """Return one motor's parameters; half of the no-load torque is dry friction, half viscous (ASSUME)."""
+    """Return one motor's parameters; half of the no-load torque is dry friction, half viscous (assumed)."""
     no_load_torque = torque_constant * no_load_current
     no_load_speed = (voltage - resistance * no_load_current) / torque_constant
     friction = f"half of the no-load current {no_load_current} A at {voltage:g} V; {source}"

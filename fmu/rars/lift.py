@@ -59,7 +59,7 @@ class Lift:
         return self.load * diameter / 2 * slope
 
     def acceleration(self) -> Expression:
-        """Return the motor's acceleration; friction comes from the static load (ASSUME)."""
+        """Return the motor's acceleration; friction comes from the static load (assumed)."""
         motor = self.motor
         bend = -P["lift_stages"] * P["lift_link_length"] ** 2 * self.per_rise**3  # d2h/dx2
         # The gain changes with the travel: the load is accelerated also at a constant speed of the screw.

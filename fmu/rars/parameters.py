@@ -1,7 +1,7 @@
 """RARS in numbers: every parameter with unit, source and remark; conflicting sources as named sets.
 
 [R] is A. P. Das, "Design and control of a tele-operated mobile platform", PhD thesis, IIT Delhi, 2018.
-ASSUME marks what the thesis leaves out.
+"assumed" marks what the thesis leaves out.
 """
 
 import math
@@ -17,7 +17,7 @@ from fmu.plants import Plant
 def _wheel_motor(axis: str) -> tuple[Parameter, ...]:
     return motor_rows(
         axis,
-        "ASSUME, catalogue of maxon RE50 200 W 24 V (370354); agrees with 5680 rpm of [R] 2.3.2",
+        "assumed, catalogue of maxon RE50 200 W 24 V (370354); agrees with 5680 rpm of [R] 2.3.2",
         **RE50,
     )
 
@@ -27,12 +27,12 @@ MOTORS: Final[tuple[Parameter, ...]] = (
     *_wheel_motor("right"),
     *motor_rows(
         "steer",
-        "ASSUME, catalogue of maxon RE25 20 W 24 V, unchecked",
+        "assumed, catalogue of maxon RE25 20 W 24 V, unchecked",
         **RE25,
     ),
     *motor_rows(
         "lift",
-        "ASSUME, order of magnitude of maxon RE20 10 W",
+        "assumed, order of magnitude of maxon RE20 10 W",
         resistance=9.0,
         inductance=0.6e-3,
         torque_constant=25e-3,
@@ -48,7 +48,7 @@ MOTORS: Final[tuple[Parameter, ...]] = (
         0.05,
         "rad",
         "shaft angle over which dry friction builds up",
-        "ASSUME, 16 counts",
+        "assumed, 16 counts",
         least=0.0,
     ),
 )
@@ -92,7 +92,7 @@ PLATFORM: Final[tuple[Parameter, ...]] = (
         "[R] 2.3.1",
         least=0.0,
     ),
-    *battery_rows("ASSUME"),
+    *battery_rows("assumed"),
 )
 
 TYRES: Final[tuple[Parameter, ...]] = (
@@ -105,26 +105,26 @@ TYRES: Final[tuple[Parameter, ...]] = (
         1.0,
         "1",
         "1: both slips share one adhesion; 0: each its own",
-        "ASSUME; not in [R]",
+        "assumed; not in [R]",
         least=0.0,
         most=1.0,
     ),
     Parameter(
-        "slip_speed", 0.01, "m/s", "speed below which the slip is taken over this speed", "ASSUME", least=0.0
+        "slip_speed", 0.01, "m/s", "speed below which the slip is taken over this speed", "assumed", least=0.0
     ),
-    Parameter("tyre_stiffness", 5e5, "N/m", "tyre against floor, each way", "ASSUME, 5 mm of polyurethane"),
-    Parameter("tyre_damping", 4000.0, "N.s/m", "tyre against floor, at rest", "ASSUME"),
+    Parameter("tyre_stiffness", 5e5, "N/m", "tyre against floor, each way", "assumed, 5 mm of polyurethane"),
+    Parameter("tyre_damping", 4000.0, "N.s/m", "tyre against floor, at rest", "assumed"),
     Parameter(
         "rolling_resistance",
         0.003,
         "1",
         "rolling resistance over the load; none in [R]",
-        "ASSUME, lever arm 0.15 mm on 50 mm: tables have 0.08 mm for polymer on steel, 0.2 mm on concrete",
+        "assumed, lever arm 0.15 mm on 50 mm: tables have 0.08 mm for polymer on steel, 0.2 mm on concrete",
         least=0.0,
         tunable=True,
     ),
     Parameter(
-        "rolling_presliding", 0.002, "rad", "wheel angle over which it builds up, front", "ASSUME", least=0.0
+        "rolling_presliding", 0.002, "rad", "wheel angle over which it builds up, front", "assumed", least=0.0
     ),
     Parameter("front_radius", 0.050, "m", "front wheel's radius", "[R] 2.3", least=0.0),
     Parameter("front_spin_inertia", 463e-6, "kg.m2", "front wheel about its axle I_wxx", "[R] Tab. 3.2"),
@@ -155,7 +155,7 @@ STEERING: Final[tuple[Parameter, ...]] = (
         0.05,
         "m",
         "kingpin to wheel centre l_3",
-        "ASSUME, stands in Fig. 3.22 only",
+        "assumed, stands in Fig. 3.22 only",
         least=0.0,
     ),
     Parameter(
@@ -167,15 +167,15 @@ STEERING: Final[tuple[Parameter, ...]] = (
         least=0.0,
         tunable=True,
     ),
-    Parameter("rack_travel", 0.042, "m", "rack's end stop either side", "ASSUME, 61.6 degrees", least=0.0),
-    Parameter("rack_stop_stiffness", 1e7, "N/m", "rack's end stop", "ASSUME"),
-    Parameter("rack_stop_damping", 10.0, "s/m", "rack's end stop, part of its force per speed", "ASSUME"),
+    Parameter("rack_travel", 0.042, "m", "rack's end stop either side", "assumed, 61.6 degrees", least=0.0),
+    Parameter("rack_stop_stiffness", 1e7, "N/m", "rack's end stop", "assumed"),
+    Parameter("rack_stop_damping", 10.0, "s/m", "rack's end stop, part of its force per speed", "assumed"),
 )
 
 LIFT: Final[tuple[Parameter, ...]] = (
     Parameter("lift_stages", 6.0, "1", "scissor stages N", "[R] 2.5", least=0.0),
     Parameter(
-        "lift_link_length", 0.300, "m", "scissor link l_s", "ASSUME, fits the heights of [R] 2.5", least=0.0
+        "lift_link_length", 0.300, "m", "scissor link l_s", "assumed, fits the heights of [R] 2.5", least=0.0
     ),
     Parameter(
         "lift_collapsed_angle",
@@ -214,15 +214,17 @@ LIFT: Final[tuple[Parameter, ...]] = (
         least=0.0,
         most=1.5,
     ),
-    Parameter("lift_mass", 1.0, "kg", "lifted platform", "ASSUME, what the 10 W motor lifts from 5 degrees"),
+    Parameter("lift_mass", 1.0, "kg", "lifted platform", "assumed, what the 10 W motor lifts from 5 degrees"),
     Parameter(
-        "lift_payload", 0.0, "kg", "load on the lifted platform", "ASSUME; [R] 2.5 has 8", tunable=True
+        "lift_payload", 0.0, "kg", "load on the lifted platform", "assumed; [R] 2.5 has 8", tunable=True
     ),
     Parameter(
-        "lift_clearance", 5e-5, "m", "nut travel from either end position to its stop", "ASSUME", least=0.0
+        "lift_clearance", 5e-5, "m", "nut travel from either end position to its stop", "assumed", least=0.0
     ),
-    Parameter("lift_stop_stiffness", 1e8, "N/m", "lift's end stops, at the nut", "ASSUME"),
-    Parameter("lift_stop_damping", 100.0, "s/m", "lift's end stops, part of their force per speed", "ASSUME"),
+    Parameter("lift_stop_stiffness", 1e8, "N/m", "lift's end stops, at the nut", "assumed"),
+    Parameter(
+        "lift_stop_damping", 100.0, "s/m", "lift's end stops, part of their force per speed", "assumed"
+    ),
 )
 
 PARAMETERS: Final[tuple[Parameter, ...]] = MOTORS + PLATFORM + TYRES + STEERING + LIFT

@@ -168,7 +168,7 @@ class Platform:
             front.tyre.bears(self.front_load - shift)
 
     def _resistance(self, load: Expression) -> Expression:
-        """Return one wheel's rolling resistance in N.m, from its static load (ASSUME)."""
+        """Return one wheel's rolling resistance in N.m, from its static load (assumed)."""
         return P["rolling_resistance"] * load * P["wheel_radius"]
 
     def _hold(self) -> tuple[Expression, Expression, Expression]:

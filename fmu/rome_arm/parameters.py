@@ -1,7 +1,7 @@
 """ROME whole in numbers: those of its base and of its arm, and where one stands on the other.
 
-[O] is A. Seleit, "Rapid Orbital Motion Emulator (ROME)", MSc thesis, UCF, 2020, which gives none: ASSUME. [A]
-is Annin Robotics, AR2 and AR3, for the arm.
+[O] is A. Seleit, "Rapid Orbital Motion Emulator (ROME)", MSc thesis, UCF, 2020, which gives none: assumed.
+[A] is Annin Robotics, AR2 and AR3, for the arm.
 """
 
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ from fmu.rome_base import parameters as base
 
 _FOOT: Final = {"mass": 5.2, "yaw_inertia": 0.06}
 """The base, with what of the arm does not turn: 3.5 and 1.7 kg."""
-_STANDS: Final = "ASSUME; missing in [O]"
+_STANDS: Final = "assumed; missing in [O]"
 
 PARAMETERS: Final[tuple[Parameter, ...]] = (
     *(

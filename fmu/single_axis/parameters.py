@@ -1,6 +1,6 @@
 """The bench axis in numbers: every parameter with unit and source; named sets for other benches.
 
-The axis is our own; ASSUME marks what was chosen.
+The axis is our own; "assumed" marks what was chosen.
 """
 
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ from fmu.plants import Plant
 MOTOR: Final[tuple[Parameter, ...]] = (
     *motor_rows(
         "axis",
-        "ASSUME, catalogue of maxon RE50 200 W 24 V (370354)",
+        "assumed, catalogue of maxon RE50 200 W 24 V (370354)",
         **RE50,
     ),
     Parameter(
@@ -22,75 +22,77 @@ MOTOR: Final[tuple[Parameter, ...]] = (
         0.05,
         "rad",
         "shaft angle over which dry friction builds up",
-        "ASSUME, 16 counts",
+        "assumed, 16 counts",
         least=0.0,
     ),
-    *battery_rows("ASSUME"),
+    *battery_rows("assumed"),
 )
 
 GEAR: Final[tuple[Parameter, ...]] = (
-    Parameter("gear_axis", 26.0, "1", "gear ratio", "ASSUME, that of RARS's wheels", least=0.0),
+    Parameter("gear_axis", 26.0, "1", "gear ratio", "assumed, that of RARS's wheels", least=0.0),
     Parameter(
         "backlash",
         0.02,
         "rad",
         "backlash, at the load, from flank to flank",
-        "ASSUME, planetary gear",
+        "assumed, planetary gear",
         least=0.0,
     ),
-    Parameter("flank_stiffness", 2000.0, "N.m/rad", "gear's stiffness, at the load", "ASSUME"),
-    Parameter("flank_damping", 0.5, "s/rad", "flanks' damping, part of their torque per speed", "ASSUME"),
+    Parameter("flank_stiffness", 2000.0, "N.m/rad", "gear's stiffness, at the load", "assumed"),
+    Parameter("flank_damping", 0.5, "s/rad", "flanks' damping, part of their torque per speed", "assumed"),
 )
 
 LOAD: Final[tuple[Parameter, ...]] = (
     Parameter(
-        "load_inertia", 0.0875, "kg.m2", "load's inertia", "ASSUME, 35 kg on a wheel of 50 mm", tunable=True
+        "load_inertia", 0.0875, "kg.m2", "load's inertia", "assumed, 35 kg on a wheel of 50 mm", tunable=True
     ),
-    Parameter("load_coulomb", 0.2, "N.m", "load's dry friction", "ASSUME", least=0.0, tunable=True),
-    Parameter("load_viscous", 0.01, "N.m.s/rad", "load's viscous friction", "ASSUME", tunable=True),
+    Parameter("load_coulomb", 0.2, "N.m", "load's dry friction", "assumed", least=0.0, tunable=True),
+    Parameter("load_viscous", 0.01, "N.m.s/rad", "load's viscous friction", "assumed", tunable=True),
     Parameter(
-        "load_presliding", 0.002, "rad", "load angle over which its friction builds up", "ASSUME", least=0.0
+        "load_presliding", 0.002, "rad", "load angle over which its friction builds up", "assumed", least=0.0
     ),
     Parameter(
         "unbalance",
         0.0,
         "N.m",
         "weight times arm of an eccentric load, hanging at angle 0",
-        "ASSUME",
+        "assumed",
         tunable=True,
     ),
-    Parameter("stop_low", -1e6, "rad", "load angle of the lower stop", "ASSUME, out of reach"),
-    Parameter("stop_high", 1e6, "rad", "load angle of the upper stop", "ASSUME, out of reach"),
-    Parameter("stop_stiffness", 5000.0, "N.m/rad", "stops' stiffness", "ASSUME"),
-    Parameter("stop_damping", 0.5, "s/rad", "stops' damping, part of their torque per speed", "ASSUME"),
+    Parameter("stop_low", -1e6, "rad", "load angle of the lower stop", "assumed, out of reach"),
+    Parameter("stop_high", 1e6, "rad", "load angle of the upper stop", "assumed, out of reach"),
+    Parameter("stop_stiffness", 5000.0, "N.m/rad", "stops' stiffness", "assumed"),
+    Parameter("stop_damping", 0.5, "s/rad", "stops' damping, part of their torque per speed", "assumed"),
 )
 
 SWITCHES: Final[tuple[Parameter, ...]] = (
     Parameter(
-        "limit_low", -1e6, "rad", "load angle below which the negative limit switch is closed", "ASSUME"
+        "limit_low", -1e6, "rad", "load angle below which the negative limit switch is closed", "assumed"
     ),
     Parameter(
-        "limit_high", 1e6, "rad", "load angle above which the positive limit switch is closed", "ASSUME"
+        "limit_high", 1e6, "rad", "load angle above which the positive limit switch is closed", "assumed"
     ),
     Parameter(
-        "home_low", 1e6, "rad", "load angle where the home switch's cam begins", "ASSUME, out of reach"
+        "home_low", 1e6, "rad", "load angle where the home switch's cam begins", "assumed, out of reach"
     ),
-    Parameter("home_high", 1e6, "rad", "load angle where the home switch's cam ends", "ASSUME, out of reach"),
+    Parameter(
+        "home_high", 1e6, "rad", "load angle where the home switch's cam ends", "assumed, out of reach"
+    ),
 )
 
 BRAKE: Final[tuple[Parameter, ...]] = (
     Parameter(
-        "brake_torque", 2.0, "N.m", "what the closed holding brake holds, at the motor", "ASSUME", least=0.0
+        "brake_torque", 2.0, "N.m", "what the closed holding brake holds, at the motor", "assumed", least=0.0
     ),
     Parameter(
         "brake_presliding",
         0.01,
         "rad",
         "shaft angle over which the brake's grip builds up",
-        "ASSUME",
+        "assumed",
         least=0.0,
     ),
-    Parameter("brake_opening", 0.002, "s", "time constant with which the grip is lost", "ASSUME"),
+    Parameter("brake_opening", 0.002, "s", "time constant with which the grip is lost", "assumed"),
 )
 
 PARAMETERS: Final[tuple[Parameter, ...]] = MOTOR + GEAR + LOAD + SWITCHES + BRAKE

@@ -57,7 +57,7 @@ A move may begin late, two fall into it, and rotors swing by a step, which is ha
 1.164 is measured for an instant in an hour.
 """
 ONE_MOVE_M: Final = 0.004
-"""Allowed swing of the tool out of its workspace: a move is 3 mm long. ASSUME of the rest."""
+"""Allowed swing of the tool out of its workspace: a move is 3 mm long. Assumed of the rest."""
 STEP_RAD: Final = math.tau / 200.0
 """A full step of a motor's shaft; two behind its field the rotor takes the next one."""
 LIFTED: Final = 50

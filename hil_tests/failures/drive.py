@@ -202,12 +202,12 @@ def _place(rig: VirtualRig, motion: Motion) -> tuple[float, ...]:
 
 
 def _by(rig: VirtualRig, cause: Cause) -> str:
-    """Return who stopped it: the bridge by the last step of a stop, or the devices by themselves."""
+    """Return who stopped it: the bridge by the last stage of a stop, or the devices by themselves."""
     stops = rig.bench.bridge.stops.values()
     lost = any(stop.progress in (Progress.GIVEN_UP, Progress.NOT_REQUESTED) for stop in stops)
     if cause is KILLED or (cause is LINE_CUT and lost):
         return ALONE
-    last = {stop.steps[min(stop.place, len(stop.steps) - 1)].name for stop in stops if stop.steps}
+    last = {stop.stages[min(stop.place, len(stop.stages) - 1)].name for stop in stops if stop.stages}
     return f"the bridge: {', '.join(sorted(last))}"
 
 

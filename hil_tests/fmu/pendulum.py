@@ -11,7 +11,7 @@ def pendulum() -> Model:
     return Model(
         name="pendulum",
         description="A pendulum of 1 kg",
-        parameters=(Parameter("length", 1.0, "m", "length", "ASSUME"),),
+        parameters=(Parameter("length", 1.0, "m", "length", "assumed"),),
         inputs=(Input("force", "N", "force across"),),
         states=(
             StateVariable("angle", "rad", sp.S.Zero, speed),

@@ -21,7 +21,7 @@ SOURCES = {
     "rars": "[R]",
     "rome_arm": "[A]",
     "rome_base": "[O]",
-    "single_axis": "ASSUME",
+    "single_axis": "assumed",
 }
 
 
@@ -60,7 +60,7 @@ def test_parameters_carry_their_source(model: str) -> None:
     names = [row.name for row in parameters.PARAMETERS]
     assert len(set(names)) == len(names)
     for row in parameters.PARAMETERS:
-        assert "ASSUME" in row.source or SOURCES[model] in row.source
+        assert "assumed" in row.source or SOURCES[model] in row.source
     for overrides in parameters.SETS.values():
         assert set(overrides) <= set(names)
 

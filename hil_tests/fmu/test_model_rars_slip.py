@@ -23,7 +23,7 @@ PASSIVE = {f"{part}_{axis}": 0.0 for part in ("coulomb", "viscous", "torque_cons
 
 
 def adhesion(slip: float) -> float:
-    """(3.83) corrected: odd, mu_peak at 0.15, 0.66 of it at 1, flat beyond (ASSUME)."""
+    """(3.83) corrected: odd, mu_peak at 0.15, 0.66 of it at 1, flat beyond (assumed)."""
     size = abs(slip)
     share = size / 0.15 if size < 0.15 else 1 - 0.34 * (min(size, 1.0) - 0.15) / 0.85
     return math.copysign(0.3 * share, slip)

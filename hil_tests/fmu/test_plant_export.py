@@ -185,7 +185,7 @@ def test_parameters_are_complete() -> None:
     for overrides in SETS.values():
         assert set(overrides) <= set(names)
     for row in PARAMETERS:
-        assert "ASSUME" in row.source or "[R]" in row.source
+        assert "assumed" in row.source or "[R]" in row.source
 
 
 @pytest.fixture

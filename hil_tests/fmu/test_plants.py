@@ -20,7 +20,7 @@ PARAMETERS_PY = """
     from fmu.export.model import Parameter
     from fmu.plants import Plant
 
-    PARAMETERS = (Parameter("length", 1.0, "m", "from pivot to bob", "ASSUME"),)
+    PARAMETERS = (Parameter("length", 1.0, "m", "from pivot to bob", "assumed"),)
     PLANT = Plant("pendulum", "swinging", PARAMETERS, {"long": {"length": 4.0}}, {"rope": ("length", 1.0)})
 """
 EQUATIONS_PY = """

@@ -109,7 +109,7 @@ def tiny_robot() -> Model:
     return Model(
         name="tiny",
         description="Third party",
-        parameters=(Parameter("wanted_speed", 24.0, "V", "the battery's voltage", "ASSUME"),),
+        parameters=(Parameter("wanted_speed", 24.0, "V", "the battery's voltage", "assumed"),),
         inputs=tuple(Voltage(name, unit, name, 24.0) for name, unit in INPUTS.items()),
         states=tuple(states),
         outputs=tuple(

@@ -11,7 +11,7 @@ from emulators.testing.rig import STEP_S, VirtualRig
 from firmware_bridge.bridge.stops import RAMPED_WITHIN, AxisStop, Progress
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.drivers.shield.link_drivers import measured, over_protocol
-from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN
+from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
@@ -87,18 +87,18 @@ def runs(rig: VirtualRig, seconds: float) -> float:
 
 
 def check(stop: AxisStop, now: Nanoseconds, cycle: Nanoseconds) -> None:
-    """Check that a step lasts as long as its row allows, and that the power is off in time, in any case."""
+    """Check that a stage lasts as long as its row allows, and that the power is off in time, in any case."""
     if stop.progress is not Progress.UNDER_WAY:
         return
-    axis, step = stop.driver.axis, stop.step
-    most = step.lasts(axis.top_speed) + (RAMPED_WITHIN if stop.place == 0 else 0)
+    axis, stage = stop.driver.axis, stop.stage
+    most = stage.lasts(axis.top_speed) + (RAMPED_WITHIN if stop.place == 0 else 0)
     slack = 2 * cycle + LOOKS_EVERY
     assert now - stop.begun_at <= most + slack, (
-        f"{axis.name}: {step.name} since {to_seconds(stop.begun_at)} s"
+        f"{axis.name}: {stage.name} since {to_seconds(stop.begun_at)} s"
     )
-    first = next(place for place, one in enumerate(stop.steps) if one.ends_power)
+    first = next(place for place, one in enumerate(stop.stages) if one.ends_power)
     if stop.place <= first:
-        assert now - stop.since <= TAKEN_WITHIN + slack, f"{axis.name}: {step.name}, and power for too long"
+        assert now - stop.since <= TAKEN_WITHIN + slack, f"{axis.name}: {stage.name}, and power for too long"
 
 
 @contextmanager

@@ -10,7 +10,7 @@ import pytest
 from emulators.testing.errors import RigError
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.bridge.stops import Progress
-from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN
+from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN
 from firmware_bridge.runtime.runner import STOP_WITHIN
 from firmware_bridge.units import to_seconds
 from hil_tests.adversary.failing import FAILING
@@ -46,7 +46,7 @@ def reported(robot: str) -> Iterator[str]:
             yield kind
 
 
-@pytest.mark.long(beside="test_whatever_a_board_and_its_line_do_each_step_lasts_what_its_row_states")
+@pytest.mark.long(beside="test_whatever_a_board_and_its_line_do_each_stage_lasts_what_its_row_states")
 @pytest.mark.parametrize("robot", ["rars", "rars+serial", "climber", "rome:mw:3", ARM])
 def test_it_stands_in_time_and_the_end_comes(robot: str) -> None:
     kinds = tuple(reported(robot))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN
+from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN
 from firmware_bridge.units import to_seconds
 from hil_tests.rows import every
 from hil_tests.safety.driving import ORDERS, changed, driving, runs, speed

@@ -1,4 +1,4 @@
-"""A stop gets through in every state of a driver and on every link; each step lasts as its row allows."""
+"""A stop gets through in every state of a driver and on every link; each stage lasts as its row allows."""
 
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from emulators.testing.errors import RigError
 from emulators.testing.rig import VirtualRig
 from firmware_bridge.bridge.stops import Progress
-from firmware_bridge.drivers.all_drivers import STOP_STEPS
-from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN, sums, way
+from firmware_bridge.drivers.all_drivers import STOP_STAGES
+from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN, sequence, sums
 from firmware_bridge.packet import Packet
 from firmware_bridge.runtime.runner import STOP_WITHIN
 from firmware_bridge.units import to_seconds
@@ -39,10 +39,10 @@ each_order = every("order", ORDERS.items(), ids=lambda it: it[0])
 
 
 def whole_stop_s(rig: VirtualRig) -> float:
-    """Return the longest duration of a stop, every step of it."""
+    """Return the longest duration of a stop, every stage of it."""
     robot = rig.robot
     whole = [
-        sums(way(STOP_STEPS[robot.links[axis.link].driver](robot, axis), off=False), axis.top_speed)[1]
+        sums(sequence(STOP_STAGES[robot.links[axis.link].driver](robot, axis), off=False), axis.top_speed)[1]
         for axis in robot.axes
     ]
     return to_seconds(max(whole))
@@ -156,9 +156,9 @@ def test_an_order_begins_a_stop_again_that_nothing_brought_about() -> None:
 def test_the_power_is_taken_within_five_seconds_by_the_rows(robot: str) -> None:
     machine = robot_of(robot)
     for axis in machine.axes:
-        steps = STOP_STEPS[machine.links[axis.link].driver](machine, axis)
+        stages = STOP_STAGES[machine.links[axis.link].driver](machine, axis)
         for off in (False, True):
-            taken, whole = sums(way(steps, off=off), axis.top_speed)
+            taken, whole = sums(sequence(stages, off=off), axis.top_speed)
             assert taken <= TAKEN_WITHIN
             boots = max((getattr(link, "boots_within_ms", 0) for link in machine.links.values()), default=0)
             assert to_seconds(whole - taken) <= 4.0 + boots / 1000.0, "silence, and the reset"
@@ -190,7 +190,7 @@ ON_A_BUS: Final[Behaviors] = {
 INSTANTS: Final = {"board_reset", "board_hangs"}
 ON_CAN: Final = {"stray_frames", "frame_loss"}
 HELPLESS = {"silent", "garbage", "hangs", "bus stuck"}
-"""Behaviors in which a board without a watchdog may run on, and every step is tried in vain."""
+"""Behaviors in which a board without a watchdog may run on, and every stage is tried in vain."""
 
 
 def behave(rig: VirtualRig, what: str, seconds: float, stack: ExitStack) -> None:
@@ -234,7 +234,7 @@ def stories(kinds: Behaviors, seconds: list[float]) -> st.SearchStrategy[list[tu
 @example(robot="rome:arduinoio:3", story=[("reset", 0.1), ("half answers", 3.0)], order="forced disarm")
 @example(robot="rome:mw:3", story=[("half answers", 0.1)], order="Ctrl-C")
 @example(robot="rome:ros-arduino-bridge", story=[("every other answer", 3.0)], order="Ctrl-C")
-def test_whatever_a_board_and_its_line_do_each_step_lasts_what_its_row_states(
+def test_whatever_a_board_and_its_line_do_each_stage_lasts_what_its_row_states(
     robot: str, story: list[tuple[str, float]], order: str
 ) -> None:
     with driving(robot) as rig, ExitStack() as stack:

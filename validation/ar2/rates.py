@@ -121,7 +121,7 @@ def resolved_rate(quick: bool) -> Findings:  # noqa: FBT001 - every study takes 
                         "points",
                     ),
                 ),
-                "From 9 mm beside, without limits of speed; K is 3 1/s (ASSUME).",
+                "From 9 mm beside, without limits of speed; K is 3 1/s (assumed).",
             ),
         ),
         sheets=(

@@ -6,11 +6,11 @@ from typing import Final, TypeAlias
 
 import firmware_bridge
 from firmware_bridge import robot_types
-from firmware_bridge.drivers.all_drivers import STOP_STEPS, reports_of
+from firmware_bridge.drivers.all_drivers import STOP_STAGES, reports_of
 from firmware_bridge.drivers.driver import Reports
 from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.drivers.shield.link_drivers import over_protocol
-from firmware_bridge.drivers.stop_steps import StopStep, sums, way
+from firmware_bridge.drivers.stop_stages import StopStage, sequence, sums
 from firmware_bridge.robot import AnyRobot, Axis, CommandForm
 from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
 from firmware_bridge.robot_type import AnyRobotType
@@ -167,37 +167,37 @@ def exclusive(robot: AnyRobot) -> Iterator[Cells]:
 
 
 def stops(robot: AnyRobot, link: str) -> Iterator[Cells]:
-    """Yield the steps in which the axes on a link are stopped, each with its time."""
+    """Yield the stop stages of the axes on a link, each with its time."""
     table = robot.links[link]
     axes = robot.axes_on(link)
-    ways = [STOP_STEPS[table.driver](robot, axis) for axis in axes]
-    for steps in zip(*ways, strict=True):
-        step = steps[0]
-        longest = max(one.lasts(axis.top_speed) for one, axis in zip(steps, axes, strict=True))
-        whom = "a power-off" if step.ordered_off else "both" if step.ends_power else "a stop"
+    sequences = [STOP_STAGES[table.driver](robot, axis) for axis in axes]
+    for stages in zip(*sequences, strict=True):
+        stage = stages[0]
+        longest = max(one.lasts(axis.top_speed) for one, axis in zip(stages, axes, strict=True))
+        whom = "a power-off" if stage.ordered_off else "both" if stage.ends_power else "a stop"
         yield (
-            step.name,
+            stage.name,
             whom,
-            step.sent,
-            "no torque" if step.ends_power else "standstill, or no torque",
-            _within(step),
+            stage.sent,
+            "no torque" if stage.ends_power else "standstill, or no torque",
+            _within(stage),
             f"{longest // MILLISECOND} ms",
-            step.note or "-",
+            stage.note or "-",
         )
 
 
 def sums_of_stops(robot: AnyRobot, link: str) -> str:
     """Return the longest time of a stop: until the power is off, and in all."""
     driver, axes = robot.links[link].driver, robot.axes_on(link)
-    ways = [(way(STOP_STEPS[driver](robot, axis), off=False), axis.top_speed) for axis in axes]
-    longest = [max(seconds) for seconds in zip(*(sums(*one) for one in ways), strict=True)]
+    sequences = [(sequence(STOP_STAGES[driver](robot, axis), off=False), axis.top_speed) for axis in axes]
+    longest = [max(seconds) for seconds in zip(*(sums(*one) for one in sequences), strict=True)]
     taken, whole = (f"{seconds / SECOND:.1f} s" for seconds in longest)
     return f"From top speed the power stage is disabled after {taken} at most; all stages end after {whole}."
 
 
-def _within(step: StopStep) -> str:
-    slows = "" if step.slows_within is None else f"{step.slows_within // MILLISECOND} ms, "
-    return f"{slows}{step.within // MILLISECOND} ms"
+def _within(stage: StopStage) -> str:
+    slows = "" if stage.slows_within is None else f"{stage.slows_within // MILLISECOND} ms, "
+    return f"{slows}{stage.within // MILLISECOND} ms"
 
 
 def reached(robot: AnyRobot) -> tuple[AnyRobot, ...]:

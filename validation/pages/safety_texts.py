@@ -8,7 +8,7 @@ from firmware_bridge.bridge.permission import BRAKED_WITHIN
 from firmware_bridge.bridge.power_down import LOOKS_FOR, WATCHED_FOR
 from firmware_bridge.bridge.stops import RAMPED_WITHIN
 from firmware_bridge.drivers.all_drivers import CONFIRMED_BY, alone
-from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN
+from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.ar2 import Ar2Driver
 from firmware_bridge.robot.settings.epos2 import Epos2Driver

@@ -112,7 +112,7 @@ def delay(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                     Curve(f"delay {at:g} s", *_radius_over_time(_ours(at, RADIAL))) for at in (0.0, 0.5, 0.8)
                 ),
                 "v = 0.5 m/s, L = 0.5 m, from (4.5, 0) looking radially out, h2 = 0 (5.3): the "
-                "look-ahead circle only touches the path there, so it is enlarged, by 1.1 (ASSUME). The "
+                "look-ahead circle only touches the path there, so it is enlarged, by 1.1 (assumed). The "
                 "robot does at once what it is commanded.",
             ),
             Plot(

@@ -92,7 +92,7 @@ def predictor(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                 "time since it drives [s]",
                 "outside the circle of 5 m [mm]",
                 tuple(_drawn(run) for run in runs if not run.case.predictor),
-                "0.5 m/s, look-ahead 0.5 m, from 10 mm beside the circle (ASSUME); by the plant's truth.",
+                "0.5 m/s, look-ahead 0.5 m, from 10 mm beside the circle (assumed); by the plant's truth.",
             ),
             Plot(
                 "With the predictor",

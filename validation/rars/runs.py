@@ -24,10 +24,10 @@ LINE_MPS: Final = 0.240
 FROM_TO: Final = (0.1, 0.9)
 """Shares of its speed between which its acceleration is taken."""
 BRAKES_S: Final = 15.0
-"""Time from its acceleration to braking; the thesis's hold is not printed, ASSUME 5 s at full speed."""
+"""Time from its acceleration to braking; the thesis's hold is not printed, assumed 5 s at full speed."""
 CIRCLE_MPS: Final = 0.300
 CHANGES_S: Final = 125.0
-"""Time as printed; the radii are not, ASSUME."""
+"""Time as printed; the radii are not, assumed."""
 RADII_M: Final = (1.0, 1.5)
 SETTLED_S: Final = ((15.0, 120.0), (140.0, 240.0))
 """Times in which each circle is driven at its speed."""

@@ -114,7 +114,7 @@ def sizing(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                         for load in LOADS
                     ),
                 ),
-                "(2.17), (2.18): mu = 0.1, thread 60°, d_m = 15 mm, p 1.5 mm, N = 6, links 0.3 m (ASSUME).",
+                "(2.17), (2.18): mu = 0.1, thread 60°, d_m = 15 mm, p 1.5 mm, N = 6, links 0.3 m (assumed).",
             ),
             Plot(
                 "Radius of the turn",

@@ -33,7 +33,7 @@ PRINTED_ORDER: Final = (
 )
 ROTOR: Final = (
     "Seen from the rack the motor's rotor weighs fifty times what hangs on the rack, (3.97): the error is "
-    "taken of both together. The regulator works every 0.1 ms (ASSUME: the source gives no rate)."
+    "taken of both together. The regulator works every 0.1 ms (assumed: the source gives no rate)."
 )
 DRY: Final = (
     "With the tyres' 0.4 N.m a wheel and the motor's dry friction the integral term has to find both. Where "

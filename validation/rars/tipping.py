@@ -134,7 +134,7 @@ def tipping(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
                     for load in (0.0, 10.0)
                     for way, arm in (("backwards", 0.141), ("sideways", 0.168))
                 ),
-                "Center of gravity with lift height h and payload m_p at its top (ASSUME): 62 kg at 190 mm, "
+                "Center of gravity with lift height h and payload m_p at its top (assumed): 62 kg at 190 mm, "
                 "8 kg of scissor at h / 2; arms 141 mm and 168 mm; Tab. 2.1 has 0.5 to 1.5 m.",
             ),
         ),

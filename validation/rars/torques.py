@@ -23,7 +23,7 @@ LASTS: Final = 60.0
 RAMP: Final = math.radians(10.0)
 SPIRAL: Final = "spiral ramp of 10°"
 """As steep at every place: uphill is where it drives. The thesis prints neither its radius nor its rise:
-those of the circle and of the ramp, ASSUME."""
+those of the circle and of the ramp, assumed."""
 SLOPES: Final = {"flat": 0.0, "ramp of 10°": RAMP, SPIRAL: RAMP}
 RIM: Final = P["wheel_radius"]
 TRACK: Final = P["rear_track"]

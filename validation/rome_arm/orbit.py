@@ -38,7 +38,7 @@ WITHIN_MM: Final = 10.0
 DEG: Final = math.degrees(1.0)
 SCALES: Final = (0.4, 1.0)
 """m for 1 DU."""
-BESIDE: Final = "the base begins 0.14 m beside (ASSUME), and has 8 s to come to its path"
+BESIDE: Final = "the base begins 0.14 m beside (assumed), and has 8 s to come to its path"
 ASSUMED: Final = (
     "The source does not print how many meters 1 DU is: 0.4 m is assumed, for height as for the floor. "
     "At 1 m the base would have to go faster than it can, so the path's time is stretched: the same way, "
@@ -273,6 +273,6 @@ def _from_above(run: _Flown) -> Plot:
             Curve("plant, middle of the base", run.true[:, 0], run.true[:, 1]),
             Curve("numerical integration", run.meant[:, 0], run.meant[:, 1], "dashed"),
         ),
-        "From where the base stands at its begin, 0.14 m beside the orbit (ASSUME).",
+        "From where the base stands at its begin, 0.14 m beside the orbit (assumed).",
         equal=True,
     )

@@ -1,7 +1,7 @@
 """The I2C bus between the board, its only master, and the chips on it: byte by byte, in bus time.
 
 Sources: UM10204 (START, STOP, acknowledge); ArduinoCore-avr's Wire library, 100 kHz unless set otherwise
-(TWBR 72 at 16 MHz, exactly); it waits for ever for a stuck bus, for its time-out is off by default. ASSUME: a
+(TWBR 72 at 16 MHz, exactly); it waits for ever for a stuck bus: its time-out is off by default. Assumed: a
 START, a repeated START and a STOP take one bit time each; the processor's own time between two bytes is left
 out.
 """

@@ -1,6 +1,6 @@
 """The Adafruit Motor Shield V2: which PWM channel drives which input of which half bridge.
 
-Source: Adafruit_Motor_Shield_V2_Library, getMotor(). ASSUME: STBY is tied high. FORWARD of the library is
+Source: Adafruit_Motor_Shield_V2_Library, getMotor(). Assumed: STBY is tied high. FORWARD of the library is
 the row CW of the half bridges; which way a motor then turns is its wiring's business.
 """
 

@@ -7,9 +7,9 @@ direction is a short brake (slow decay).
 Where it is silent:
 * with both inputs low PWM does not matter.
 * thermal shutdown is at 175 degrees C, and ends at 155.
-* ASSUME: the outputs are off below 2.5 V of motor supply, the least that it names to work, and on again
+* the outputs are off below 2.5 V of motor supply, the least that it names to work, and on again
   from 2.8 V: the sheet has detection of a low voltage, but neither its threshold nor its hysteresis.
-* ASSUME: below 5 V, where it gives 0.5 Ohm, the resistance grows as the supply falls.
+* below 5 V, where it gives 0.5 Ohm, the resistance grows as the supply falls.
 * the chip warms by 130 K for each watt, with a time constant of 10 s, from 25 degrees C.
 """
 
@@ -24,9 +24,9 @@ ON_RESISTANCE: Final = 0.5
 """Ohm, upper and lower transistor together, at 5 V and more."""
 FULLY_ON_V: Final = 5.0
 LOCKED_V: Final = 2.5
-"""V of motor supply below which the outputs are off. ASSUME, see above."""
+"""V of motor supply below which the outputs are off. Assumed, see above."""
 UNLOCKED_V: Final = 2.8
-"""V of motor supply from which they are on again. ASSUME, see above."""
+"""V of motor supply from which they are on again. Assumed, see above."""
 PEAK_CURRENT: Final = 3.2
 """A, a channel, for 20 ms."""
 SHUTDOWN_C: Final = 175.0
@@ -82,7 +82,7 @@ COAST: Final = BridgeDuty(open=COUNTS)
 def limited(output: BridgeDuty, current: float, peak: float = PEAK_CURRENT) -> BridgeDuty:
     """Return what is left of an output where the current has reached the peak, in A: a fault to be chosen.
 
-    The side that would make it larger is cut to a brake (ASSUME: a chip that limits does it so; the data
+    The side that would make it larger is cut to a brake (assumed: a chip that limits does it so; the data
     sheet gives the 3.2 A as a rating).
     """
     if abs(current) < peak:

@@ -1,6 +1,6 @@
 """Modes of each pin of a Mega, in Firmata's numbers.
 
-Sources: firmata/protocol, protocol.md; firmata/arduino, the Mega's part of Boards.h. ASSUME: modes are
+Sources: firmata/protocol, protocol.md; firmata/arduino, the Mega's part of Boards.h. Assumed: modes are
 reported in the order input, pull-up, output, analog, PWM, servo, I2C, encoder.
 """
 

@@ -1,7 +1,7 @@
 """Severity of each kind of fault: keys beside time, place and duration. Kinds not listed here have none.
 
 Beyond the limits of the device where it has one, so that it must be noticed; where a fault can be small
-enough to be taken for the world, it is as large as an engineer would call broken. All figures are ASSUME.
+enough to be taken for the world, it is as large as an engineer would call broken. All figures are assumed.
 """
 
 from collections.abc import Mapping

@@ -1,6 +1,6 @@
 """Map from the CAN controller's reports to the drive's emergencies.
 
-Source: EPOS Firmware Specification, error handling (by analogy). ASSUME: the assignment of the two overruns,
+Source: EPOS Firmware Specification, error handling (by analogy). Assumed: the assignment of the two overruns,
 and that the receive queue is the one between controller and firmware.
 """
 

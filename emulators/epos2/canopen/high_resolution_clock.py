@@ -1,7 +1,7 @@
 """The drive's high-resolution clock 0x1013: microseconds at the last SYNC, corrected by each write.
 
 Source: application note Interpolation Position Mode, December 2008, p. 11 and 21. Its real resolution is one
-bit time of the bus; here it is 1 us. ASSUME: the emulated drive's own clock does not drift, so that a
+bit time of the bus; here it is 1 us. Assumed: the emulated drive's own clock does not drift, so that a
 correction moves the time stamps and leaves a path that runs as it is.
 """
 

@@ -1,6 +1,6 @@
 """The drive's SDO server: expedited and segmented transfers onto the object store; each request is answered.
 
-Source: CiA 301 v4.02, service data object. Block transfer does not exist in the device (ASSUME: nothing in
+Source: CiA 301 v4.02, service data object. Block transfer does not exist in the device (assumed: nothing in
 the EDS or in maxon's library) and gets 0x05040001, as each unknown command does. Where it is silent:
 
 * Short frames are read as far as they go. One that ends before its sub-index is an unknown command (missing

@@ -1,6 +1,6 @@
 """Settings that contradict each other: the drive refuses to be enabled with them, by an emergency.
 
-ASSUME: no document gives the conditions of FF0F and FF10, only their names. A dual loop (0x2220) divides by
+Assumed: no document gives the conditions of FF0F and FF10, only their names. A dual loop (0x2220) divides by
 the gear ratio 0x2230, which must be one; and it multiplies the gains of the position regulator with it, which
 must stay numbers of 16 bits.
 """

@@ -83,7 +83,7 @@ class MotionControl:
         return self._power.state
 
     def nmt_changed(self, operational: bool) -> None:  # noqa: FBT001 - one fact, and the method names it
-        """Follow the network state: statusword bit 9. ASSUME: leaving Operational stops no motion."""
+        """Follow the network state: statusword bit 9. Assumed: leaving Operational stops no motion."""
         self._operational = operational
         self._publish()
 

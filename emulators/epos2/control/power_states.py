@@ -135,7 +135,7 @@ BRUSHED_DC: Final = 1
 
 @dataclass(frozen=True, slots=True)
 class Delays:
-    """Durations of the states that end by themselves. ASSUME: no document gives them.
+    """Durations of the states that end by themselves. Assumed: no document gives them.
 
     A recorded enable sequence of a maxon drive shows 0x0723 and then 0x0737 with nothing between, so for a
     brushed motor Refresh and Measure init pass unseen; a brushless one needs time to find its commutation.

@@ -59,7 +59,7 @@ WATCHES: Final = (
 )
 """Watched findings of the axis, with their emergencies.
 
-ASSUME: a cut cable is a position sensor breach (FF0A) with an incremental encoder, and a position that is no
+Assumed: a cut cable is a position sensor breach (FF0A) with an incremental encoder, and a position that is no
 longer valid (7320) with one that reports a position; three hall sensors that all show the same are FF04 while
 the drive looks for its commutation and FF01 later.
 """
@@ -67,7 +67,7 @@ the drive looks for its commutation and FF01 later.
 POSITION_LOST: Final = frozenset(
     {emergency.SENSOR_POSITION, emergency.INDEX, emergency.ENCODER_RESOLUTION, emergency.SENSOR_BREACH}
 )
-"""Emergencies after which the position is no longer referenced (ASSUME: those of the encoder)."""
+"""Emergencies after which the position is no longer referenced (assumed: those of the encoder)."""
 
 WATCHED: Final = reduce(or_, (watch.flag for watch in WATCHES))
 
@@ -93,7 +93,7 @@ NOT_CARRIED_OUT: Final[Mapping[Address, int]] = MappingProxyType(
 )
 """Objects that start what the emulation does not have, and the emergency in which the start ends.
 
-ASSUME: the drive answers as one whose identification of the motor, or whose download of firmware, has failed
+Assumed: the drive answers as one whose identification of the motor, or whose download of firmware, has failed
 at its beginning. Nothing moves: an identification would send a current through the motor.
 """
 SETPOINTS_IN_A_MILLISECOND: Final = 8
@@ -126,7 +126,7 @@ FAULT_OPTIONS: Final[Mapping[int, ErrorReaction]] = MappingProxyType(
         2: ErrorReaction.QUICK_STOP,
     }
 )
-"""0x605E, for the errors that allow a ramp; -1 is uncertain. Others count as the default, 2 (ASSUME)."""
+"""0x605E, for the errors that allow a ramp; -1 is uncertain. Others count as the default, 2 (assumed)."""
 
 ABORT_OPTIONS: Final[Mapping[int, ErrorReaction]] = MappingProxyType(
     {

@@ -58,7 +58,7 @@ RECORDABLE: Final[Mapping[Address, tuple[str, ...]]] = MappingProxyType(
         SENSOR_RESOLUTION: ("resolution",),
     }
 )
-"""Objects that can be recorded (ASSUME: the actual values), each with the axis' fields of its value."""
+"""Objects that can be recorded (assumed: the actual values), each with the axis' fields of its value."""
 
 _VALUES: Final = dict(ACTUAL_VALUES)
 

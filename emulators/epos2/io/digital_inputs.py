@@ -2,7 +2,7 @@
 
 Sources: EPOS Firmware Specification, digital inputs (by analogy). A pin has one function (0x2070); the
 polarity turns its sense round. The mask filters what a client reads; the execution mask selects the functions
-that act by themselves. ASSUME: two pins of one function act as if wired together.
+that act by themselves. Assumed: two pins of one function act as if wired together.
 """
 
 from collections.abc import Mapping
@@ -110,7 +110,7 @@ class DigitalInputs:
     def limits_met(self, heading: int, sought: int) -> tuple[int, ...]:
         """Return the emergencies of the limit switches that have just been met, or are headed into.
 
-        `heading` is the sign of the demanded motion; `sought` are functions that a homing looks for. ASSUME:
+        `heading` is the sign of the demanded motion; `sought` are functions that a homing looks for. Assumed:
         a switch that is still closed lets the shaft out again, and keeps it from going further in; without
         power none is met.
         """

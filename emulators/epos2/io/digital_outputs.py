@@ -1,7 +1,7 @@
 """The digital outputs: what the functions of the drive and the master's bits make of the pins.
 
 Sources: EPOS Firmware Specification, digital outputs (by analogy). A master's write changes only the general
-purpose bits that the mask lets through. The polarity turns a pin's sense round. ASSUME: "ready" is active
+purpose bits that the mask lets through. The polarity turns a pin's sense round. Assumed: "ready" is active
 while there is no fault; "holding brake" is active while the brake is released, for that takes current.
 """
 

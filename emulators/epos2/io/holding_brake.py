@@ -1,6 +1,6 @@
 """The holding brake: released once the motor holds, closed before it lets go. Without a pin there is none.
 
-Sources: EDS for the times 0x2100 and 0x2101. ASSUME: the brake is released with Operation enabled, and
+Sources: EDS for the times 0x2100 and 0x2101. Assumed: the brake is released with Operation enabled, and
 set-points wait for the rise time; on the way out the shaft comes to rest (0x2101, for at most its time-out),
 the brake closes, and power goes after the fall time; 0x2100:3 bounds all of that, its largest value does not.
 """

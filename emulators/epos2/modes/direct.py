@@ -102,7 +102,7 @@ class VelocityMode(DirectMode):
         regulate_velocity(self.shaft.axis)
 
     def take(self, value: int) -> None:
-        """Take a velocity in rpm. ASSUME: 0x607F limits it, as it does in the modes with a profile."""
+        """Take a velocity in rpm. Assumed: 0x607F limits it, as it does in the modes with a profile."""
         axis = self.shaft.axis
         axis.velocity_demand = axis.target_velocity = self.shaft.bounded(value)
 

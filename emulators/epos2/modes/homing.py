@@ -1,6 +1,6 @@
 """Homing mode: the moves of a method, then the home offset; that sets the position.
 
-The moves are rows in `homing_methods`. ASSUME: the next move begins with a ramp out of the last one; the
+The moves are rows in `homing_methods`. Assumed: the next move begins with a ramp out of the last one; the
 offset 0x607C is a signed distance from the reference, moved at the speed of the switch search; a halt ends a
 homing for good; what a method needs and the drive has not got (a pin with the switch's function, a sensor
 with index) is a homing error at once.

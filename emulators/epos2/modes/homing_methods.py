@@ -52,7 +52,7 @@ _STOP_BELOW: Final = HomingWay(-1, at.HOMING_SPEED_SWITCH, Goal.STOP)
 _STOP_ABOVE: Final = HomingWay(1, at.HOMING_SPEED_SWITCH, Goal.STOP)
 
 NOTHING_TO_DO: Final = 0
-"""The method that needs no homing. ASSUME: the position counts as referenced where it is."""
+"""The method that needs no homing. Assumed: the position counts as referenced where it is."""
 ACTUAL_POSITION: Final = 35
 """The method that takes the actual position for home."""
 

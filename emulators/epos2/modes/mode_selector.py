@@ -1,6 +1,6 @@
 """The modes of operation of an EPOS2, and the selection of the one that moves the shaft.
 
-ASSUME: in diagnostic mode, of which nothing is published, the drive holds its position and does nothing else.
+Assumed: in diagnostic mode, of which nothing is published, the drive holds its position and does no more.
 """
 
 from collections.abc import Mapping

@@ -2,7 +2,7 @@
 
 A controlword that is written by SDO or a serial command with bit 4 up is a new set-point, edge or not:
 maxon's command library writes 0x607A and then 0x3F or 0x7F for every move, and never lowers the bit. A PDO
-repeats its word with every cycle, so that there the edge counts (ASSUME: what a device makes of repeated
+repeats its word with every cycle, so that there the edge counts (assumed: what a device makes of repeated
 words in PDOs is not known, and each of them for a set-point would begin a relative move again with every
 cycle).
 """

@@ -43,7 +43,7 @@ class Shaft:
         self.halted = False
         """Bit 8 of the controlword is up, in a mode that heeds it."""
         self.referenced = False
-        """Bit 15: a homing has found where the shaft is. ASSUME: by any method; a restart forgets it."""
+        """Bit 15: a homing has found where the shaft is. Assumed: by any method; a restart forgets it."""
         self.error = emergency.NO_ERROR
         """Emergency code for a request that a mode cannot carry out; see `take_error`."""
 
@@ -112,7 +112,7 @@ class Shaft:
     def move(self, cruise: int, acceleration: Address, deceleration: Address) -> None:
         """Go to the axis' target position with at most `cruise` (velocity units), unless it is too far.
 
-        ASSUME: too far is a move beyond the profile's clock of 31 bits of ms.
+        Assumed: too far is a move beyond the profile's clock of 31 bits of ms.
         """
         axis = self.axis
         axis.cruise = min(cruise, self.fastest())
@@ -165,7 +165,7 @@ class Shaft:
     def acceleration(self, address: Address) -> int:
         """Return the acceleration that an object holds, in units, within 0x60C5.
 
-        ASSUME: 0x60C5 limits profiles and halts, and leaves the quick stop 0x6085 as it is.
+        Assumed: 0x60C5 limits profiles and halts, and leaves the quick stop 0x6085 as it is.
         """
         limit = self.store.get(at.MAX_ACCELERATION)
         return acceleration_units(self.axis, min(self.store.get(address), limit))

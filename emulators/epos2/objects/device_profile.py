@@ -40,7 +40,7 @@ ANSWER_TIME: Final[Nanoseconds] = 550 * MICROSECOND
 """Time of an SDO transfer beside its two frames.
 
 It is 0.794 ms in all at 1 Mbit/s, 12.4 ms at 20 kbit/s, and five more between them (EPOS2 Application Notes,
-p. 168), less the frames with their stuff bits. ASSUME: all of it is the drive's; the figures were taken with
+p. 168), less the frames with their stuff bits. Assumed: all of it is the drive's; the figures were taken with
 a PC and its CAN card, whose share is not published.
 """
 BOOT_TIME: Final[Nanoseconds] = 262_500 * MICROSECOND
@@ -162,12 +162,12 @@ class DeviceProfile:
 
     @property
     def over_current_ma(self) -> int:
-        """Return where the hardware cuts off. ASSUME: at 1.5 times the largest output current."""
+        """Return where the hardware cuts off. Assumed: at 1.5 times the largest output current."""
         return self.peak_current_ma * 3 // 2
 
     @property
     def over_voltage_mv(self) -> int:
-        """Return where the drive reports over-voltage. ASSUME: 1/14 above its supply, 75 V for 70 V."""
+        """Return where the drive reports over-voltage. Assumed: 1/14 above its supply, 75 V for 70 V."""
         return self.supply_v * 15_000 // 14
 
     def known(self, name: str) -> Known:

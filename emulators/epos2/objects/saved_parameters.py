@@ -35,7 +35,7 @@ VOLATILE_INDEXES: Final = frozenset(
     {0x1003, 0x1010, 0x1011, 0x1013, 0x2010, 0x2023, 0x2025, 0x2026, 0x2030, 0x2062, 0x206B}
     | {0x20C1, 0x2400, 0x2410, 0x2FFF, 0x6040, 0x607A, 0x60C4, 0x60FF}
 )
-"""Commands, set values and diagnosis: writable, but no parameters (ASSUME)."""
+"""Commands, set values and diagnosis: writable, but no parameters (assumed)."""
 VOLATILE: Final = frozenset({Address(0x2074, 4), Address(0x2078, 1)})
 
 
@@ -124,7 +124,7 @@ class SavedParameters:
     def load(self) -> None:
         """Give every object its value of power-on: saved, else default.
 
-        Where the copy can no longer be read, it is given up (ASSUME: that is an internal software error).
+        Where the copy can no longer be read, it is given up (assumed: that is an internal software error).
         """
         try:
             # The values are those of the last save; the read only shows whether the memory still works.

@@ -16,7 +16,7 @@ from firmware_bridge.wire.epos2.objects import OBJECTS
 from firmware_bridge.wire.epos2.rows import ObjectRow
 
 LARGEST_DOMAIN: Final = 4096
-"""Capacity of a domain in bytes (ASSUME: no limit is documented)."""
+"""Capacity of a domain in bytes (assumed: no limit is documented)."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,7 @@
 """The gateway: what a serial host wants from the CAN bus, one request at a time, each with its time-out.
 
 Sources: EPOS2 Application Notes Collection, April 2013, p. 11-162 to 168, which gives what it costs; EPOS
-Communication Guide, October 2006 (EPOS1), for CAN frames and layer setting services. ASSUME: the cost falls
+Communication Guide, October 2006 (EPOS1), for CAN frames and layer setting services. Assumed: the cost falls
 on SDO only, and no abort goes to a node that has not answered in time.
 """
 

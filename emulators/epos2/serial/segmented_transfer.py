@@ -1,6 +1,6 @@
 """A segmented transfer between the serial host and the drive on its line: one at a time, 63 bytes a segment.
 
-ASSUME: a wrong toggle bit or length ends the transfer, and without one a segment is an unknown command.
+Assumed: a wrong toggle bit or length ends the transfer, and without one a segment is an unknown command.
 """
 
 from dataclasses import dataclass, field

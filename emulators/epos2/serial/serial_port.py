@@ -1,7 +1,7 @@
 """The drive's serial port as its node sees it: bytes and bus frames in, bytes out, and when to come back.
 
 Sources: EPOS Firmware Specification for 0x2002 and 0x2005 (by analogy);
-maxon's command library for the USB side, a converter at 1 MBd. ASSUME: a time-out of 0 means its default.
+maxon's command library for the USB side, a converter at 1 MBd. Assumed: a time-out of 0 means its default.
 """
 
 from collections.abc import Mapping

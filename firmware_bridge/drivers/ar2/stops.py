@@ -8,7 +8,7 @@ It ends by a switch in their supply, and the arm falls then.
 from typing import Final
 
 from firmware_bridge.drivers.driver import Stop, Task
-from firmware_bridge.drivers.stop_steps import StopStep
+from firmware_bridge.drivers.stop_stages import StopStage
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot.settings.ar2 import Ar2Link
 from firmware_bridge.units import MILLISECOND
@@ -16,14 +16,14 @@ from firmware_bridge.units import MILLISECOND
 CONFIRMED_BY: Final = "an answer to the request behind the last move"
 
 
-def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
-    """Return the steps for one joint of a robot. TypeError where no AR2 is on its link."""
+def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
+    """Return the stop stages of one joint of a robot. TypeError where no AR2 is on its link."""
     link = robot.links[axis.link]
     if not isinstance(link, Ar2Link):
         raise TypeError(f"no AR2 is on the link of '{axis.name}'")
     within = link.confirmed(robot.cycle)
     return (
-        StopStep(
+        StopStage(
             "no further move",
             f"nothing; the last move ends within {link.move_ms} ms",
             Stop.REST,
@@ -31,7 +31,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             at_once=True,
             received=True,
         ),
-        StopStep(
+        StopStage(
             "question",
             "a request, which is answered when nothing moves",
             Stop.POWER_OFF,
@@ -40,7 +40,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             ends_power=True,
             note="the motors keep their current, and hold",
         ),
-        StopStep(
+        StopStage(
             "reset",
             "DTR down and up: a move in progress ends",
             Stop.POWER_OFF,

@@ -28,7 +28,7 @@ from firmware_bridge.wire.epos2.hardware import MAXON
 
 TIMEOUT: Final[Nanoseconds] = 50 * MILLISECOND
 """For one answer on the bus. The drive needs 1 to 13 ms, by the bit rate (EPOS2 Application Notes, p. 168).
-ASSUME: an adapter behind USB, and a busy machine, add less than the rest."""
+Assumed: an adapter behind USB, and a busy machine, add less than the rest."""
 DRIVES_PROFILE: Final = 402
 SOFTWARE: Final = Address(0x2003, 1)
 HARDWARE: Final = Address(0x2003, 2)

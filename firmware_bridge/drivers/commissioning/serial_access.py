@@ -1,7 +1,7 @@
 """The way to a drive on a serial line, and through it, as a gateway, to the others on its CAN bus.
 
 Up to four bytes by ReadObject and WriteObject, longer objects by segments, as maxon's command library does.
-ASSUME: after silence, or an answer that cannot be read, asking once more does no harm: what is written twice
+Assumed: after silence, or an answer that cannot be read, asking once more does no harm: what is written twice
 is the same value, and a controlword without a new edge starts nothing.
 """
 

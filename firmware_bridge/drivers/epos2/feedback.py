@@ -98,7 +98,7 @@ class DriveFeedback:
 
         Return its state.
 
-        ASSUME: switching off or a reset clears bit 15, homing by any method sets it.
+        Assumed: switching off or a reset clears bit 15, homing by any method sets it.
         """
         self.statusword = statusword
         if not statusword & _REFERENCED:

@@ -1,6 +1,6 @@
 """SI units behind the gear to a drive's quadcounts and rpm, and back; nothing above the drivers knows those.
 
-Positive is as the robot file's `direction` makes it. ASSUME: a drive counts from where it was switched on,
+Positive is as the robot file's `direction` makes it. Assumed: a drive counts from where it was switched on,
 and the axis stood at its zero then.
 """
 

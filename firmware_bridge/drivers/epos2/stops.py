@@ -11,7 +11,7 @@ from typing import Final
 
 from firmware_bridge.drivers.driver import Stop, Task
 from firmware_bridge.drivers.epos2.scale import Scale
-from firmware_bridge.drivers.stop_steps import CREEPS, StopStep
+from firmware_bridge.drivers.stop_stages import CREEPS, StopStage
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot.settings.epos2 import Epos2Driver, Epos2Link
 
@@ -25,8 +25,8 @@ _RESET: Final = {Epos2Driver.CAN: "NMT reset node", Epos2Driver.SERIAL: "NMT ser
 CONFIRMED_BY: Final = "a sample with the axis at standstill, or a statusword of a state without torque"
 
 
-def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
-    """Return the steps for one drive of a robot. TypeError where no EPOS2 is on its link."""
+def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
+    """Return the stop stages of one drive of a robot. TypeError where no EPOS2 is on its link."""
     link = robot.links[axis.link]
     if not isinstance(link, Epos2Link):
         raise TypeError(f"no EPOS2 is on the link of '{axis.name}'")
@@ -35,7 +35,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
     quick = axis.epos2.profile.quick_stop_rpm_s / per_unit
     how = _WRITTEN[link.driver]
     gentle = (
-        StopStep(
+        StopStage(
             "ramp",
             f"target 0, or halt, {how} in every cycle",
             Stop.REST,
@@ -43,7 +43,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             axis.epos2.profile.deceleration_rpm_s / per_unit,
             slows_within=times.ramp,
         ),
-        StopStep(
+        StopStage(
             f"quick stop {how}",
             f"NMT start, so that it receives; 0x6040 = 0x000B {how} in every cycle",
             Stop.QUICK_STOP,
@@ -55,7 +55,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
     )
     # On a serial line objects are written in either case: there is one way to a drive, and no other to try.
     over_can_alone = (
-        StopStep(
+        StopStage(
             f"power off {how}",
             f"0x6040 = 0x0000 {how} in every cycle",
             Stop.POWER_OFF,
@@ -63,7 +63,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             ends_power=True,
             ordered_off=True,
         ),
-        StopStep(
+        StopStage(
             "quick stop by SDO",
             "0x6040 = 0x000B by SDO, and 0x6028 until standstill",
             Stop.QUICK_STOP,
@@ -74,7 +74,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
         ),
     )
     at_last = (
-        StopStep(
+        StopStage(
             "power off by SDO" if over_can else f"power off {how}",
             f"0x6040 = 0x0000 {'by SDO' if over_can else how}, and 0x6041 until it confirms",
             Stop.POWER_OFF,
@@ -83,7 +83,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             task=Task.DISABLE,
             ends_power=True,
         ),
-        StopStep(
+        StopStage(
             "silence",
             _SILENCE[link.driver],
             Stop.POWER_OFF,
@@ -94,7 +94,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             ends_power=True,
             note="every drive on the link stops by its heartbeat consumer; then no power",
         ),
-        StopStep(
+        StopStage(
             "reset",
             _RESET[link.driver],
             Stop.POWER_OFF,

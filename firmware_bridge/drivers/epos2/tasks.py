@@ -30,7 +30,7 @@ from firmware_bridge.wire.epos2.rows import DataType
 
 FIND_WITHIN: Final[Nanoseconds] = 2 * SECOND
 STATE_WITHIN: Final[Nanoseconds] = SECOND
-"""For one transition; measuring the current offset and the rotor's start takes some 100 ms (ASSUME)."""
+"""For one transition; measuring the current offset and the rotor's start takes some 100 ms (assumed)."""
 SAMPLE_WITHIN: Final[Nanoseconds] = 500 * MILLISECOND
 LEAVE_WITHIN: Final[Nanoseconds] = 200 * MILLISECOND
 POLL: Final[Nanoseconds] = 20 * MILLISECOND
@@ -140,7 +140,7 @@ def disable(axis: Axis, feedback: DriveFeedback) -> Script:
 def reset(axis: Axis, feedback: DriveFeedback) -> Script:
     """Make the drive start again, without power, and read its statusword when it has.
 
-    A boot-up message alone proves nothing: after reset communication a motor may go on turning (ASSUME).
+    A boot-up message alone proves nothing: after reset communication a motor may go on turning (assumed).
     """
     # The pause lets the boot-up pass: a drive that boots answers no SDO.
     return (nmt(axis, NmtCommand.RESET_NODE), pause(LEAVE_WITHIN), _restarted(axis, feedback, RESET_POLLS))

@@ -2,12 +2,12 @@
 
 By method 35 the position is given: it takes the home position (0x2081) for its present one, and no shaft
 turns. By any other it moves to find its reference (EPOS Firmware Specification, homing mode, by analogy).
-ASSUME: the offset 0x607C is a distance that it goes from the found reference, with its sign, and the home
+Assumed: the offset 0x607C is a distance that it goes from the found reference, with its sign, and the home
 position is its position then.
 
 The objects that decide the start's effect are read back before: by another method the same Controlword would
 set the axis in motion. The earlier halt stays in force until the mode is another, so that no position waits
-for its end. ASSUME: a mode may be changed with power on, as maxon's command library does.
+for its end. Assumed: a mode may be changed with power on, as maxon's command library does.
 """
 
 import math

@@ -13,7 +13,7 @@ from typing import Final
 from firmware_bridge.drivers.driver import Stop, Task
 from firmware_bridge.drivers.shield.dialects import DIALECTS
 from firmware_bridge.drivers.shield.plan import takes
-from firmware_bridge.drivers.stop_steps import CREEPS, StopStep
+from firmware_bridge.drivers.stop_stages import CREEPS, StopStage
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
@@ -24,8 +24,8 @@ SET_UP_WITHIN: Final[Nanoseconds] = SECOND
 CONFIRMED_BY: Final = "counts with the axis at standstill, or an answer to the request behind its release"
 
 
-def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
-    """Return the steps for one motor of a robot. TypeError where no shield is on its link."""
+def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
+    """Return the stop stages of one motor of a robot. TypeError where no shield is on its link."""
     link = robot.links[axis.link]
     if not isinstance(link, ShieldLink):
         raise TypeError(f"no motor shield is on the link of '{axis.name}'")
@@ -42,7 +42,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
     if board:
         runs_on += f"; without commands it stops them {link.auto_stop_ms} ms after the last one"
     return (
-        StopStep(
+        StopStage(
             "speed 0",
             "speed 0" if board else "PWM down to 0 on its slope",
             Stop.REST,
@@ -51,7 +51,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             slows_within=within,
             received=True,
         ),
-        StopStep(
+        StopStage(
             "brake",
             "speed 0" if board else "PWM 0 at once: the half bridge shorts the motor",
             Stop.QUICK_STOP,
@@ -59,7 +59,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             axis.shield.acceleration,
             received=True,
         ),
-        StopStep(
+        StopStage(
             "release",
             "speed 0 for all motors, and a request" if board else "release, and a request",
             Stop.POWER_OFF,
@@ -68,7 +68,7 @@ def stop_steps(robot: AnyRobot, axis: Axis) -> tuple[StopStep, ...]:
             whole_board=board,
             ends_power=True,
         ),
-        StopStep(
+        StopStage(
             "reset",
             "DTR down and up; the board is set up again, beginning with the release",
             Stop.POWER_OFF,

@@ -49,7 +49,7 @@ class Epos2Device(StrEnum):
 
     @property
     def peak_ma(self) -> int:
-        """The most that 0x6410:02 takes: by its EDS for 70/10, ASSUME twice the continuous one for others."""
+        """Most that 0x6410:02 takes: by its EDS for 70/10; for others twice the continuous one, assumed."""
         return 25_000 if self is Epos2Device.EPOS2_70_10 else 2 * self.continuous_ma
 
 

@@ -1,6 +1,6 @@
 """Functions of an EPOS2's digital pins: numbers in 0x2070 and 0x2079, bits of 0x2071 and 0x2078.
 
-Sources: maxon's EPOS2 70/10 EDS (defaults), EPOS Firmware Specification (by analogy). ASSUME: the number of
+Sources: maxon's EPOS2 70/10 EDS (defaults), EPOS Firmware Specification (by analogy). Assumed: the number of
 the holding brake.
 """
 

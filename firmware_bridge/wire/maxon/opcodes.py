@@ -63,7 +63,7 @@ class Opcode:
     opcode: int
     name: str
     request: Shape | None
-    """None where only the name is known; a device does not know such a command (ASSUME)."""
+    """None where only the name is known; a device does not know such a command (assumed)."""
     answer: Shape
     answered: frozenset[Generation] = BOTH
     source: str = LIBRARY
@@ -144,8 +144,8 @@ def row_of(request: Request) -> Opcode:
 def acknowledged(frame: Frame) -> bool:
     """Return whether a device acknowledges the command: not where it resets a node, or communication.
 
-    Source: comments in maxon's own library for PCs, which takes the silence for success. ASSUME: so it is for
-    a node behind the gateway, too.
+    Source: comments in maxon's own library for PCs, which takes the silence for success. Assumed: the same
+    holds for a node behind the gateway.
     """
     if frame.opcode != NMT_SERVICE:
         return True

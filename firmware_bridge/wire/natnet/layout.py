@@ -43,7 +43,7 @@ Value: TypeAlias = Any
 def known(version: Version) -> Version:
     """Return the version whose layout serves; NatNetError for one without a description.
 
-    ASSUME: a later 4.x is laid out as 4.4, since those versions carry the length of each list.
+    Assumed: a later 4.x is laid out as 4.4, since those versions carry the length of each list.
     """
     if not FIRST <= version < Version(LAST.major + 1, 0):
         raise NatNetError(f"NatNet {version} is not known; {FIRST} to {LAST} are")

@@ -1,7 +1,7 @@
 """Model definitions: the names of the numbers in a frame; requested and sent on the command channel.
 
 Source: as for frames. The part about markers in a bone is there from 3.0 on in OptiTrack's Python client and
-missing in an older C++ one: ASSUME it is there, no capture has a skeleton.
+missing in an older C++ one: assumed it is there, no capture has a skeleton.
 """
 
 from dataclasses import dataclass

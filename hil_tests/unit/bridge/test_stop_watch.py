@@ -1,4 +1,4 @@
-"""The watch over stops, at both edges of each time: what confirms a step, and what comes where none is."""
+"""The watch over stops, at both edges of each time: what confirms a stage, and what comes where none is."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from firmware_bridge.bridge.stops import RESTS, SLOWED, Stops
+from firmware_bridge.bridge.stops import AT_STANDSTILL, SLOWED, Stops
 from firmware_bridge.drivers.driver import Power, SetPoint, Speed, Stop, Task
-from firmware_bridge.drivers.stop_steps import TAKEN_WITHIN
+from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds, to_seconds
 from hil_tests.unit.pipeline.cart import WHEELS, FakeCart
 
@@ -19,7 +19,7 @@ SILENT: Final = 250 * MILLISECOND
 CYCLE: Final = 50 * MILLISECOND
 DECELERATION: Final = 5_700 / 26.0 * 0.104_719_755
 """rad/s2 behind the gear."""
-STEPS: Final = (
+STAGES: Final = (
     "ramp",
     "quick stop by PDO",
     "quick stop by SDO",
@@ -58,7 +58,7 @@ class Watched:
         return set_points
 
     def unconfirmed(self) -> str | None:
-        """The step that failed last, if any."""
+        """The stage that failed last, if any."""
         events = self.stops.interlock_events
         assert [event.name for event in events] == ["stop not acknowledged: left"] * len(events)
         assert len(events) <= 1
@@ -68,7 +68,9 @@ class Watched:
         return not self.stops.under_way and not self.stops.given_up
 
 
-@pytest.mark.parametrize(("speed", "rests"), [(12.0 * RESTS, True), (12.0 * RESTS + 1e-9, False)])
+@pytest.mark.parametrize(
+    ("speed", "rests"), [(12.0 * AT_STANDSTILL, True), (12.0 * AT_STANDSTILL + 1e-9, False)]
+)
 @pytest.mark.parametrize("sign", [1, -1])
 def test_rest_is_a_share_of_the_top_speed(speed: float, sign: int, *, rests: bool) -> None:
     watched = Watched()
@@ -150,20 +152,20 @@ def test_while_the_bridge_itself_ramps_the_drive_is_not_late() -> None:
 
 
 def escalated(watched: Watched) -> list[str]:
-    """Report nothing more; return the steps that fail, in order, until all have."""
+    """Report nothing more; return the stages that fail, in order, until all have."""
     failed = []
     while not watched.stops.given_up:
         assert watched.now < START + 20 * SECOND
         watched.looks(CYCLE)
-        step = watched.unconfirmed()
-        if step is not None and step not in failed:
-            failed.append(step)
+        stage = watched.unconfirmed()
+        if stage is not None and stage not in failed:
+            failed.append(stage)
     return failed
 
 
-def test_a_drive_that_is_receiving_nothing_is_taken_through_every_step() -> None:
+def test_a_drive_that_is_receiving_nothing_is_taken_through_every_stage() -> None:
     watched = Watched()
-    assert escalated(watched) == list(STEPS)
+    assert escalated(watched) == list(STAGES)
     assert watched.driver.begun == TASKS
     # Two silences, two objects of which the first ends with its task, the watch from top speed, the reset.
     assert to_seconds(watched.now - START) < 0.25 + 0.25 + 0.2 + 0.2 + 0.35 + 12.0 / 21.0 + 1.0 + 6 * 0.05
@@ -176,7 +178,7 @@ def test_a_drive_that_is_receiving_nothing_is_taken_through_every_step() -> None
 
 def test_for_an_axis_that_rested_no_one_else_loses_power() -> None:
     watched = Watched(0.0)
-    assert escalated(watched) == [step for step in STEPS if step != "silence"]
+    assert escalated(watched) == [stage for stage in STAGES if stage != "silence"]
 
 
 def test_a_power_off_that_was_ordered_begins_with_it() -> None:
@@ -199,7 +201,7 @@ def test_rest_is_not_enough_where_the_power_was_ordered_off() -> None:
     assert watched.confirmed()
 
 
-def test_the_link_is_silent_for_that_step_and_no_longer() -> None:
+def test_the_link_is_silent_for_that_stage_and_no_longer() -> None:
     watched = Watched()
     watched.all_drivers.begin_beats(START)
     beats: dict[str, list[Nanoseconds]] = {link_drivers.name: [] for link_drivers in watched.all_drivers.all}
@@ -239,7 +241,7 @@ def test_a_drive_that_rests_for_a_moment_again_and_again_gets_no_new_time_by_it(
         watched.reports(0.0 if cycle % every == 0 else 5.0)
         if taken_at is None and Task.DISABLE in watched.driver.begun:
             taken_at = watched.now
-    assert taken_at is not None, "5 s after the stop began a step takes the power, whatever was confirmed"
+    assert taken_at is not None, "5 s after the stop began a stage takes the power, whatever was confirmed"
     assert 4.0 < to_seconds(taken_at - START) <= to_seconds(TAKEN_WITHIN) + 6 * 0.05
 
 
@@ -297,7 +299,7 @@ def test_an_honest_drive_is_never_taken_further_than_its_ramp(
 
 
 @given(stated=st.lists(st.tuples(st.sampled_from([1, 49, 50, 51, 200]), st.floats(0.2, 12.0)), max_size=30))
-def test_whatever_a_moving_drive_states_the_last_step_comes_in_bounded_time(
+def test_whatever_a_moving_drive_states_the_last_stage_comes_in_bounded_time(
     stated: list[tuple[int, float]],
 ) -> None:
     watched = Watched()
@@ -315,7 +317,7 @@ def test_whatever_a_moving_drive_states_the_last_step_comes_in_bounded_time(
 
 
 def without_power() -> Watched:
-    """A drive that has confirmed the step that takes its power, and nothing since."""
+    """A drive that has confirmed the stage that takes its power, and nothing since."""
     watched = Watched()
     while Task.DISABLE not in watched.driver.begun:
         watched.looks(CYCLE)

@@ -18,7 +18,7 @@ from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.address import Address
 from firmware_bridge.wire.epos2.objects import OBJECTS
 
-# maxon RE25 20 W, values from memory of the catalog (ASSUME), with a small load.
+# maxon RE25 20 W, values from memory of the catalog (assumed), with a small load.
 STEERING = DcMotor(2.32, 0.238e-3, 0.0234, 1.3e-6, friction=1.5e-3, damping=4e-7)
 SETTINGS = {
     at.MOTOR_TYPE: 1,

@@ -110,7 +110,7 @@ def test_recorded_statusword_after_power_on(drive: "Drive") -> None:
 
 
 def test_bit_12_at_rest_in_profile_velocity_mode(drive: "Drive") -> None:
-    # Recorded elsewhere: 0x1740. ASSUME: a drive in profile velocity mode, speed = 0.
+    # Recorded elsewhere: 0x1740. Assumed: a drive in profile velocity mode, speed = 0.
     drive.write(at.MODE, 3)
     assert drive.statusword == 0x1740
 

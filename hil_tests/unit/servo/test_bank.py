@@ -13,7 +13,7 @@ from emulators.servo.scaling import Settings, acceleration_units, configure, spe
 from emulators.servo.winding import set_winding
 from firmware_bridge.units import MILLISECOND, SECOND
 
-# maxon RE50 200 W, values from memory of the catalog (ASSUME), with 80 kg reflected through 26:1.
+# maxon RE50 200 W, values from memory of the catalog (assumed), with 80 kg reflected through 26:1.
 WHEEL = DcMotor(0.103, 0.072e-3, 0.0385, 2.0e-4, friction=4.5e-3, damping=7e-6)
 GAINS = Settings(
     current_p=86,

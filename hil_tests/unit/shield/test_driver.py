@@ -15,7 +15,7 @@ from firmware_bridge.drivers.shield.link_drivers import over_protocol, shield_li
 from firmware_bridge.drivers.shield.motor import ShieldMotor
 from firmware_bridge.drivers.shield.plan import MOST, ShieldPlanError, fitting_plan, shield_plan
 from firmware_bridge.drivers.shield.regulator import Pwm, Ticks
-from firmware_bridge.drivers.shield.stops import stop_steps
+from firmware_bridge.drivers.shield.stops import stop_stages
 from firmware_bridge.node import SERIAL
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot, RobotFileError
@@ -189,13 +189,13 @@ def test_a_stop_ends_with_the_boards_reset_and_reports_of_its_own_stop_where_it_
     names, notes = {}, {}
     for protocol in ("ros-arduino-bridge", "arduinoio"):
         robot = over(protocol)
-        steps = stop_steps(robot, robot.axes[0])
-        names[protocol] = [step.name for step in steps]
-        notes[protocol] = steps[-1].note
-        assert steps[-1].task is Task.RESET
-        assert steps[2].within == 3 * robot.shield_link("board").answers_within_ms * MILLISECOND
-        assert steps[0].set_point is Stop.REST
-        assert all(step.set_point is Stop.POWER_OFF for step in steps if step.ends_power)
+        stages = stop_stages(robot, robot.axes[0])
+        names[protocol] = [stage.name for stage in stages]
+        notes[protocol] = stages[-1].note
+        assert stages[-1].task is Task.RESET
+        assert stages[2].within == 3 * robot.shield_link("board").answers_within_ms * MILLISECOND
+        assert stages[0].set_point is Stop.REST
+        assert all(stage.set_point is Stop.POWER_OFF for stage in stages if stage.ends_power)
     assert names["ros-arduino-bridge"] == names["arduinoio"] == ["speed 0", "brake", "release", "reset"]
     assert "it stops them 2000 ms after the last one" in notes["ros-arduino-bridge"]
     assert "it stops" not in notes["arduinoio"]

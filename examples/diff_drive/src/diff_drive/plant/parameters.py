@@ -1,6 +1,6 @@
 """The robot in numbers: every parameter with unit and source; named sets; those from its robot file.
 
-The robot is made up; ASSUME marks what was chosen.
+The robot is made up; "assumed" marks what was chosen.
 """
 
 from collections.abc import Mapping
@@ -21,37 +21,44 @@ def _drive(axis: str) -> tuple[Parameter, ...]:
     return (
         *motor_rows(
             axis,
-            "ASSUME, maxon RE40 150 W 24 V (148867), unchecked",
+            "assumed, maxon RE40 150 W 24 V (148867), unchecked",
             resistance=0.299,
             inductance=8.2e-05,
             torque_constant=0.0302,
             rotor_inertia=1.42e-05,
             no_load_current=0.137,
         ),
-        Parameter(f"gear_{axis}", GEAR, "1", f"gear ratio, {axis} wheel", "ASSUME", least=0.0),
+        Parameter(f"gear_{axis}", GEAR, "1", f"gear ratio, {axis} wheel", "assumed", least=0.0),
     )
 
 
 BODY: Final[tuple[Parameter, ...]] = (
-    Parameter("gravity", 9.81, "m/s2", "standard gravity", "ASSUME", least=0.0),
+    Parameter("gravity", 9.81, "m/s2", "standard gravity", "assumed", least=0.0),
     Parameter(
-        "slope", 0.0, "rad", "ramp, uphill along x of the world", "ASSUME", least=-1.5, most=1.5, tunable=True
+        "slope",
+        0.0,
+        "rad",
+        "ramp, uphill along x of the world",
+        "assumed",
+        least=-1.5,
+        most=1.5,
+        tunable=True,
     ),
-    Parameter("wheel_radius", 0.08, "m", "driven wheel's radius", "ASSUME", least=0.0),
-    Parameter("track", 0.35, "m", "wheel to wheel", "ASSUME", least=0.0),
-    Parameter("body_mass", 23.5, "kg", "body without its driven wheels, loaded", "ASSUME", tunable=True),
-    Parameter("centre_offset", 0.08, "m", "axle to the body's center of mass, forwards", "ASSUME"),
-    Parameter("centre_height", 0.175, "m", "center of mass over the floor; 0: no load transfer", "ASSUME"),
-    Parameter("yaw_inertia", 0.7656, "kg.m2", "body about its center, vertical axis", "ASSUME, a box"),
-    Parameter("wheel_mass", 0.75, "kg", "one driven wheel", "ASSUME"),
-    Parameter("wheel_spin_inertia", 0.0024, "kg.m2", "driven wheel about its axle", "ASSUME, a disc"),
-    Parameter("wheel_yaw_inertia", 0.0012, "kg.m2", "driven wheel about the vertical", "ASSUME, a disc"),
+    Parameter("wheel_radius", 0.08, "m", "driven wheel's radius", "assumed", least=0.0),
+    Parameter("track", 0.35, "m", "wheel to wheel", "assumed", least=0.0),
+    Parameter("body_mass", 23.5, "kg", "body without its driven wheels, loaded", "assumed", tunable=True),
+    Parameter("centre_offset", 0.08, "m", "axle to the body's center of mass, forwards", "assumed"),
+    Parameter("centre_height", 0.175, "m", "center of mass over the floor; 0: no load transfer", "assumed"),
+    Parameter("yaw_inertia", 0.7656, "kg.m2", "body about its center, vertical axis", "assumed, a box"),
+    Parameter("wheel_mass", 0.75, "kg", "one driven wheel", "assumed"),
+    Parameter("wheel_spin_inertia", 0.0024, "kg.m2", "driven wheel about its axle", "assumed, a disc"),
+    Parameter("wheel_yaw_inertia", 0.0012, "kg.m2", "driven wheel about the vertical", "assumed, a disc"),
     Parameter(
         "rolling_resistance",
         0.005,
         "1",
         "driven wheels' rolling resistance over the load",
-        "ASSUME",
+        "assumed",
         least=0.0,
         tunable=True,
     ),
@@ -60,43 +67,43 @@ BODY: Final[tuple[Parameter, ...]] = (
         0.05,
         "rad",
         "shaft angle over which dry friction builds up",
-        "ASSUME, 16 counts",
+        "assumed, 16 counts",
         least=0.0,
     ),
-    *battery_rows("ASSUME", voltage=24.0),
+    *battery_rows("assumed", voltage=24.0),
 )
 
 CASTORS: Final[tuple[Parameter, ...]] = (
-    Parameter("castor_ahead", 0.315, "m", "axle to the castors' pivots, forwards", "ASSUME"),
-    Parameter("castor_track", 0.245, "m", "pivot to pivot", "ASSUME", least=0.0),
-    Parameter("castor_trail", 0.03, "m", "pivot to contact", "ASSUME"),
+    Parameter("castor_ahead", 0.315, "m", "axle to the castors' pivots, forwards", "assumed"),
+    Parameter("castor_track", 0.245, "m", "pivot to pivot", "assumed", least=0.0),
+    Parameter("castor_trail", 0.03, "m", "pivot to contact", "assumed"),
     Parameter(
         "castor_resistance",
         0.010,
         "1",
         "castors' rolling resistance over the load",
-        "ASSUME",
+        "assumed",
         least=0.0,
         tunable=True,
     ),
-    Parameter("castor_rolling_way", 1e-4, "m", "way over which it builds up", "ASSUME", least=0.0),
+    Parameter("castor_rolling_way", 1e-4, "m", "way over which it builds up", "assumed", least=0.0),
     Parameter(
         "swivel_torque",
         0.02,
         "N.m",
         "one swivel's dry friction, the wheel's turning included",
-        "ASSUME",
+        "assumed",
         least=0.0,
         tunable=True,
     ),
-    Parameter("swivel_way", 0.02, "rad", "angle over which it builds up", "ASSUME", least=0.0),
+    Parameter("swivel_way", 0.02, "rad", "angle over which it builds up", "assumed", least=0.0),
 )
 
 PARAMETERS: Final[tuple[Parameter, ...]] = (
     *_drive(LEFT),
     *_drive(RIGHT),
     *BODY,
-    *tyre_rows("ASSUME, as RARS on a dry floor", floor_friction=0.6),
+    *tyre_rows("assumed, as RARS on a dry floor", floor_friction=0.6),
     *CASTORS,
 )
 

@@ -13,13 +13,13 @@ from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 TAKEN_WITHIN: Final[Nanoseconds] = 5 * SECOND
 """From the begin of a stop to the end of its first stage that disables the power, in any case."""
 CREEPS: Final[Nanoseconds] = 1_500 * MILLISECOND
-"""So long, beside its ramp, may a step last where the axis is seen to slow down: a speed loop creeps to
+"""So long, beside its ramp, may a stage last where the axis is seen to slow down: a speed loop creeps to
 standstill behind its ramp, and another axis that coasts drags it on."""
 
 
 @dataclass(frozen=True, slots=True)
-class StopStep:
-    """One step. It is confirmed by rest, or without torque; with `ends_power` without torque only."""
+class StopStage:
+    """One stage. It is confirmed by standstill, or without torque; with `ends_power` without torque only."""
 
     name: str
     sent: str
@@ -37,7 +37,7 @@ class StopStep:
     task: Task | None = None
     """The device's task, once, at the begin."""
     whole_board: bool = False
-    """No set-point does it for one axis alone: its task is begun also where it is the first step."""
+    """No set-point does it for one axis alone: its task is begun also where it is the first stage."""
     ends_with_task: bool = False
     """It is over when its task is, whatever that has brought."""
     silent: bool = False
@@ -45,7 +45,7 @@ class StopStep:
     takes_all: bool = False
     """It disables the power of all on the link: not done for an axis at standstill in its last report."""
     received: bool = False
-    """It needs a device that listens: where its power is not known the next step is begun at once."""
+    """It needs a device that listens: where its power is not known the next stage is begun at once."""
     ends_power: bool = False
     ordered_off: bool = False
     """It belongs to a power-off that was ordered, in the place of the ramps."""
@@ -64,21 +64,21 @@ class StopStep:
         return round(abs(speed) / self.deceleration * SECOND) if self.deceleration else 0
 
 
-def way(steps: tuple[StopStep, ...], *, off: bool) -> tuple[StopStep, ...]:
-    """Return the steps to rest, or with `off` those that are left where the power was ordered off."""
-    return tuple(step for step in steps if (step.ends_power if off else not step.ordered_off))
+def sequence(stages: tuple[StopStage, ...], *, off: bool) -> tuple[StopStage, ...]:
+    """Return the stages to standstill, or with `off` those that are left where the power was ordered off."""
+    return tuple(stage for stage in stages if (stage.ends_power if off else not stage.ordered_off))
 
 
-def gentle_within(steps: tuple[StopStep, ...]) -> Nanoseconds:
+def gentle_within(stages: tuple[StopStage, ...]) -> Nanoseconds:
     """Return how long the stages before the first that disables the power may last together."""
-    first = next((step for step in steps if step.ends_power), None)
+    first = next((stage for stage in stages if stage.ends_power), None)
     return TAKEN_WITHIN - (first.within if first is not None else 0)
 
 
-def sums(steps: tuple[StopStep, ...], speed: float) -> tuple[Nanoseconds, Nanoseconds]:
+def sums(stages: tuple[StopStage, ...], speed: float) -> tuple[Nanoseconds, Nanoseconds]:
     """Return how long a stop lasts at most from this speed: until the power is taken, and in all."""
-    first = next((place for place, step in enumerate(steps) if step.ends_power), len(steps) - 1)
-    gentle = sum(step.lasts(speed) for step in steps[:first])
+    first = next((place for place, stage in enumerate(stages) if stage.ends_power), len(stages) - 1)
+    gentle = sum(stage.lasts(speed) for stage in stages[:first])
     # The gentle stages end after their common time, whatever each of them may last.
-    taken = min(gentle, gentle_within(steps)) + steps[first].lasts(speed)
-    return taken, taken + sum(step.lasts(speed) for step in steps[first + 1 :])
+    taken = min(gentle, gentle_within(stages)) + stages[first].lasts(speed)
+    return taken, taken + sum(stage.lasts(speed) for stage in stages[first + 1 :])
