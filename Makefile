@@ -45,7 +45,7 @@ unexport PYTHONDONTWRITEBYTECODE
 .DEFAULT_GOAL := help
 SHELL := bash
 .PHONY: help setup compiled installed wheels same demo studies test long nightly test-all check docs golden bench \
-	adversary fuzz twins mutants hour clean
+	adversary fuzz compare-sketch mutants hour clean
 
 help: ## list these commands
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1\t/p' Makefile
@@ -194,7 +194,7 @@ fuzz: $(COMPILED)/.ready ## let a foreign node send a drive FRAMES random frames
 	@FOREIGN_FRAMES=$(FRAMES) $(COMPILED)/bin/python -P -m pytest -q -p no:xdist -m long hil_tests/unit/epos2/test_foreign_node_bursts.py
 
 LINES ?= 100000
-twins: $(READY) ## send LINES lines to the sketch's binary in simavr and to the emulated board, and compare
+compare-sketch: $(READY) ## send LINES lines to the sketch's binary in simavr and to the emulated board, and compare
 	@$(BIN)/python -m hil_tests.interop.simavr $(LINES)
 
 mutants: $(READY) ## break the program in one place at a time, for new results; hours, can be interrupted

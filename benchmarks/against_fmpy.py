@@ -74,8 +74,8 @@ class Way:
 
 WAYS: Final = (
     Way("native kernel, FMI pointers", kernel.NATIVE),
-    Way("Python regulators, prepared calls", kernel.TWIN),
-    Way("Python regulators, FMPy's methods", kernel.TWIN, by_fmpy=True),
+    Way("Python regulators, prepared calls", kernel.REFERENCE),
+    Way("Python regulators, FMPy's methods", kernel.REFERENCE, by_fmpy=True),
 )
 
 

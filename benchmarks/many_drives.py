@@ -22,7 +22,7 @@ from firmware_bridge.units import MILLISECOND, Nanoseconds
 from hil_tests.unit.servo.side_by_side import PLANT, SANE, Motors, Order, Side, compiled, obey
 
 DRIVES: Final = (1, 4, 16, 64)
-TICKS: Final = {kernel.NATIVE: 100_000, kernel.TWIN: 4_000}
+TICKS: Final = {kernel.NATIVE: 100_000, kernel.REFERENCE: 4_000}
 """Number of ticks with one drive; more drives run fewer."""
 SLICE: Final[Nanoseconds] = MILLISECOND
 """An advance on the bench lasts as long on average."""
@@ -78,11 +78,13 @@ def tick(motors: ctypes.CDLL) -> None:
     """Print what a tick of the regulators costs in C and in Python."""
     rows = []
     for count in DRIVES:
-        native, twin = (cost_of_a_tick(motors, count, command) for command in (kernel.NATIVE, kernel.TWIN))
-        rows.append([f"{count}", f"{native:.1f}", f"{twin:.0f}", f"{twin / native:.0f}"])
+        native, reference = (
+            cost_of_a_tick(motors, count, command) for command in (kernel.NATIVE, kernel.REFERENCE)
+        )
+        rows.append([f"{count}", f"{native:.1f}", f"{reference:.0f}", f"{reference / native:.0f}"])
     show(
         "The regulators alone, 10 kHz, motors taken off: ns per axis and tick",
-        ("drives", "kernel", "twin", "times"),
+        ("drives", "kernel", "reference", "times"),
         rows,
     )
 

@@ -36,7 +36,7 @@ MISSION: Final = "circles"
 SEED: Final = 0
 RUNS: Final = 3
 COMPILED: Final = not str(world.__file__).endswith(".py")
-TWIN_SECONDS: Final = 5.0
+REFERENCE_SECONDS: Final = 5.0
 LEAST_FACTOR: Final = 10.0
 ALONE: Final[Nanoseconds] = 2 * SECOND
 """Time for which the plant runs alone, to measure the cost of a tick."""
@@ -172,12 +172,12 @@ def main(simulated_s: float) -> int:
     one.finish()
     print(f"{MISSION}, {simulated_s:g} s simulated in {whole:.2f} s: real-time factor {factor:.1f}")
     print(f"  core: {'compiled' if COMPILED else 'interpreted; `make compiled` translates it to C'}")
-    print(f"  servo: {'kernel in C' if native else f'twin in Python, {why_not}'}")
+    print(f"  servo: {'kernel in C' if native else f'reference in Python, {why_not}'}")
     print_split(simulated_s)
     if COMPILED:
         print(f"  with the core interpreted: {interpreted(simulated_s) / whole:.2f} times as long")
-    shortly = min(simulated_s, TWIN_SECONDS)
-    ratio = undisturbed(shortly, kernel.TWIN, 1) / undisturbed(shortly)
+    shortly = min(simulated_s, REFERENCE_SECONDS)
+    ratio = undisturbed(shortly, kernel.REFERENCE, 1) / undisturbed(shortly)
     print(f"  with the drives' loops in Python: {ratio:.1f} times as long")
     if factor < LEAST_FACTOR:
         print(f"the real-time factor is below {LEAST_FACTOR:g}", file=sys.stderr)

@@ -56,6 +56,9 @@ FAULT_VALUES: Final[Mapping[tuple[str, str, str], str]] = {("bridge_ends", "how"
 CHOICES: Final[Mapping[str, str]] = {"tells-cured": "reports-reset"}
 """Old names of `emulate epos2 --choice`."""
 
+SERVO: Final[Mapping[str, str]] = {"twin": "reference"}
+"""Old values of the environment variable that chooses the servo's implementation."""
+
 
 class RenamedWarning(FutureWarning):
     """A word of the release before was used; the text names the new one."""

@@ -126,7 +126,7 @@ def main() -> None:
         return
     for reported in filter(None, map(difference, all_driven)):
         print(reported, file=sys.stderr)
-    print("kernel" if kernel.choose().library is not None else "twin", file=sys.stderr)
+    print("kernel" if kernel.choose().library is not None else "reference", file=sys.stderr)
     print(json.dumps(traces, indent=2))
 
 

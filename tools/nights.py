@@ -72,7 +72,11 @@ STEPS: Final = (
     Step(
         "fuzz", "any frames sent to a drive by another node, the current of its motor watched", ("make fuzz",)
     ),
-    Step("twins", "the same lines sent to a sketch's binary and to the emulated board", ("make twins",)),
+    Step(
+        "compare-sketch",
+        "the same lines sent to a sketch's binary and to the emulated board",
+        ("make compare-sketch",),
+    ),
     Step(
         "mutation", "the program, broken in one place at a time", (".venv/bin/python tools/mutate.py -j 2",)
     ),

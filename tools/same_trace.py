@@ -3,8 +3,8 @@
 `python tools/same_trace.py [PYTHON ...] [--cc COMPILER ...]`; without names it takes every Python from 3.11
 on that is on the path or that pyenv has, and whichever of gcc and clang there is. The package is installed
 from a copy of its sources, as a user would, without what its tests need. Kernel and plant are then built by
-that compiler, and the golden traces are driven with the kernel and with its twin. It exits with 1 where any
-differs. With FIRMWARE_BRIDGE_COMPILE=1 in the environment the core is compiled, too.
+that compiler, and the golden traces are driven with the kernel and with its reference implementation. It
+exits with 1 where any differ. With FIRMWARE_BRIDGE_COMPILE=1 in the environment the core is compiled, too.
 """
 
 # ruff: noqa: INP001, T201, S603 - a script, not a package; it prints; it runs programs that it is given
@@ -28,7 +28,7 @@ FILES: Final = ("pyproject.toml", "setup.py", "README.md", "LICENSE")
 PACKAGES: Final = ("firmware_bridge", "emulators", "fmu")
 BUILT: Final = shutil.ignore_patterns("*.so", "*.dll", "__pycache__")
 COMPILERS: Final = ("gcc", "clang")
-SERVOS: Final = {"native": "kernel", "twin": "twin"}
+SERVOS: Final = {"native": "kernel", "reference": "reference implementation"}
 """Value of the environment variable, and the engine that then reports that it served."""
 OLDEST: Final = (3, 11)
 NAMES: Final = tuple(f"python3.{minor}" for minor in range(OLDEST[1], OLDEST[1] + 8))

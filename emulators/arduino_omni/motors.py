@@ -300,7 +300,7 @@ class Motors(Shafts):
                 if self._native is not None and not self.faults:
                     self._run_native(self._native, until)
                 else:
-                    self._run_twin(until)
+                    self._run_reference(until)
         finally:
             self._due = self._ticks
 
@@ -314,7 +314,7 @@ class Motors(Shafts):
         finally:
             self._ticks = native.tick
 
-    def _run_twin(self, until: int) -> None:
+    def _run_reference(self, until: int) -> None:
         # Nothing moves and nothing drives: the ticks would change no value.
         if self._load.rests and self._still(self._outputs):
             self._ticks = until

@@ -188,7 +188,7 @@ DEFAULT_BIT_RATE: Final = 1_000_000
 
 def run(given: DrivesOptions) -> None:
     """Run the command `emulate epos2`; an error ends the program with a message."""
-    from emulators.cli.watched import RollCalled, twins_reported
+    from emulators.cli.watched import RollCalled, duplicates_reported
     from emulators.epos2.objects.saved_parameters import StorageError
     from emulators.epos2.serial.serial_drive import baud_of
     from emulators.gateway import Cluster
@@ -241,7 +241,7 @@ def run(given: DrivesOptions) -> None:
     with recording(given.record, {CAN: CAN_LOG, SERIAL: SERIAL_LOG}, called=called) as (around, _):
         openers, where = opened(given, given.protocol, baud_of(made[owner]), DEFAULT_BIT_RATE)
         carry(
-            RollCalled(around(twins_reported(cluster, places)), places),
+            RollCalled(around(duplicates_reported(cluster, places)), places),
             openers,
             until(given.duration),
             f"{order.profile.name} on {where}: node {given.node}{line}; {_text(mounted, plant)}",

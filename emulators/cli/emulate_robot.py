@@ -189,7 +189,7 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
     from emulators.captured import TRUTH
     from emulators.cli.beginning import report_beginning
     from emulators.cli.cameras import cameras_of
-    from emulators.cli.watched import RollCalled, twins_reported
+    from emulators.cli.watched import RollCalled, duplicates_reported
     from emulators.devices import devices
     from emulators.epos2.objects.saved_parameters import StorageError
     from emulators.epos2.serial.serial_drive import baud_of
@@ -232,7 +232,7 @@ def emulate_drives(machine: "AnyRobot", given: RobotOptions) -> None:
     with recording(given.record, files, called=called) as (around, _):
         openers, where = _outside(machine, baud_of(emulated.drives[owner]), given)
         carry(
-            RollCalled(around(twins_reported(cluster, places)), places),
+            RollCalled(around(duplicates_reported(cluster, places)), places),
             {**openers, **cameras.openers},
             until(given.duration),
             f"{machine.name} is on {', '.join((where, *cameras.where))}: {nodes}",

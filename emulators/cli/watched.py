@@ -31,7 +31,7 @@ def keeping_reported(mega: Mega, name: str = "the board") -> None:
     mega.kept = report
 
 
-def twins_reported(node: Node, places: Iterable[tuple[str, int]]) -> Node:
+def duplicates_reported(node: Node, places: Iterable[tuple[str, int]]) -> Node:
     """Return a node that reports, once for each link and number, a second node with the same number."""
     own = {(link, kind + number): (number, text) for link, number in places for kind, text in OWN.items()}
     named = set[tuple[str, int]]()
@@ -55,8 +55,8 @@ class RollCalled:
     """A node around drives that checks at its start, once for each number, if another node has it, too.
 
     The request is the program's, no drive's: it reads 0x1000, changes nothing, and is not recorded. Our own
-    frames do not come back to us, so that only another node can answer; `twins_reported` inside it reports
-    that.
+    frames do not come back to us, so that only another node can answer; `duplicates_reported` inside it
+    reports that.
     """
 
     def __init__(self, node: Node, places: Iterable[tuple[str, int]]) -> None:

@@ -39,7 +39,7 @@ def fmu_plant(
     return FmuPlant(
         path,
         (*plant_inputs(axes), *set_by_plant),
-        # Currents, angles and speeds first, where kernel and twin expect them.
+        # Currents, angles and speeds first, where kernel and reference expect them.
         (*own, *(name for name in dict.fromkeys(more) if name not in own)),
         parameters,
         units=units(axes),

@@ -18,12 +18,13 @@ from typing import ClassVar, Final, NoReturn, Protocol, runtime_checkable
 from emulators.servo.axis import ServoAxis
 from emulators.servo.pins import PinWire
 from emulators.servo.seam import ServoError, ServoPlant, Wiring, no_measurement
+from firmware_bridge import renamed
 from fmu.calls import PlantRecord
 
 VARIABLE: Final = "FIRMWARE_BRIDGE_SERVO"
-"""Environment variable that chooses: `native`, `twin`, or empty for the best there is."""
+"""Environment variable that chooses: `native`, `reference`, or empty for the best there is."""
 NATIVE: Final = "native"
-TWIN: Final = "twin"
+REFERENCE: Final = "reference"
 LIBRARY: Final = "libservo" + (".dll" if sys.platform == "win32" else ".so")
 _HERE: Final = Path(__file__).parent
 NATIVE_FOLDER: Final = _HERE / "native"
@@ -117,15 +118,17 @@ class KernelLibrary:
 
 
 def choose(command: str | None = None) -> KernelLibrary:
-    """Return the kernel, or why the twin is to serve; where none is chosen the environment decides.
+    """Return the kernel, or why the reference is to serve; where none is chosen the environment decides.
 
-    `native` insists on the kernel: ServoError where there is none. `twin` does without. Empty takes the best.
+    `native` insists on the kernel: ServoError where there is none. `reference` does without. Empty: the best.
     """
     if command is None:
-        command = os.environ.get(VARIABLE, "")
-    if command not in {"", NATIVE, TWIN}:
-        raise ServoError(f"{VARIABLE}={command}: give '{NATIVE}', '{TWIN}', or nothing for the best there is")
-    if command == TWIN:
+        command = renamed.current(os.environ.get(VARIABLE, ""), renamed.SERVO, VARIABLE)
+    if command not in {"", NATIVE, REFERENCE}:
+        raise ServoError(
+            f"{VARIABLE}={command}: give '{NATIVE}', '{REFERENCE}', or nothing for the best there is"
+        )
+    if command == REFERENCE:
         return KernelLibrary(None, "the reference was requested")
     found = find()
     if command == NATIVE and found.library is None:

@@ -1,6 +1,6 @@
-"""The servo's readable twin: what the kernel in C does between two events, in Python.
+"""The servo's reference implementation: what the kernel in C does between two events, in Python.
 
-Both run in the tests and agree bit for bit; without a kernel the twin serves. Not known here: the bus.
+Both run in the tests and agree bit for bit; without a kernel the reference serves. Not known here: the bus.
 """
 
 from collections.abc import Sequence

@@ -1,6 +1,6 @@
 """Equations to straight-line blocks: parameters' parts hoisted, common subexpressions shared.
 
-C code, its tangents and its Python twin are all printed from these blocks, so they say the same.
+C code, its tangents and its reference in Python are all printed from these blocks, so they say the same.
 """
 
 from collections.abc import Mapping, Sequence

@@ -15,6 +15,7 @@ from emulators.bench.step import Step
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.choices import chosen
 from emulators.run import RunOrder
+from emulators.servo import kernel
 from emulators.testing.inherited.fake_driver import seen
 from emulators.testing.process import Process
 from emulators.testing.rig import VirtualRig
@@ -67,6 +68,12 @@ def test_arguments_are_taken_under_their_old_names() -> None:
     value: Any = Value
     with pytest.warns(RenamedWarning, match="Value: 'tells' is called 'title' now"):
         assert value("SPEED", SECOND, lambda _: 0.0, tells="m/s").title == "m/s"
+
+
+def test_the_servos_reference_is_chosen_by_its_old_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(kernel.VARIABLE, "twin")
+    with pytest.warns(RenamedWarning, match="FIRMWARE_BRIDGE_SERVO: 'twin' is called 'reference' now"):
+        assert kernel.choose().library is None
 
 
 def test_a_robot_file_has_its_old_keys(tmp_path: Path) -> None:

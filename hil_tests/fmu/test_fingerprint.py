@@ -178,14 +178,14 @@ def test_a_foreign_node_has_none(fmu_file: dict[int, Path], tmp_path: Path, text
         assert plant.fingerprint is ComparisonResult.NONE
 
 
-def test_the_twins_functions_are_those_in_c_bit_for_bit(tmp_path: Path) -> None:
+def test_the_reference_s_functions_are_those_in_c_bit_for_bit(tmp_path: Path) -> None:
     header = Path(build.__file__).parent / "export" / "c" / "elementary.h"
-    twins = {
+    references = {
         "sine": reference_model.sine,
         "cosine": reference_model.cosine,
         "arc_tangent": reference_model.arc_tangent,
     }
-    text = "".join(f"double {name}(double x) {{ return fb_{name}(x); }}\n" for name in twins)
+    text = "".join(f"double {name}(double x) {{ return fb_{name}(x); }}\n" for name in references)
     text += "double angle(double y, double x) { return fb_angle(y, x); }\n"
     (tmp_path / "own.c").write_text(f'#include "{header}"\n{text}', encoding="utf-8")
     options = "-O2 -ffp-contract=off -shared -fPIC -o own.so own.c -lm"
@@ -194,7 +194,7 @@ def test_the_twins_functions_are_those_in_c_bit_for_bit(tmp_path: Path) -> None:
     generator = np.random.default_rng(2)
     arguments = [*generator.uniform(-9, 9, 2000), *generator.uniform(-1e6, 1e6, 2000), 0.0, -0.0, 1e-300]
     arguments += [k * np.pi / 8 for k in range(-40, 41)]
-    for name, ours in twins.items():
+    for name, ours in references.items():
         native = getattr(library, name)
         native.restype, native.argtypes = ctypes.c_double, [ctypes.c_double]
         for x in map(float, arguments):

@@ -110,10 +110,10 @@ OF_A_DRIVE: Final[Mapping[str, tuple[str, Callable[[], Change]]]] = {
     "reports fault, and drives on": (IGNORES, lambda: states(FAULT)),
     "reports off every 2nd time, and obeys": ("", lambda: states(OFF, every=2)),
     "reports quick stop, and obeys": ("", lambda: states(QUICK_STOP)),
-    "a twin stands, enabled": ("", lambda: beside(ENABLED)),
-    "a twin stands, enabled; ignores": (IGNORES, lambda: beside(ENABLED)),
-    "a twin is off": ("", lambda: beside(OFF)),
-    "a twin is off, and speaks first": ("", lambda: beside(OFF, first=True)),
+    "a duplicate stands, enabled": ("", lambda: beside(ENABLED)),
+    "a duplicate stands, enabled; ignores": (IGNORES, lambda: beside(ENABLED)),
+    "a duplicate is off": ("", lambda: beside(OFF)),
+    "a duplicate is off, and speaks first": ("", lambda: beside(OFF, first=True)),
     "each 2nd position is stale; ignores": (IGNORES, stale),
 }
 """Lies of a drive: a fault, or none, and the report beside it."""

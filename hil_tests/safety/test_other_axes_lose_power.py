@@ -14,7 +14,7 @@ NODE: Final = 1
 ENABLED, DISABLED = 0x8237, 0x0240
 
 
-def twin(statusword: int, *, first: bool) -> Callable[[Packet], tuple[Packet, ...]]:
+def duplicate(statusword: int, *, first: bool) -> Callable[[Packet], tuple[Packet, ...]]:
     """Return what puts the samples of a second drive with the same number, which stands, beside these."""
 
     def change(packet: Packet) -> tuple[Packet, ...]:
@@ -41,9 +41,9 @@ def broken() -> Callable[[Packet], tuple[Packet, ...]]:
 
 
 LIARS: Final = {
-    "a twin that is off": lambda: twin(DISABLED, first=False),
-    "a twin that is off, received first": lambda: twin(DISABLED, first=True),
-    "a twin that is enabled": lambda: twin(ENABLED, first=False),
+    "a duplicate that is off": lambda: duplicate(DISABLED, first=False),
+    "a duplicate that is off, received first": lambda: duplicate(DISABLED, first=True),
+    "a duplicate that is enabled": lambda: duplicate(ENABLED, first=False),
     "positions from anywhere": broken,
 }
 

@@ -1,4 +1,4 @@
-"""The first seconds of every mission are the same bytes here as everywhere: kernel, twin, any interpreter.
+"""The first seconds of every mission are the same bytes everywhere: kernel, reference, any interpreter.
 
 Where a change is meant to change them: `make golden`.
 """
@@ -37,7 +37,7 @@ SERVOS = [
         kernel.NATIVE,
         marks=pytest.mark.skipif(kernel.find().library is None, reason="the kernel is not built here"),
     ),
-    kernel.TWIN,
+    kernel.REFERENCE,
 ]
 
 

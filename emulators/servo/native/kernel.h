@@ -1,6 +1,6 @@
 /* The servo kernel: all axes of a bank and their plant, from one event to the next.
 
-   Whole numbers only, as in the twin (emulators/servo/reference.py, loops.py, profile.py, winding.py), which says the
+   Whole numbers only, as in the reference (emulators/servo/reference.py, loops.py, profile.py, winding.py), which says
    same readably: a change here is a change there. Floating point only where the plant is met. */
 #ifndef SERVO_KERNEL_H
 #define SERVO_KERNEL_H
@@ -19,10 +19,10 @@ SERVO_EXPORT uint64_t servo_source(void);
 /* Run ticks up to number `last`, or to the end of the first one with an event. Returns how it ended. */
 SERVO_EXPORT int64_t servo_run(servo_bank *bank, int64_t last);
 
-/* Turn a shield's motors up to tick `last`: emulators/arduino_omni/motors.py is the twin. Returns how it ended. */
+/* Turn a shield's motors up to tick `last`: emulators/arduino_omni/motors.py is the reference. Returns how it ended. */
 SERVO_EXPORT int64_t servo_turn(servo_terminals *motors, int64_t last);
 
-/* The same millisecond as the twin's: for tests of one axis without a plant. Returns whether it raised an event. */
+/* The same millisecond as the reference's: for tests of one axis without a plant. Returns whether it raised an event. */
 SERVO_EXPORT int64_t servo_millisecond(servo_axis *axis, int64_t encoder);
 
 #endif

@@ -1,4 +1,4 @@
-/* Axes and plant from one event to the next: twin.py says it readably. */
+/* Axes and plant from one event to the next: reference.py says it readably. */
 #include "kernel.h"
 #include "plant.h"
 #include "readings.h"

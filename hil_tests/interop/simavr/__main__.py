@@ -1,4 +1,4 @@
-"""As many lines as are requested, to the sketch's binary and to the emulator; `make twins`."""
+"""As many lines as are requested, to the sketch's binary and to the emulator; `make compare-sketch`."""
 
 import sys
 from argparse import ArgumentParser
@@ -7,8 +7,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
+from hil_tests.interop.simavr.comparison import Binary, Emulated, built, differences
 from hil_tests.interop.simavr.lines import happening
-from hil_tests.interop.simavr.twin import Binary, Emulated, built, differences
 
 AT_ONCE: Final = 5_000
 """Lines to one board, before both begin again."""

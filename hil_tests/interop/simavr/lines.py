@@ -10,7 +10,7 @@ from numpy.random import Generator, default_rng
 
 from emulators.arduino_omni.mega.pins import ENCODER_PINS, FIRST_ANALOG, PINS
 from emulators.arduino_omni.sketches.ros_arduino_bridge import PID_INTERVAL
-from hil_tests.interop.simavr.twin import Bytes, Edges, Event, Level, Time, Voltage
+from hil_tests.interop.simavr.comparison import Bytes, Edges, Event, Level, Time, Voltage
 
 WHEELS: Final = len(ENCODER_PINS)
 ANALOG: Final = 8

@@ -23,9 +23,9 @@ class Run(AxisOnBus):
 
 
 def test_both_servos_find_the_same_home_with_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
-    twin, native = (Run(monkeypatch, servo).ends() for servo in (kernel.TWIN, kernel.NATIVE))
-    assert twin == native
-    assert twin[0] == 7 * TURN
+    reference, native = (Run(monkeypatch, servo).ends() for servo in (kernel.REFERENCE, kernel.NATIVE))
+    assert reference == native
+    assert reference[0] == 7 * TURN
 
 
 @pytest.mark.parametrize("instant_ms", [141, 900, 1800, 2600])

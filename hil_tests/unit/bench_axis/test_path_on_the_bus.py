@@ -49,9 +49,9 @@ class Run(AxisOnBus):
 
 
 def test_both_servos_run_the_same_path_with_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
-    twin, native = (Run(monkeypatch, servo).ends() for servo in (kernel.TWIN, kernel.NATIVE))
-    assert twin == native
-    assert twin[0] == POSITIONS[-1]
+    reference, native = (Run(monkeypatch, servo).ends() for servo in (kernel.REFERENCE, kernel.NATIVE))
+    assert reference == native
+    assert reference[0] == POSITIONS[-1]
 
 
 def test_the_demand_is_at_each_knot_in_its_millisecond(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,7 +4,7 @@ import pytest
 
 from emulators.arduino_omni.board import FIRMWARES, Board
 from emulators.arduino_omni.motors import four_motors
-from emulators.cli.watched import RollCalled, keeping_reported, twins_reported
+from emulators.cli.watched import RollCalled, duplicates_reported, keeping_reported
 from emulators.epos2.drive import Epos2
 from emulators.servo.axis import ServoAxis
 from firmware_bridge.node import SERIAL
@@ -47,7 +47,7 @@ def test_who_receives_its_own_number_from_elsewhere_states_so_once_a_number(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     inner = Quiet()
-    node = twins_reported(inner, [("can", 1), ("can", 2), ("arm", 3)])
+    node = duplicates_reported(inner, [("can", 1), ("can", 2), ("arm", 3)])
     assert node.wake(0).sent == (Packet("can", 0x701, b"\0"),)
     others = [
         *(("can", 0x000), ("can", 0x080), ("can", 0x601), ("can", 0x201), ("can", 0x703), ("can", 0x583)),
@@ -56,8 +56,8 @@ def test_who_receives_its_own_number_from_elsewhere_states_so_once_a_number(
     for link, address in others:
         node.receive(Packet(link, address, b""), 0)
     assert capsys.readouterr().out == ""
-    twins = [("can", 0x701), ("can", 0x581), ("can", 0x082), ("arm", 0x583), ("arm", 0x703)]
-    for link, address in twins:
+    duplicates = [("can", 0x701), ("can", 0x581), ("can", 0x082), ("arm", 0x583), ("arm", 0x703)]
+    for link, address in duplicates:
         node.receive(Packet(link, address, b""), 0)
     stated = capsys.readouterr().out.splitlines()
     assert [line.partition(" have come")[0] for line in stated] == [
@@ -65,7 +65,7 @@ def test_who_receives_its_own_number_from_elsewhere_states_so_once_a_number(
         "node 2 is on the bus twice: emergencies with its number",
         "node 3 is on the bus twice: answers with its number",
     ]
-    assert len(inner.received) == len(others) + len(twins)
+    assert len(inner.received) == len(others) + len(duplicates)
 
 
 def test_a_node_that_is_there_and_sends_nothing_is_named_at_the_start(
@@ -77,7 +77,7 @@ def test_a_node_that_is_there_and_sends_nothing_is_named_at_the_start(
     recorded: list[Packet] = []
     inner = Recorded(Quiet(), lambda _now, _direction, packet: recorded.append(packet))
     places = [("can", 1), ("can", 2)]
-    node = RollCalled(twins_reported(inner, places), places)
+    node = RollCalled(duplicates_reported(inner, places), places)
     first = node.wake(SECOND).sent
     assert [packet.address for packet in first] == [0x601, 0x602, 0x701]
     (answer,) = [answer for packet in first for answer in there.receive(packet, SECOND).sent]

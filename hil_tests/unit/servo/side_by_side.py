@@ -1,4 +1,4 @@
-"""Twin and kernel side by side: one plant in C, the same commands, and what became of both, to the bit."""
+"""Reference and kernel side by side: one plant in C, the same commands, both states compared to the bit."""
 
 import ctypes
 import shutil
@@ -37,7 +37,7 @@ SANE: Final = Settings(
     position_d=300,
 )
 MADE: Final = "a motor of the test"
-TWIN: Final = kernel.KernelLibrary(None, "the other side")
+REFERENCE: Final = kernel.KernelLibrary(None, "the other side")
 
 
 def compiled(folder: Path, sources: Sequence[Path], *flags: str, compiler: str = COMPILERS[0]) -> Path:
@@ -56,7 +56,7 @@ def compiled(folder: Path, sources: Sequence[Path], *flags: str, compiler: str =
 
 
 class Motors:
-    """Motors in C behind FMI functions; twin and kernel step them alike."""
+    """Motors in C behind FMI functions; reference and kernel step them alike."""
 
     def __init__(
         self, library: ctypes.CDLL, fmi: int = 3, *, count: int = COUNT, seed: int = 1, noise: float = 0.02

@@ -1,4 +1,4 @@
-"""The kernel in C and its twin in Python do the same, to the bit; and a planted difference does not pass."""
+"""The kernel in C and its reference in Python do the same, to the bit; a planted difference is found."""
 
 import ctypes
 from collections.abc import Callable
@@ -31,8 +31,8 @@ from hil_tests.unit.servo.side_by_side import (
     COMPILERS,
     COUNT,
     KERNEL,
+    REFERENCE,
     SANE,
-    TWIN,
     Leg,
     Motors,
     Order,
@@ -52,12 +52,12 @@ Pair = Callable[..., tuple[Side, Side]]
 def pair(plant_library: ctypes.CDLL, native: kernel.KernelLibrary) -> Pair:
     def make(draw: Draw = tame, seed: int = 0, fmi: int = 3, noise: float = 0.02) -> tuple[Side, Side]:
         raw = [draw(np.random.default_rng([seed, axis])) for axis in range(COUNT)]
-        twin, one = (
+        reference, one = (
             Side(Motors(plant_library, fmi, seed=seed, noise=noise), tuple(raw), found)
-            for found in (TWIN, native)
+            for found in (REFERENCE, native)
         )
-        assert (twin.bank.native, one.bank.native) == (False, True)
-        return twin, one
+        assert (reference.bank.native, one.bank.native) == (False, True)
+        return reference, one
 
     return make
 
@@ -68,11 +68,11 @@ def pair(plant_library: ctypes.CDLL, native: kernel.KernelLibrary) -> Pair:
 def test_millions_of_ticks_agree_to_the_bit(pair: Pair, draw: Draw, much: str) -> None:
     ticks, seed, seen, shapes = 0, 0, 0, set()
     while ticks < TICKS[much]:
-        twin, one = pair(draw, seed, fmi=2 + seed % 2, noise=(0.0, 0.02, 0.2)[seed % 3])
+        reference, one = pair(draw, seed, fmi=2 + seed % 2, noise=(0.0, 0.02, 0.2)[seed % 3])
         for leg in legs(np.random.default_rng(seed), 60, KINDS + PLANNED_KINDS):
-            events = twin.lives(leg)
+            events = reference.lives(leg)
             assert events == one.lives(leg)
-            assert not difference(twin, one)
+            assert not difference(reference, one)
             ticks += leg.ticks * COUNT
             for axis in one.axes:
                 seen |= axis.flags
@@ -109,12 +109,12 @@ JUMPS: Final = Leg(
 @given(life=LIVES, seed=st.integers(0, 2**16), draw=st.sampled_from((tame, wild)))
 @example(life=[JUMPS], seed=9, draw=wild)
 def test_whatever_is_ordered_both_obey_alike(pair: Pair, life: list[Leg], seed: int, draw: Draw) -> None:
-    twin, one = pair(draw, seed)
+    reference, one = pair(draw, seed)
     power = Leg(tuple(Order(axis, 0, 0, 0, 1000, 1000) for axis in range(COUNT)), 3)
     for leg in (power, *life):
-        events = twin.lives(leg)
+        events = reference.lives(leg)
         assert events == one.lives(leg)
-        assert not difference(twin, one)
+        assert not difference(reference, one)
         if isinstance(events, str):
             break
 
@@ -146,48 +146,48 @@ def test_one_bit_in_a_gain_is_caught(
     plant_library: ctypes.CDLL, native: kernel.KernelLibrary, gain: str
 ) -> None:
     planted = replace(SANE, **{gain: getattr(SANE, gain) ^ 1})
-    twin = Side(Motors(plant_library), (SANE,) * COUNT, TWIN)
+    reference = Side(Motors(plant_library), (SANE,) * COUNT, REFERENCE)
     one = Side(Motors(plant_library), (SANE, planted, SANE, SANE), native)
     for leg in turning():
-        twin.runs(leg)
+        reference.runs(leg)
         one.runs(leg)
     # The gain itself differs, of course; what counts is what it led to.
     led_to = [(axis.current_average, axis.position_integral, axis.encoder) for axis in one.axes]
-    expected = [(axis.current_average, axis.position_integral, axis.encoder) for axis in twin.axes]
+    expected = [(axis.current_average, axis.position_integral, axis.encoder) for axis in reference.axes]
     assert [a == b for a, b in zip(led_to, expected, strict=True)] == [True, False, True, True]
-    assert difference(twin, one).startswith("axis1.")
+    assert difference(reference, one).startswith("axis1.")
 
 
 def test_an_order_that_comes_one_tick_late_is_caught(pair: Pair) -> None:
-    twin, one = pair(lambda _: SANE)
+    reference, one = pair(lambda _: SANE)
     begin = turning()[0]
     order = (Order(2, 1, 0, -500, 900, 900),)
     # Tick 160 begins a ms: what is ordered before it counts in this ms, what comes after it in the next.
-    for side, at in ((twin, 160), (one, 161)):
+    for side, at in ((reference, 160), (one, 161)):
         side.runs(replace(begin, ticks=at))
         side.runs(Leg(order, 300 - at))
-    assert twin.bank.now == one.bank.now
-    assert difference(twin, one).startswith("axis2.")
+    assert reference.bank.now == one.bank.now
+    assert difference(reference, one).startswith("axis2.")
 
 
 def test_an_event_comes_at_its_exact_tick_and_names_its_axis(pair: Pair) -> None:
-    twin, one = pair(lambda _: SANE, noise=0.0)
-    for side in (twin, one):
+    reference, one = pair(lambda _: SANE, noise=0.0)
+    for side in (reference, one):
         side.runs(Leg((), 600))
         side.axes[3].call = 1
         # The call is received in the next ms, and reported when the tick that received it is over.
         assert side.bank.advance(side.bank.now + 95 * 100_000) == (60_100_000, ("axis3",))
-    assert not difference(twin, one)
+    assert not difference(reference, one)
 
 
 def test_an_empty_battery_is_an_event_in_both(pair: Pair) -> None:
-    twin, one = pair(lambda _: SANE)
-    for side in (twin, one):
+    reference, one = pair(lambda _: SANE)
+    for side in (reference, one):
         side.runs(Leg((), 1200))
         side.plant.breaks(at=1205, failing=4, replaced=3, replacement=8.0)
         assert side.bank.advance(10**9) == (121_100_000, tuple(f"axis{k}" for k in range(COUNT)))
         assert all(axis.flags & UNDER_VOLTAGE for axis in side.axes)
-    assert not difference(twin, one)
+    assert not difference(reference, one)
 
 
 BUILDS = [(compiler, level) for compiler in COMPILERS for level in ("-O0", "-O1", "-O2", "-O3")]

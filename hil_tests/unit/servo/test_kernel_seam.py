@@ -22,8 +22,8 @@ from hil_tests.unit.servo.side_by_side import (
     COMPILERS,
     KERNEL,
     PLANT,
+    REFERENCE,
     SANE,
-    TWIN,
     Leg,
     Motors,
     Side,
@@ -35,7 +35,7 @@ AXES = ("left", "right", "steer", "lift")
 
 @pytest.fixture(scope="module")
 def built(native: kernel.KernelLibrary) -> dict[str, kernel.KernelLibrary]:
-    return {"twin": TWIN, "native": native}
+    return {"reference": REFERENCE, "native": native}
 
 
 def test_the_header_is_in_step_with_the_tables() -> None:
@@ -90,10 +90,10 @@ def test_a_library_from_other_sources_is_not_used(tmp_path: Path) -> None:
 
 
 def test_the_environment_chooses(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(kernel.VARIABLE, "twin")
+    monkeypatch.setenv(kernel.VARIABLE, "reference")
     assert kernel.choose() == kernel.KernelLibrary(None, "the reference was requested")
     monkeypatch.setenv(kernel.VARIABLE, "fast")
-    with pytest.raises(ServoError, match="FIRMWARE_BRIDGE_SERVO=fast: give 'native', 'twin'"):
+    with pytest.raises(ServoError, match="FIRMWARE_BRIDGE_SERVO=fast: give 'native', 'reference'"):
         kernel.choose()
     monkeypatch.delenv(kernel.VARIABLE)
     assert kernel.choose() == kernel.find()
@@ -106,7 +106,9 @@ def test_a_kernel_that_is_requested_must_be_there(monkeypatch: pytest.MonkeyPatc
         kernel.choose("native")
 
 
-def test_a_plant_without_fmi_functions_is_stepped_by_the_twin(built: dict[str, kernel.KernelLibrary]) -> None:
+def test_a_plant_without_fmi_functions_is_stepped_by_the_reference(
+    built: dict[str, kernel.KernelLibrary],
+) -> None:
     bank = ServoBank(
         DcMotors((DcMotor(0.1, 1e-4, 0.04, 1e-4),)), [ServoAxis("one", 2000)], servo=built["native"]
     )
@@ -114,7 +116,7 @@ def test_a_plant_without_fmi_functions_is_stepped_by_the_twin(built: dict[str, k
     assert bank.why_not_native == "the plant has no FMI functions"
 
 
-@pytest.mark.parametrize("side", ["twin", "native"])
+@pytest.mark.parametrize("side", ["reference", "native"])
 @pytest.mark.parametrize("fmi", [2, 3])
 @pytest.mark.parametrize(
     ("failing", "stated"),
@@ -141,7 +143,7 @@ def test_a_plant_that_fails_states_where_and_when(
     assert one.bank.now == (56 if failing == 3 else 57) * 100_000
 
 
-@pytest.mark.parametrize("side", ["twin", "native"])
+@pytest.mark.parametrize("side", ["reference", "native"])
 @pytest.mark.parametrize("failing", [WANTS_TO_END, STOPPED_SHORT])
 def test_a_plant_that_ends_its_simulation_is_not_stepped_on(
     built: dict[str, kernel.KernelLibrary], plant_library: ctypes.CDLL, side: str, failing: int

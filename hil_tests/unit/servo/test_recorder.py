@@ -1,4 +1,4 @@
-"""Twin and kernel record the same numbers at the same ticks, whatever happens meanwhile."""
+"""Reference and kernel record the same numbers at the same ticks, whatever happens meanwhile."""
 
 import ctypes
 
@@ -11,7 +11,7 @@ from emulators.servo.record import FIELDS
 from emulators.servo.recorder import Recorder
 from hil_tests.lanes import examples
 from hil_tests.unit.servo.campaign import legs
-from hil_tests.unit.servo.side_by_side import COUNT, SANE, TWIN, Leg, Motors, Order, Side, difference
+from hil_tests.unit.servo.side_by_side import COUNT, REFERENCE, SANE, Leg, Motors, Order, Side, difference
 
 
 def recorded(side: Side) -> list[tuple[object, ...]]:
@@ -43,7 +43,7 @@ def test_both_record_the_same(
     share: float,
     triggers: int,
 ) -> None:
-    sides = [Side(Motors(plant_library, seed=seed), (SANE,) * COUNT, each) for each in (TWIN, native)]
+    sides = [Side(Motors(plant_library, seed=seed), (SANE,) * COUNT, each) for each in (REFERENCE, native)]
     for number, leg in enumerate(legs(np.random.default_rng(seed), 8)):
         for side in sides:
             if number == 2:

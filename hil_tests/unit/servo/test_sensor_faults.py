@@ -1,4 +1,4 @@
-"""Sensors with any fault, in any surroundings: twin and kernel notice the same, and time can be rewound."""
+"""Sensors with any fault, in any surroundings: reference and kernel notice the same; time can be rewound."""
 
 import ctypes
 
@@ -17,7 +17,7 @@ from emulators.servo.winding import set_winding
 from firmware_bridge.units import MILLISECOND
 from hil_tests.lanes import examples
 from hil_tests.unit.servo.campaign import legs
-from hil_tests.unit.servo.side_by_side import COUNT, SANE, TWIN, Leg, Motors, Side, difference
+from hil_tests.unit.servo.side_by_side import COUNT, REFERENCE, SANE, Leg, Motors, Side, difference
 
 WIRES = st.builds(
     SensorWires,
@@ -53,7 +53,7 @@ def test_whatever_is_wrong_both_notice_alike(
     limit: int,
     marks: list[bool],
 ) -> None:
-    sides = [Side(Motors(plant_library, seed=seed), (SANE,) * COUNT, each) for each in (TWIN, native)]
+    sides = [Side(Motors(plant_library, seed=seed), (SANE,) * COUNT, each) for each in (REFERENCE, native)]
     for side in sides:
         for axis, cables in zip(side.axes, wires, strict=True):
             axis.encoder_reversed, axis.encoder_supervised, axis.index_supervised = map(int, marks[:3])
@@ -85,7 +85,7 @@ def test_every_finding_is_met_by_some_campaign(
         | servo.OVER_TEMPERATURE
     )  # fmt: skip
     for seed in range(12):
-        sides = [Side(Motors(plant_library, seed=seed), (SANE,) * COUNT, f) for f in (TWIN, native)]
+        sides = [Side(Motors(plant_library, seed=seed), (SANE,) * COUNT, f) for f in (REFERENCE, native)]
         faults = [int(value) for value in draw.integers(0, 1 << 11, COUNT)]
         for side in sides:
             for axis, fault in zip(side.axes, faults, strict=True):
@@ -126,7 +126,7 @@ def test_faults_are_rewound_with_everything_else() -> None:
 def test_a_forced_supply_is_what_its_axis_sees_and_no_other(
     plant_library: ctypes.CDLL, native: kernel.KernelLibrary
 ) -> None:
-    sides = [Side(Motors(plant_library, seed=3), (SANE,) * COUNT, each) for each in (TWIN, native)]
+    sides = [Side(Motors(plant_library, seed=3), (SANE,) * COUNT, each) for each in (REFERENCE, native)]
     for side in sides:
         side.bank.advance(2 * MILLISECOND)
         plants = side.axes[1].supply_mv

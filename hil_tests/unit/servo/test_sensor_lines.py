@@ -1,4 +1,4 @@
-"""A plant's second encoder and analog voltages reach the axes, in kernel and twin alike."""
+"""A plant's second encoder and analog voltages reach the axes, in kernel and reference alike."""
 
 import ctypes
 
@@ -14,8 +14,8 @@ from firmware_bridge.units import MILLISECOND
 from hil_tests.unit.servo.planned_orders import obey_planned
 from hil_tests.unit.servo.side_by_side import (
     COUNT,
+    REFERENCE,
     SANE,
-    TWIN,
     Leg,
     Motors,
     Order,
@@ -74,7 +74,7 @@ def sides(library: ctypes.CDLL) -> tuple[Side, Side]:
         PinWire(3, ANALOGUE_1, COUNT + 1),
     )
     made = []
-    for found in (TWIN, kernel.find()):
+    for found in (REFERENCE, kernel.find()):
         side = Side(Motors(library), (SANE,) * COUNT, found)
         side.bank = ServoBank(side.plant, side.axes, supply=3 * COUNT, input_lines=lines, servo=found)
         made.append(side)
@@ -82,24 +82,24 @@ def sides(library: ctypes.CDLL) -> tuple[Side, Side]:
     return made[0], made[1]
 
 
-def test_kernel_and_twin_sample_the_same_bits(plant_library: ctypes.CDLL) -> None:
-    twin, one = sides(plant_library)
+def test_kernel_and_reference_sample_the_same_bits(plant_library: ctypes.CDLL) -> None:
+    reference, one = sides(plant_library)
     power = Leg(tuple(Order(axis, 0, 0, 0, 1000, 1000) for axis in range(COUNT)), 30)
     turns = Leg((Order(1, 1, 0, 600, 3000, 3000),), 4000)
     for leg in (power, turns, turns):
-        for side in (twin, one):
+        for side in (reference, one):
             if leg is turns:
                 obey_planned(side.axes[0], 13, 1_000_000, 3000, (999, 7))
                 obey_planned(side.axes[2], 14, 4, 25, (9, 1))
-        assert twin.lives(leg) == one.lives(leg)
-        assert not difference(twin, one)
+        assert reference.lives(leg) == one.lives(leg)
+        assert not difference(reference, one)
     assert one.axes[0].master > 5
     assert one.axes[0].position_demand > 0
     assert one.axes[2].analogue_2_mv > 1000
     assert one.axes[3].analogue_1_mv > 1000
 
 
-def test_the_kernel_refuses_what_the_twin_refuses(plant_library: ctypes.CDLL) -> None:
+def test_the_kernel_refuses_what_the_reference_refuses(plant_library: ctypes.CDLL) -> None:
     stated = []
     for side in sides(plant_library):
         side.plant.breaks(at=20, failing=4, replaced=1, replacement=1e30)
@@ -113,4 +113,4 @@ def test_the_kernel_refuses_what_the_twin_refuses(plant_library: ctypes.CDLL) ->
 
 
 def one_of(native: bool) -> kernel.KernelLibrary:  # noqa: FBT001 - which of the two
-    return kernel.find() if native else TWIN
+    return kernel.find() if native else REFERENCE

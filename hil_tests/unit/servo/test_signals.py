@@ -166,7 +166,7 @@ def single_axis(found: kernel.KernelLibrary) -> tuple[FmuPlant, ServoAxis, Servo
 
 @pytest.mark.parametrize("native", [False, True])
 def test_the_fmus_switches_reach_the_pins_where_its_load_stands(*, native: bool) -> None:
-    found = kernel.find() if native else kernel.KernelLibrary(None, "the twin")
+    found = kernel.find() if native else kernel.KernelLibrary(None, "the reference")
     plant, axis, bank = single_axis(found)
     with plant:
         assert bank.native == native

@@ -1,4 +1,4 @@
-"""A shield's motors in C beside the readable twin: the same bits, and the same words of one that fails."""
+"""A shield's motors in C beside the reference: the same bits, and the same words of one that fails."""
 
 import ctypes
 from typing import Any
@@ -62,7 +62,7 @@ class Bench:
 def both(plant_library: ctypes.CDLL, native: kernel.KernelLibrary, monkeypatch: pytest.MonkeyPatch) -> Any:
     def make(counts_per_turn: int = 48, supply: int | None = SUPPLY, fmi: int = 3) -> tuple[Bench, Bench]:
         made = []
-        for found in (native, side_by_side.TWIN):
+        for found in (native, side_by_side.REFERENCE):
             monkeypatch.setattr(terminals, "choose", lambda found=found: found)
             made.append(Bench(side_by_side.Motors(plant_library, fmi), counts_per_turn, supply))
         one, other = made
@@ -129,7 +129,7 @@ def test_a_plant_that_fails_is_named_alike_at_the_same_tick(
 def test_the_library_serves_where_it_can(both: Any) -> None:
     steps = []
     for it in both():
-        it.plant.step = lambda: steps.append(1)  # what only the twin calls
+        it.plant.step = lambda: steps.append(1)  # what only the reference calls
         it.run(MILLISECOND)
         steps.append(0)
     assert steps == [0, *[1] * 10, 0]

@@ -1,7 +1,7 @@
 """The sketch as it is flashed, run by simavr, against the emulator: the same bytes on serial and on I2C.
 
-They are run by `pytest -m avr`, a step of its own in `.ci/run`, and fail there where gcc-avr, the core
-or libsimavr is missing; no other run of the tests has them. `make twins` runs as many lines as it is given.
+They are run by `pytest -m avr`, a step of `make nightly`, and fail there where gcc-avr, the core or libsimavr
+is missing; no other run of the tests has them. `make compare-sketch` runs as many lines as it is given.
 """
 
 from collections.abc import Iterator
@@ -12,8 +12,7 @@ import pytest
 from emulators.arduino_omni.mega import motor_library as library
 from emulators.arduino_omni.mega.jobs import OnBus
 from emulators.arduino_omni.shield.motor_shield import PORTS
-from hil_tests.interop.simavr.lines import happening
-from hil_tests.interop.simavr.twin import (
+from hil_tests.interop.simavr.comparison import (
     AUTO_STOP,
     Binary,
     Bytes,
@@ -26,6 +25,7 @@ from hil_tests.interop.simavr.twin import (
     built,
     differences,
 )
+from hil_tests.interop.simavr.lines import happening
 
 pytestmark = pytest.mark.avr
 LINES = 2_000
@@ -33,7 +33,7 @@ LINES = 2_000
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    return built(tmp_path_factory.mktemp("twin"))
+    return built(tmp_path_factory.mktemp("sketch"))
 
 
 def on_bus(*writes: bytes) -> str:
