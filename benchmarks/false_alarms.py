@@ -53,11 +53,11 @@ def alarms(robot: AnyRobot, mission: str, seed: int) -> tuple[float, list[str]]:
     operator = ScriptedOperator(robot, bench_setup, script, np.random.default_rng(seed))
     rig = Rig(robot, bench_setup, operator, seed=seed, noise=script.noise, faults=script.fault)
     rig.run(from_seconds(script.duration_s))
-    held = [
+    events = [
         f"{event.name}: {event.reason}" for event in rig.interlock_events if event.name.startswith(ALARMS)
     ]
     rig.finish()
-    return script.duration_s, held
+    return script.duration_s, events
 
 
 def main() -> int:
@@ -73,10 +73,10 @@ def main() -> int:
         if floor is not None:
             plant = robot.plant.model_copy(update={"parameters": {"floor_friction": floor}})
             robot = robot.model_copy(update={"plant": plant})
-        seconds, held = alarms(robot, mission, seed)
+        seconds, events = alarms(robot, mission, seed)
         driven += seconds
-        found += len(held)
-        for text in held:
+        found += len(events)
+        for text in events:
             print(f"{name}, {mission}, seed {seed}, floor {floor or 'its own'}: {text}")
     print(f"{driven / 60.0:.0f} minutes of missions: {found} false alarms")
     return int(found > 0)

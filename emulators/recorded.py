@@ -18,10 +18,10 @@ FILES: Final = (FRAMES, CHUNKS, SIGHTS, WORDS)
 
 Files: TypeAlias = Mapping[str, IO[bytes]]
 """Output files, by their names."""
-Way: TypeAlias = tuple[FaultyCanWire | SerialWire | DatagramWire, Observer]
+RecordedWire: TypeAlias = tuple[FaultyCanWire | SerialWire | DatagramWire, Observer]
 
 
-def ways(rig: Rig, files: Files) -> Iterator[Way]:
+def recorded_wires(rig: Rig, files: Files) -> Iterator[RecordedWire]:
     """Give each wire and what writes down its packets: buses, serial lines, cameras, the operator's link."""
 
     def note_datagram(now: Nanoseconds, _sender: str, packet: Packet) -> None:
@@ -42,7 +42,7 @@ def recorded(rig: Rig, folder: Path) -> Iterator[None]:
     names = [name for name in FILES if name != SIGHTS or rig.capture_wires]
     with ExitStack() as opened:
         files = {name: opened.enter_context((folder / name).open("wb")) for name in names}
-        for wire, observer in ways(rig, files):
+        for wire, observer in recorded_wires(rig, files):
             wire.observe(observer)
         yield
 

@@ -21,7 +21,7 @@ from emulators.rewind import Checkpoint, Rewind
 from emulators.wires import DatagramWire, FaultyCanWire
 from emulators.world import Wire, World
 from firmware_bridge.bridge import Bridge
-from firmware_bridge.intent import ConfirmZero
+from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.node import CAN, OPERATOR, SERIAL, Node
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
@@ -34,7 +34,7 @@ from firmware_bridge.wire.maxon.frame import Generation
 
 LINK_STREAM: Final = 1
 """Stream of random numbers for the operator's link, beside the run's seed."""
-WAYS_STREAM: Final = 2
+DIRECTIONS_STREAM: Final = 2
 """First stream of the slow link's directions."""
 QUIET: Final = Noise()
 GOOD: Final = Conditions()
@@ -59,7 +59,7 @@ def _is_gateway(robot: AnyRobot, name: str) -> bool:
 class Rig:
     """A robot on the bench: `run` moves time on; the results are in `samples` and `holds`.
 
-    The operator's link delays, jitters and loses by `noise` and `link`, with the run's seed. `stands`: the
+    The operator's link delays, jitters and loses by `noise` and `link`, with the run's seed. `confirmed`: the
     axis positions that the bridge receives at its start.
     """
 
@@ -75,7 +75,7 @@ class Rig:
         link: Conditions = GOOD,
         realistic_latency: bool = False,
         faults: Sequence[Fault] = (),
-        stands: tuple[ConfirmZero, ...] = (),
+        confirmed: tuple[ConfirmPosition, ...] = (),
     ) -> None:
         self.robot: Final = robot
         columns = columns_of(electric(robot), bench_setup.columns)
@@ -89,7 +89,7 @@ class Rig:
             serial=_served(robot),
         )
         self._reads: Final = _reads(columns, self.devices.plant.output_names)
-        self._start_bridge(stands)
+        self._start_bridge(confirmed)
         single = len(robot.epos2_links) == 1
         self.can_wires: Final = {
             name: FaultyCanWire(link.bit_rate, CAN if single else name)
@@ -184,8 +184,8 @@ class Rig:
         alone = {name: DatagramWire(name=f"second {name}") for name in (*self.capture_wires, OPERATOR)}
         self.world.attach(SECOND_BRIDGE, second, {**self.can_wires, **alone})
 
-    def _start_bridge(self, stands: tuple[ConfirmZero, ...] = ()) -> None:
-        self.bridge = Bridge(self.robot, robot_type_of(self.robot), stands=stands)
+    def _start_bridge(self, confirmed: tuple[ConfirmPosition, ...] = ()) -> None:
+        self.bridge = Bridge(self.robot, robot_type_of(self.robot), confirmed=confirmed)
         self.guard = guarded(self.bridge, self.robot)
 
     def _lines(self) -> Node:
@@ -246,7 +246,7 @@ class Rig:
 
 def _far(operator: Node, link: Conditions, seed: int) -> Node:
     """Return the operator behind a slow link."""
-    up, down = (np.random.default_rng([seed, WAYS_STREAM, way]) for way in range(2))
+    up, down = (np.random.default_rng([seed, DIRECTIONS_STREAM, direction]) for direction in range(2))
     return before_operator(operator, OPERATOR, link, up, down)
 
 

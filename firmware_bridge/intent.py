@@ -96,7 +96,7 @@ class ResetOdometry:
 
 
 @dataclass(frozen=True, slots=True)
-class ConfirmZero:
+class ConfirmPosition:
     """Say where an axis stands, in the unit in which it is read off the robot, disarmed and at rest."""
 
     axis: str
@@ -131,7 +131,7 @@ Request: TypeAlias = (
     | Pause
     | Resume
     | ResetOdometry
-    | ConfirmZero
+    | ConfirmPosition
     | EnterMode
     | Follow
     | ChangeDriver

@@ -15,6 +15,7 @@ ROBOT_KEYS: Final[Mapping[tuple[str, str], str]] = {
     ("axes", "belief"): "plausibility",
     ("axes", "stands_with"): "standstill_group",
     ("geometry", "limp"): "degraded",
+    ("operator", "gone_ms"): "lost_ms",
 }
 """Old keys of a robot file, by their table, and what they are called now."""
 
@@ -55,6 +56,13 @@ FAULT_VALUES: Final[Mapping[tuple[str, str, str], str]] = {("bridge_ends", "how"
 
 CHOICES: Final[Mapping[str, str]] = {"tells-cured": "reports-reset"}
 """Old names of `emulate epos2 --choice`."""
+
+KINEMATICS_METHODS: Final[Mapping[str, str]] = {
+    "asked": "requested",
+    "demands": "set_points",
+    "rested": "at_standstill",
+}
+"""Old methods of a robot's kinematic model."""
 
 SERVO: Final[Mapping[str, str]] = {"twin": "reference"}
 """Old values of the environment variable that chooses the servo's implementation."""
@@ -220,3 +228,10 @@ def makes(made_by: Callable[..., T], old: str, new: str) -> Callable[..., T]:
         return adapted  # type: ignore[no-any-return] # it has all that the other has
 
     return make
+
+
+def kinematics(made_by: Callable[..., T]) -> Callable[..., T]:
+    """Return what makes the same kinematic model, with today's methods."""
+    for old, new in KINEMATICS_METHODS.items():
+        made_by = makes(made_by, old, new)
+    return made_by

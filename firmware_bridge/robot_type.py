@@ -40,23 +40,24 @@ class PathFollower(Protocol[M, S_contra]):
         """Forget what has been added up: the robot was held back."""
 
 
+@renamed.arguments(body="kinematics")
 @dataclass(frozen=True, kw_only=True)
 class RobotMode(Generic[G, M, S]):
-    """Operation after an actuator failure: without its axis, by another body and other interlocks."""
+    """Operation after an actuator failure: without its axis, by another kinematic model, other interlocks."""
 
     without: frozenset[str]
     """The axes, by their roles, that are not used in it: without power, or held."""
-    body: Callable[[Robot[G]], KinematicModel[M, S]]
+    kinematics: Callable[[Robot[G]], KinematicModel[M, S]]
     interlocks: tuple[Interlock[G, M, S], ...]
     limits: tuple[Limit[G, M, S], ...]
 
     def __post_init__(self) -> None:
         # The class is frozen, so that this is the way to change a field while it is made.
-        made = renamed.makes(renamed.makes(self.body, "asked", "requested"), "demands", "set_points")
-        object.__setattr__(self, "body", made)
+        made = renamed.kinematics(self.kinematics)
+        object.__setattr__(self, "kinematics", made)
 
 
-@renamed.arguments(guides="path_followers")
+@renamed.arguments(guides="path_followers", body="kinematics", rest="standstill")
 @dataclass(frozen=True, kw_only=True)
 class RobotType(Generic[G, M, S]):
     """One robot type, whole."""
@@ -67,11 +68,11 @@ class RobotType(Generic[G, M, S]):
     more: Mapping[str, Path] = field(default_factory=dict)
     """Files with further tables, by what they add: KIND+MORE is the robot of `file` with those of one."""
     geometry: type[G]
-    rest: M
+    standstill: M
     """A motion in which everything rests."""
     numbers: Mapping[str, Callable[[M], float | None]]
     """The values of a motion that must be finite numbers, by their titles for people."""
-    body: Callable[[Robot[G]], KinematicModel[M, S]]
+    kinematics: Callable[[Robot[G]], KinematicModel[M, S]]
     groups: Mapping[Group, frozenset[str]]
     """The axes, by their roles, that stop together; every axis is in one group."""
     travelling: frozenset[Group]
@@ -104,17 +105,19 @@ class RobotType(Generic[G, M, S]):
     def __post_init__(self) -> None:
         followers = {name: renamed.makes(it, "wished", "command") for name, it in self.path_followers.items()}
         object.__setattr__(self, "path_followers", followers)
-        made = renamed.makes(renamed.makes(self.body, "asked", "requested"), "demands", "set_points")
-        object.__setattr__(self, "body", made)
+        made = renamed.kinematics(self.kinematics)
+        object.__setattr__(self, "kinematics", made)
 
     def rules(self, robot: Robot[G]) -> dict[str, Rules]:
         """Return what the gate judges by in each mode; the whole robot's is the empty name's."""
-        whole = RobotMode(without=frozenset(), body=self.body, interlocks=self.interlocks, limits=self.limits)
+        whole = RobotMode(
+            without=frozenset(), kinematics=self.kinematics, interlocks=self.interlocks, limits=self.limits
+        )
         return {name: self._rules(robot, mode) for name, mode in {"": whole, **self.modes}.items()}
 
     def _rules(self, robot: Robot[G], mode: RobotMode[G, M, S]) -> Rules:
         return Rules(
-            body=mode.body(robot),
+            kinematics=mode.kinematics(robot),
             without=frozenset(robot.axis(role).name for role in mode.without),
             groups=frozenset(self.groups),
             travelling=self.travelling,
@@ -138,7 +141,7 @@ class RobotType(Generic[G, M, S]):
 
     def _travellers(self, robot: Robot[G]) -> Iterator[Axis]:
         """Yield the axes that take the robot from its place: what only steers may go on."""
-        rolling = self.body(robot).rolling
+        rolling = self.kinematics(robot).rolling
         roles = frozenset[str]().union(*(self.groups[group] for group in self.travelling))
         for axis in robot.axes:
             # An axis that is commanded by position, as a steering, may go on while the base is at standstill.

@@ -264,7 +264,9 @@ def loose_sums(robot: AnyRobot, kind: AnyRobotType) -> Iterator[Problem]:
     or of turning itself; a sum of something else is taken as it is where its bound is hardly above it.
     """
     for index, total in enumerate(robot.guard.sums):
-        most = max([_summed(kind.body(robot), total.of, *pair) for pair in kind.reach(robot)], default=0.0)
+        most = max(
+            [_summed(kind.kinematics(robot), total.of, *pair) for pair in kind.reach(robot)], default=0.0
+        )
         limit = _limit_of(robot, kind, total.of, most)
         if most <= 0.0 or limit is None:
             continue
@@ -286,7 +288,7 @@ def loose_sums(robot: AnyRobot, kind: AnyRobotType) -> Iterator[Problem]:
 
 def _limit_of(robot: AnyRobot, kind: AnyRobotType, of: Mapping[str, float], most: float) -> float | None:
     """Return which of the robot's limits a sum is of: that at which it is largest, else the nearest."""
-    largest, body = kind.station.largest(robot), kind.body(robot)
+    largest, body = kind.station.largest(robot), kind.kinematics(robot)
     pure = {
         Velocity(largest.forward_mps, 0.0, 0.0): largest.forward_mps,
         Velocity(0.0, largest.left_mps, 0.0): largest.left_mps,
@@ -294,7 +296,7 @@ def _limit_of(robot: AnyRobot, kind: AnyRobotType, of: Mapping[str, float], most
     }
     states = [state for _, state in kind.reach(robot)]
     for velocity, limit in pure.items():
-        motion = kind.station.target(velocity, kind.rest, robot)
+        motion = kind.station.target(velocity, kind.standstill, robot)
         if limit == 0.0 or isinstance(motion, Unusable):
             continue
         # Whatever the state: a base that is steered turns as it drives.
@@ -317,7 +319,7 @@ def _summed(body: KinematicModel[Any, Any], of: Mapping[str, float], motion: obj
 
 def _most_requested(robot: AnyRobot, kind: AnyRobotType) -> dict[tuple[str, str], float]:
     """Return the largest command of each axis: speed, and position to either side; NaN stays NaN."""
-    body = kind.body(robot)
+    body = kind.kinematics(robot)
     most: dict[tuple[str, str], float] = {}
     for motion, state in kind.reach(robot):
         for name, set_point in body.set_points(motion, state).items():

@@ -377,8 +377,8 @@ class Motors(Shafts):
         # A dead encoder keeps its last levels.
         shown = [old if it in dead else places[it] for it, old in enumerate(self._shown)] if dead else None
         self._shown = self._places if shown is None else shown
-        ways = [0 if it in dead else -1 if it in swapped else 1 for it in range(len(turned))]
-        return [way * turn for way, turn in zip(ways, turned, strict=True)]
+        directions = [0 if it in dead else -1 if it in swapped else 1 for it in range(len(turned))]
+        return [direction * turn for direction, turn in zip(directions, turned, strict=True)]
 
     def _counts(self) -> list[int]:
         count, found = len(self._load.names), []

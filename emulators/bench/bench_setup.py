@@ -60,6 +60,7 @@ class TwistAxes:
     yaw_rate: float = 0.0
 
 
+@renamed.arguments(stands="start_positions")
 @dataclass(frozen=True, slots=True)
 class BenchSetup:
     """One robot on the bench."""
@@ -78,7 +79,7 @@ class BenchSetup:
     """Remarks beside the summary's numbers, by their keys: the robot's limits."""
     cases: Callable[[AnyRobot], Iterable[Case[Any, Any]]]
     """Boundary cases, one at least for each of its kind's interlocks and limits."""
-    stands: Mapping[str, float] = field(default_factory=dict)
+    start_positions: Mapping[str, float] = field(default_factory=dict)
     """Initial positions of the plant, by the axes' roles and as read off the robot; 0 where none is given."""
     well: Mapping[str, float] = field(default_factory=dict)
     """Sensor values, by their names, of a robot that is well, where it does not move without."""

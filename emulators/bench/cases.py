@@ -1,6 +1,6 @@
-"""Boundary cases of a robot's own rows: what just trips each one, and the nearest that it lets pass.
+"""Boundary cases of a robot's own interlocks: what just trips each one, and the nearest that it lets pass.
 
-A robot's package declares them; the tests that every robot gets look whether each row has some, and holds.
+A robot's package declares them; the inherited tests check that each interlock has some, and acts.
 They have no slots: a frozen generic class with slots cannot be called by a subscripted name (CPython 90562).
 """
 
@@ -30,11 +30,12 @@ class Situation(Generic[M, S]):
     """Quality of its localization by cameras; None: there are none."""
 
 
+@renamed.arguments(row="interlock")
 @dataclass(frozen=True)
 class Case(Generic[M, S]):
-    """One way to trip one row, and the nearest way that does not."""
+    """One way to trip one interlock or limit, and the nearest way that does not."""
 
-    row: str
+    interlock: str
     """The interlock's or the limit's name."""
     _: KW_ONLY
     trips: Situation[M, S]
@@ -42,4 +43,4 @@ class Case(Generic[M, S]):
     reason: str
     """The reported reason, with its numbers."""
     robot: AnyRobot | None = None
-    """One with other numbers, where those of the robot file never trip the row; None for the file's."""
+    """One with other numbers, where those of the robot file never trip it; None for the file's."""

@@ -12,7 +12,7 @@ from emulators.bench.bench_setup import Channel, StickAxes, TwistAxes
 from emulators.bench.cases import Case, Situation
 from emulators.bench.columns import Column, Curve, Panel
 from emulators.bench.step import Finite, Holds, Positive, Slope, Step
-from firmware_bridge.differential.body import G, M, S, ramp_of
+from firmware_bridge.differential.kinematics import G, M, S, ramp_of
 from firmware_bridge.robot import AnyRobot, Robot
 from firmware_bridge.safety.snapshot import Snapshot
 

@@ -204,7 +204,7 @@ def _beside_a_pilot(index: int, step: Step, pilot: Pilot | None) -> Iterator[Pro
 
 def _unconfirmed(index: int, step: Step, robot: AnyRobot) -> Iterator[Problem]:
     """Yield the roles whose position the operator does not confirm on this robot."""
-    known = [axis.role for axis in robot.axes if axis.zero_confirmed]
+    known = [axis.role for axis in robot.axes if axis.needs_confirmation]
     for role in step.zero or ():
         if role not in known:
             problem = f"{robot.name} has no such axis to confirm; {near(role, known)}"

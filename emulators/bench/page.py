@@ -10,7 +10,7 @@ from emulators.bench.summary import Faulted, InterlockEntry, Summary
 from emulators.bench.web import document, picture, table
 
 MEASURED: Final = ("measured", "value", "unit", "remark")
-HELD: Final = ("from", "to", "interlock", "reason", "what to do")
+ACTIVE: Final = ("from", "to", "interlock", "reason", "what to do")
 FAULTS: Final = ("from", "to", "fault", "where", "title")
 SPAN: Final = (0, 1)
 """The places of both times, which stand to the right."""
@@ -25,7 +25,7 @@ def page(summary: Summary, remarks: Mapping[str, str], pictures: Sequence[Path],
     title = f"{summary.robot}, {summary.mission}, seed {summary.seed}"
     parts = (
         *beginning(title, again, numbers(summary, remarks)),
-        *held(summary.interlock_events),
+        *active(summary.interlock_events),
         "<h2>Faults that were put on</h2>",
         table(FAULTS, map(_faulted, summary.faults), SPAN) if summary.faults else "<p>none</p>",
         *shown(pictures),
@@ -39,10 +39,10 @@ def beginning(title: str, again: str, rows: Iterable[Sequence[str]]) -> Iterator
     yield table(MEASURED, rows, (1,))
 
 
-def held(events: Sequence[InterlockEntry]) -> Iterator[str]:
+def active(events: Sequence[InterlockEntry]) -> Iterator[str]:
     """Yield the interlocks that held."""
     yield "<h2>Interlocks that held</h2>"
-    yield table(HELD, map(_held, events), SPAN) if events else "<p>none</p>"
+    yield table(ACTIVE, map(_active, events), SPAN) if events else "<p>none</p>"
 
 
 def shown(pictures: Iterable[Path]) -> Iterator[str]:
@@ -51,7 +51,7 @@ def shown(pictures: Iterable[Path]) -> Iterator[str]:
         yield f"<figure>{picture(path.read_bytes(), 'png', path.stem)}</figure>"
 
 
-def _held(event: InterlockEntry) -> tuple[str, ...]:
+def _active(event: InterlockEntry) -> tuple[str, ...]:
     return (*span(event), event.name, event.reason, event.remedy)
 
 

@@ -25,7 +25,7 @@ def show(console: Console, summary: Summary, remarks: Mapping[str, str]) -> None
     console.print(measured)
     if summary.faults:
         console.print(_faulted(summary.faults))
-    console.print(_held(summary.interlock_events) if summary.interlock_events else "no interlock held\n")
+    console.print(_active(summary.interlock_events) if summary.interlock_events else "no interlock held\n")
 
 
 def numbers(summary: Summary, remarks: Mapping[str, str]) -> Iterator[tuple[str, str, str, str]]:
@@ -95,7 +95,7 @@ def _faulted(faults: tuple[Faulted, ...]) -> Table:
     return table
 
 
-def _held(events: tuple[InterlockEntry, ...]) -> Table:
+def _active(events: tuple[InterlockEntry, ...]) -> Table:
     table = _over_time("interlocks that held", "interlock", "reason")
     for event in events:
         table.add_row(*span(event), event.name, event.reason)

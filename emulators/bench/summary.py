@@ -182,14 +182,14 @@ def summarize(
         trace_sha256=run.trace_sha256,
         links_sha256=run.links_sha256,
         guard_refusals=run.guard_refusals,
-        interlock_events=tuple(map(held, holds)),
+        interlock_events=tuple(map(entry_of, holds)),
         faults=tuple(Faulted(fault.kind, fault.title, fault.nodes, *_span(fault)) for fault in faults),
         lines=run.lines,
         figures={name: figure(samples) for name, figure in figures.items()},
     )
 
 
-def held(hold: InterlockEvent) -> InterlockEntry:
+def entry_of(hold: InterlockEvent) -> InterlockEntry:
     """Return a hold as it stands in a summary."""
     return InterlockEntry(hold.name, hold.reason, *_span(hold), hold.remedy)
 

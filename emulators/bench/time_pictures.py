@@ -103,7 +103,7 @@ def interlocks_picture(figure: Figure, samples: Samples, events: Sequence[Interl
     end = to_seconds(samples[-1].at)
     for row, name in enumerate(names):
         rows = [event for event in events if event.name == name]
-        bars = [(to_seconds(event.began), _seconds_held(event, end)) for event in rows]
+        bars = [(to_seconds(event.began), _seconds_active(event, end)) for event in rows]
         shortest = end / 400.0  # so that a hold of one cycle is seen at all
         axes.broken_barh(
             [(began, max(length, shortest)) for began, length in bars],
@@ -156,7 +156,7 @@ def _limit(axes: Axes, limit: float, unit: str, panel: Panel, samples: Samples) 
         axes.axhline(-limit, color=VERMILION, linewidth=1.0, linestyle=":")
 
 
-def _seconds_held(event: InterlockEvent, end: float) -> float:
+def _seconds_active(event: InterlockEvent, end: float) -> float:
     return (end if event.ended is None else to_seconds(event.ended)) - to_seconds(event.began)
 
 
@@ -166,7 +166,7 @@ def _shade(axes: Axes, events: Sequence[InterlockEvent], samples: Samples) -> No
     shaded: list[tuple[float, float]] = []
     for event in sorted(events, key=lambda event: event.began):
         began = to_seconds(event.began)
-        ended = began + _seconds_held(event, end)
+        ended = began + _seconds_active(event, end)
         if shaded and began <= shaded[-1][1]:
             began = shaded[-1][0]
             ended = max(ended, shaded.pop()[1])

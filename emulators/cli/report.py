@@ -82,9 +82,9 @@ def run(given: ReportOptions) -> None:
     if not installed("plots"):
         say(f"no pictures this time: {remedy_of('plots')}", err=True)
     with one_message(RobotFileError, RecordingFileError, LookupError), written_by("--out"):
-        machine, stands, mode = _as_run(given)
+        machine, confirmed, mode = _as_run(given)
         bench_setup = bench_setup_of(machine)
-        order = ReplayOrder(machine, folder, into=Into.BRIDGE, stands=stands, mode=mode)
+        order = ReplayOrder(machine, folder, into=Into.BRIDGE, confirmed=confirmed, mode=mode)
         out.mkdir(parents=True, exist_ok=True)
         with progress_bar() as bar:
             task = bar.add_task(folder.name, total=None)

@@ -18,11 +18,11 @@ from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds, from_seconds
 
 LASTS_S: Final = 2.0
 """Duration of a failure that has an end."""
-LETS_GO_S: Final = 1.0
+NEUTRAL_AFTER_S: Final = 1.0
 """Time for which the operator goes on as before; then the stick goes to neutral, while the failure lasts."""
 WATCHED_S: Final = 3.5
 """Time of observation: the end of the failure, and the robot's motion then."""
-STANDS_WITHIN_S: Final = 12.0
+STANDSTILL_WITHIN_S: Final = 12.0
 """... and so long where it still moves then: a robot that moves after it counts as never stopping."""
 ASIDE: Final[Mapping[str, float]] = {"m": 0.02, "rad": 0.05}
 """Limits of a deviation from the run without the failure. Assumed; the first is what docs/safety.md allows a
@@ -31,7 +31,7 @@ SHARE: Final = 0.05
 """... and this share of the distance without the failure: tolerance of a robot without a fault. Assumed."""
 STILL: Final[Mapping[str, float]] = {"m": 0.001, "rad": 0.003}
 """Limits of motion below which a robot is at standstill."""
-RESTS_S: Final = 0.3
+STANDSTILL_S: Final = 0.3
 """... for at least so long before the end."""
 
 
@@ -81,7 +81,7 @@ class Effect:
     noticed_by: str
     """The first active interlock, or the first text."""
     after_ms: float | None
-    stands_after_ms: float | None
+    standstill_after_ms: float | None
     """Time of the final standstill, counted from the failure; None where it still moves at the end."""
     goes_m: float
     """The largest distance of any quantity in m from its place at the failure."""
@@ -93,14 +93,14 @@ class Effect:
 def watched(rig: VirtualRig, lasts_s: float | None = None) -> Course:
     """Run on, and return what is seen; the stick goes to neutral on the way."""
     began, first = rig.bench.world.now, len(rig.bench.samples)
-    rig.runs(LETS_GO_S)
-    rig.operator.lets_go()
-    rig.runs(WATCHED_S - LETS_GO_S)
+    rig.runs(NEUTRAL_AFTER_S)
+    rig.operator.returns_to_neutral()
+    rig.runs(WATCHED_S - NEUTRAL_AFTER_S)
     units = {column.name: column.unit for column in rig.bench_setup.columns if column.plant}
-    while (places := _places(rig, units, first)) and _stands(places, units) is None:
-        if rig.bench.world.now - began >= from_seconds(STANDS_WITHIN_S):
+    while (places := _places(rig, units, first)) and _standstill_after(places, units) is None:
+        if rig.bench.world.now - began >= from_seconds(STANDSTILL_WITHIN_S):
             break
-        rig.runs(RESTS_S)
+        rig.runs(STANDSTILL_S)
     reported = (entry for entry in rig.operator.diary if entry.at >= began and entry.kind is Subject.REPORTED)
     events = tuple(event for event in rig.interlock_history if event.began >= began)
     ends = NEVER if lasts_s is None else began + from_seconds(lasts_s)
@@ -139,26 +139,26 @@ def effect(well: Course, ill: Course) -> Effect:
         due_ms = float(other[0]) * EACH_MS + LATE_MS
         if moved_ms > due_ms and (noticed_ms is None or noticed_ms > due_ms):
             verdict = Assessment.NOT_NOTICED if noticed_ms is None else Assessment.LATE
-    stands = _stands(ill.places, ill.units)
+    standstill = _standstill_after(ill.places, ill.units)
     # A robot that never stops is worse than any report makes up for.
-    if stands is None and _stands(well.places, well.units) is not None:
+    if standstill is None and _standstill_after(well.places, well.units) is not None:
         verdict = Assessment.NOT_NOTICED
     return Effect(
         verdict,
         by,
         after_ms,
-        stands_after_ms=stands,
+        standstill_after_ms=standstill,
         goes_m=_furthest(ill, "m"),
         turns_rad=_furthest(ill, "rad"),
         aside=float(np.max(shares)),
     )
 
 
-def _stands(places: Mapping[str, Floats], units: Mapping[str, str]) -> float | None:
+def _standstill_after(places: Mapping[str, Floats], units: Mapping[str, str]) -> float | None:
     """Return after how many ms it stood for good; None where it still moves at the end."""
     moved_ms = _moved_until(places, units) * EACH_MS
     length = len(next(iter(places.values()))) * EACH_MS
-    return moved_ms if moved_ms < length - 1_000.0 * RESTS_S else None
+    return moved_ms if moved_ms < length - 1_000.0 * STANDSTILL_S else None
 
 
 def _share(ill: Course, well: Course, name: str) -> Floats:

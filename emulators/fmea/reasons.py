@@ -32,7 +32,7 @@ class Reason:
             return False
         if self.watched:
             alone = not any(link.unwatched for link in robot.links.values())
-            return alone and found.stands_after_ms is not None
+            return alone and found.standstill_after_ms is not None
         axes = [axis for axis in robot.axes if axis.name == failure.place]
         return not self.unmeasured or any(Reports.VELOCITY not in reports_of(robot, axis) for axis in axes)
 

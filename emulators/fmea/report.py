@@ -11,7 +11,7 @@ from emulators.fmea.effect import Assessment
 from emulators.fmea.matrix import Cell
 
 COLUMNS: Final = (
-    *("state", "failure", "place", "verdict", "noticed_by", "after_ms", "stands_after_ms", "goes_mm"),
+    *("state", "failure", "place", "verdict", "noticed_by", "after_ms", "standstill_after_ms", "goes_mm"),
     *("turns_deg", "aside", "why"),
 )
 DEGREES: Final = 57.29577951308232
@@ -41,7 +41,7 @@ def as_csv(cells: Sequence[Cell]) -> str:
         rows.writerow(
             (
                 *(cell.state, cell.failure.title, cell.failure.place, found.verdict, found.noticed_by),
-                *(_rounded(found.after_ms), _rounded(found.stands_after_ms)),
+                *(_rounded(found.after_ms), _rounded(found.standstill_after_ms)),
                 *(_rounded(1e3 * found.goes_m), _rounded(DEGREES * found.turns_rad), f"{found.aside:.2f}"),
                 cell.why if cell.late else "",
             )
@@ -91,8 +91,10 @@ def _cell(cell: Cell) -> str:
     kind = "wrong" if cell.wrong else "why" if cell.late else found.verdict.value
     who = found.noticed_by or found.verdict.value
     when = "" if found.after_ms is None else f" {found.after_ms:.0f} ms"
-    rests = "keeps moving" if found.stands_after_ms is None else f"stopped {found.stands_after_ms:.0f} ms"
-    way = f"{rests}, {1e3 * found.goes_m:.0f} mm, {DEGREES * found.turns_rad:.0f}°"
+    motion = (
+        "keeps moving" if found.standstill_after_ms is None else f"stopped {found.standstill_after_ms:.0f} ms"
+    )
+    way = f"{motion}, {1e3 * found.goes_m:.0f} mm, {DEGREES * found.turns_rad:.0f}°"
     why = f"<small>{html.escape(cell.why)}</small>" if cell.late and cell.why else ""
     return f'<td class="{kind}">{html.escape(who)}{when}<small>{way}</small>{why}</td>'
 

@@ -70,7 +70,7 @@ def _disarmed(rig: VirtualRig) -> None:
 def _stopping(command: Mapping[str, float]) -> Callable[[VirtualRig], None]:
     def enter(rig: VirtualRig) -> None:
         _driving(command)(rig)
-        rig.operator.lets_go()
+        rig.operator.returns_to_neutral()
         rig.runs(STOPPING_S)
 
     return enter
@@ -80,7 +80,7 @@ def _stopped(command: Mapping[str, float]) -> Callable[[VirtualRig], None]:
     def enter(rig: VirtualRig) -> None:
         _driving(command)(rig)
         rig.operator.stops()
-        rig.operator.lets_go()
+        rig.operator.returns_to_neutral()
         rig.runs(STOPPED_S)
 
     return enter

@@ -56,7 +56,7 @@ def machine_of(order: ReplayOrder, *, timed: bool) -> Machine:
     A bus is timed even so, unless it was recorded where the bridge is: its folder has it as it left.
     """
     robot = order.robot
-    bridge = Bridge(robot, robot_type_of(robot), stands=order.stands, mode=order.mode)
+    bridge = Bridge(robot, robot_type_of(robot), confirmed=order.confirmed, mode=order.mode)
     if order.recording.is_dir():
         # The last positions, as that bridge read them at its start: they are in the run's folder.
         bridge.offer(LastPlaces(order.recording / RECORDED).read())

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
-from firmware_bridge.intent import ConfirmZero
+from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.units import Nanoseconds
 
@@ -41,7 +41,7 @@ class ReplayOrder:
     """Services that are not compared, by the names of `dissector.canopen.service_name`."""
     plant: Path | None = None
     """Another plant below the drives."""
-    stands: tuple[ConfirmZero, ...] = ()
+    confirmed: tuple[ConfirmPosition, ...] = ()
     """Axis positions that the bridge received at its start."""
     mode: str = ""
     """The mode after a failed actuator in which it began."""

@@ -14,8 +14,8 @@ import numpy as np
 from emulators.bench.animated import animated
 from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.columns import Floats, current
-from emulators.bench.page import beginning, held, shown
-from emulators.bench.summary import held as as_held
+from emulators.bench.page import active, beginning, shown
+from emulators.bench.summary import entry_of
 from emulators.bench.web import document
 from emulators.extras import installed
 from emulators.replay.measured import Measured
@@ -50,14 +50,14 @@ def written(
     parts = (
         *beginning(title, again, rows),
         *_differs(run),
-        *held([as_held(event) for event in run.interlock_events]),
+        *active([entry_of(event) for event in run.interlock_events]),
         *_texts(folder),
         *shown(pictures),
     )
     (folder / PAGE).write_text(document(title, "".join(parts)), encoding="utf-8")
     made = [folder / PAGE, folder / TABLE, *pictures]
     if animate:
-        text = animated(title, run.samples, [as_held(event) for event in run.interlock_events])
+        text = animated(title, run.samples, [entry_of(event) for event in run.interlock_events])
         (folder / ANIMATED).write_text(text, encoding="utf-8")
         made.append(folder / ANIMATED)
     return made
@@ -86,7 +86,7 @@ def _differs(run: Measured) -> Iterator[str]:
     if run.differs_at is not None:
         yield (
             f'<p class="wrong">From {to_seconds(run.differs_at):.3f} s on this version of the bridge does '
-            "otherwise than was recorded: what it demands and what held it may differ from that day.</p>"
+            "otherwise than was recorded: its set-points and active interlocks may differ from that day.</p>"
             f"<pre>{escape(run.difference)}</pre>"
         )
 

@@ -59,7 +59,7 @@ SHARED: Final = LSS_RESPONSE
 
 def _drives(order: ReplayOrder) -> ReplayStage:
     """Put the drives of the recording on a bus, with its other nodes."""
-    if order.stands:
+    if order.confirmed:
         raise RecordingFileError(f"{order.recording.name}: the drives take no position, a bridge does")
     robot, link = order.robot, order.link
     recording = _can_log(order, LEAD)
@@ -109,7 +109,7 @@ def _bench(order: ReplayOrder) -> ReplayStage:
     from_devices = [one for one in messages if one.sender != BRIDGE]
     answers = answers_of(messages, BRIDGE)
     operator = Player(script_of(from_devices, lambda _: 0))
-    rig = Rig(robot, bench_setup_of(robot), operator, plant_path=order.plant, stands=order.stands)
+    rig = Rig(robot, bench_setup_of(robot), operator, plant_path=order.plant, confirmed=order.confirmed)
     rig.operator_wire.observe(answers.take)
     return ReplayStage(
         rig.run, (answers,), messages, len(from_devices), end_of(order, messages), finish=rig.finish

@@ -17,7 +17,7 @@ TURNING: Final = frozenset(
     }
 )
 """Kinds that no one notices while the motor stands."""
-STANDS_RAD_S: Final = 1.0
+STANDSTILL_RAD_S: Final = 1.0
 """Limit of a standstill at the motor's shaft."""
 
 
@@ -31,9 +31,9 @@ def failure_text(rig: VirtualRig, test: str, folder: Path, again: str, *, pictur
 
 def _lines(rig: VirtualRig, test: str, folder: Path, again: str, *, pictures: bool) -> Iterator[str]:
     yield f"{rig.robot.name}, seed {rig.seed}, at {rig.now:.2f} s of virtual time"
-    held = [event for event in rig.interlock_history if event.ended is None or event.ended > rig.began]
-    yield f"holds since it was armed at {to_seconds(rig.began):.2f} s:{'' if held else ' none'}"
-    yield from (f"  {_span(event.began, event.ended)}  {event.name}: {event.reason}" for event in held)
+    events = [event for event in rig.interlock_history if event.ended is None or event.ended > rig.began]
+    yield f"holds since it was armed at {to_seconds(rig.began):.2f} s:{'' if events else ' none'}"
+    yield from (f"  {_span(event.began, event.ended)}  {event.name}: {event.reason}" for event in events)
     if rig.faults:
         yield "faults:"
         for fault in rig.faults:
@@ -87,6 +87,6 @@ def _hidden(rig: VirtualRig, fault: FaultRecord) -> str:
         return ""
     ended = rig.bench.world.now if fault.ended is None else fault.ended
     rows = [row for row in rig.bench.samples if fault.began <= row.at <= ended]
-    if any(abs(row[name]) > STANDS_RAD_S for row in rows for name in columns):
+    if any(abs(row[name]) > STANDSTILL_RAD_S for row in rows for name in columns):
         return ""
     return "; it could not show: its motor stood all that time"

@@ -12,7 +12,6 @@ from emulators.bench.operator import ScriptedOperator
 from emulators.bench.step import Holds, Step, inputs
 from emulators.testing.errors import RigError
 from firmware_bridge import renamed
-from firmware_bridge.renamed import warn
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.problems import problems_of
 from firmware_bridge.units import Nanoseconds, to_seconds
@@ -58,7 +57,7 @@ class TestOperator:
     @property
     def told(self) -> tuple[str, ...]:
         """The old name of `texts`."""
-        warn("told", "texts", "rig.operator")
+        renamed.warn("told", "texts", "rig.operator")
         return self.texts
 
     @property
@@ -93,12 +92,17 @@ class TestOperator:
             raise RigError(f"{self._robot.name} has no forward; its operator knows {known}")
         self.does("drives", **({} if forward is None else {FORWARD: forward}), **values)
 
-    def lets_go(self) -> None:
-        """Let go of everything that he holds."""
+    def returns_to_neutral(self) -> None:
+        """Put each stick and velocity to neutral."""
         rows = reversed(inputs(self._step).items())
         # Of two keys for one channel the first: a later one may have no word for it, as a turn's radius.
         keys = {row.channel: key for key, row in rows if isinstance(row, Holds)}
-        self.does("lets go", **dict.fromkeys(keys.values(), 0.0))
+        self.does("returns to neutral", **dict.fromkeys(keys.values(), 0.0))
+
+    def lets_go(self) -> None:
+        """Do `returns_to_neutral`, by its name of the release before."""
+        renamed.warn("lets_go", "returns_to_neutral", "operator")
+        self.returns_to_neutral()
 
     def falls_silent(self, seconds: float = FOR_GOOD_S) -> None:
         """Send nothing any more, or for so long: the station is dead, or the link is."""

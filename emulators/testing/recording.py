@@ -4,7 +4,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Final, TypeAlias
 
-from emulators.recorded import CHUNKS, FILES, FRAMES, ways
+from emulators.recorded import CHUNKS, FILES, FRAMES, recorded_wires
 from emulators.rig import Rig
 from emulators.wires.ends import Observer
 from firmware_bridge.packet import Packet
@@ -25,7 +25,7 @@ class Recording:
     def __init__(self, rig: Rig) -> None:
         self._rig: Final = rig
         self._carried: Final[list[Carried]] = []
-        for number, (wire, _) in enumerate(ways(rig, _empty())):
+        for number, (wire, _) in enumerate(recorded_wires(rig, _empty())):
             wire.observe(self._noting(number))
 
     @property
@@ -68,7 +68,7 @@ class Recording:
     def _written(self) -> dict[str, bytes]:
         """Return each file's content."""
         files = _empty()
-        writers = [observer for _, observer in ways(self._rig, files)]
+        writers = [observer for _, observer in recorded_wires(self._rig, files)]
         for number, now, sender, packet in self._carried:
             writers[number](now, sender, packet)
         return {name: file.getvalue() for name, file in files.items()}

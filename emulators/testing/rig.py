@@ -70,9 +70,11 @@ class VirtualRig:
         self.bench_setup: Final = bench_setup_of(robot)
         step = self.bench_setup.step
         arms = step(at_s=ARM_S, title="arms", arm=True)
-        stands = self.bench_setup.stands
+        start_positions = self.bench_setup.start_positions
         # Without them the robot is not armed: these positions are read off the robot by a person.
-        zero = {axis.role: stands.get(axis.role, 0.0) for axis in robot.axes if axis.zero_confirmed}
+        zero = {
+            axis.role: start_positions.get(axis.role, 0.0) for axis in robot.axes if axis.needs_confirmation
+        }
         confirmed = (step(at_s=0.0, title="confirms where it stands", zero=zero),) if zero else ()
         story = Mission(title=f"a test of {robot.name}", duration_s=FOR_GOOD_S, step=(*confirmed, arms))
         hand = np.random.default_rng([seed, HAND_STREAM])

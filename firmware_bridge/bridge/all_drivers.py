@@ -159,7 +159,7 @@ class AllDrivers:
         sent: tuple[Packet, ...] = ()
         for link_drivers in self.all:
             set_points = {
-                driver.axis.name: commanded.get(driver.axis.name, Stop.REST)
+                driver.axis.name: commanded.get(driver.axis.name, Stop.STANDSTILL)
                 for driver in link_drivers.drivers
             }
             stops = {name for name, set_point in set_points.items() if requests_stop(set_point)}

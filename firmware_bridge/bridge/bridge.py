@@ -19,7 +19,7 @@ from firmware_bridge.bridge.pipeline import Pipeline
 from firmware_bridge.bridge.stops import AxisStop
 from firmware_bridge.drivers.all_drivers import all_drivers_of
 from firmware_bridge.drivers.driver import BRING_UP, Stop, Task
-from firmware_bridge.intent import Answer, ConfirmZero, Disarm, EmergencyStop, Request
+from firmware_bridge.intent import Answer, ConfirmPosition, Disarm, EmergencyStop, Request
 from firmware_bridge.node import OPERATOR
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.robot import AnyRobot
@@ -31,7 +31,7 @@ from firmware_bridge.teleop.session import EVERYBODY
 from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
-REST_WITHIN: Final[Nanoseconds] = 3 * SECOND
+STANDSTILL_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """The longest way to rest at an orderly end; then the power goes off, unless a stop still escalates."""
 SECOND_REQUEST_WITHIN: Final[Nanoseconds] = 5 * SECOND
 """Time after a hold on a slope began, or after a command to end, in which the next one disables the power."""
@@ -68,7 +68,7 @@ class Bridge:
         robot: AnyRobot,
         kind: AnyRobotType,
         trust: Trust = EVERYBODY,
-        stands: tuple[ConfirmZero, ...] = (),
+        confirmed: tuple[ConfirmPosition, ...] = (),
         mode: str = "",
     ) -> None:
         """Take a robot file, its kind, the trusted stations, where axes stand, and the mode to begin in.
@@ -84,8 +84,8 @@ class Bridge:
         self._operator: Operator = Operator(
             robot,
             kind.station,
-            kind.rest,
-            rolling=rules[""].body.rolling,
+            kind.standstill,
+            rolling=rules[""].kinematics.rolling,
             modes=tuple(kind.modes),
             path_followers=tuple(kind.path_followers),
             trust=trust,
@@ -99,9 +99,9 @@ class Bridge:
             operator=self._operator,
             permission=self._permission,
         )
-        for request in stands:
+        for request in confirmed:
             self._pipeline.check(request)
-        self._confirmed = ConfirmedAtStart(stands)
+        self._confirmed = ConfirmedAtStart(confirmed)
         self._tasks = deque(BRING_UP)
         self._task: Task | None = None
         self._cycle_at: Nanoseconds | None = None
@@ -111,7 +111,7 @@ class Bridge:
         self._synchronized_at: Nanoseconds = 0
         self._collect_until: Nanoseconds = NEVER
         self._release_at: Nanoseconds = NEVER
-        self._rest_until: Nanoseconds = NEVER
+        self._standstill_until: Nanoseconds = NEVER
         self._began_at: Nanoseconds = 0
         self._listens_until: Nanoseconds = 0
         """Until then nothing is sent to the devices: another bridge may be driving them."""
@@ -135,7 +135,7 @@ class Bridge:
         return self.phase is Phase.STOPPING and self._permission.power_down.held
 
     @property
-    def unconfirmed(self) -> tuple[str, ...]:
+    def not_acknowledged(self) -> tuple[str, ...]:
         """The axes, as text, whose devices did not confirm at the end that they are without power."""
         drivers = [driver for driver in self._all_drivers.drivers if driver.axis.name in (self._left or ())]
         return tuple(driver.axis.called for driver in drivers if not driver.unpowered)
@@ -209,7 +209,7 @@ class Bridge:
             self._outbox += self._permission.stops.order()
             self._outbox += self._permission.end_start_ups(now)
             self._collect_until = NEVER
-            self._rest_until = now + REST_WITHIN
+            self._standstill_until = now + STANDSTILL_WITHIN
             self.phase = Phase.STOPPING
         elif self._task is None:
             # It has sent nothing to any device, and leaves them as they are.
@@ -248,10 +248,10 @@ class Bridge:
             else:
                 self._confirmed.confirm(lambda request: self._pipeline.decide(request, now), now)
         elif self.phase is Phase.STOPPING:
-            self._come_to_rest(now)
+            self._come_to_standstill(now)
         else:
             if self.phase is not Phase.STARTING and self._task is not None:
-                self._let_go(now)
+                self._disable_unconfirmed(now)
             self._outbox += self._pipeline.reported(
                 (self._waiting(now), *self._permission.interlock_events), now
             )
@@ -265,7 +265,7 @@ class Bridge:
             self._collect_until = NEVER
             self._run(now)
         elif self.phase is Phase.LEAVING and self._left is None:
-            self._let_go(now)
+            self._disable_unconfirmed(now)
         wake_at = self._wake_at()
         if not self._outbox:
             if self._idle.wake_at != wake_at:
@@ -318,16 +318,16 @@ class Bridge:
             self.phase = Phase.FAILED
         return self._task is None and self.phase is Phase.FAILED
 
-    def _come_to_rest(self, now: Nanoseconds) -> None:
-        (commanded, rests), permission = self._pipeline.come_to_rest(now), self._permission
+    def _come_to_standstill(self, now: Nanoseconds) -> None:
+        (commanded, at_standstill), permission = self._pipeline.come_to_standstill(now), self._permission
         self._outbox += commanded
         if not self.holding:
             self._requested_at = NEVER
         elif self._requested_at == NEVER:
             self._requested_at = now
         self._outbox += self._pipeline.reported((self._waiting(now), *permission.interlock_events), now)
-        done = rests and permission.let_go and not permission.stops.under_way
-        late = now >= self._rest_until and not permission.power_down.under_way
+        done = at_standstill and permission.powered_down and not permission.stops.under_way
+        late = now >= self._standstill_until and not permission.power_down.under_way
         gone = self.holding and permission.stops.no_axis_left
         if done or gone or (late and not permission.stops.escalating):
             self._leave(now)
@@ -345,7 +345,7 @@ class Bridge:
             if driver not in given_up:
                 self._outbox += driver.begin((Task.LEAVE,), now)
 
-    def _let_go(self, now: Nanoseconds) -> None:
+    def _disable_unconfirmed(self, now: Nanoseconds) -> None:
         """Take the power from those that have not confirmed that it is off, until all steps were tried."""
         stops = self._permission.stops
         if self._left is None:
@@ -356,7 +356,7 @@ class Bridge:
             self._left = {driver.axis.name for driver in (*slow, *failed, *stops.given_up)}
             for driver in slow:
                 self._outbox += driver.begin((), now)
-        self._outbox += self._pipeline.let_go(self._left, now)
+        self._outbox += self._pipeline.disable(self._left, now)
         if self.phase is Phase.LEAVING and not stops.under_way:
             self.phase = Phase.FINISHED
 

@@ -7,7 +7,7 @@ unreferenced.
 from collections.abc import Callable, Iterable
 from typing import Final
 
-from firmware_bridge.intent import Answer, ConfirmZero
+from firmware_bridge.intent import Answer, ConfirmPosition
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 WITHIN: Final[Nanoseconds] = 5 * SECOND
@@ -17,7 +17,7 @@ WITHIN: Final[Nanoseconds] = 5 * SECOND
 class ConfirmedAtStart:
     """The requests that are left."""
 
-    def __init__(self, requests: Iterable[ConfirmZero]) -> None:
+    def __init__(self, requests: Iterable[ConfirmPosition]) -> None:
         self._left = tuple(requests)
         self._until: Nanoseconds = NEVER
 
@@ -25,7 +25,7 @@ class ConfirmedAtStart:
         """Let what is left wait, however long: one of its own is under way, as a homing is."""
         self._until = NEVER
 
-    def confirm(self, decide: Callable[[ConfirmZero], Answer], now: Nanoseconds) -> None:
+    def confirm(self, decide: Callable[[ConfirmPosition], Answer], now: Nanoseconds) -> None:
         """Ask for what is left; called in every cycle of a bridge that runs."""
         if not self._left:
             return

@@ -73,7 +73,7 @@ class HomingSequence:
         homing = axis.zero.homing
         first = () if homing is None else homing.after
         return next(
-            (event for event in events if event.axis in first or event.row.name not in MEANWHILE), None
+            (event for event in events if event.axis in first or event.interlock.name not in MEANWHILE), None
         )
 
     def begin(self, driver: Driver, now: Nanoseconds) -> tuple[Packet, ...]:
@@ -142,6 +142,6 @@ class HomingSequence:
             event for event in self.interlock_events if facts.axes[event.axis].reference_lost
         )
 
-    def _report(self, row: InterlockBase, reason: str, now: Nanoseconds) -> None:
+    def _report(self, interlock: InterlockBase, reason: str, now: Nanoseconds) -> None:
         name = "" if self._driver is None else self._driver.axis.name
-        self.interlock_events = (ActiveInterlock(f"{row.name}: {name}", reason, row, now, name),)
+        self.interlock_events = (ActiveInterlock(f"{interlock.name}: {name}", reason, interlock, now, name),)

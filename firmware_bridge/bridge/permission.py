@@ -90,14 +90,14 @@ class Permission:
         return self.stops.interlock_events + self.power_down.interlock_events + self.homing.interlock_events
 
     @property
-    def let_go(self) -> bool:
+    def powered_down(self) -> bool:
         """True where the power goes for good: ordered off at standstill, or proved unnecessary for it."""
-        return self.power_down.let_go or (self.powered_off and self._brakes_until == NEVER_RECEIVED)
+        return self.power_down.powered_down or (self.powered_off and self._brakes_until == NEVER_RECEIVED)
 
-    def ordered_off(self, now: Nanoseconds, *, rests: bool) -> Stop:
+    def ordered_off(self, now: Nanoseconds, *, standstill: bool) -> Stop:
         """Return a forced disarm's set-points for all axes: brake first, and no power from standstill on."""
         # After 3 s at the latest: the order must reach a robot that does not come to standstill, too.
-        if rests or now >= self._brakes_until:
+        if standstill or now >= self._brakes_until:
             self._brakes_until = NEVER_RECEIVED
         return Stop.POWER_OFF if self._brakes_until == NEVER_RECEIVED else Stop.QUICK_STOP
 
@@ -115,22 +115,22 @@ class Permission:
         return tuple([packet for driver in waiting for packet in driver.begin((), now)])
 
     def part(self, events: tuple[ActiveInterlock, ...], clearing: Collection[str]) -> None:
-        """Require neutral controls where an interlock event's row needs it.
+        """Require neutral controls where an active interlock needs it.
 
         One that is `clearing` does not: an operator whose stick has been neutral since its cause ended has
         done so.
         """
-        if any(event.row.parts and event.name not in clearing for event in events):
+        if any(event.interlock.parts and event.name not in clearing for event in events):
             self.neutral_required = True
 
     def watch(self, events: tuple[ActiveInterlock, ...]) -> None:
-        """Do what the holds' rows say: disarm, latch the emergency stop, take an axis's power."""
+        """Do what the active interlocks require: disarm, latch the emergency stop, take an axis's power."""
         for event in events:
-            if event.row.latches:
+            if event.interlock.latches:
                 self.emergency_stopped = True
-            if event.row.disarms or event.row.latches:
+            if event.interlock.disarms or event.interlock.latches:
                 self.armed = False
-            if event.row.disables_power:
+            if event.interlock.disables_power:
                 self.untrusted.add(event.axis)
 
     def set_zero(
@@ -216,7 +216,7 @@ class Permission:
         now = seen.facts.now
         self.order_off(now)
         # Its own set-point may be above zero still: what was measured counts.
-        stop = self.ordered_off(now, rests=self.rules.stands(seen))
+        stop = self.ordered_off(now, standstill=self.rules.stopped(seen))
         taken = {name for name, one in self.stops.of_axes.items() if one.ends_power}
         self._outbox += self._all_drivers.command_all(stop, self.untrusted | self.rules.without | taken)
         does = (
@@ -238,7 +238,7 @@ class Permission:
         if asleep:
             return self._awaken(asleep, now)
         for event in events:
-            if event.row.blocks_arming:
+            if event.interlock.blocks_arming:
                 return Answer(accepted=False, reason=f"arm: {event.reason}; {event.remedy}", temporary=True)
         self.armed = True
         self.paused = False
@@ -262,7 +262,7 @@ class Permission:
         """Refuse where something would move as soon as the robot is armed."""
         if not seen.facts.neutral:
             return Answer(accepted=False, reason=f"arm: {seen.facts.deflected or 'the stick is not neutral'}")
-        requested = self.rules.body.requested(seen.command, seen.body)
+        requested = self.rules.kinematics.requested(seen.command, seen.body)
         if requested:
             moved = " and ".join(sorted(requested))
             reason = f"arm: the {moved} would move at once; return the stick to neutral, or disarm"

@@ -18,7 +18,7 @@ from firmware_bridge.intent import (
     Answer,
     Arm,
     ChangeDriver,
-    ConfirmZero,
+    ConfirmPosition,
     Follow,
     Request,
     ResetOdometry,
@@ -77,7 +77,7 @@ class Pipeline:
         """The path follower in the operator's place; None while the operator commands."""
         self._command: Any | None = None
         """The path follower's newest command."""
-        self._commanded: Any = kind.rest
+        self._commanded: Any = kind.standstill
         self._locating: Final = Locating(robot, on_floor if kind.unrolled is None else kind.unrolled(robot))
         self._counted: Mapping[str, Feedback] | None = None
         """The samples up to which the pose has been carried on."""
@@ -99,15 +99,15 @@ class Pipeline:
         decision = self._gate.rule(known)
         self._watch_homing(decision.interlock_events + self._permission.stops.interlock_events, known.facts)
         # Before this cycle's events: one that begins now requires neutral again.
-        if self._operator.take_let_go() or known.facts.neutral:
+        if self._operator.take_returned_to_neutral() or known.facts.neutral:
             self._permission.neutral_required = False
         self._permission.part(decision.interlock_events, self._gate.clearing)
         self._permission.watch(decision.interlock_events)
-        if any(event.row.parts for event in decision.interlock_events):
+        if any(event.interlock.parts for event in decision.interlock_events):
             # A target of before the timeout must not start the robot when the link is back.
             self._operator.forget()
         self.gate_deadline = self._gate.next_deadline(known.facts)
-        self._commanded = rules.body.ramped(self._commanded, decision.allowed, known.body, elapsed)
+        self._commanded = rules.kinematics.ramped(self._commanded, decision.allowed, known.body, elapsed)
         sent = self._stopped(
             self._stop_requested(decision.stopped), self._set_points(known), self._levels(decision), now
         )
@@ -115,7 +115,7 @@ class Pipeline:
         self._keep(known, decision.interlock_events + self._permission.interlock_events)
         return sent, self._operator.report(self.seen, self.interlock_events, now)
 
-    def come_to_rest(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], bool]:
+    def come_to_standstill(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], bool]:
         """Ramp down, then power down, without the operator; return the packets, and whether it is done.
 
         A robot that would not stay at standstill without power keeps it until ordered. An axis whose report
@@ -123,19 +123,18 @@ class Pipeline:
         """
         self._permission.homing.interrupt("the bridge is ending", now)
         known = self.known(now)
-        self._permission.watch(
-            tuple([event for event in self._gate.rule(known).interlock_events if event.row.disables_power])
-        )
+        events = self._gate.rule(known).interlock_events
+        self._permission.watch(tuple([event for event in events if event.interlock.disables_power]))
         rules = self._permission.rules
-        rest = rules.body.rested(self._commanded, rules.groups)
-        self._commanded = rules.body.ramped(self._commanded, rest, known.body, self._elapsed(now))
-        rests = self._rests(known) and self._set_point_rests(known)
-        set_points = self._without_power(known, rests=rests) or self._set_points_of_body(known)
+        rest = rules.kinematics.at_standstill(self._commanded, rules.groups)
+        self._commanded = rules.kinematics.ramped(self._commanded, rest, known.body, self._elapsed(now))
+        standstill = self._axes_stopped(known) and self._set_point_is_zero(known)
+        set_points = self._without_power(known, standstill=standstill) or self._set_points_of_body(known)
         sent = self._stopped(set_points.keys() | self._group_of.keys(), set_points, self._kind.on_stop, now)
         self._keep(known, self._permission.interlock_events)
-        return sent, rests or self._permission.powered_off
+        return sent, standstill or self._permission.powered_off
 
-    def let_go(self, names: Collection[str], now: Nanoseconds) -> tuple[Packet, ...]:
+    def disable(self, names: Collection[str], now: Nanoseconds) -> tuple[Packet, ...]:
         """Carry on to disable the power of these axes, which have not confirmed that they have none."""
         off = dict.fromkeys(names, Stop.POWER_OFF)
         sent, set_points = self._permission.stops.watch(off, off, now)
@@ -153,7 +152,7 @@ class Pipeline:
         """Take the axes' positions in an earlier run; they are reported, and never trusted."""
         self._zeros.offer(last)
 
-    def check(self, request: ConfirmZero) -> None:
+    def check(self, request: ConfirmPosition) -> None:
         """Raise ValueError where the axis of a request cannot stand there."""
         refused = self._zeros.refuses(request)
         if refused is not None:
@@ -168,13 +167,13 @@ class Pipeline:
         if isinstance(request, ChangeDriver):
             self._guide = self._command = None
             self._permission.neutral_required = True
-            self._operator.take_let_go()  # the neutral stick was another station's
+            self._operator.take_returned_to_neutral()  # the neutral stick was another station's
             self._permission.homing.ordered(request)
             return Answer(accepted=True, reason="")
         if isinstance(request, Arm):
-            self._operator.take_let_go()  # that was before
+            self._operator.take_returned_to_neutral()  # that was before
         known = self.known(now)
-        if isinstance(request, ConfirmZero):
+        if isinstance(request, ConfirmPosition):
             refused = self._zeros.refuses(request)
             if refused is not None:
                 return Answer(accepted=False, reason=refused)
@@ -217,7 +216,7 @@ class Pipeline:
             facts=facts,
             command=operator.intent.command if self._command is None else self._command,
             commanded=self._commanded,
-            body=permission.rules.body.sensed(axes, sensors),
+            body=permission.rules.kinematics.sensed(axes, sensors),
             pose=self._locating.pose,
             located=self._locating.located,
         )
@@ -240,7 +239,7 @@ class Pipeline:
         """
         if self._guide is None:
             return known
-        moved = self._permission.rules.body.requested(self._operator.intent.command, known.body)
+        moved = self._permission.rules.kinematics.requested(self._operator.intent.command, known.body)
         if moved or not known.facts.armed:
             self._guide = self._command = None
         else:
@@ -269,7 +268,7 @@ class Pipeline:
     def _against(self, axis: str, events: tuple[ActiveInterlock, ...]) -> tuple[ActiveInterlock, ...]:
         """Return the holds that stop an axis."""
         group = self._group_of[axis]
-        return tuple(event for event in events if event.row.stops is None or group in event.row.stops)
+        return tuple(one for one in events if one.interlock.stops is None or group in one.interlock.stops)
 
     def _watch_homing(self, events: tuple[ActiveInterlock, ...], facts: Facts) -> None:
         homing = self._permission.homing
@@ -309,25 +308,26 @@ class Pipeline:
         """Return each axis's set-point, in the order of the body."""
         permission = self._permission
         if permission.emergency_stopped or permission.powered_off:
-            rests = self._rests(known) and self._set_point_rests(known)
-            return self._without_power(known, rests=rests) or self._set_points_of_body(known)
+            standstill = self._axes_stopped(known) and self._set_point_is_zero(known)
+            return self._without_power(known, standstill=standstill) or self._set_points_of_body(known)
         permission.power_down.not_requested(known.facts.now)
         return self._set_points_of_body(known)
 
-    def _without_power(self, known: AnySnapshot, *, rests: bool) -> Mapping[str, SetPoint]:
+    def _without_power(self, known: AnySnapshot, *, standstill: bool) -> Mapping[str, SetPoint]:
         """Return the stop that disables all axes' power, or keeps it at standstill; none while they move."""
         permission, now = self._permission, known.facts.now
         if permission.powered_off:
             permission.power_down.ordered(now)
             # Not for an axis that shall have no power already: to brake would give it back.
-            return self._used(self._all(permission.ordered_off(now, rests=permission.rules.stands(known))))
+            ordered = permission.ordered_off(now, standstill=permission.rules.stopped(known))
+            return self._used(self._all(ordered))
         without = permission.rules.without
-        stop = permission.power_down.stop_for(rests=rests, now=now, without=without)
+        stop = permission.power_down.stop_for(standstill=standstill, now=now, without=without)
         return {} if stop is None else self._used(self._all(stop))
 
     def _set_points_of_body(self, known: AnySnapshot) -> Mapping[str, SetPoint]:
-        """Return what the body makes of what is demanded."""
-        return self._used(self._permission.rules.body.set_points(self._commanded, known.body))
+        """Return what the kinematic model makes of the commanded motion."""
+        return self._used(self._permission.rules.kinematics.set_points(self._commanded, known.body))
 
     def _used(self, set_points: Mapping[str, SetPoint]) -> Mapping[str, SetPoint]:
         """Return the set-points; an axis that the mode excludes, or that is untrusted, has no power."""
@@ -339,7 +339,7 @@ class Pipeline:
             else set_points
         )
 
-    def _rests(self, known: AnySnapshot) -> bool:
+    def _axes_stopped(self, known: AnySnapshot) -> bool:
         """Return whether the robot is at standstill; untrusted axes, whose power is off, are not judged."""
         permission = self._permission
         if permission.rules.at_standstill(known):
@@ -349,9 +349,9 @@ class Pipeline:
         believed = permission.rules.believed(known, permission.untrusted)
         return believed is not None and permission.rules.at_standstill(believed)
 
-    def _set_point_rests(self, known: AnySnapshot) -> bool:
+    def _set_point_is_zero(self, known: AnySnapshot) -> bool:
         rules = self._permission.rules
-        return not rules.body.requested(self._commanded, known.body) & rules.travelling
+        return not rules.kinematics.requested(self._commanded, known.body) & rules.travelling
 
     def _levels(self, decision: AnyDecision) -> Mapping[str, Level]:
         """Return the levels of the outputs: by the motion, or by a stop of everything."""
@@ -366,7 +366,7 @@ class Pipeline:
 
     def _advance(self, facts: Facts) -> None:
         """Carry the pose on where all axes that it hangs on were sampled at one new instant."""
-        body, axes, locating = self._permission.rules.body, facts.axes, self._locating
+        body, axes, locating = self._permission.rules.kinematics, facts.axes, self._locating
         at = {axes[name].sampled_at for name in body.rolling}
         if NEVER_RECEIVED in at:
             self._counted = None
@@ -390,7 +390,7 @@ class Pipeline:
             located=self._locating.located,
         )
         self.interlock_events = events
-        if self._guide is not None and any(event.row.stops != frozenset() for event in events):
+        if self._guide is not None and any(event.interlock.stops != frozenset() for event in events):
             self._guide.reset()
 
     def _elapsed(self, now: Nanoseconds) -> Nanoseconds:

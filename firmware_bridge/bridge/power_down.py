@@ -42,7 +42,7 @@ HELD: Final = InterlockBase(
 )
 
 
-RESTS_WITHIN: Final[Nanoseconds] = 3 * SECOND
+STANDSTILL_WITHIN: Final[Nanoseconds] = 3 * SECOND
 """Time for a base to come to standstill; after it the power stays, and that is reported."""
 STAYS: Final = InterlockBase(
     "power stays on",
@@ -60,7 +60,7 @@ class PowerDownStage(Enum):
     LOOKED_AT = "looked at"
     WATCHED = "watched"
     """Without power; a free axis that moves now gets it again."""
-    LET_GO = "let go"
+    POWERED_DOWN = "powered down"
     HELD = "held with power"
     """Until it is ordered off."""
 
@@ -78,7 +78,7 @@ class _Axis:
     """Arrival of the newest current that was judged."""
     was_at: float = 0.0
     """Its position when it lost its power."""
-    let_go: bool = False
+    powered_down: bool = False
 
     @property
     def powered(self) -> bool:
@@ -152,21 +152,21 @@ class PowerDown:
         return self.stage is PowerDownStage.HELD
 
     @property
-    def let_go(self) -> bool:
+    def powered_down(self) -> bool:
         """True where it has lost its power, and has been at standstill without it for long enough."""
-        return self.stage is PowerDownStage.LET_GO
+        return self.stage is PowerDownStage.POWERED_DOWN
 
     @property
     def under_way(self) -> bool:
         """True from the base's standstill on, until it is proved to stay so without power."""
-        return self.stage not in (PowerDownStage.KEPT, PowerDownStage.LET_GO)
+        return self.stage not in (PowerDownStage.KEPT, PowerDownStage.POWERED_DOWN)
 
-    def stop_for(self, *, rests: bool, now: Nanoseconds, without: Collection[str] = ()) -> Stop | None:
+    def stop_for(self, *, standstill: bool, now: Nanoseconds, without: Collection[str] = ()) -> Stop | None:
         """Go on where the power shall go; return what all axes shall do, None while the base does not rest.
 
         `without` are the axes that the robot's mode does without.
         """
-        if self.stage in (PowerDownStage.KEPT, PowerDownStage.LOOKED_AT) and not rests:
+        if self.stage in (PowerDownStage.KEPT, PowerDownStage.LOOKED_AT) and not standstill:
             self._wait(now)
         elif self.stage is PowerDownStage.KEPT:
             self._enter(PowerDownStage.LOOKED_AT, now)
@@ -217,7 +217,7 @@ class PowerDown:
         if self._waits_from is None:
             self._waits_from = now
         moving = [axis.driver for axis in self._free if axis.moves]
-        if now < self._waits_from + RESTS_WITHIN or not moving:
+        if now < self._waits_from + STANDSTILL_WITHIN or not moving:
             self._hold = None
             return
         who = " and ".join(driver.axis.called for driver in moving)
@@ -228,10 +228,10 @@ class PowerDown:
     def _set_point(self) -> Stop | None:
         if self.stage is PowerDownStage.KEPT:
             return None
-        if self.stage in (PowerDownStage.WATCHED, PowerDownStage.LET_GO):
+        if self.stage in (PowerDownStage.WATCHED, PowerDownStage.POWERED_DOWN):
             return Stop.POWER_OFF
         # A quick stop would end the tasks that give power again.
-        return Stop.REST if any(axis.driver.busy for axis in self._free) else Stop.QUICK_STOP
+        return Stop.STANDSTILL if any(axis.driver.busy for axis in self._free) else Stop.QUICK_STOP
 
     def _look_again(self, since: Nanoseconds) -> None:
         self._looks_from = since
@@ -251,8 +251,8 @@ class PowerDown:
         held = _held(received)
         if held is None:
             for axis in self._free:
-                axis.let_go, axis.was_at = axis in powered, axis.driver.feedback.position
-            self._enter(PowerDownStage.WATCHED if powered else PowerDownStage.LET_GO, now)
+                axis.powered_down, axis.was_at = axis in powered, axis.driver.feedback.position
+            self._enter(PowerDownStage.WATCHED if powered else PowerDownStage.POWERED_DOWN, now)
         # The current of the braking decays; one that falls no more is that of a slope.
         elif last or not isfinite(held.pulled) or 0.0 < SETTLED * self._pulled <= held.pulled:
             self._keep(held.reason, now)
@@ -261,7 +261,7 @@ class PowerDown:
             self._look_again(now)
 
     def _watch(self, now: Nanoseconds) -> None:
-        free = [axis for axis in self._free if axis.let_go]
+        free = [axis for axis in self._free if axis.powered_down]
         slips = next((axis for axis in free if axis.slips), None)
         if slips is not None:
             # All of them, as they lost it together. A fault is reset by the operator only.
@@ -271,7 +271,7 @@ class PowerDown:
             called = slips.driver.axis.called
             self._keep(f"on a slope: held with power; {called} moved when its power was disabled", now)
         elif now >= self._since + WATCHED_FOR:
-            self._enter(PowerDownStage.LET_GO, now)
+            self._enter(PowerDownStage.POWERED_DOWN, now)
 
     def _keep(self, reason: str, now: Nanoseconds) -> None:
         self._enter(PowerDownStage.HELD, now)

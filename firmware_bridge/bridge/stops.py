@@ -55,7 +55,7 @@ class AxisStop:
         "_due",
         "_failed_at",
         "_gentle_until",
-        "_row",
+        "_interlock",
         "_sequences",
         "_silent_after",
         "_slowing_from",
@@ -83,7 +83,7 @@ class AxisStop:
         self._standstill_below: Final = AT_STANDSTILL * axis.top_speed
         self._silent_after: Final = link.silent_ms * MILLISECOND
         stops = None if link.stops is None else frozenset(link.stops)
-        self._row: Final = InterlockBase(
+        self._interlock: Final = InterlockBase(
             NOT_ACKNOWLEDGED, REMEDY, stops=stops, severity=Severity.CRITICAL, disarms=stops is None
         )
         self.progress = Progress.NOT_REQUESTED
@@ -246,7 +246,7 @@ class AxisStop:
         axis = self.driver.axis
         reason = f"{axis.called}: {failed.name} not acknowledged; {then}"
         return ActiveInterlock(
-            f"{NOT_ACKNOWLEDGED}: {axis.name}", reason, self._row, self._failed_at, stage=failed.name
+            f"{NOT_ACKNOWLEDGED}: {axis.name}", reason, self._interlock, self._failed_at, stage=failed.name
         )
 
     def _enter(self, place: int, now: Nanoseconds) -> None:
@@ -341,7 +341,7 @@ class Stops:
         changed = dict(set_points)
         self._lost = self._all_drivers.links_lost
         for name, stop in self._axes.items():
-            set_point = set_points.get(name, Stop.REST)
+            set_point = set_points.get(name, Stop.STANDSTILL)
             stop.excluded = name in without
             uncommanded = name not in requested and not stop.escalates
             if uncommanded or stop.link in self._lost or stop.waits(now, holding=holding):

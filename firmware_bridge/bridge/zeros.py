@@ -9,7 +9,7 @@ from typing import Final
 
 from firmware_bridge.bridge.all_drivers import AllDrivers
 from firmware_bridge.drivers.driver import Driver, Feedback
-from firmware_bridge.intent import NEVER_RECEIVED, ConfirmZero
+from firmware_bridge.intent import NEVER_RECEIVED, ConfirmPosition
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.teleop.station import AnyGauge, Gauge
 
@@ -26,7 +26,7 @@ class Zeros:
         """Take what is read off the robot for which role; of others it is the axis's own unit."""
         self._robot: Final = robot
         self._drivers: Final = {
-            driver.axis.name: driver for driver in all_drivers.drivers if driver.axis.zero_confirmed
+            driver.axis.name: driver for driver in all_drivers.drivers if driver.axis.needs_confirmation
         }
         read = {gauge.role: gauge for gauge in gauges}
         self._gauges: Final = {
@@ -60,7 +60,7 @@ class Zeros:
         """Take what an earlier run has kept of the axes that there are."""
         self._offered.update({name: place for name, place in last.items() if name in self._gauges})
 
-    def refuses(self, request: ConfirmZero) -> str | None:
+    def refuses(self, request: ConfirmPosition) -> str | None:
         """Return why no one can mean a request, or None."""
         driver = self._drivers.get(request.axis)
         if driver is None:
@@ -77,7 +77,7 @@ class Zeros:
         blind = "; its robot file does not say how it is homed" if math.isnan(request.value) else ""
         return f"zero: {request.axis} at {seen} is not within {low:.4g} to {high:.4g}{blind}"
 
-    def place(self, request: ConfirmZero) -> tuple[Driver, float | None]:
+    def place(self, request: ConfirmPosition) -> tuple[Driver, float | None]:
         """Return the axis's device and its position in its unit, of a request that is not refused.
 
         None where it is to be homed.

@@ -209,7 +209,7 @@ def run(given: DriveOptions) -> None:
     trust = trust_of(given.mavlink, given.key, given.allow, openly=given.openly)
     state = given.state or usual_path(machine.name)
     stamps = Remembered(trust, state.with_suffix(".stamps.json"))
-    stands = zeros_of(given.zero, given.home)
+    confirmed = zeros_of(given.zero, given.home)
     with one_message(PlanError, ShieldPlanError, RobotFileError, PathFileError, ValueError):
         machine = (
             # A board without a watchdog is refused before any port is opened.
@@ -219,7 +219,7 @@ def run(given: DriveOptions) -> None:
         )
         machine, _ = along_path(machine, given.path, given.path_speed)
         kind = robot_type_of(machine)
-        bridge = Bridge(machine, kind, stamps.trust, stands, _mode(given.mode, kind))
+        bridge = Bridge(machine, kind, stamps.trust, confirmed, _mode(given.mode, kind))
     # Read before the run overwrites them: they are offered, and never trusted.
     kept = LastPlaces(state)
     places_before = kept.read()
@@ -233,7 +233,7 @@ def run(given: DriveOptions) -> None:
     files = {name: SERIAL_LOG if name in lines else CAN_LOG for name in places}
     files |= dict.fromkeys(machine.capture_links, CAPTURE_LOG) | {OPERATOR: OPERATOR_LOG}
     try:
-        known = known_places(places_before) | run_file(AsRun(machine, stands, given.mode or ""))
+        known = known_places(places_before) | run_file(AsRun(machine, confirmed, given.mode or ""))
         with recording(given.record, files, texts_of(), known=known) as (around, show):
             carried = _far(around(node), slow)
             carry(

@@ -51,7 +51,7 @@ class Narrated:
         self._armed = False
         self._late = 0
         self._late_reported_at: Nanoseconds = 0
-        self._holds: tuple[ActiveInterlock, ...] = ()
+        self._shown: tuple[ActiveInterlock, ...] = ()
         self._failure: Exception | None = None
         self._silent = False
         self._leaving: Final = Leaving(machine, self._say)
@@ -124,7 +124,7 @@ class Narrated:
             self._say(self._phase.value, now)
             for remark in bridge.all_drivers.remarks if self._phase is Phase.RUNNING else ():
                 self._say(remark, now)
-            if self._phase is Phase.FINISHED and bridge.unconfirmed and not self._alone:
+            if self._phase is Phase.FINISHED and bridge.not_acknowledged and not self._alone:
                 self._say(not_confirmed(bridge), now)
         self._keep(now)
         problem = self._stamps.keep(bridge.operator.stamps, now, ended=bridge.finished)
@@ -139,12 +139,12 @@ class Narrated:
         # A failure is reported at the end, and phases are not worth a report without a reader.
         ends = bridge.phase not in (Phase.STARTING, Phase.RUNNING)
         if (
-            bridge.interlock_events != self._holds
+            bridge.interlock_events != self._shown
             and bridge.phase is not Phase.FAILED
             and not (ends and self._alone)
         ):
-            self._show_holds({event.name: event for event in bridge.interlock_events}, now)
-            self._holds = bridge.interlock_events
+            self._show_interlocks({event.name: event for event in bridge.interlock_events}, now)
+            self._shown = bridge.interlock_events
 
     def _show_operators(self, now: Nanoseconds) -> None:
         """Return whether it is armed, and the untrusted senders."""
@@ -163,8 +163,8 @@ class Narrated:
             self._keeping_failed = True
             self._say(f"where the axes stand is not kept: {problem}", now)
 
-    def _show_holds(self, standing: Mapping[str, ActiveInterlock], now: Nanoseconds) -> None:
-        known = {event.name: event.reason for event in self._holds}
+    def _show_interlocks(self, standing: Mapping[str, ActiveInterlock], now: Nanoseconds) -> None:
+        known = {event.name: event.reason for event in self._shown}
         for name in known:
             if name not in standing:
                 self._say(f"cleared: {name}", now)
@@ -178,5 +178,5 @@ class Narrated:
 
 def not_confirmed(bridge: Bridge) -> str:
     """Say whose power is not known to be off, if any's; switching the battery off is what is left."""
-    names = ", ".join(bridge.unconfirmed)
+    names = ", ".join(bridge.not_acknowledged)
     return f"not confirmed to be without power: {names}; switch the battery off" if names else ""

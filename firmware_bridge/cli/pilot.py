@@ -159,7 +159,7 @@ def run(given: PilotOptions) -> None:
         trust=remembered.trust,
         requests=PROFILES[given.telemetry],
     )
-    cockpit = Cockpit(station, say, arms=given.arm, rolling=kind.body(robot).rolling)
+    cockpit = Cockpit(station, say, arms=given.arm, rolling=kind.kinematics(robot).rolling)
     keys = f"; {HELP}" if given.keyboard else ""
     carry(
         Remembering(cockpit, remembered, station.stamps, say),

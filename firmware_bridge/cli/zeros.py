@@ -4,10 +4,10 @@ import math
 from collections.abc import Sequence
 
 from firmware_bridge.cli.console import refusal
-from firmware_bridge.intent import ConfirmZero
+from firmware_bridge.intent import ConfirmPosition
 
 
-def zeros_of(texts: Sequence[str] | None, homed: Sequence[str] | None = None) -> tuple[ConfirmZero, ...]:
+def zeros_of(texts: Sequence[str] | None, homed: Sequence[str] | None = None) -> tuple[ConfirmPosition, ...]:
     """Return the confirmation of each axis; one that is no number, or given twice, ends the program.
 
     First those confirmed by sight, then those that are `homed`, in their order.
@@ -29,4 +29,4 @@ def zeros_of(texts: Sequence[str] | None, homed: Sequence[str] | None = None) ->
             raise refusal(f"--home {axis}: {axis} is given twice")
         # NaN in the place of a position is a homing, as in MAV_CMD_USER_1.
         positions[axis] = math.nan
-    return tuple(ConfirmZero(axis, number) for axis, number in positions.items())
+    return tuple(ConfirmPosition(axis, number) for axis, number in positions.items())

@@ -1,4 +1,4 @@
-"""A robot type with two driven wheels on one axle: its body, its interlocks and its MAVLink rows."""
+"""Robot type with two driven wheels on an axle: its kinematic model, its interlocks and its MAVLink rows."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -6,7 +6,17 @@ from dataclasses import replace
 from typing import Final, Generic
 
 from firmware_bridge import renamed
-from firmware_bridge.differential.body import LEFT, RIGHT, DifferentialBody, G, M, S, Sensors, Track, ramp_of
+from firmware_bridge.differential.kinematics import (
+    LEFT,
+    RIGHT,
+    DifferentialKinematics,
+    G,
+    M,
+    S,
+    Sensors,
+    Track,
+    ramp_of,
+)
 from firmware_bridge.motion.differential import fastest_in_turn
 from firmware_bridge.robot import Robot
 from firmware_bridge.safety.interlock import Interlock, Limit, View
@@ -83,9 +93,15 @@ class DifferentialRobot(Generic[G, M, S]):
             Fixed("TURN_MAX", lambda robot: robot.geometry.limits.turn_rate_rad_s, "rad/s"),
         )
 
-    def body(self, robot: Robot[G]) -> DifferentialBody[G, M, S]:
-        """Return the body of one robot."""
-        return DifferentialBody(robot, self._group, self._state, self._moves, self._track)
+    def kinematics(self, robot: Robot[G]) -> DifferentialKinematics[G, M, S]:
+        """Return the kinematic model of one robot."""
+        return DifferentialKinematics(robot, self._group, self._state, self._moves, self._track)
+
+    @property
+    def body(self) -> Callable[[Robot[G]], DifferentialKinematics[G, M, S]]:
+        """The old name of `kinematics`."""
+        renamed.warn("body", "kinematics", "DifferentialRobot")
+        return self.kinematics
 
     def reach(self, robot: Robot[G]) -> Iterator[tuple[M, S]]:
         """Yield the fastest motions: ahead, on the spot, and in the turn that pulls sideways at the limit."""
@@ -151,7 +167,7 @@ class DifferentialRobot(Generic[G, M, S]):
         limit = view.geometry.limits.turn_rate_rad_s
         turn = view.body.turn_rad_s
         # Trips above a multiple of the limit and clears at the limit itself, so that it does not flicker.
-        if abs(turn) <= (limit if view.holding else self.spin * limit):
+        if abs(turn) <= (limit if view.was_active else self.spin * limit):
             return None
         return f"the robot turns with {turn:.2f} rad/s, limit {limit:.2f} rad/s"
 

@@ -45,7 +45,7 @@ class Homed:
 class Stop(Enum):
     """Set-points that end motion, from the gentlest on."""
 
-    REST = "rest"
+    STANDSTILL = "standstill"
     """Ramp down with the profile's deceleration and hold still with power on: the safe set-point."""
     QUICK_STOP = "quick stop"
     """Ramp down with the quick stop's deceleration and hold still until enabled again."""

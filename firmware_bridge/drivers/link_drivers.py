@@ -134,7 +134,7 @@ class LinkDrivers:
     def command(self, set_points: Mapping[str, SetPoint]) -> tuple[Packet, ...]:
         """Send each axis its set-point; an axis without one rests."""
         return _joined(
-            [driver.command(set_points.get(driver.axis.name, Stop.REST)) for driver in self.drivers]
+            [driver.command(set_points.get(driver.axis.name, Stop.STANDSTILL)) for driver in self.drivers]
         )
 
     def release(self) -> tuple[Packet, ...]:

@@ -7,30 +7,30 @@ control is not known here.
 from collections.abc import Mapping
 
 
-class SeenAtRest:
+class SeenAtStandstill:
     """A check of all controls at every message."""
 
     def __init__(self) -> None:
         self._armed = False
         self._arm_requested = False
         """Arming was requested here, and has not been seen yet."""
-        self._rested: set[str] = set()
+        self._at_standstill: set[str] = set()
 
     def arm_requested(self) -> None:
         """Note a request to arm; controls at neutral from now on count after it. An armed robot goes on."""
         if not self._armed:
             self._arm_requested = True
-            self._rested.clear()
+            self._at_standstill.clear()
 
     def look(self, resting: Mapping[str, bool], *, armed: bool) -> None:
         """Learn which controls rest, by their names."""
         # Armed by another station: what is deflected here must be neutral first.
         if armed and not self._armed and not self._arm_requested:
-            self._rested.clear()
+            self._at_standstill.clear()
         self._arm_requested = self._arm_requested and not armed
         self._armed = armed
-        self._rested |= {name for name, rests in resting.items() if rests}
+        self._at_standstill |= {name for name, rests in resting.items() if rests}
 
     def counts(self, *names: str) -> bool:
         """Return whether what these controls say counts."""
-        return not self._armed or self._rested.issuperset(names)
+        return not self._armed or self._at_standstill.issuperset(names)

@@ -38,7 +38,7 @@ class Stick:
 
 
 DriveCommand: TypeAlias = Target | Stick
-REST: Final = Target()
+NEUTRAL: Final = Target()
 
 
 class Driver(Protocol):

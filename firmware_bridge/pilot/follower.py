@@ -7,7 +7,7 @@ from typing import Final
 
 from firmware_bridge.motion.model import Moving
 from firmware_bridge.motion.pose import Pose
-from firmware_bridge.pilot.driver import REST, Sight, Target
+from firmware_bridge.pilot.driver import NEUTRAL, Sight, Target
 from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.pilot.paths import Path
 from firmware_bridge.pilot.predictor import Predictor
@@ -16,10 +16,10 @@ from firmware_bridge.units import SECOND, Nanoseconds
 
 BLIND_AFTER: Final[Nanoseconds] = 2 * SECOND
 """Time without sight of the robot after which a follower stops."""
-STANDS_MPS: Final = 0.01
-STANDS_FOR: Final[Nanoseconds] = 3 * SECOND
+STANDSTILL_MPS: Final = 0.01
+STANDSTILL_FOR: Final[Nanoseconds] = 3 * SECOND
 """Time of standstill, beside a round trip, after which a commanded robot counts as held back."""
-LETS_GO_FOR: Final[Nanoseconds] = SECOND
+NEUTRAL_FOR: Final[Nanoseconds] = SECOND
 """Time of a neutral stick then, and after arming, beside a round trip: the robot must see it."""
 
 
@@ -50,10 +50,10 @@ class PathDriver:
         self._sight: Sight | None = None
         self._coming: Final[deque[tuple[Nanoseconds, Target]]] = deque()
         """Targets that are worked out and not yet commanded."""
-        self._does = REST
+        self._does = NEUTRAL
         self._moved_at: Nanoseconds = 0
         """Time when the robot was last seen to move, or without a command to drive."""
-        self._lets_go_until: Nanoseconds = 0
+        self._neutral_until: Nanoseconds = 0
         self._armed = False
         self.held_back = 0
         """Count of standstills despite a command to drive, since its last motion."""
@@ -61,7 +61,7 @@ class PathDriver:
     def sees(self, sight: Sight) -> None:
         """Take a pose that has come."""
         self._sight = sight
-        if abs(sight.moving.speed_mps) > STANDS_MPS:
+        if abs(sight.moving.speed_mps) > STANDSTILL_MPS:
             self._moved_at, self.held_back = sight.received_at, 0
         if self.predictor is not None and sight.measured_at is not None:
             self.predictor.seen(sight.measured_at, sight.moving)
@@ -71,13 +71,13 @@ class PathDriver:
         trip = link.round_trip(now) or 0
         if armed and not self._armed:
             # Who armed it sees it stand, and then drive off.
-            self._lets_go_until = now + LETS_GO_FOR + trip
+            self._neutral_until = now + NEUTRAL_FOR + trip
         self._armed = armed
-        worked_out = self._worked_out(trip, now) if armed else REST
+        worked_out = self._worked_out(trip, now) if armed else NEUTRAL
         self._coming.append((now + self._reaction, worked_out))
         while self._coming and self._coming[0][0] <= now:
             self._does = self._coming.popleft()[1]
-        command = self._let_go(self._does, trip, now)
+        command = self._neutral_first(self._does, trip, now)
         if self.predictor is not None:
             # Half a round trip is the way up, as long as both directions are equally slow.
             self.predictor.on_command(now, trip // 2, command.speed_mps, command.yaw_rate_rad_s)
@@ -85,15 +85,15 @@ class PathDriver:
 
     def _worked_out(self, trip: Nanoseconds, now: Nanoseconds) -> Target:
         if self._sight is None or now - self._sight.received_at > BLIND_AFTER:
-            return REST
+            return NEUTRAL
         seen = self._seen(self._sight, trip, now)
         if seen is None:
-            return REST
+            return NEUTRAL
         if self._pursuit is None:
             self._pursuit = Pursuit(self._place(self._sight.moving.pose), self._look_ahead)
         bend = self._pursuit.arc(seen.pose).curvature_per_m
         if self._pursuit.ended:
-            return REST
+            return NEUTRAL
         # A tighter arc than the robot can drive would only be clipped there, and be predicted wrongly here.
         bend = math.copysign(min(abs(bend), self._tightest), bend)
         return Target(self._speed, self._speed * bend)
@@ -103,12 +103,12 @@ class PathDriver:
             return sight.moving
         return self.predictor.at(now + trip // 2)
 
-    def _let_go(self, command: Target, trip: Nanoseconds, now: Nanoseconds) -> Target:
+    def _neutral_first(self, command: Target, trip: Nanoseconds, now: Nanoseconds) -> Target:
         """Put the stick to neutral where the robot is held back, which requires that before it goes on."""
-        if command == REST or now < self._lets_go_until:
+        if command == NEUTRAL or now < self._neutral_until:
             self._moved_at = max(self._moved_at, now)
-        elif now - self._moved_at > STANDS_FOR + trip:
+        elif now - self._moved_at > STANDSTILL_FOR + trip:
             # The bridge requires neutral after an interlock: without this the robot would wait for ever.
-            self._lets_go_until = now + LETS_GO_FOR + trip
+            self._neutral_until = now + NEUTRAL_FOR + trip
             self.held_back += 1
-        return REST if now < self._lets_go_until else command
+        return NEUTRAL if now < self._neutral_until else command

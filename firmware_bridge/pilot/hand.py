@@ -7,7 +7,7 @@ is the speed. Here the brake takes from it, and reverse changes only while no pe
 from collections.abc import Iterator
 from typing import Final
 
-from firmware_bridge.pilot.at_standstill import SeenAtRest
+from firmware_bridge.pilot.at_standstill import SeenAtStandstill
 from firmware_bridge.pilot.driver import NO_EXTRAS, ButtonRequest, Extras, Sight, Stick
 from firmware_bridge.pilot.joystick import PLAY, Controls
 from firmware_bridge.pilot.link import PilotLink
@@ -20,7 +20,7 @@ class StickInput:
     def __init__(self, controls: Controls, extras: Extras = NO_EXTRAS) -> None:
         self.controls: Final = controls
         self._extras: Final = extras
-        self._seen: Final = SeenAtRest()
+        self._seen: Final = SeenAtStandstill()
         self.reverse = False
 
     def sees(self, sight: Sight) -> None:

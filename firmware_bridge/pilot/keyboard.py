@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from types import MappingProxyType
 from typing import Final
 
-from firmware_bridge.pilot.at_standstill import SeenAtRest
+from firmware_bridge.pilot.at_standstill import SeenAtStandstill
 from firmware_bridge.pilot.driver import NO_EXTRAS, ButtonRequest, Extras, Sight, Stick
 from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
@@ -46,7 +46,7 @@ class Keyboard:
         self._helm = 0.0
         self._switches: Final[set[int]] = set()
         """Pressed since the last command."""
-        self._seen: Final = SeenAtRest()
+        self._seen: Final = SeenAtStandstill()
         self._key = b""
         self._until: Nanoseconds = 0
         """So long the newest key counts as down."""
@@ -58,12 +58,12 @@ class Keyboard:
         """Take a terminal's bytes, cut anywhere; yield what the keys ask for."""
         for key in self._keys(chunk):
             if key in _REQUESTS:
-                self._let_go()
+                self._to_neutral()
                 if _REQUESTS[key] is ButtonRequest.ARM:
                     self._seen.arm_requested()
                 yield _REQUESTS[key]
             elif key == b" ":
-                self._let_go()
+                self._to_neutral()
             elif key in _DIGITS:
                 self._switches.add(int(key) - 1)
             else:
@@ -73,7 +73,7 @@ class Keyboard:
         """Return the command of the keys; once the robot is armed, only of those released since."""
         # The repetition of the key is the enabling switch: a released key is noticed only by its absence.
         if now >= self._until:
-            self._let_go()
+            self._to_neutral()
         driven = bool(self._forward or self._up)
         self._seen.look({"keys": not driven, "helm": not self._helm}, armed=armed)
         forward, raised = (self._forward, self._up) if self._seen.counts("keys") else (0.0, 0.0)
@@ -98,7 +98,7 @@ class Keyboard:
         again = key == self._key and now < self._until
         self._key, self._until = key, now + (REPEATS if again else BEGINS)
 
-    def _let_go(self) -> None:
+    def _to_neutral(self) -> None:
         self._forward = self._up = 0.0
         self._key, self._until = b"", 0
 

@@ -9,7 +9,7 @@ from pydantic import Field, field_validator, model_validator
 
 from firmware_bridge.robot.guard_table import GuardTable
 from firmware_bridge.robot.operator_link import OperatorLink
-from firmware_bridge.robot.plausibility import RUBS, STANDS, Plausibility
+from firmware_bridge.robot.plausibility import RUBS, STANDSTILL, Plausibility
 from firmware_bridge.robot.settings.ar2 import Ar2Axis, Ar2Device, Ar2Driver, Ar2Link
 from firmware_bridge.robot.settings.capture import (
     CaptureBody,
@@ -175,14 +175,14 @@ class Axis(Table):
         return math.tau / self.ratio
 
     @property
-    def zero_confirmed(self) -> bool:
+    def needs_confirmation(self) -> bool:
         """True where it needs confirmation of its position, or homing, before it may move."""
         return self.travel is not None
 
     @property
     def standstill_below(self) -> float:
         """The speed in its unit a second at which it does not stand any more."""
-        return self.plausibility.standstill_below or STANDS * self.top_speed
+        return self.plausibility.standstill_below or STANDSTILL * self.top_speed
 
     @property
     def holds_with(self) -> float:

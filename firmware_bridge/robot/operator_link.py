@@ -25,7 +25,7 @@ class OperatorLink(Table):
     """The operator's link: its timeout, the age limit of commands, the identity on MAVLink."""
 
     silent_ms: Annotated[int, Field(ge=50, le=10_000)]
-    gone_ms: Annotated[int, Field(ge=1_000, le=60_000)] = 10_000
+    lost_ms: Annotated[int, Field(ge=1_000, le=60_000)] = 10_000
     """After so long a silence the robot is disarmed."""
     max_age_ms: Annotated[int, Field(ge=50, le=2_000)] = 500
     """No older motion command is obeyed; a stop command is, however old."""

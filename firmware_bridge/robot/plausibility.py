@@ -6,7 +6,7 @@ from pydantic import Field
 
 from firmware_bridge.robot.table import Positive, Table
 
-STANDS: Final = 1.0 / 80.0
+STANDSTILL: Final = 1.0 / 80.0
 """Share of its top speed below which an axis stands."""
 RUBS: Final = 1.0 / 20.0
 """Share of its motor's continuous current that friction may take."""

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 
 from pydantic import ValidationError
 
-from firmware_bridge.intent import ConfirmZero
+from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.renamed import with_new_keys
 from firmware_bridge.robot import AnyRobot, Problem, Robot, RobotFileError
 from firmware_bridge.robot.problems import problems_of
@@ -24,7 +24,7 @@ class AsRun(NamedTuple):
     """The settings that a bridge was started with."""
 
     robot: AnyRobot
-    stands: tuple[ConfirmZero, ...] = ()
+    confirmed: tuple[ConfirmPosition, ...] = ()
     mode: str = ""
 
 
@@ -34,8 +34,8 @@ def run_file(run: AsRun) -> dict[str, str]:
     # A robot file must not have this key: it is agreed for one session, and is put back when it is read.
     agreed_ms = robot["operator"].pop("agreed_ms", None)
     # JSON has no NaN.
-    stands = {it.axis: None if math.isnan(it.value) else it.value for it in run.stands}
-    content = {"robot": robot, "agreed_ms": agreed_ms, "stands": stands, "mode": run.mode}
+    confirmed = {it.axis: None if math.isnan(it.value) else it.value for it in run.confirmed}
+    content = {"robot": robot, "agreed_ms": agreed_ms, "confirmed": confirmed, "mode": run.mode}
     return {RUN_FILE: json.dumps(content, indent=1) + "\n"}
 
 
@@ -44,10 +44,10 @@ def read_run(folder: Path) -> AsRun | None:
     path = folder / RUN_FILE
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-        table, agreed_ms, stands, mode = (
+        table, agreed_ms, confirmed, mode = (
             content["robot"],
             content["agreed_ms"],
-            dict(content["stands"]),
+            dict(content["confirmed"] if "confirmed" in content else content["stands"]),
             str(content["mode"]),
         )
         kind = robot_type_named(table["kind"])
@@ -63,5 +63,8 @@ def read_run(folder: Path) -> AsRun | None:
     except ValidationError as error:
         raise RobotFileError(str(path), *problems_of(error, model)) from error
     agreed = None if agreed_ms is None else to_seconds(agreed_ms * MILLISECOND)
-    zeros = (ConfirmZero(axis, math.nan if value is None else float(value)) for axis, value in stands.items())
+    zeros = (
+        ConfirmPosition(axis, math.nan if value is None else float(value))
+        for axis, value in confirmed.items()
+    )
     return AsRun(robot.agreed_on(agreed), tuple(zeros), mode)

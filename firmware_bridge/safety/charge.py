@@ -1,4 +1,4 @@
-"""Since when the battery has been low; what follows is a row's in `common`."""
+"""Since when the battery has been low; its interlock is in `common`."""
 
 from collections.abc import Mapping
 from typing import Final

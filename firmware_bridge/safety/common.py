@@ -1,6 +1,6 @@
 """The interlocks that every robot has: operator, links, each axis; the times are this project's choice.
 
-Whole-robot rows come first, then the robot's own, then these of each link and axis.
+Whole-robot interlocks come first, then the robot's own, then these of each link and axis.
 """
 
 import math
@@ -32,7 +32,7 @@ STRAINS: Final = 2
 def whole_robot_interlocks(
     numbers: Mapping[str, Callable[[Any], float | None]], links: Mapping[str, LinkTable]
 ) -> tuple[AnyInterlock, ...]:
-    """Return the rows that judge no axis; `numbers` is what in a motion must be finite, by its title."""
+    """Return the interlocks that judge no axis; `numbers` is what in a motion must be finite, by title."""
 
     def command_unusable(view: AnyView) -> str | None:
         for title, read in numbers.items():
@@ -58,7 +58,7 @@ def whole_robot_interlocks(
             severity=Severity.CRITICAL,
             disarms=True,
         ),
-        *(_link_row(name, link) for name, link in links.items()),
+        *(_link_interlock(name, link) for name, link in links.items()),
         *(_second_controller(name, link) for name, link in links.items()),
         Interlock(
             "battery low",
@@ -74,7 +74,7 @@ def whole_robot_interlocks(
     )
 
 
-def _link_row(name: str, link: LinkTable) -> AnyInterlock:
+def _link_interlock(name: str, link: LinkTable) -> AnyInterlock:
     """Return the interlock that is active while no device on a link can be reached.
 
     A disarm would stop all groups, even where the link stops only some of them.
@@ -169,7 +169,7 @@ def _axis_not_enabled(axis: Axis, feedback: Feedback, _facts: Facts, _limit: Nan
 
 def _reference_lost(axis: Axis, feedback: Feedback, facts: Facts, _limit: Nanoseconds) -> str | None:
     # An axis never received has timed out: one cause, one interlock event.
-    if feedback.received_at == NEVER_RECEIVED or not (axis.zero_confirmed and feedback.reference_lost):
+    if feedback.received_at == NEVER_RECEIVED or not (axis.needs_confirmation and feedback.reference_lost):
         return None
     return f"{axis.called}: its reference is lost, position unknown{_stood(axis, facts)}"
 
@@ -181,7 +181,7 @@ def _stood(axis: Axis, facts: Facts) -> str:
 
 
 def _axis_restarted(axis: Axis, feedback: Feedback, facts: Facts, _limit: Nanoseconds) -> str | None:
-    if feedback.received_at == NEVER_RECEIVED or not (axis.zero_confirmed and feedback.reference_lost):
+    if feedback.received_at == NEVER_RECEIVED or not (axis.needs_confirmation and feedback.reference_lost):
         return None
     begun = f"{axis.called} has restarted, or was not confirmed since the bridge began"
     return f"{begun}: position unknown{_stood(axis, facts)}"
@@ -279,10 +279,10 @@ NO_FEEDBACK: Final = AxisInterlock(
 Each answer must still be fresh. A tracking error goes unnoticed.
 """
 
-CONFIRM_ZERO: Final = "look where it stands, and confirm it (drive --zero, or MAV_CMD_USER_1)"
+CONFIRM_POSITION: Final = "look where it stands, and confirm it (drive --zero, or MAV_CMD_USER_1)"
 
 AXIS_RESTARTED: Final = AxisInterlock(
-    "axis restarted", _axis_restarted, CONFIRM_ZERO, severity=Severity.CRITICAL
+    "axis restarted", _axis_restarted, CONFIRM_POSITION, severity=Severity.CRITICAL
 )
 """The replacement of "reference lost" where the device reports no reference.
 
@@ -323,7 +323,7 @@ AXIS_INTERLOCKS: Final = (
     AxisInterlock(
         "reference lost",
         _reference_lost,
-        CONFIRM_ZERO,
+        CONFIRM_POSITION,
         needs=frozenset({Reports.ZERO}),
         replacement=AXIS_RESTARTED,
         severity=Severity.CRITICAL,

@@ -38,63 +38,65 @@ NO_GROUP: Final[frozenset[Group]] = frozenset()
 class _Memory:
     """The hold of each interlock, and since when it has been clear."""
 
-    __slots__ = ("_clear_since", "_holds")
+    __slots__ = ("_active", "_clear_since")
 
     def __init__(self) -> None:
-        self._holds: dict[str, ActiveInterlock] = {}
+        self._active: dict[str, ActiveInterlock] = {}
         self._clear_since: dict[str, Nanoseconds] = {}
 
     def interlock_events(self, name: str) -> bool:
-        return name in self._holds
+        return name in self._active
 
     @property
     def clearing(self) -> frozenset[str]:
-        """The holds whose rows do not judge so any more, and have not been clear for long enough."""
+        """The events whose interlocks no longer trip, and have not been clear for long enough."""
         return frozenset(self._clear_since)
 
     def look(
-        self, name: str, reason: str | None, row: InterlockBase, now: Nanoseconds, axis: str = ""
+        self, name: str, reason: str | None, interlock: InterlockBase, now: Nanoseconds, axis: str = ""
     ) -> ActiveInterlock | None:
         """Take one look's outcome; return the hold where there is one."""
         if reason is not None:
             # A trip within the release delay starts it again; the reason stays that of the first trip.
             self._clear_since.pop(name, None)
-            return self._holds.setdefault(name, ActiveInterlock(name, reason, row, now, axis))
-        event = self._holds.get(name)
-        if event is not None and now - self._clear_since.setdefault(name, now) >= row.clear_after:
-            del self._holds[name], self._clear_since[name]
+            return self._active.setdefault(name, ActiveInterlock(name, reason, interlock, now, axis))
+        event = self._active.get(name)
+        if event is not None and now - self._clear_since.setdefault(name, now) >= interlock.clear_after:
+            del self._active[name], self._clear_since[name]
             return None
         return event
 
 
-class AxisRows(Immutable):
-    """One axis, its rows with the names of their holds, and the silence that its link allows."""
+class AxisInterlocks(Immutable):
+    """One axis, its interlocks with the names of their events, and the silence that its link allows."""
 
-    __slots__ = ("axis", "excluded", "rows", "silent_after")
+    __slots__ = ("axis", "excluded", "interlocks", "silent_after")
 
-    def __init__(self, axis: Axis, silent_after: Nanoseconds, rows: tuple[AxisInterlock, ...]) -> None:
+    def __init__(self, axis: Axis, silent_after: Nanoseconds, interlocks: tuple[AxisInterlock, ...]) -> None:
         self.axis: Final = axis
         self.silent_after: Final = silent_after
-        self.rows: Final = tuple((f"{row.name}: {axis.name}", row) for row in rows)
+        self.interlocks: Final = tuple(
+            (f"{interlock.name}: {axis.name}", interlock) for interlock in interlocks
+        )
         self.excluded: Final = ((f"{EXCLUDED_AXIS.name}: {axis.name}", EXCLUDED_AXIS),)
         """In a mode that does without the axis."""
 
 
-def axis_rows(robot: AnyRobot, reports: Mapping[str, frozenset[Reports]]) -> tuple[AxisRows, ...]:
+def axis_interlocks(robot: AnyRobot, reports: Mapping[str, frozenset[Reports]]) -> tuple[AxisInterlocks, ...]:
     """Return each axis' interlocks by its driver's reports; RobotFileError where a report is missing."""
     found = []
     for axis in robot.axes:
-        rows = [(row, row.fitting(reports[axis.name])) for row in AXIS_INTERLOCKS]
-        missing = [row.name for row, fitting in rows if fitting is None]
+        interlocks = [(interlock, interlock.fitting(reports[axis.name])) for interlock in AXIS_INTERLOCKS]
+        missing = [interlock.name for interlock, fitting in interlocks if fitting is None]
         if missing:
             problem = f"the devices on this link report too little for: {', '.join(missing)}"
             raise RobotFileError(robot.name, Problem(f"links.{axis.link}.driver", problem))
         link = robot.links[axis.link]
         stops = None if link.stops is None else frozenset(link.stops)
-        # One weaker row may stand in for several.
-        kept = dict.fromkeys(row for _, row in rows if row is not None)
-        fitting = tuple(row if stops is None else row.confined(stops) for row in kept)
-        found.append(AxisRows(axis, link.silent_ms * MILLISECOND, fitting))
+        # One weaker interlock may stand in for several.
+        kept = dict.fromkeys(interlock for _, interlock in interlocks if interlock is not None)
+        fitting = tuple(interlock if stops is None else interlock.confined(stops) for interlock in kept)
+        found.append(AxisInterlocks(axis, link.silent_ms * MILLISECOND, fitting))
     return tuple(found)
 
 
@@ -109,7 +111,7 @@ class Gate:
         """Take the robot's own rules for each of its modes, and the reports of each axis' driver."""
         self._robot = robot
         self._rules = rules
-        self._axes = axis_rows(robot, reports)
+        self._axes = axis_interlocks(robot, reports)
         self._common: tuple[AnyInterlock, ...] = whole_robot_interlocks(rules[""].numbers, robot.links)
         self._silent_after = robot.operator.silent_ms * MILLISECOND
         self._memory = _Memory()
@@ -119,21 +121,23 @@ class Gate:
         """Judge the command in this snapshot; `seen.facts.now` never runs backwards."""
         rules = self._rules[seen.facts.mode]
         view = View(self._robot, seen, seen.command, NO_GROUP, self._before)
-        events = self._held(self._common, view) + self._held(rules.interlocks, view)
+        events = self._tripped(self._common, view) + self._tripped(rules.interlocks, view)
         events += self._held_axes(seen.facts)
         stopped = _stopped(events, rules.groups)
         clipped = self._clipped(rules.limits, view, events, reported=not stopped)
-        allowed = rules.body.rested(clipped, stopped) if stopped else clipped
+        allowed = rules.kinematics.at_standstill(clipped, stopped) if stopped else clipped
         if rules.after_limits:
-            requested = rules.body.requested(clipped, seen.body)
+            requested = rules.kinematics.requested(clipped, seen.body)
             # Groups that may each move alone may be forbidden to move together, so this is judged behind the
             # limits.
-            late = self._held(rules.after_limits, View(self._robot, seen, allowed, requested, self._before))
+            late = self._tripped(
+                rules.after_limits, View(self._robot, seen, allowed, requested, self._before)
+            )
             events += late
             stopped_late = _stopped(late, rules.groups)
-            allowed = rules.body.rested(allowed, stopped_late) if stopped_late else allowed
+            allowed = rules.kinematics.at_standstill(allowed, stopped_late) if stopped_late else allowed
             stopped |= stopped_late
-        decision = Decision(tuple(events), stopped, allowed, rules.body.requested(allowed, seen.body))
+        decision = Decision(tuple(events), stopped, allowed, rules.kinematics.requested(allowed, seen.body))
         self._before = decision
         return decision
 
@@ -157,14 +161,16 @@ class Gate:
                 first = min(first, feedback.received_at + one.silent_after)
         return first
 
-    def _held(self, rows: tuple[AnyInterlock, ...], view: AnyView) -> list[ActiveInterlock]:
+    def _tripped(self, interlocks: tuple[AnyInterlock, ...], view: AnyView) -> list[ActiveInterlock]:
         memory, now = self._memory, view.seen.facts.now
         events = []
-        for row in rows:
-            held = memory.interlock_events(row.name)
+        for interlock in interlocks:
+            active = memory.interlock_events(interlock.name)
             # An active interlock is judged by its release threshold: a value at the limit must not flicker.
-            reason = row.judge(view.held() if held else view)
-            event = memory.look(row.name, reason, row, now) if held or reason is not None else None
+            reason = interlock.judge(view.active() if active else view)
+            event = (
+                memory.look(interlock.name, reason, interlock, now) if active or reason is not None else None
+            )
             if event is not None:
                 events.append(event)
         return events
@@ -174,10 +180,10 @@ class Gate:
         for one in self._axes:
             axis = one.axis
             feedback = facts.axes.get(axis.name) or Feedback(axis.name)
-            for name, row in one.excluded if axis.name in facts.without else one.rows:
-                reason = row.judge(axis, feedback, facts, one.silent_after)
-                held = reason is not None or memory.interlock_events(name)
-                event = memory.look(name, reason, row, facts.now, axis.name) if held else None
+            for name, interlock in one.excluded if axis.name in facts.without else one.interlocks:
+                reason = interlock.judge(axis, feedback, facts, one.silent_after)
+                active = reason is not None or memory.interlock_events(name)
+                event = memory.look(name, reason, interlock, facts.now, axis.name) if active else None
                 if event is not None:
                     events.append(event)
         return events
@@ -191,12 +197,14 @@ class Gate:
         reported: bool,
     ) -> Any:
         """Return the command within all limits; while something is stopped, not they hold it back."""
-        for row in limits:
-            allowed, reason = row.clip(view)
-            event = self._memory.look(row.name, reason if reported else None, row, view.seen.facts.now)
+        for interlock in limits:
+            allowed, reason = interlock.clip(view)
+            event = self._memory.look(
+                interlock.name, reason if reported else None, interlock, view.seen.facts.now
+            )
             if event is not None:
                 events.append(event)
-            # Each limit judges the command as the one before has left it: the order of the rows counts.
+            # Each limit judges the command as the one before has left it: the order of the limits counts.
             if allowed is not view.allowed:
                 view = View(view.robot, view.seen, allowed, NO_GROUP, view.before)
         return view.allowed
@@ -205,5 +213,5 @@ class Gate:
 def _stopped(events: list[ActiveInterlock], groups: frozenset[Group]) -> frozenset[Group]:
     stopped = NO_GROUP
     for event in events:
-        stopped |= groups if event.row.stops is None else event.row.stops
+        stopped |= groups if event.interlock.stops is None else event.interlock.stops
     return stopped

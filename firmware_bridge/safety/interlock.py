@@ -1,4 +1,4 @@
-"""The interlock: one row with all its properties, and the view that it judges.
+"""The interlock with all its properties, and the view that it judges.
 
 A predicate returns the reason while it is active, else None. It receives whether it is active already, so
 that the threshold of its release may lie below the one of its trip. It keeps no state: timeouts are computed
@@ -25,7 +25,7 @@ S = TypeVar("S")
 class View(Generic[G, M, S]):
     """The input of an interlock: the robot, the snapshot, and the command as evaluated so far."""
 
-    __slots__ = ("allowed", "before", "holding", "requested", "robot", "seen")
+    __slots__ = ("allowed", "before", "requested", "robot", "seen", "was_active")
 
     def __init__(
         self,
@@ -35,18 +35,24 @@ class View(Generic[G, M, S]):
         requested: frozenset[Group],
         before: Decision[M] | None,
         *,
-        holding: bool = False,
+        was_active: bool = False,
     ) -> None:
         self.robot: Final = robot
         self.seen: Final = seen
         self.allowed: Final = allowed
         """The command as permitted so far; the original one before the first evaluation."""
         self.requested: Final = requested
-        """The groups that the clipped command moves, stopped or not; only for rows after the limits."""
+        """The groups that the clipped command moves, stopped or not; only for interlocks after the limits."""
         self.before: Final = before
         """The decision before this one; None at the first."""
-        self.holding: Final = holding
-        """The row that looks holds already."""
+        self.was_active: Final = was_active
+        """The interlock that looks is active already."""
+
+    @property
+    def holding(self) -> bool:
+        """The old name of `was_active`."""
+        warn("holding", "was_active", "View")
+        return self.was_active
 
     @property
     def facts(self) -> Facts:
@@ -69,9 +75,9 @@ class View(Generic[G, M, S]):
         warn("asked", "requested", "View")
         return self.requested
 
-    def held(self) -> "View[G, M, S]":
-        """Return the same for a row that holds already."""
-        return View(self.robot, self.seen, self.allowed, self.requested, self.before, holding=True)
+    def active(self) -> "View[G, M, S]":
+        """Return the same for an interlock that is active already."""
+        return View(self.robot, self.seen, self.allowed, self.requested, self.before, was_active=True)
 
 
 class Interlock(InterlockBase, Generic[G, M, S]):
@@ -107,7 +113,7 @@ class Interlock(InterlockBase, Generic[G, M, S]):
         )
         self.judge: Final = judge
         self.after_limits: Final = after_limits
-        """It judges what all rows and limits before it have allowed, not the command."""
+        """It judges what all interlocks and limits before it have allowed, not the command."""
 
 
 class Limit(InterlockBase, Generic[G, M, S]):
@@ -173,7 +179,7 @@ class AxisInterlock(InterlockBase):
         """The weaker interlock for a driver without these reports; None: such a driver is refused."""
 
     def confined(self, stops: frozenset[str]) -> "AxisInterlock":
-        """Return the same row for an axis on a link that stops only these groups."""
+        """Return the same interlock for an axis on a link that stops only these groups."""
         return AxisInterlock(
             self.name,
             self.judge,
@@ -186,11 +192,11 @@ class AxisInterlock(InterlockBase):
         )
 
     def fitting(self, reports: frozenset[Reports]) -> "AxisInterlock | None":
-        """Return this row, or the first weaker one for which this is enough; None where there is none."""
-        row: AxisInterlock | None = self
-        while row is not None and not row.needs <= reports:
-            row = row.replacement
-        return row
+        """Return this interlock, or the first weaker one that `reports` suffice for; None: there is none."""
+        interlock: AxisInterlock | None = self
+        while interlock is not None and not interlock.needs <= reports:
+            interlock = interlock.replacement
+        return interlock
 
 
 AnyView: TypeAlias = View[Any, Any, Any]

@@ -23,7 +23,7 @@ class Severity(IntEnum):
 
 
 class InterlockBase(Immutable):
-    """A row's name, its remedy, and everything that follows while it holds."""
+    """An interlock's name, its remedy, and everything that follows while it is active."""
 
     __slots__ = (
         "blocks_arming",

@@ -13,7 +13,7 @@ S = TypeVar("S")
 
 
 class KinematicModel(Protocol[M, S]):
-    """One robot's body: pure, numbers in, numbers out; SI units, axes by their names."""
+    """One robot's kinematic model: pure, numbers in, numbers out; SI units, axes by their names."""
 
     @property
     def rolling(self) -> tuple[str, ...]:
@@ -28,7 +28,7 @@ class KinematicModel(Protocol[M, S]):
     def moving(self, state: S) -> frozenset[Group]:
         """Return the groups that are seen to move."""
 
-    def rested(self, motion: M, groups: frozenset[Group]) -> M:
+    def at_standstill(self, motion: M, groups: frozenset[Group]) -> M:
         """Return the motion with these groups at rest."""
 
     def ramped(self, commanded: M, allowed: M, state: S, elapsed: Nanoseconds) -> M:

@@ -15,7 +15,7 @@ OPERATOR_CLEARS_AFTER: Final[Nanoseconds] = 200 * MILLISECOND
 
 
 def operator_interlocks() -> tuple[AnyInterlock, ...]:
-    """Return the rows in the order in which they are judged."""
+    """Return the interlocks in the order in which they are judged."""
     return (
         # Many stations arm first and speak of motion then; until they do, the silence holds the robot itself.
         Interlock(
@@ -92,7 +92,7 @@ def _is_silent(view: AnyView) -> bool:
 
 
 def _link_lost(view: AnyView) -> str | None:
-    limit = view.robot.operator.gone_ms * MILLISECOND
+    limit = view.robot.operator.lost_ms * MILLISECOND
     if view.facts.received_at == NEVER_RECEIVED or view.facts.now - view.facts.received_at < limit:
         return None
     return f"no motion command for {to_seconds(limit):g} s: no station in control"

@@ -1,4 +1,4 @@
-"""The robot's half of what the gate judges by: its own rows, in the mode in which it is."""
+"""The robot's half of what the gate judges by: its own interlocks, in the mode in which it is."""
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
@@ -11,16 +11,16 @@ from firmware_bridge.units import Nanoseconds
 
 
 class Rules:
-    """One mode's body, groups, interlocks and limits, in their order."""
+    """One mode's kinematic model, groups, interlocks and limits, in their order."""
 
     __slots__ = (
-        "_rests_below",
         "_silent_after",
+        "_standstill_below",
         "after_limits",
-        "body",
         "carriers",
         "groups",
         "interlocks",
+        "kinematics",
         "limits",
         "numbers",
         "travelling",
@@ -30,7 +30,7 @@ class Rules:
     def __init__(
         self,
         *,
-        body: AnyKinematicModel,
+        kinematics: AnyKinematicModel,
         without: frozenset[str],
         groups: frozenset[Group],
         travelling: frozenset[Group],
@@ -40,23 +40,23 @@ class Rules:
         interlocks: tuple[AnyInterlock, ...],
         limits: tuple[AnyLimit, ...],
     ) -> None:
-        self.body: Final = body
+        self.kinematics: Final = kinematics
         self.without: Final = without
         """The names of the axes that the mode does without."""
         self.groups: Final = groups
         self.travelling: Final = travelling
         """The groups that take the robot from its place."""
-        self._rests_below: Final = tuple(standstill_below.items())
+        self._standstill_below: Final = tuple(standstill_below.items())
         """The axes that do, by their names, and the speed at which each does not stand any more."""
         self.carriers: Final = frozenset(without.intersection(standstill_below))
         """Those of the axes left out that take the robot from its place, and hold it where it is."""
         self._silent_after: Final = silent_after
         self.numbers: Final = numbers
         """The values of a motion that must be finite numbers, by their titles for people."""
-        self.interlocks: Final = tuple(row for row in interlocks if not row.after_limits)
+        self.interlocks: Final = tuple(interlock for interlock in interlocks if not interlock.after_limits)
         self.limits: Final = limits
-        self.after_limits: Final = tuple(row for row in interlocks if row.after_limits)
-        """Those that judge what all rows and limits before them have allowed."""
+        self.after_limits: Final = tuple(interlock for interlock in interlocks if interlock.after_limits)
+        """Those that judge what all interlocks and limits before them have allowed."""
 
     def at_standstill(self, seen: AnySnapshot) -> bool:
         """Return whether the robot is at standstill, and is not commanded otherwise.
@@ -64,25 +64,27 @@ class Rules:
         Each axis is judged: wheels that turn against each other leave the robot in place, and are not at
         standstill.
         """
-        return not self.body.requested(seen.commanded, seen.body) & self.travelling and self.stands(seen)
+        return not self.kinematics.requested(seen.commanded, seen.body) & self.travelling and self.stopped(
+            seen
+        )
 
-    def stands(self, seen: AnySnapshot) -> bool:
+    def stopped(self, seen: AnySnapshot) -> bool:
         """Return whether the robot is at standstill, whatever it is commanded."""
         axes = seen.facts.axes
-        return not self.body.moving(seen.body) & self.travelling and all(
+        return not self.kinematics.moving(seen.body) & self.travelling and all(
             # An excluded axis that has timed out can prove no standstill: without this no degraded mode could
             # begin.
             abs(axes[name].velocity) < bound or self._is_silent(name, seen.facts)
-            for name, bound in self._rests_below
+            for name, bound in self._standstill_below
         )
 
     def sensed(self, seen: AnySnapshot) -> AnySnapshot:
-        """Return the snapshot as this mode's body would have sensed it."""
+        """Return the snapshot as this mode's kinematic model would have sensed it."""
         return self._of(seen, seen.facts)
 
     def believed(self, seen: AnySnapshot, untrusted: Collection[str]) -> AnySnapshot | None:
         """Return the snapshot with the untrusted axes at standstill; None where no trusted one carries."""
-        if all(name in untrusted for name, _ in self._rests_below):
+        if all(name in untrusted for name, _ in self._standstill_below):
             return None
         stand = {name: replace(seen.facts.axes[name], velocity=0.0) for name in untrusted}
         return self._of(seen, replace(seen.facts, axes={**seen.facts.axes, **stand}))
@@ -92,7 +94,7 @@ class Rules:
             facts=facts,
             command=seen.command,
             commanded=seen.commanded,
-            body=self.body.sensed(facts.axes, facts.sensors),
+            body=self.kinematics.sensed(facts.axes, facts.sensors),
             pose=seen.pose,
             located=seen.located,
         )

@@ -30,7 +30,7 @@ Group: TypeAlias = str
 class Tracking:
     """Tracking of one axis up to its newest sample; in its unit."""
 
-    set_point: SetPoint = Stop.REST
+    set_point: SetPoint = Stop.STANDSTILL
     """The set-point sent to it last."""
     changed_at: Nanoseconds = NEVER_RECEIVED
     """Time of the last change of that set-point."""
@@ -163,8 +163,8 @@ class ActiveInterlock:
     """Stable key, for instance "operator link timeout"; an axis's ends with the axis's name."""
     reason: str
     """The cause, with the numbers at the time it began."""
-    row: InterlockBase
-    """Its row: stopped groups, severity and remedy."""
+    interlock: InterlockBase
+    """Its definition: stopped groups, severity and remedy."""
     since: Nanoseconds
     axis: str = field(default="", compare=False)
     """The name of its axis; empty where it is the robot's."""
@@ -179,7 +179,7 @@ class ActiveInterlock:
     @property
     def remedy(self) -> str:
         """The operator's action that clears it."""
-        return self.row.remedy
+        return self.interlock.remedy
 
 
 class Decision(Immutable, Generic[M]):

@@ -100,7 +100,7 @@ class TrackingMonitor:
         self._bounds: Final = bounds
         self._coasts_at: Final = axis.top_speed
         """Speed bound on its way to a position when it is commanded to stop."""
-        self._set_point: SetPoint = Stop.REST
+        self._set_point: SetPoint = Stop.STANDSTILL
         self._changed_at: Nanoseconds = NEVER_RECEIVED
         self._aim: SetPoint | None = None
         """The set-point in force, or its device's own stop; None while it has no torque."""
@@ -193,14 +193,14 @@ class TrackingMonitor:
         low, high, at = self._low, self._high, feedback.sampled_at
         position, velocity = feedback.position, feedback.velocity
         # Equal to the last bit: an encoder that counts shows some noise, one that is off shows none.
-        owed, stands = 0.0, position == before.position
+        owed, standing = 0.0, position == before.position
         if self._positions:
             does, slack = position, self._bounds.position
-            if stands:
+            if standing:
                 owed = max(low - does, does - high, 0.0)
         else:
             does, slack = velocity, self._bounds.around(low, high)
-            if stands and self._aim is not Stop.POWER_OFF:
+            if standing and self._aim is not Stop.POWER_OFF:
                 # The backlog it has when it is commanded to stop it keeps, until its power is taken: who was
                 # well has moved meanwhile.
                 owed = before.backlog + max(low, -high, 0.0) * seconds
@@ -211,7 +211,7 @@ class TrackingMonitor:
             at,
             at if obeys else before.obeyed_at,
             at if owed <= self._bounds.creep else before.settled_at,
-            before.place_at if stands else at,
+            before.place_at if standing else at,
             position,
             velocity,
             low,
@@ -219,7 +219,7 @@ class TrackingMonitor:
             not obeys and not self._lags(feedback),
             owed,
             0 if self._turns(velocity) else before.idle + 1,
-            stands
+            standing
             and self._aim is not Stop.POWER_OFF
             and (before.halted or (before.idle < IDLE and owed > self._bounds.creep)),
         )

@@ -10,7 +10,7 @@ from firmware_bridge.units import SECOND, Nanoseconds, from_seconds
 UP: Final = "up"
 """From the operator to the robot."""
 DOWN: Final = "down"
-WAYS: Final = (UP, DOWN)
+DIRECTIONS: Final = (UP, DOWN)
 
 
 class ConditionsError(ValueError):
@@ -74,26 +74,28 @@ def conditions(text: str) -> Conditions:
 
     ConditionsError gives the mistake, and the near name.
     """
-    ways = {way: LinkDirection() for way in WAYS}
+    directions = {direction: LinkDirection() for direction in DIRECTIONS}
     seen: set[str] = set()
     for alone, part in sorted(_parts(text)):  # a value for one way wins over one for both
         key, sign, number = part.partition("=")
-        way, _, name = key.rpartition(".") if alone else ("", "", key)
+        direction, _, name = key.rpartition(".") if alone else ("", "", key)
         row = ROWS.get(name)
-        if not sign or row is None or (alone and way not in ways):
-            raise ConditionsError(f"link: '{part}': {_expected(way, name, alone=alone, sign=bool(sign))}")
+        if not sign or row is None or (alone and direction not in directions):
+            raise ConditionsError(
+                f"link: '{part}': {_expected(direction, name, alone=alone, sign=bool(sign))}"
+            )
         if key in seen:
             raise ConditionsError(f"link: '{part}': {key} is given twice")
         seen.add(key)
         value = _number(part, number, row) / (2.0 if row.halved and not alone else 1.0)
-        for one in (way,) if alone else WAYS:
-            ways[one] = replace(ways[one], **{row.field: row.into(value)})
-    for name, read in ways.items():
+        for one in (direction,) if alone else DIRECTIONS:
+            directions[one] = replace(directions[one], **{row.field: row.into(value)})
+    for name, read in directions.items():
         # At least one packet arrives between two bursts, which bounds the share of losses.
         most = read.burst / (read.burst + 1.0)
         if read.burst and read.loss > most:
             raise ConditionsError(f"link: bursts of {read.burst:g} {name} lose at most {most:.2f} of all")
-    return Conditions(**ways)
+    return Conditions(**directions)
 
 
 def help_of_rows() -> str:
@@ -106,9 +108,9 @@ def _parts(text: str) -> Iterator[tuple[bool, str]]:
         yield "." in part.partition("=")[0], part.strip()
 
 
-def _expected(way: str, name: str, *, alone: bool, sign: bool) -> str:
-    if alone and way not in WAYS:
-        return f"there is no way '{way}'; {near(way, WAYS)}"
+def _expected(direction: str, name: str, *, alone: bool, sign: bool) -> str:
+    if alone and direction not in DIRECTIONS:
+        return f"there is no direction '{direction}'; {near(direction, DIRECTIONS)}"
     if name in ROWS and not sign:
         return f"give {name}=NUMBER"
     return f"there is no key '{name}'; {near(name, list(ROWS))}"

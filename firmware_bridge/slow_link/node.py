@@ -26,10 +26,10 @@ class Chance(Protocol):
 class Pipe:
     """One way of a link."""
 
-    __slots__ = ("_bad", "_chance", "_flying", "_free_at", "_number", "_way", "carried", "lost")
+    __slots__ = ("_bad", "_chance", "_direction", "_flying", "_free_at", "_number", "carried", "lost")
 
-    def __init__(self, way: LinkDirection, chance: Chance) -> None:
-        self._way: Final = way
+    def __init__(self, direction: LinkDirection, chance: Chance) -> None:
+        self._direction: Final = direction
         self._chance: Final = chance
         self._flying: Final[list[tuple[Nanoseconds, int, Packet]]] = []
         self._number = 0
@@ -47,26 +47,26 @@ class Pipe:
 
     def put(self, packet: Packet, now: Nanoseconds) -> None:
         """Send a packet on its way, or lose it."""
-        way = self._way
+        direction = self._direction
         falls, late, again, later = (self._chance.random() for _ in range(4))
         self.carried += 1
         # The state of Gilbert's model goes on with every packet, also with one that the queue loses.
         lost = self._loses(falls)
         sent_at = now
-        if way.bandwidth:
+        if direction.bandwidth:
             begins = max(now, self._free_at)
-            if begins - now > way.queue:
+            if begins - now > direction.queue:
                 self.lost += 1
                 return
             sent_at = self._free_at = begins + round(
-                len(packet.payload) * BITS_A_BYTE * SECOND / way.bandwidth
+                len(packet.payload) * BITS_A_BYTE * SECOND / direction.bandwidth
             )
         if lost:
             self.lost += 1
             return
-        self._fly(packet, sent_at + way.delay + round(late * way.jitter))
-        if again < way.duplicate:
-            self._fly(packet, sent_at + way.delay + round(later * way.jitter))
+        self._fly(packet, sent_at + direction.delay + round(late * direction.jitter))
+        if again < direction.duplicate:
+            self._fly(packet, sent_at + direction.delay + round(later * direction.jitter))
 
     def arrived(self, now: Nanoseconds) -> list[Packet]:
         """Take out what has arrived by now, in the order of the instants."""
@@ -86,13 +86,13 @@ class Pipe:
 
     def _loses(self, falls: float) -> bool:
         """Return whether this packet is lost: Gilbert's two states, or each packet by itself."""
-        way = self._way
-        if not way.burst:
-            return falls < way.loss
-        if way.loss < 1.0:
+        direction = self._direction
+        if not direction.burst:
+            return falls < direction.loss
+        if direction.loss < 1.0:
             # Bursts of mean length b, good runs of mean length b (1 - p) / p: together the share p is lost.
-            begins = way.loss / (way.burst * (1.0 - way.loss))
-            self._bad = falls < (1.0 - 1.0 / way.burst if self._bad else begins)
+            begins = direction.loss / (direction.burst * (1.0 - direction.loss))
+            self._bad = falls < (1.0 - 1.0 / direction.burst if self._bad else begins)
         return self._bad
 
 

@@ -183,11 +183,11 @@ def _enter_mode(order: Order, exchange: Exchange) -> OrderAnswer:
     session, main, sub = exchange.session, whole(order.params[1]), whole(order.params[2]) or 0
     requested = None if main is None else modes.requested(main, sub, len(session.modes))
     if requested is None:
-        known = [f"{row.number} {row.way.value}" for row in modes.ROWS]
+        known = [f"{row.number} {row.driving_mode.value}" for row in modes.ROWS]
         known += [f"{modes.number_of_own(place)} {name}" for place, name in enumerate(session.modes) if name]
         return denied(f"mode: {', '.join(known)}; there are no others; it is paused")
     session.audience.voice(exchange.sender.source).px4 = requested.px4
-    if requested.way is modes.DrivingMode.HOLD:
+    if requested.driving_mode is modes.DrivingMode.HOLD:
         return judged(exchange.request(intent.Pause()))
     path_follower = 0 if requested.px4 else sub
     if path_follower >= len(session.path_followers):
@@ -198,7 +198,7 @@ def _enter_mode(order: Order, exchange: Exchange) -> OrderAnswer:
     if entered.result is Result.ACCEPTED and len(session.path_followers) > 1:
         entered = judged(exchange.request(intent.Follow(session.path_followers[path_follower])))
     if entered.result is Result.ACCEPTED:
-        session.driven.order(requested.way, exchange.now)
+        session.driven.order(requested.driving_mode, exchange.now)
     return entered
 
 
@@ -208,12 +208,12 @@ def _home(order: Order, exchange: Exchange) -> OrderAnswer:
     return judged(exchange.request(intent.ResetOdometry()))
 
 
-def _confirm_zero(order: Order, exchange: Exchange) -> OrderAnswer:
+def _confirm_position(order: Order, exchange: Exchange) -> OrderAnswer:
     number, axes = whole(order.params[0]), exchange.session.robot.axes
     # Counted from 1: a command of zeros alone names no axis.
     known = number is not None and 1 <= number <= len(axes)
     axis = axes[number - 1].name if number is not None and known else f"axis {order.params[0]:g}"
-    return judged(exchange.request(intent.ConfirmZero(axis, order.params[1])))
+    return judged(exchange.request(intent.ConfirmPosition(axis, order.params[1])))
 
 
 def _reboot(_: Order, exchange: Exchange) -> OrderAnswer:
@@ -262,10 +262,10 @@ def _terminates(order: Order) -> bool:
     return order.params[0] > _TERMINATES
 
 
-def _holds(order: Order) -> bool:
+def _stops_by_mode(order: Order) -> bool:
     main, sub = whole(order.params[1]), whole(order.params[2]) or 0
     requested = None if main is None else modes.requested(main, sub, 0)
-    return requested is not None and requested.way is modes.DrivingMode.HOLD
+    return requested is not None and requested.driving_mode is modes.DrivingMode.HOLD
 
 
 @dataclass(frozen=True, slots=True)
@@ -334,7 +334,7 @@ ROWS: Final = (
         _set_mode,
         "0 Manual: the whole robot, and continue after a pause; 15 Guided; 4 Hold: pause; others after a "
         "failed actuator; submode: the path follower, 0 none; also PX4's numbers",
-        stops=_holds,
+        stops=_stops_by_mode,
     ),
     Entry(
         dialect.MAV_CMD_DO_SET_STANDARD_MODE,
@@ -349,7 +349,7 @@ ROWS: Final = (
     ),
     Entry(
         dialect.MAV_CMD_USER_1,
-        _confirm_zero,
+        _confirm_position,
         "p1: an axis by its place in the robot file, from 1; p2: its position, read off the robot; "
         "NaN: home it",
     ),

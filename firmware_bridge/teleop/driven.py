@@ -26,7 +26,7 @@ class ReportedMode:
         self._guided = False
         """True where a station has requested set-points alone."""
 
-    def way(self, *, paused: bool) -> DrivingMode:
+    def driving_mode(self, *, paused: bool) -> DrivingMode:
         """Return the reported way of driving."""
         if paused:
             return DrivingMode.HOLD
@@ -40,9 +40,9 @@ class ReportedMode:
         """Accept no commands: the robot has been paused, and goes on by an order alone."""
         self._guided = self._set_points = False
 
-    def order(self, way: DrivingMode, now: Nanoseconds) -> None:
+    def order(self, driving_mode: DrivingMode, now: Nanoseconds) -> None:
         """Be driven in this way from now on."""
-        self._guided = self._set_points = way is DrivingMode.GUIDED
+        self._guided = self._set_points = driving_mode is DrivingMode.GUIDED
         if self._guided:
             self._set_points_at = now
 

@@ -307,7 +307,7 @@ class Exchange:
             self.warn("number", f"{message.get_type()} of the second {self.sender} moves nothing")
         elif self.refusal is None:
             self.move(*given)
-            self.peer.rested_at = self.now
+            self.peer.neutral_at = self.now
 
     def _turned(self, velocity: Velocity) -> Velocity | Unusable:
         """Refuse a yaw rate alone where it turns nothing: a robot that steers turns only as it drives."""
@@ -322,7 +322,7 @@ class Exchange:
         """Take a motion command as the newest, unless it is unusable; `deflected` is empty for neutral."""
         session, neutral = self.session, not deflected
         # Two stations behind one number: a neutral stick of one of them must not be overruled.
-        if deflected and self.now - self.peer.rested_at < session.silent_after:
+        if deflected and self.now - self.peer.neutral_at < session.silent_after:
             session.dropped.undriven += 1
             self.warn(
                 "number",
@@ -348,7 +348,9 @@ class Exchange:
                 motion_command, self.now, sent_at, timestamped=timestamped, deflected=deflected
             )
             # An old command may have been sent before its sender's permission ended.
-            session.let_go |= neutral and (age is None or age.nanoseconds < session.age_limit.most)
+            session.returned_to_neutral |= neutral and (
+                age is None or age.nanoseconds < session.age_limit.most
+            )
 
     def newest(self) -> bool:
         """Return whether no newer motion command has overtaken this one."""

@@ -50,7 +50,7 @@ def _differs(link: LinkState) -> float | None:
     return link.ages.differs / link.limit.most
 
 
-def _undated(link: LinkState) -> float | None:
+def _not_timestamped(link: LinkState) -> float | None:
     requested_at = link.ages.trips.began_at
     reported = requested_at is not None and link.now - requested_at >= REPORTED_AFTER
     return float(not link.timestamped) if reported else None
@@ -75,7 +75,7 @@ ROWS: Final = (
         "link: this station's clocks agree again",
     ),
     LinkFigure(
-        _undated,
+        _not_timestamped,
         1.0,
         1.0,
         "link: the age of this station's commands is unknown, only their loss is noticed",

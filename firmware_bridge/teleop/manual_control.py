@@ -68,11 +68,11 @@ def stick_of(message: Message, station: AnyStation, lever: Lever) -> StickPositi
         if abs(value) > FULL_STICK:
             return Unusable("stick", f"{name} = {value} is beyond +-{FULL_STICK}")
         way = max(min(value - neutral, FULL_STICK), -FULL_STICK)
-        rests = abs(way) <= station.dead_band * FULL_STICK
+        neutral_now = abs(way) <= station.dead_band * FULL_STICK
         # A lift's stick at neutral gives no rate, so that a target by command stays in force.
-        if axis is not StickAxis.UP or not rests:
+        if axis is not StickAxis.UP or not neutral_now:
             shares[axis] = sign * way / FULL_STICK
-        if not (rests or deflected):
+        if not (neutral_now or deflected):
             deflected = f"{name} stands at {value}: this robot wants {neutral}"
     return StickPosition(
         Stick(

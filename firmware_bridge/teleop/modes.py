@@ -35,7 +35,7 @@ def px4(main: int, sub: int = 0) -> int:
 class ModeRow:
     """One way to be driven."""
 
-    way: DrivingMode
+    driving_mode: DrivingMode
     number: int
     """In HEARTBEAT, CURRENT_MODE and AVAILABLE_MODES, and in a request: as ArduPilot's Rover counts."""
     px4: int
@@ -60,9 +60,9 @@ ROWS: Final = (
     ModeRow(DrivingMode.GUIDED, 15, px4(6), flags=dialect.MAV_MODE_FLAG_GUIDED_ENABLED),
     ModeRow(DrivingMode.HOLD, 4, px4(_MAIN_AUTO, _LOITER)),
 )
-BY_WAY: Final = {row.way: row for row in ROWS}
-_BY_NUMBER: Final = {row.number: row.way for row in ROWS}
-_BY_PX4: Final = {number: row.way for row in ROWS for number in (row.px4, *row.also)}
+BY_DRIVING_MODE: Final = {row.driving_mode: row for row in ROWS}
+_BY_NUMBER: Final = {row.number: row.driving_mode for row in ROWS}
+_BY_PX4: Final = {number: row.driving_mode for row in ROWS for number in (row.px4, *row.also)}
 _FIRST_OWN: Final = 20
 _OWN: Final[tuple[int, ...]] = (0, *range(_FIRST_OWN, 1 << 6))
 """The numbers of the robot's own modes by their places, 0 the whole robot's.
@@ -77,7 +77,7 @@ _WHOLE: Final = 1 << 16
 class ModeRequest(NamedTuple):
     """The request in a station's numbers."""
 
-    way: DrivingMode
+    driving_mode: DrivingMode
     own: int | None
     """The place of one of the robot's own modes; None where it is to stay in the one that it has."""
     px4: bool
@@ -95,18 +95,18 @@ def requested(main: int, sub: int, own: int) -> ModeRequest | None:
         return ModeRequest(_BY_NUMBER[main], None, px4=False)
     # MAVSDK sends main and sub mode as two parameters, SET_MODE both in one number.
     whole = main if main >= _WHOLE else px4(main, sub)
-    way = _BY_PX4.get(whole)
-    if way is not None:
-        return ModeRequest(way, 0 if whole == px4(_MAIN_MANUAL) else None, px4=True)
+    driving_mode = _BY_PX4.get(whole)
+    if driving_mode is not None:
+        return ModeRequest(driving_mode, 0 if whole == px4(_MAIN_MANUAL) else None, px4=True)
     place = whole >> 24
     if whole == px4(_MAIN_MANUAL, place) and place < own:
         return ModeRequest(DrivingMode.MANUAL, place, px4=True)
     return None
 
 
-def number_of(way: DrivingMode, own: int) -> int:
+def number_of(driving_mode: DrivingMode, own: int) -> int:
     """Return the number for every station; `own` is the place of the robot's own mode, 0 the whole."""
-    return number_of_own(own) if way is DrivingMode.MANUAL else BY_WAY[way].number
+    return number_of_own(own) if driving_mode is DrivingMode.MANUAL else BY_DRIVING_MODE[driving_mode].number
 
 
 def number_of_own(place: int) -> int:
@@ -116,13 +116,15 @@ def number_of_own(place: int) -> int:
 
 def in_px4(number: int) -> int:
     """Return a number for every station as PX4 would count it; own modes are submodes of Manual."""
-    way = _BY_NUMBER.get(number)
-    return px4(_MAIN_MANUAL, _OWN.index(number)) if way is None else BY_WAY[way].px4
+    driving_mode = _BY_NUMBER.get(number)
+    return (
+        px4(_MAIN_MANUAL, _OWN.index(number)) if driving_mode is None else BY_DRIVING_MODE[driving_mode].px4
+    )
 
 
 def listed(modes: tuple[str, ...]) -> list[Message]:
     """Return AVAILABLE_MODES, one for each; `modes` are the robot's own, the first the whole robot's."""
-    rows = [(row.way.value, row.number, 0) for row in ROWS]
+    rows = [(row.driving_mode.value, row.number, 0) for row in ROWS]
     rows += [
         (name.replace("_", " ").capitalize(), _OWN[place], dialect.MAV_MODE_PROPERTY_ADVANCED)
         for place, name in enumerate(modes)

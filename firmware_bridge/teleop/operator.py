@@ -207,10 +207,10 @@ class Operator:
         for text in texts:
             self._session.report(Severity.NOTICE, text)
 
-    def take_let_go(self) -> bool:
+    def take_returned_to_neutral(self) -> bool:
         """Return whether the station in control was neutral since the last call, even for one command."""
-        let_go, self._session.let_go = self._session.let_go, False
-        return let_go
+        returned_to_neutral, self._session.returned_to_neutral = self._session.returned_to_neutral, False
+        return returned_to_neutral
 
     def forget(self) -> None:
         """Forget the targets of an operator who has gone silent."""

@@ -8,7 +8,7 @@ from firmware_bridge.intent import NEVER_RECEIVED, AgeLimit, Intent
 from firmware_bridge.robot import AnyRobot, UnknownAge
 from firmware_bridge.safety.interlock_base import Severity
 from firmware_bridge.safety.snapshot import AnySnapshot, Facts
-from firmware_bridge.teleop import modes as ways
+from firmware_bridge.teleop import modes as driving_modes
 from firmware_bridge.teleop.age import BOOT_WRAPS, Age, Ages, boot_ms
 from firmware_bridge.teleop.audience import Audience
 from firmware_bridge.teleop.control import Sender, StationInControl
@@ -121,7 +121,7 @@ class Peer:
     numbered: Numbered = field(default_factory=Numbered)
     later: bool = False
     """The newest frame is of a second station that calls itself so, which came later."""
-    rested_at: Nanoseconds = NEVER_RECEIVED
+    neutral_at: Nanoseconds = NEVER_RECEIVED
     """Time when that one was neutral."""
 
     def is_newest(self, message: Message, now: Nanoseconds) -> bool:
@@ -190,7 +190,7 @@ class Session:
         self.driven: Final = ReportedMode(self.silent_after)
         self.speaker: Final = Speaker()
         self.intent: Intent = Intent(rest)
-        self.let_go = False
+        self.returned_to_neutral = False
         """A neutral motion command has come since the newest cycle, whatever came after it."""
         self.snapshot: AnySnapshot | None = None
         self.trust: Final = trust
@@ -295,7 +295,7 @@ class Session:
         if not isinstance(stands, Unusable):
             motion_command = stands
         self.intent = Intent(motion_command)
-        gone = self.robot.operator.gone_ms * MILLISECOND
+        gone = self.robot.operator.lost_ms * MILLISECOND
         if peer is None or peer.last_command is None or now - peer.last_command.at >= gone:
             return
         applied_command = self.applied(peer.last_command.motion, motion_command)
@@ -331,8 +331,8 @@ class Session:
         """Return the telemetry's context of a snapshot."""
         facts = snapshot.facts
         status = self._status(facts)
-        way = self.driven.way(paused=facts.paused)
-        mode = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | ways.BY_WAY[way].flags
+        driving_mode = self.driven.driving_mode(paused=facts.paused)
+        mode = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | driving_modes.BY_DRIVING_MODE[driving_mode].flags
         if facts.armed:
             mode |= dialect.MAV_MODE_FLAG_SAFETY_ARMED
         return TelemetryContext(
@@ -342,7 +342,7 @@ class Session:
             snapshot=snapshot,
             twist=self.station.twist(snapshot.body),
             base_mode=mode,
-            custom_mode=ways.number_of(way, self.modes.index(facts.mode)),
+            custom_mode=driving_modes.number_of(driving_mode, self.modes.index(facts.mode)),
             system_status=status,
             healthy=status in (dialect.MAV_STATE_STANDBY, dialect.MAV_STATE_ACTIVE),
             corrupt=self.codec.counters.corrupt,
@@ -356,7 +356,7 @@ class Session:
         if number == dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION:
             return (_version(),)
         if number == dialect.MAVLINK_MSG_ID_AVAILABLE_MODES:
-            modes = ways.listed(self.modes)
+            modes = driving_modes.listed(self.modes)
             return tuple(modes[which - 1 : which] if which else modes) or None
         streams = [stream for stream in self.streams if stream.number == number]
         if self.snapshot is None or not streams:

@@ -54,14 +54,14 @@ class Stick:
         # Where one of the two is in use, it steers.
         steered = self.left is not None or self.turn is not None
         return Stick(
-            _let_go(self.forward, before.forward),
-            self.left if steered else _let_go(self.left, before.left),
-            self.turn if steered else _let_go(self.turn, before.turn),
+            _neutral_once_released(self.forward, before.forward),
+            self.left if steered else _neutral_once_released(self.left, before.left),
+            self.turn if steered else _neutral_once_released(self.turn, before.turn),
             self.up,
         )
 
 
-def _let_go(share: float | None, before: float | None) -> float | None:
+def _neutral_once_released(share: float | None, before: float | None) -> float | None:
     return 0.0 if share is None and before else share
 
 

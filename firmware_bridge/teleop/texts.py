@@ -110,10 +110,10 @@ class InterlockTexts:
         for key, event in current.items():
             lately = [at for at in self._began.get(key, ()) if now - at < Speaker.QUIET]
             if key not in self._shown and len(lately) < self.MOST:
-                self._shown[key] = event.row.severity
+                self._shown[key] = event.interlock.severity
                 self._began[key] = [*lately, now]
                 remedy = f"; {event.remedy}" if event.remedy else ""
-                messages += self._speaker.say(event.row.severity, f"{event.reason}{remedy}")
+                messages += self._speaker.say(event.interlock.severity, f"{event.reason}{remedy}")
         return messages
 
 

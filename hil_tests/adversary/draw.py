@@ -205,8 +205,12 @@ class Draw:
         return [it for it in links if not any(read({**stated, "link": it}).problems(self._robot))]
 
     def _stands(self) -> Iterator[Step]:
-        stands = self._bench_setup.stands
-        zeros = {axis.role: stands.get(axis.role, 0.0) for axis in self._robot.axes if axis.zero_confirmed}
+        start_positions = self._bench_setup.start_positions
+        zeros = {
+            axis.role: start_positions.get(axis.role, 0.0)
+            for axis in self._robot.axes
+            if axis.needs_confirmation
+        }
         if zeros:
             yield self._step(0.0, {"zero": zeros})
 

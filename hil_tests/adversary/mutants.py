@@ -39,7 +39,7 @@ TARGETS: Final = (
     "drivers/epos2/scale",
     "motion/ramp",
     "robots/rars/rules",
-    "robots/rars/body",
+    "robots/rars/kinematics",
 )
 """Modules between an operator's word and a drive. The guard stands behind them, and hides its own mutants."""
 CALM: Final = 1
@@ -103,9 +103,9 @@ def evenings(seconds: float, known: dict[str, str]) -> tuple[str, dict[str, str]
             {name: value for name, value in rig.world.links_sha256.items() if name != "operator"}
         )
 
-    honest, everybody = frozenset({FaultProfile.HONEST}), frozenset(FaultProfile)
+    honest, every_profile = frozenset({FaultProfile.HONEST}), frozenset(FaultProfile)
     rars = find("rars")
-    line_up = [(rars, everybody), (rars, honest), (over_serial(rars), everybody)]
+    line_up = [(rars, every_profile), (rars, honest), (over_serial(rars), every_profile)]
     searches = [
         Search(robot, bench_setup_of(robot), invariants(robot), natures, seen=seen)
         for robot, natures in line_up

@@ -47,7 +47,7 @@ class Reached:
         dead = not rig.world.here(BRIDGE)
         standing = {it.kind for it in records if it.ended is None}
         silent, stuck = BoardSilent.kind in standing, I2cStuck.kind in standing
-        reported = rig.bridge.finished and bool(rig.bridge.unconfirmed)
+        reported = rig.bridge.finished and bool(rig.bridge.not_acknowledged)
         for name, axes in self._axes.items():
             board, line = rig.devices.boards[name], rig.lines[name]
             dark = board.mega.sketch is None and board.mega.due == NEVER

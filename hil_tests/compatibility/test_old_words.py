@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from emulators.bench.bench_setup import bench_setup_of
-from emulators.bench.cases import Situation
+from emulators.bench.cases import Case, Situation
 from emulators.bench.faults import read
 from emulators.bench.step import Step
 from emulators.epos2.objects.catalogue import PROFILES
@@ -21,10 +21,11 @@ from emulators.testing.process import Process
 from emulators.testing.rig import VirtualRig
 from firmware_bridge import renamed
 from firmware_bridge.drivers.driver import Reports, SetPoint
+from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.renamed import RenamedWarning
 from firmware_bridge.robot_type import PathFollower, RobotType
 from firmware_bridge.robot_types import find, load, robot_type_of
-from firmware_bridge.robots.climber.body import CLIMBER
+from firmware_bridge.robots.climber.kinematics import CLIMBER
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.robots.rars.geometry import Degraded
 from firmware_bridge.robots.rars.motion import RarsMotion
@@ -65,6 +66,14 @@ def test_arguments_are_taken_under_their_old_names() -> None:
     made: Any = Situation
     with pytest.warns(RenamedWarning, match="Situation: 'wish' is called 'command' now"):
         assert made(wish=3) == Situation(command=3)
+    case: Any = Case
+    with pytest.warns(RenamedWarning, match="Case: 'row' is called 'interlock' now"):
+        assert case(row="too fast", trips=Situation(), spares=Situation(), reason="").interlock == "too fast"
+    setup = bench_setup_of(find("ar2"))
+    replaced: Any = type(setup)
+    made = {one.name: getattr(setup, one.name) for one in fields(setup) if one.name != "start_positions"}
+    with pytest.warns(RenamedWarning, match="BenchSetup: 'stands' is called 'start_positions' now"):
+        assert replaced(**made, stands=setup.start_positions) == setup
     value: Any = Value
     with pytest.warns(RenamedWarning, match="Value: 'tells' is called 'title' now"):
         assert value("SPEED", SECOND, lambda _: 0.0, tells="m/s").title == "m/s"
@@ -86,6 +95,14 @@ def test_a_robot_file_has_its_old_keys(tmp_path: Path) -> None:
         assert load(file) == find("rars")
 
 
+def test_a_robot_files_operator_link_has_its_old_key(tmp_path: Path) -> None:
+    text = ROBOT_TYPE.file.read_text(encoding="utf-8")
+    file = tmp_path / "old.toml"
+    file.write_text(text.replace("[operator]\n", "[operator]\ngone_ms = 20_000\n"), encoding="utf-8")
+    with pytest.warns(RenamedWarning, match=r"old\.toml: 'operator\.gone_ms' is called 'operator\.lost_ms'"):
+        assert load(file).operator.lost_ms == 20_000
+
+
 def test_a_recording_has_the_old_keys_of_its_robot(tmp_path: Path) -> None:
     robot = find("rars")
     (text,) = run_file(AsRun(robot)).values()
@@ -94,6 +111,15 @@ def test_a_recording_has_the_old_keys_of_its_robot(tmp_path: Path) -> None:
         kept = read_run(tmp_path)
     assert kept is not None
     assert kept.robot == robot
+
+
+def test_a_recording_has_the_old_key_of_its_confirmed_positions(tmp_path: Path) -> None:
+    given = (ConfirmPosition("lift", 0.1),)
+    (text,) = run_file(AsRun(find("rars"), given)).values()
+    (tmp_path / RUN_FILE).write_text(text.replace('"confirmed"', '"stands"'), encoding="utf-8")
+    kept = read_run(tmp_path)
+    assert kept is not None
+    assert kept.confirmed == given
 
 
 def test_attributes_are_read_by_their_old_names(tmp_path: Path) -> None:
@@ -117,6 +143,8 @@ def test_what_the_operator_has_received_has_its_old_name() -> None:
     try:
         with pytest.warns(RenamedWarning, match=r"rig\.operator: 'told' is called 'texts' now"):
             assert rig.operator.told == rig.operator.texts
+        with pytest.warns(RenamedWarning, match="operator: 'lets_go' is called 'returns_to_neutral' now"):
+            rig.operator.lets_go()
     finally:
         rig.finish()
 

@@ -90,7 +90,7 @@ class Cause:
     """RARS is driven with each of these, too, and the worst is kept."""
     on: tuple[str, ...] = RARS
     """On these lines."""
-    lets_go: bool = False
+    returns_to_neutral: bool = False
     """True if the operator lets go at that instant: the fault shows by it."""
     reports: tuple[str, ...] = ()
     """One of these interlocks begins to hold, by how its name begins."""
@@ -123,7 +123,7 @@ def _requested(
 
 
 REQUESTED: Final = (
-    _requested("stick to neutral", TestOperator.lets_go, 2, _RAMP, lines=EVERY),
+    _requested("stick to neutral", TestOperator.returns_to_neutral, 2, _RAMP, lines=EVERY),
     _requested("pause", lambda hand: hand.does(pause=True), 2, _RAMP, reports=("operation paused",)),
     _requested("disarm", TestOperator.disarms, 2, _RAMP, lines=EVERY, reports=("not armed",)),
     _requested(

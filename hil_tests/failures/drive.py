@@ -169,8 +169,8 @@ def _begin(rig: VirtualRig, case: Case) -> None:
         boards = [*rig.robot.shield_links, *rig.robot.ar2_links]
         link = {"link": boards[0]} if what.kind.startswith("board_") and len(boards) > 1 else {}
         rig.fault(what.kind, **hit, **link, **what.keys)
-    if cause.lets_go:
-        rig.operator.lets_go()
+    if cause.returns_to_neutral:
+        rig.operator.returns_to_neutral()
     elif what is not None and what.hits and motion.then:
         rig.operator.does(**motion.then)
 
@@ -220,7 +220,7 @@ def _history(rig: VirtualRig, drive: str) -> tuple[int, ...]:
 
 def _again(rig: VirtualRig) -> float:
     """Arm it, drive it straight ahead at half its speed, and return that speed, m/s."""
-    rig.operator.lets_go()
+    rig.operator.returns_to_neutral()
     rig.runs(0.5)
     rig.operator.arms()
     rig.runs(1.5)

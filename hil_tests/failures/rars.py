@@ -104,7 +104,7 @@ FAILS: Final = (
         hits("set_points_ignored"),
         _ESCALATES,
         _BELIEF,
-        lets_go=True,
+        returns_to_neutral=True,
         worst_of=(AHEAD, BACK, TURNING),  # the lift's last target is near
     ),
     _rolls("one drive's supply too low", hits("supply_sag", to_v=5.0), _FAULT),

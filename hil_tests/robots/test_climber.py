@@ -132,5 +132,5 @@ def test_off_the_wall_it_is_disarmed_and_cannot_be_armed() -> None:
     assert not gate.rule(seen(CLIMBER, START, Situation(body=well))).interlock_events
     (event,) = gate.rule(seen(CLIMBER, START, Situation(body=replace(well, on_wall=0.0)))).interlock_events
     assert event.name == "off the wall"
-    assert event.row.disarms
-    assert event.row.blocks_arming
+    assert event.interlock.disarms
+    assert event.interlock.blocks_arming

@@ -7,8 +7,8 @@ import pytest
 from diff_drive.motion import Motion, State
 
 from emulators.bench.cases import Situation
-from emulators.testing.inherited.fake_driver import START, gate_of, held, seen
-from firmware_bridge.differential.body import ramp_of
+from emulators.testing.inherited.fake_driver import START, active, gate_of, seen
+from firmware_bridge.differential.kinematics import ramp_of
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MILLISECOND, SECOND
 
@@ -19,8 +19,8 @@ SPIN: Final = ramp_of(DIFF_DRIVE).step((0.0, 0.0), (0.0, 9.0), DIFF_DRIVE.cycle)
 AnySituation: TypeAlias = Situation[Motion, State]
 
 
-def active(situation: AnySituation) -> set[str]:
-    return set(held(gate_of(DIFF_DRIVE).rule(seen(DIFF_DRIVE, START, situation))))
+def tripped(situation: AnySituation) -> set[str]:
+    return set(active(gate_of(DIFF_DRIVE).rule(seen(DIFF_DRIVE, START, situation))))
 
 
 def turning(rate: float) -> AnySituation:
@@ -33,28 +33,28 @@ def test_it_turns_too_fast_a_quarter_above_its_limit_until_it_is_below_it(side: 
     for share, spins in ((1.249, False), (1.251, True), (1.001, True), (1.0, True)):
         now += SECOND
         decision = gate.rule(seen(DIFF_DRIVE, now, turning(side * share * TURN)))
-        assert ("turns too fast" in held(decision)) is spins
+        assert ("turns too fast" in active(decision)) is spins
     for late, spins in ((300 * MILLISECOND - 1, True), (300 * MILLISECOND, False)):
         decision = gate.rule(seen(DIFF_DRIVE, now + late, turning(side * TURN)))
-        assert ("turns too fast" in held(decision)) is spins
+        assert ("turns too fast" in active(decision)) is spins
 
 
 def test_a_robot_that_turns_too_fast_has_to_be_armed_again() -> None:
     (event,) = gate_of(DIFF_DRIVE).rule(seen(DIFF_DRIVE, START, turning(1.3 * TURN))).interlock_events
-    assert event.row.disarms
+    assert event.interlock.disarms
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("beyond", "reported"), [(0.0, False), (0.995e-4, False), (1.005e-4, True)])
 def test_a_step_that_the_ramp_delays_is_reported(sign: float, beyond: float, *, reported: bool) -> None:
     for command in (Motion(sign * (STEP + beyond)), Motion(turn_rad_s=sign * (SPIN + beyond))):
-        assert active(Situation(command=command)) == ({"acceleration limit"} if reported else set())
+        assert tripped(Situation(command=command)) == ({"acceleration limit"} if reported else set())
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_only_the_change_counts(sign: float) -> None:
     for motion in (Motion(sign * 0.3), Motion(turn_rad_s=sign * 0.5)):
-        assert active(Situation(command=motion, commanded=motion)) == set()
+        assert tripped(Situation(command=motion, commanded=motion)) == set()
 
 
 def test_what_the_ramp_reaches_in_one_cycle_is_not_reported_even_without_a_tolerance(
@@ -68,4 +68,4 @@ def test_what_the_ramp_reaches_in_one_cycle_is_not_reported_even_without_a_toler
         (Motion(turn_rad_s=math.nextafter(SPIN, 9.0)), {"acceleration limit"}),
     ]
     for command, reported in reached:
-        assert active(Situation(command=command)) == reported
+        assert tripped(Situation(command=command)) == reported

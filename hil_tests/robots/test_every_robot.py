@@ -10,7 +10,12 @@ from firmware_bridge.robot_types import names
 LONG: Final = {"rars": ("line",), "climber": ("vertical",)}
 """Missions driven here of robots with long ones; the others are in hil_tests/scenarios."""
 KEPT: Final = {
-    "test_the_common_rows_stop_all_of_it_whatever_it_is_requested": ["ar2", "diff_drive", "rars", "rome"],
+    "test_the_common_interlocks_stop_all_of_it_whatever_it_is_requested": [
+        "ar2",
+        "diff_drive",
+        "rars",
+        "rome",
+    ],
     "test_its_missions_drive_without_a_refusal_and_it_ends_without_power": ["diff_drive-line"],
 }
 """Tests that have no time in the first lane, and the cases that it keeps of them."""

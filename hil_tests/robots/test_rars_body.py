@@ -10,12 +10,12 @@ from firmware_bridge.motion import davis, scissor
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars import ROBOT_TYPE
-from firmware_bridge.robots.rars.body import BASE_MOVES_MPS, LEASH_S, ramp_of
+from firmware_bridge.robots.rars.kinematics import BASE_MOVES_MPS, LEASH_S, ramp_of
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.units import SECOND
 
 ROBOT: Final[Any] = find("rars")
-BODY: Final[Any] = ROBOT_TYPE.body(ROBOT)
+BODY: Final[Any] = ROBOT_TYPE.kinematics(ROBOT)
 BASE: Final[davis.DavisBase] = ROBOT.geometry.base
 LIFT: Final = ROBOT.geometry.lift
 RATE: Final = ROBOT.geometry.limits.lift_rate_mps

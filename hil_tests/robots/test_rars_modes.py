@@ -23,7 +23,7 @@ from hil_tests.rows import every
 ROBOT: Final[Any] = find("rars")
 BASE: Final[davis.DavisBase] = ROBOT.geometry.base
 R: Final = BASE.wheel_radius_m
-WHOLE: Final[Any] = ROBOT_TYPE.body(ROBOT)
+WHOLE: Final[Any] = ROBOT_TYPE.kinematics(ROBOT)
 ALL: Final = RarsMotion(speed_mps=0.1, steer_rad=0.2, lift_m=0.01)
 LEFT_OUT: Final = {
     "steering_failed": "steer",
@@ -40,7 +40,7 @@ def turned(steer: float, **wheels: tuple[float, float]) -> dict[str, Feedback]:
 
 
 def body(mode: str) -> Any:
-    return ROBOT_TYPE.modes[mode].body(ROBOT)
+    return ROBOT_TYPE.modes[mode].kinematics(ROBOT)
 
 
 def at(steer: float) -> float:
@@ -178,7 +178,7 @@ def test_the_modes_numbers_are_none_of_those_that_mean_something_else() -> None:
         )
     event = modes.requested(4, 0, len(numbers))
     assert event is not None
-    assert event.way is modes.DrivingMode.HOLD
+    assert event.driving_mode is modes.DrivingMode.HOLD
 
 
 @every(

@@ -20,7 +20,7 @@ from firmware_bridge.teleop.station import Stick, Velocity
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 ROBOT: Final[Any] = find("rome")
-BODY: Final[Any] = ROBOT_TYPE.body(ROBOT)
+BODY: Final[Any] = ROBOT_TYPE.kinematics(ROBOT)
 R: Final = ROBOT.geometry.base.wheel_radius_m
 HALF_ROOT: Final = math.sqrt(3.0) / 2.0
 REST: Final = RomeState(0.0, 0.0, 0.0)

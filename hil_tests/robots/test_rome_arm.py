@@ -21,7 +21,7 @@ from firmware_bridge.robots.ar2 import motion as arm
 from firmware_bridge.robots.rome import motion as base
 from firmware_bridge.robots.rome_arm import ROBOT_TYPE
 from firmware_bridge.robots.rome_arm.balance import balance
-from firmware_bridge.robots.rome_arm.body import FOLLOWED, LEAST, RomeArmKinematics
+from firmware_bridge.robots.rome_arm.kinematics import FOLLOWED, LEAST, RomeArmKinematics
 from firmware_bridge.robots.rome_arm.motion import RomeArmMotion, RomeArmState
 from firmware_bridge.robots.rome_arm.orbit import PATHS
 from firmware_bridge.teleop.station import Stick, Velocity

@@ -59,7 +59,7 @@ class Axle:
         return known.obeyed_at != known.sampled_at
 
 
-def rested(set_point: SetPoint, axis: Axis = WHEEL, **plausibility: Any) -> Axle:
+def still(set_point: SetPoint, axis: Axis = WHEEL, **plausibility: Any) -> Axle:
     """Return an axis that stood for two seconds and then received this set-point, long ago."""
     one = Axle(axis, **plausibility)
     one.does(0.0, 40)
@@ -69,6 +69,6 @@ def rested(set_point: SetPoint, axis: Axis = WHEEL, **plausibility: Any) -> Axle
 
 def settled(set_point: SetPoint, speed: float) -> Axle:
     """Return a wheel that has followed a set-point for so long that its range has shrunk to it."""
-    one = rested(set_point)
+    one = still(set_point)
     one.does(speed, 200)
     return one

@@ -91,7 +91,7 @@ def behind(*, of_its_length: bool) -> Change:
     return change
 
 
-def standing() -> Change:
+def still() -> Change:
     """Answer with the first answer of that length for ever."""
     kept: dict[int, bytes] = {}
     return lambda packet: (with_payload(packet, kept.setdefault(len(packet.payload), packet.payload)),)
@@ -124,7 +124,7 @@ OF_A_GATEWAY: Final[Mapping[str, Callable[[], Change]]] = {
     "each answer comes twice": lambda: each(1, lambda it: (it, it)),
     "it is one answer behind": lambda: behind(of_its_length=False),
     "it mixes up its nodes": lambda: behind(of_its_length=True),
-    "its answers stand": standing,
+    "its answers stand": still,
     "rubbish comes between": lambda: each(1, lambda it: (b"\x90\x02\xff" * 3 + it,)),
     "frames begin without end": lambda: each(1, lambda it: (b"\x90\x02" * 40 + it,)),
 }

@@ -231,7 +231,7 @@ CASES: Final = (
     ),
     Case(
         "uncommanded motion: left",
-        follows("left", uncommanded=True, obeyed_at=START - DRIVE_LIMIT, set_point=Stop.REST),
+        follows("left", uncommanded=True, obeyed_at=START - DRIVE_LIMIT, set_point=Stop.STANDSTILL),
         {},
         f"{TITLES['left']}, commanded to stop, moves with 0.25 rad/s for 0.25 s",
         LINK,

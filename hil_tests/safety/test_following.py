@@ -11,7 +11,7 @@ from firmware_bridge.robot.plausibility import Plausibility
 from firmware_bridge.robot_types import find, names
 from firmware_bridge.safety.tracking import bounds_of, within
 from firmware_bridge.units import MILLISECOND, SECOND
-from hil_tests.safety.following_bench import CYCLE, GIVES, RARS, SLACK, STEERING, WHEEL, Axle, rested, settled
+from hil_tests.safety.following_bench import CYCLE, GIVES, RARS, SLACK, STEERING, WHEEL, Axle, settled, still
 from hil_tests.safety.gate_bench import above
 
 AT_THREE: Final = SLACK + 3.0 * GIVES
@@ -97,12 +97,12 @@ def test_a_link_of_every_second_cycle_has_twice_the_way() -> None:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize("set_point", [Stop.REST, Stop.QUICK_STOP, Stop.POWER_OFF, Speed(0.0)])
+@pytest.mark.parametrize("set_point", [Stop.STANDSTILL, Stop.QUICK_STOP, Stop.POWER_OFF, Speed(0.0)])
 def test_what_is_commanded_to_stand_may_not_move_faster_than_its_slack(
     set_point: SetPoint, sign: float
 ) -> None:
-    assert not rested(set_point).deviates(sign * SLACK)
-    one = rested(set_point)
+    assert not still(set_point).deviates(sign * SLACK)
+    one = still(set_point)
     assert one.deviates(sign * above(SLACK))
     assert one.follower.following.uncommanded
 
@@ -159,10 +159,10 @@ def test_what_stays_behind_may_turn_back_by_the_slack_of_the_faster_end(
 
 
 def test_what_is_no_number_is_uncommanded() -> None:
-    one = rested(Speed(0.0))
+    one = still(Speed(0.0))
     assert one.deviates(0.0, velocity=math.nan)
     assert one.follower.following.uncommanded
-    one = rested(Position(0.0), STEERING)
+    one = still(Position(0.0), STEERING)
     assert one.deviates(0.0, position=math.nan)
     assert one.follower.following.uncommanded
 
@@ -194,11 +194,11 @@ def test_a_range_shrinks_with_its_ramp_and_then_with_its_lag() -> None:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_range_reaches_to_each_new_speed_and_keeps_what_it_has(sign: float) -> None:
-    one = rested(Speed(0.0))
+    one = still(Speed(0.0))
     one.commanded(Speed(sign * 3.0))
     one.commanded(Speed(0.0))
     assert not one.deviates(sign * 3.0), "commanded twice between two samples, it may have received either"
-    one = rested(Speed(sign * 3.0))
+    one = still(Speed(sign * 3.0))
     one.commanded(Speed(sign * 5.0))
     known = one.does(0.0)
     assert sorted((sign * known.low, sign * known.high)) == [0.0, 5.0]
@@ -206,7 +206,7 @@ def test_a_range_reaches_to_each_new_speed_and_keeps_what_it_has(sign: float) ->
 
 @pytest.mark.parametrize("between", [1, 2, 3, 4])
 def test_each_of_several_set_points_between_two_samples_counts(between: int) -> None:
-    one = rested(Speed(0.0))
+    one = still(Speed(0.0))
     for number in range(1, between + 1):
         one.commanded(Speed(float(number)))
         one.commanded(Speed(-float(number)))
@@ -216,7 +216,7 @@ def test_each_of_several_set_points_between_two_samples_counts(between: int) -> 
 
 
 def test_while_it_deviates_the_last_sample_that_obeyed_is_kept() -> None:
-    one = rested(Speed(0.0))
+    one = still(Speed(0.0))
     last = one.now
     assert [one.does(3.0).obeyed_at for _ in range(3)] == [last] * 3
     assert one.does(0.0).obeyed_at == one.now
@@ -227,7 +227,7 @@ def test_while_it_deviates_the_last_sample_that_obeyed_is_kept() -> None:
 
 @pytest.mark.parametrize("speed", [0.0, 0.01, -0.01])
 def test_where_it_obeys_a_position_it_does_not_move_uncommanded(speed: float) -> None:
-    one = rested(Position(0.0), STEERING)
+    one = still(Position(0.0), STEERING)
     known = one.does(speed)
     assert known.obeyed_at == known.sampled_at
     assert not known.uncommanded
@@ -236,8 +236,8 @@ def test_where_it_obeys_a_position_it_does_not_move_uncommanded(speed: float) ->
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_position_is_approached_or_not(sign: float) -> None:
     slack, cruise = STEERING.top_speed / 40.0, bounds_of(RARS, STEERING).cruise
-    stands = rested(Position(sign * 1.0), STEERING)
-    goes = rested(Position(sign * 1.0), STEERING)
+    stands = still(Position(sign * 1.0), STEERING)
+    goes = still(Position(sign * 1.0), STEERING)
     for _ in range(10):
         assert not goes.deviates(sign * 1.1 * cruise)
         known = stands.does(0.0)
@@ -248,7 +248,7 @@ def test_a_position_is_approached_or_not(sign: float) -> None:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_who_goes_away_from_its_position_moves_uncommanded(sign: float) -> None:
-    one = rested(Position(0.0), STEERING)
+    one = still(Position(0.0), STEERING)
     slack = STEERING.top_speed / 40.0
     assert not one.deviates(0.0, position=sign * slack)
     far = sign * above(slack)
@@ -260,14 +260,14 @@ def test_who_goes_away_from_its_position_moves_uncommanded(sign: float) -> None:
 
 
 def test_a_position_that_is_given_up_may_coast_to_rest() -> None:
-    one = rested(Position(1.0), STEERING)
+    one = still(Position(1.0), STEERING)
     one.does(1.6, 3)
-    one.commanded(Stop.REST)
+    one.commanded(Stop.STANDSTILL)
     assert not one.deviates(1.6)
     assert not one.deviates(0.0)
-    one = rested(Position(1.0), STEERING)
+    one = still(Position(1.0), STEERING)
     one.does(1.6, 3)
-    one.commanded(Stop.REST)
+    one.commanded(Stop.STANDSTILL)
     one.does(1.6, 10)
     assert one.deviates(1.6)
 
@@ -276,9 +276,9 @@ def test_a_position_that_is_given_up_may_coast_to_rest() -> None:
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.2])
 def test_given_up_it_may_be_as_fast_as_it_ever_is_or_as_it_was(share: float, sign: float) -> None:
     top = STEERING.top_speed
-    one = rested(Position(sign * 9.0), STEERING)
+    one = still(Position(sign * 9.0), STEERING)
     one.does(sign * share * top, 2)
-    one.commanded(Stop.REST)
+    one.commanded(Stop.STANDSTILL)
     known = one.does(0.0)
     ends = sorted((sign * known.low, sign * known.high))
     assert ends == pytest.approx([-top, max(top, share * top)])
@@ -326,7 +326,7 @@ def test_a_wheel_whose_position_repeats_backlog_its_way(sign: float) -> None:
 
 
 def test_what_need_not_move_has_no_backlog() -> None:
-    one = rested(Speed(0.0))
+    one = still(Speed(0.0))
     known = one.does(0.0, 100)
     assert (known.backlog, known.settled_at) == (0.0, one.now)
     assert known.place_at < one.now - 4 * SECOND
@@ -349,7 +349,7 @@ def test_a_position_that_repeats_backlog_what_its_range_has_left_behind(sign: fl
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_an_axis_that_moves_too_slowly_to_its_position_has_no_backlog(sign: float) -> None:
     """It does not follow; its position does not repeat."""
-    one = rested(Position(sign * 1.0), STEERING)
+    one = still(Position(sign * 1.0), STEERING)
     known = one.does(sign * 0.001, 20)
     assert known.obeyed_at < known.sampled_at
     assert (known.backlog, known.settled_at) == (0.0, known.sampled_at)
@@ -374,7 +374,7 @@ def test_however_slow_it_should_go_it_backlog_until_it_moves(sign: float) -> Non
     assert one.does(sign * 1e-9).backlog == 0.0
 
 
-@pytest.mark.parametrize("stop", [Speed(0.0), Stop.REST])
+@pytest.mark.parametrize("stop", [Speed(0.0), Stop.STANDSTILL])
 def test_an_encoder_that_freezes_while_its_wheel_is_stopped_is_known_at_rest(stop: SetPoint) -> None:
     one = settled(Speed(4.0), 4.0)
     for speed in (3.0, 2.0, 1.0):
@@ -390,7 +390,7 @@ def test_an_encoder_that_freezes_while_its_wheel_is_stopped_is_known_at_rest(sto
 
 
 def test_what_it_may_creep_it_may_owe() -> None:
-    one = rested(Speed(0.125), standstill_below=0.125, within_ms=50)
+    one = still(Speed(0.125), standstill_below=0.125, within_ms=50)
     one.does(0.125, 200)
     assert one.does(0.0).settled_at == one.now
     assert one.does(0.0).settled_at == one.now - CYCLE

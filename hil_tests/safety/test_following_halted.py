@@ -4,7 +4,7 @@ import pytest
 
 from firmware_bridge.drivers.driver import Position, SetPoint, Speed, Stop
 from firmware_bridge.safety.tracking import bounds_of
-from hil_tests.safety.following_bench import RARS, STEERING, Axle, rested, settled
+from hil_tests.safety.following_bench import RARS, STEERING, Axle, settled, still
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -27,7 +27,7 @@ def test_a_wheel_that_turned_and_shows_not_one_bit_of_its_way_has_halted(sign: f
         pytest.param(Speed(3.0), (3.0, 0.1, 0.1), id="it slowed down before"),
         pytest.param(Speed(0.9), (0.9,), id="its backlog is no more than it may creep"),
         pytest.param(Speed(0.0), (0.5,), id="it need not move"),
-        pytest.param(Stop.REST, (3.0,), id="it is commanded to stop"),
+        pytest.param(Stop.STANDSTILL, (3.0,), id="it is commanded to stop"),
     ],
 )
 def test_a_wheel_that_stands_for_another_reason_has_not_halted(
@@ -55,14 +55,14 @@ def test_what_it_may_creep_it_may_owe_to_the_last_bit() -> None:
     one = settled(Speed(0.125), 0.125)
     least = one.follower.following.low
     for creeps, halted in ((least, False), (least * (1.0 - 1e-12), True)):
-        one = rested(Speed(0.125), standstill_below=creeps, within_ms=50)
+        one = still(Speed(0.125), standstill_below=creeps, within_ms=50)
         moved = one.does(0.125, 200).sampled_at
         known = one.does(0.0)
         assert (known.halted, known.settled_at) == (halted, moved if halted else one.now)
 
 
 def test_a_wheel_that_has_not_begun_to_turn_has_not_halted() -> None:
-    one = rested(Speed(14.0), standstill_below=0.1, within_ms=10)
+    one = still(Speed(14.0), standstill_below=0.1, within_ms=10)
     assert not any(one.does(0.0).halted for _ in range(8))
 
 
@@ -70,7 +70,7 @@ def test_a_wheel_that_has_not_begun_to_turn_has_not_halted() -> None:
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_while_it_need_not_move_it_does_not_turn(sign: float, speed: float) -> None:
     """Blocked, it has a backlog; then it is commanded to stand, and shows a speed without a way."""
-    one = rested(Speed(sign * 3.0))
+    one = still(Speed(sign * 3.0))
     one.does(0.0, 8)
     one.commanded(Speed(0.0))
     assert not any(one.known_later(sign * speed).halted for _ in range(3))
@@ -91,6 +91,6 @@ def test_an_axis_on_its_way_to_a_position_has_not_turned(sign: float) -> None:
 
 
 def test_however_slowly_it_turns_it_turns() -> None:
-    one = rested(Speed(1e-3), standstill_below=1e-4, within_ms=10)
+    one = still(Speed(1e-3), standstill_below=1e-4, within_ms=10)
     one.does(1e-3, 400)
     assert one.does(0.0).halted

@@ -17,7 +17,7 @@ SLACK: Final = 29.3 / 40.0 + FAST / 50.0
 
 def homes() -> Axle:
     one = Axle(LIFT)
-    one.commanded(Stop.REST)
+    one.commanded(Stop.STANDSTILL)
     one.does(0.0, 3)
     one.commanded(Homed())
     return one
@@ -46,7 +46,7 @@ def test_to_stand_is_no_debt() -> None:
 def test_reported_to_rest_it_may_ramp_down_and_no_longer_run() -> None:
     one = homes()
     one.does(-FAST, 5)
-    one.commanded(Stop.REST)
+    one.commanded(Stop.STANDSTILL)
     assert not one.deviates(-FAST)
     one.does(-0.1, 20)
     assert one.deviates(-FAST)

@@ -10,12 +10,12 @@ from firmware_bridge.robot import AnyRobot, CommandForm
 from firmware_bridge.robot_types import find, names
 from firmware_bridge.safety.tracking import Followers, TrackingMonitor, bounds_of
 from firmware_bridge.units import SECOND
-from hil_tests.safety.following_bench import CYCLE, RARS, STEERING, WHEEL, Axle, rested, settled
+from hil_tests.safety.following_bench import CYCLE, RARS, STEERING, WHEEL, Axle, settled, still
 
 
 @pytest.mark.parametrize("power", [Power.OFF, Power.FAULT])
 def test_without_torque_an_axis_may_coast(power: Power) -> None:
-    one = rested(Speed(0.0))
+    one = still(Speed(0.0))
     assert not one.deviates(9.0, power=power)
     assert not one.deviates(9.0, power=power)
     known = one.does(5.0)
@@ -27,7 +27,7 @@ def test_without_torque_an_axis_may_coast(power: Power) -> None:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_power_that_comes_back_finds_the_axis_as_it_is(sign: float) -> None:
-    one = rested(Speed(sign * 3.0))
+    one = still(Speed(sign * 3.0))
     changed = one.now
     for power in (Power.OFF, Power.ON):
         known = one.does(sign * 5.0, power=power)
@@ -41,7 +41,7 @@ def test_power_that_comes_back_finds_the_axis_as_it_is(sign: float) -> None:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_nothing_that_is_reported_without_torque_is_judged_by_the_next_sample(sign: float) -> None:
-    one = rested(Speed(0.0))
+    one = still(Speed(0.0))
     one.does(sign * 9.0, power=Power.OFF)
     one.commanded(Speed(sign * 0.1))
     assert not one.deviates(sign * 9.0)
@@ -64,7 +64,7 @@ def test_an_axis_that_was_moved_by_hand_may_be_where_it_is_when_its_power_comes_
 
 @pytest.mark.parametrize("power", [Power.ON, Power.UNKNOWN, Power.STOPPED])
 def test_with_torque_or_without_a_word_for_it_an_axis_is_watched(power: Power) -> None:
-    one = rested(Speed(0.0))
+    one = still(Speed(0.0))
     assert one.deviates(1.0, power=power)
 
 
@@ -104,7 +104,7 @@ def test_a_sample_older_than_the_newest_is_not_judged(cycles: int) -> None:
 
 
 def test_each_time_that_its_power_comes_back_it_is_judged_from_the_second_sample_on() -> None:
-    one = rested(Speed(0.0))
+    one = still(Speed(0.0))
     for _ in range(4):
         assert not one.deviates(9.0, power=Power.OFF)
         assert not one.deviates(0.0)
@@ -128,21 +128,21 @@ def test_its_range_reaches_to_rest_and_back_each_time_that_a_device_stops_and_go
 def test_a_device_that_was_not_received_or_counts_again_is_not_judged() -> None:
     follower = TrackingMonitor(WHEEL, bounds_of(RARS, WHEEL))
     assert follower.saw(Feedback("left")).obeyed_at == NEVER_RECEIVED
-    one = rested(Speed(0.0))
+    one = still(Speed(0.0))
     assert one.follower.saw(Feedback("left", Power.ON, sampled_at=NEVER_RECEIVED)).obeyed_at == NEVER_RECEIVED
     one.position = 99.0
     assert one.does(0.0).obeyed_at == one.now
 
 
 def test_the_set_point_and_when_it_changed_are_known() -> None:
-    one = rested(Speed(1.0))
+    one = still(Speed(1.0))
     changed = one.now
     one.does(1.0, 3)
     one.commanded(Speed(1.0))
     assert one.does(1.0).changed_at == changed
-    one.commanded(Stop.REST)
+    one.commanded(Stop.STANDSTILL)
     known = one.does(1.0)
-    assert (known.set_point, known.changed_at) == (Stop.REST, one.now - CYCLE)
+    assert (known.set_point, known.changed_at) == (Stop.STANDSTILL, one.now - CYCLE)
 
 
 @pytest.mark.parametrize("name", names())

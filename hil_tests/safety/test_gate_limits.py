@@ -10,7 +10,7 @@ import pytest
 from firmware_bridge.intent import AgeLimit
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robots.rars import ROBOT_TYPE, rules
-from firmware_bridge.robots.rars.body import ramp_of
+from firmware_bridge.robots.rars.kinematics import ramp_of
 from firmware_bridge.robots.rars.rules import LIMITS, tipping_speed
 from firmware_bridge.safety.limits import bounded
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds

@@ -124,7 +124,7 @@ def test_a_driver_that_reports_too_little_is_refused_with_the_robots_file(robot:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(gate, "AXIS_INTERLOCKS", (needy,))
         with pytest.raises(RobotFileError) as refusal:
-            gate.axis_rows(robot, {axis.name: frozenset() for axis in robot.axes})
+            gate.axis_interlocks(robot, {axis.name: frozenset() for axis in robot.axes})
     assert refusal.value.file == "rars"
     assert (
         str(refusal.value) == "rars: links.drives.driver: the devices on this link report too little for: any"
@@ -136,5 +136,7 @@ def test_a_hold_has_the_flags_of_its_row(robot: Rars, well: Well, flag: str) -> 
     one: dict[str, Any] = {flag: True}
     row: Any = Interlock("any", lambda _: "it holds", "", **one)
     (event,) = gate_with(robot, interlocks=(row,)).rule(well(START)).interlock_events
-    flags = {name: getattr(event.row, name) for name in ("disarms", "latches", "parts", "disables_power")}
+    flags = {
+        name: getattr(event.interlock, name) for name in ("disarms", "latches", "parts", "disables_power")
+    }
     assert flags == {name: name == flag for name in flags}

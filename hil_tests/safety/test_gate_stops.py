@@ -78,7 +78,7 @@ def test_at_its_threshold_it_stops_the_robot_and_states_why(
     # A command that is no number moves the lift as well, and the robot drives.
     assert set(names(decision)) - {"lift refused"} == {case.event, *case.also}
     event = next(event for event in decision.interlock_events if event.name == case.event)
-    assert event == ActiveInterlock(case.event, case.reason, event.row, START)
+    assert event == ActiveInterlock(case.event, case.reason, event.interlock, START)
     assert event.remedy
     assert base_stopped(decision)
     assert decision.allowed.speed_mps == 0.0
@@ -148,7 +148,7 @@ def test_it_trips_again_at_once_after_it_has_let_go(robot: Rars, well: Well, cas
 
 
 def _at(event: ActiveInterlock, now: Nanoseconds) -> ActiveInterlock:
-    return ActiveInterlock(event.name, event.reason, event.row, now)
+    return ActiveInterlock(event.name, event.reason, event.interlock, now)
 
 
 def test_a_low_battery_holds_at_once_while_disarmed_and_after_10_seconds_while_armed(

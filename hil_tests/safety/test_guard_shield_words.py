@@ -21,7 +21,7 @@ from firmware_bridge.wire.arduino.motor_shield import Pin
 from hil_tests.safety.test_guard_shield import channel, pwm, way
 
 NOTHING: Final = ListedCommand()
-AT_REST: Final = ListedCommand(at_standstill=True)
+AT_STANDSTILL: Final = ListedCommand(at_standstill=True)
 OFF: Final = Inputs(0, in1=False, in2=False)
 RELEASED: Final = Inputs(None, in1=False, in2=False)
 AHEAD_0: Final = Inputs(0, in1=True, in2=False)
@@ -46,7 +46,7 @@ def written(low: int, high: int) -> bytes:
     [
         ("ros-arduino-bridge", b"b\r", NOTHING),
         ("ros-arduino-bridge", b"e\r", NOTHING),
-        ("ros-arduino-bridge", b"r\r", AT_REST),
+        ("ros-arduino-bridge", b"r\r", AT_STANDSTILL),
         ("ros-arduino-bridge", b"m 0 0 0\r", ListedCommand({1: OFF, 2: OFF, 3: OFF})),
         (
             "ros-arduino-bridge",
@@ -82,8 +82,8 @@ def written(low: int, high: int) -> bytes:
         ("firmata", channel(4, Pin.PWM, 9), None),
         ("arduinoio", arduinoio.encode("9", 9), NOTHING),
         ("arduinoio", arduinoio.encode("G", 1), NOTHING),
-        ("arduinoio", arduinoio.encode("H", 1), AT_REST),
-        ("arduinoio", arduinoio.encode("E", 0, 2, 3), AT_REST),
+        ("arduinoio", arduinoio.encode("H", 1), AT_STANDSTILL),
+        ("arduinoio", arduinoio.encode("E", 0, 2, 3), AT_STANDSTILL),
         ("arduinoio", arduinoio.encode("E", 0, 2, 3)[:-1] + b"\0", None),
         ("arduinoio", pwm(2, 16), ListedCommand({2: Inputs(16, None, None)})),
         ("arduinoio", way(2, "f"), ListedCommand({2: Inputs(None, in1=True, in2=False)})),
@@ -108,11 +108,11 @@ def written(low: int, high: int) -> bytes:
             ListedCommand({3: Inputs(9, in1=False, in2=True)}),
         ),
         ("firmata", firmata.exclusive(firmata.FIRMWARE), NOTHING),
-        ("firmata", firmata.exclusive(firmata.I2C_CONFIG, bytes(2)), AT_REST),
-        ("firmata", encoder(0, 0, 18, 19), AT_REST),
+        ("firmata", firmata.exclusive(firmata.I2C_CONFIG, bytes(2)), AT_STANDSTILL),
+        ("firmata", encoder(0, 0, 18, 19), AT_STANDSTILL),
         ("firmata", encoder(1, 0), NOTHING),
         ("firmata", encoder(2), NOTHING),
-        ("firmata", encoder(3, 0), AT_REST),
+        ("firmata", encoder(3, 0), AT_STANDSTILL),
         ("firmata", encoder(4, 0), None),
         ("firmata", channel(2, Pin.IN1, 1), ListedCommand({2: Inputs(None, in1=True, in2=None)})),
         ("firmata", channel(2, Pin.IN2, 0), ListedCommand({2: Inputs(None, in1=None, in2=False)})),
@@ -149,7 +149,7 @@ def test_gains_leave_as_the_file_has_them_and_in_its_order() -> None:
     one = board("ros-arduino-bridge")
     gains = one.link.gains.model_copy(update={"kp": 21, "kd": 12, "ki": 3, "ko": 50})
     other = one._replace(link=one.link.model_copy(update={"gains": gains}))
-    for four, means in (((21, 12, 3, 50), AT_REST), ((21, 12, 3, 21), None), ((12, 21, 3, 50), None)):
+    for four, means in (((21, 12, 3, 50), AT_STANDSTILL), ((21, 12, 3, 21), None), ((12, 21, 3, 50), None)):
         assert READERS[one.link.protocol](ros.encode("u", four), other) == means
 
 

@@ -15,7 +15,7 @@ from hil_tests.safety.driving import ORDERS, SAMPLE, changed, driving, robot_of,
 
 SDO_ANSWER: Final = 0x580
 NODE: Final = 1
-WEAKEST: Final[Callable[[VirtualRig], None]] = lambda rig: rig.operator.lets_go()  # noqa: E731 - as ORDERS
+WEAKEST: Final[Callable[[VirtualRig], None]] = lambda rig: rig.operator.returns_to_neutral()  # noqa: E731 - as ORDERS
 STRONGER: Final = ("emergency stop", "forced disarm")
 
 

@@ -34,7 +34,7 @@ def rules_of(*without: str) -> Rules:
     """Return the rules of a mode without these axes."""
     body: Any = Slide()
     return Rules(
-        body=body,
+        kinematics=body,
         without=frozenset(without),
         groups=frozenset({"base"}),
         travelling=frozenset({"base"}),
@@ -92,7 +92,7 @@ def test_an_axis_in_use_must_stand_however_long_it_is_silent(
     without: tuple[str, ...], left: float, age: Nanoseconds, *, stands: bool
 ) -> None:
     """An axis that the mode does without is polled until it was silent for 250 ms."""
-    assert rules_of(*without).stands(seen(left, age)) is stands
+    assert rules_of(*without).stopped(seen(left, age)) is stands
 
 
 def test_a_mode_senses_by_axes_and_sensors() -> None:

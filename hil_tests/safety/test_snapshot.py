@@ -18,7 +18,7 @@ from firmware_bridge.units import MILLISECOND, SECOND
 
 def test_an_axis_that_was_never_seen_is_commanded_to_stand_and_has_no_backlog() -> None:
     known = Tracking()
-    assert (known.set_point, known.changed_at) == (Stop.REST, NEVER_RECEIVED)
+    assert (known.set_point, known.changed_at) == (Stop.STANDSTILL, NEVER_RECEIVED)
     times = {known.sampled_at, known.obeyed_at, known.settled_at, known.place_at}
     assert times == {NEVER_RECEIVED}
     assert (known.position, known.velocity, known.low, known.high, known.backlog) == (0.0,) * 5

@@ -116,7 +116,7 @@ def test_a_drive_that_receives_nothing_at_standstill_loses_its_power_as_its_rows
 ) -> None:
     """Delays: PDO 150 ms, SDO 200 ms, timeout 350 ms; emergency stop and end first look for half a second."""
     with driving(robot) as rig:
-        rig.operator.lets_go()
+        rig.operator.returns_to_neutral()
         runs(rig, 2.0)
         rig.fault("set_points_ignored", node="left")
         left = next(axis for axis in rig.bench.devices.bank.axes if axis.name == "left")
@@ -135,7 +135,7 @@ def test_the_end_of_the_program_comes_whatever_the_board_does(robot: str, fault:
         ORDERS["Ctrl-C"](rig)
         runs(rig, to_seconds(STOP_WITHIN))
         assert rig.bench.bridge.finished, "no one cuts it off"
-        assert bool(rig.bench.bridge.unconfirmed) is (fault != "board_hangs")
+        assert bool(rig.bench.bridge.not_acknowledged) is (fault != "board_hangs")
 
 
 def test_an_order_begins_a_stop_again_that_nothing_brought_about() -> None:
@@ -249,7 +249,7 @@ def test_whatever_a_board_and_its_line_do_each_stage_lasts_what_its_row_states(
             runs(rig, 0.05)
         given_up = any(stop.progress is Progress.GIVEN_UP for stop in rig.bench.bridge.stops.values())
         runs(rig, ROLLS_OUT_S)
-        assert speed(rig) < 0.01 or given_up or rig.bench.bridge.unconfirmed
+        assert speed(rig) < 0.01 or given_up or rig.bench.bridge.not_acknowledged
         if not {what for what, _ in story} & HELPLESS:
             assert speed(rig) < 0.01
 

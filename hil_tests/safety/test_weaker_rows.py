@@ -15,7 +15,7 @@ from firmware_bridge.robot import AnyLink, Axis, RobotFileError
 from firmware_bridge.robot.settings.epos2 import Epos2Driver
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.safety import common, gate
-from firmware_bridge.safety.gate import axis_rows
+from firmware_bridge.safety.gate import axis_interlocks
 from firmware_bridge.safety.interlock import AxisInterlock
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 from hil_tests.safety.gate_bench import Gate, Rars, Snapshot, names, with_facts
@@ -101,8 +101,8 @@ def test_a_shield_has_no_word_for_power_and_reports_nothing_of_a_motor_that_it_d
 
 def test_a_driver_that_does_not_report_power_gets_the_weaker_row_by_name(robot: Rars) -> None:
     rows = {
-        one.axis.name: [name for name, _ in one.rows]
-        for one in axis_rows(robot, reports_of(robot, lift=SILENT))
+        one.axis.name: [name for name, _ in one.interlocks]
+        for one in axis_interlocks(robot, reports_of(robot, lift=SILENT))
     }
     assert rows["lift"] == [f"{row}: lift" for row in (*ALWAYS, WEAK, KNOWN, *WATCHED)]
     assert rows["left"] == [f"{row}: left" for row in (*ALWAYS, STRONG, KNOWN, *WATCHED)]
@@ -111,7 +111,9 @@ def test_a_driver_that_does_not_report_power_gets_the_weaker_row_by_name(robot: 
 @pytest.mark.parametrize("missing", [Reports.POSITION, Reports.VELOCITY])
 def test_one_weaker_row_stands_in_for_all_that_watch_how_an_axis_moves(robot: Rars, missing: Reports) -> None:
     reported = reports_of(robot, lift=EVERYTHING - {missing})
-    rows = {one.axis.name: [row.name for _, row in one.rows] for one in axis_rows(robot, reported)}
+    rows = {
+        one.axis.name: [row.name for _, row in one.interlocks] for one in axis_interlocks(robot, reported)
+    }
     assert rows["lift"] == [*ALWAYS, STRONG, KNOWN, UNMEASURED]
     assert rows["left"] == [*ALWAYS, STRONG, KNOWN, *WATCHED]
 
@@ -147,7 +149,7 @@ def test_a_driver_that_reports_too_little_is_refused_with_link_and_row(
     needy = AxisInterlock("axis stalls", lambda *_: None, "", needs=frozenset({Reports.CURRENT}))
     monkeypatch.setattr(gate, "AXIS_INTERLOCKS", (*common.AXIS_INTERLOCKS, needy))
     with pytest.raises(RobotFileError) as refusal:
-        axis_rows(robot, reports_of(robot, lift=EVERYTHING - {Reports.CURRENT}))
+        axis_interlocks(robot, reports_of(robot, lift=EVERYTHING - {Reports.CURRENT}))
     (problem,) = refusal.value.problems
     assert problem.key == "links.drives.driver"
     assert "axis stalls" in problem.problem
@@ -168,7 +170,11 @@ def test_the_weaker_row_wants_an_answer_within_half_the_silence(
 def test_it_stops_and_disarms_as_the_strong_one(robot: Rars, well: Well) -> None:
     decision = silent(robot).rule(received(well(SECOND), "lift", SECOND - LIMIT // 2))
     (event,) = [event for event in decision.interlock_events if event.name == f"{WEAK}: lift"]
-    assert (event.row.stops, event.row.disarms, event.row.blocks_arming) == (None, True, True)
+    assert (event.interlock.stops, event.interlock.disarms, event.interlock.blocks_arming) == (
+        None,
+        True,
+        True,
+    )
     assert "reports no power state, and answered 0.12 s ago" in event.reason
 
 

@@ -11,7 +11,7 @@ from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.robots.rars.geometry import RarsGeometry
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.safety.common import AXIS_INTERLOCKS, EXCLUDED_AXIS, whole_robot_interlocks
-from firmware_bridge.safety.gate import axis_rows
+from firmware_bridge.safety.gate import axis_interlocks
 from firmware_bridge.safety.interlock import Interlock
 from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
@@ -111,7 +111,7 @@ def test_a_link_that_stops_only_some_groups_leaves_the_others_armed(robot: Rars)
     confined = on_a_link_that_stops(robot, "lift")
     (lost,) = (row for row in whole_robot(confined) if row.name.startswith("link lost"))
     reports = {axis.name: frozenset(Reports) for axis in robot.axes}
-    rows = [row for one in axis_rows(confined, reports) for _, row in one.rows]
+    rows = [row for one in axis_interlocks(confined, reports) for _, row in one.interlocks]
     assert {row.name for row in rows} == {row.name for row in AXIS_INTERLOCKS}
     for row in (lost, *rows):
         taken = ("takes power",) if row.disables_power else ()

@@ -11,7 +11,7 @@ from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.robot_types import find
 
 FULL: Final = {"ros-arduino-bridge": 3, "arduinoio": 3, "mw": 3, "firmata": 2}
-STANDS_MPS: Final = 0.005
+STANDSTILL_MPS: Final = 0.005
 AHEAD: Final = """
 title = "ahead"
 duration_s = {duration}

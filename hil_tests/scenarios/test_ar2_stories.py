@@ -138,7 +138,7 @@ def test_it_ends_in_good_order_and_is_held_by_its_motors() -> None:
         rig.world.stop(BRIDGE)
         rig.runs(3.0)
         assert rig.bridge.finished
-        assert rig.bridge.unconfirmed == ()
+        assert rig.bridge.not_acknowledged == ()
         assert moved(rig, 6.5, 9.0) < STILL_M
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from emulators.rig import BRIDGE
 from firmware_bridge.bridge.stops import Progress
-from hil_tests.scenarios.rome_ride import FULL, STANDS_MPS, driven, held, speed
+from hil_tests.scenarios.rome_ride import FULL, STANDSTILL_MPS, driven, held, speed
 
 CAUSES: Final = ("shield on it, powered", "I2C free", "AFMS.begin()")
 SILENT: Final = ("ros-arduino-bridge", "arduinoio")
@@ -36,7 +36,7 @@ def test_a_board_without_its_shield_is_named_with_the_causes_and_not_armed(proto
         assert rig.bridge.failure is not None
         assert CAUSES[-1] in rig.bridge.failure
         assert not rig.bridge.seen.facts.armed
-        assert speed(rig) < STANDS_MPS
+        assert speed(rig) < STANDSTILL_MPS
 
 
 def test_a_board_that_answers_late_is_named_meanwhile_and_no_longer() -> None:
@@ -62,7 +62,7 @@ def test_a_bus_that_is_stuck_while_it_drives_takes_every_step_and_is_reported_at
         rig.world.stop(BRIDGE)
         rig.runs(10.0)
         assert rig.bridge.finished
-        assert len(rig.bridge.unconfirmed) == len(rig.robot.axes)
+        assert len(rig.bridge.not_acknowledged) == len(rig.robot.axes)
 
 
 @pytest.mark.parametrize("kind", ["encoder_swapped", "motor_leads_swapped"])
@@ -71,5 +71,5 @@ def test_wires_that_were_exchanged_before_are_found_at_the_first_motion(kind: st
         rig.runs(5.2)
         assert any(name.startswith(("uncommanded motion", "tracking error")) for name in held(rig))
         rig.runs(2.0)
-        assert speed(rig) < STANDS_MPS
+        assert speed(rig) < STANDSTILL_MPS
         assert not rig.bridge.seen.facts.armed

@@ -56,7 +56,7 @@ def ended_at_each(one: Ride, name: str, bridge: Bridge, found: set[NmtState]) ->
         while not bridge.finished:
             one.rig.world.run(one.rig.world.now + 20 * MILLISECOND)
             assert to_seconds(one.rig.world.now) < began + ENDS_WITHIN_S, f"ended at {began:.4f} s"
-        assert bridge.unconfirmed == ()
+        assert bridge.not_acknowledged == ()
         if one.rig.world.now == moment_began:
             # It was only listening, and has left them to their own watch.
             one.rig.world.run(one.rig.world.now + LEFT_ALONE)

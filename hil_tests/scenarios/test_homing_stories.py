@@ -149,7 +149,7 @@ def test_the_end_of_the_program_ends_a_homing_in_good_order(rides: Ridden) -> No
     one.ends()
     stays(one, 3.8, 8.0)
     assert one.rig.bridge.finished
-    assert one.rig.bridge.unconfirmed == ()
+    assert one.rig.bridge.not_acknowledged == ()
     assert kept_back(one) == []
 
 

@@ -12,7 +12,7 @@ from emulators.replay.player import Player
 from emulators.rig import Rig
 from emulators.robots.rars import BENCH_SETUP
 from emulators.trace import parse_trace_line
-from firmware_bridge.intent import ConfirmZero
+from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.node import CAN
 from firmware_bridge.recording import candump_line, tlog_records
 from firmware_bridge.robot_types import find
@@ -229,8 +229,8 @@ def test_drives_that_say_nothing_stay_off_the_bus(line: Session, tmp_path: Path)
 @pytest.mark.long(beside="test_a_run_plays_again_into_all_that_took_part")
 def test_a_bridge_that_was_given_where_its_axes_stand_is_informed_again(tmp_path: Path) -> None:
     frames, messages = [], []
-    stated = (ConfirmZero("lift", 0.1), ConfirmZero("steer", 10.0))
-    rig = Rig(RARS, BENCH_SETUP, Player([]), stands=stated)
+    stated = (ConfirmPosition("lift", 0.1), ConfirmPosition("steer", 10.0))
+    rig = Rig(RARS, BENCH_SETUP, Player([]), confirmed=stated)
     rig.can_wire.observe(lambda at, _, packet: frames.append(candump_line(at, packet)))
     rig.operator_wire.observe(lambda at, _, packet: messages.append(tlog_records(at, packet.payload)))
     rig.run(2 * SECOND)
@@ -239,7 +239,7 @@ def test_a_bridge_that_was_given_where_its_axes_stand_is_informed_again(tmp_path
     log.write_text("\n".join(frames) + "\n", encoding="ascii")
     tlog.write_bytes(b"".join(messages))
     for one in (ReplayOrder(RARS, log, into=Into.BRIDGE), ReplayOrder(RARS, tlog, into=Into.BENCH)):
-        assert replay(replace(one, stands=stated)).difference is None
+        assert replay(replace(one, confirmed=stated)).difference is None
         assert replay(one).difference is not None
     with pytest.raises(RecordingFileError, match=r"can\.log: the drives take no position, a bridge does"):
-        replay(ReplayOrder(RARS, log, into=Into.DRIVES, stands=stated))
+        replay(ReplayOrder(RARS, log, into=Into.DRIVES, confirmed=stated))

@@ -17,7 +17,7 @@ from firmware_bridge.motion.captured import Source
 from firmware_bridge.robot_types import find
 
 GUIDED_S: Final = 3.0
-STANDS_MPS: Final = 0.005
+STANDSTILL_MPS: Final = 0.005
 CIRCLE: Final = """
 title = "circle"
 duration_s = 60.0
@@ -107,7 +107,7 @@ def test_hidden_for_a_second_it_goes_on_and_for_long_it_stops_and_takes_up_again
         assert source(rig) is Source.CAPTURED
         rig.runs(4.0)
         assert source(rig) is Source.LOST
-        assert speed(rig) < STANDS_MPS
+        assert speed(rig) < STANDSTILL_MPS
         assert active(rig)["pose lost"].startswith("the place is off by 0.05")
         assert active(rig)["pose lost"].endswith(" m at most without the cameras: they do not see it")
         assert rig.bridge.seen.facts.armed
@@ -126,7 +126,7 @@ def test_markers_taken_for_others_never_move_the_base_and_stop_it_in_the_end() -
             rig.runs(0.2)
             assert off_m(rig) < 0.02
         assert active(rig)["pose lost"].endswith("they show it 0.30 m and 180 degrees off")
-        assert speed(rig) < STANDS_MPS
+        assert speed(rig) < STANDSTILL_MPS
         rig.runs(1.6)
         assert source(rig) is Source.CAPTURED
         assert speed(rig) > 0.2
@@ -140,7 +140,7 @@ def test_a_wheel_that_no_one_counts_and_that_stands_is_seen_and_the_base_stops()
         rig.runs(1.7)
         assert "base slips" in active(rig)
         assert not rig.bridge.seen.facts.armed
-        assert speed(rig) < 2.0 * STANDS_MPS
+        assert speed(rig) < 2.0 * STANDSTILL_MPS
 
 
 @pytest.mark.long(keeps=["two"])
@@ -154,7 +154,7 @@ def test_a_wheel_in_the_air_spins_free_and_the_base_that_slips_is_stopped(node: 
         assert "base slips" in active(rig)
         assert not rig.bridge.seen.facts.armed
         rig.runs(1.0)
-        assert speed(rig) < STANDS_MPS
+        assert speed(rig) < STANDSTILL_MPS
 
 
 def test_a_base_that_trembles_is_followed_no_further_off_than_it_trembles() -> None:

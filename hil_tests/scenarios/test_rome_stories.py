@@ -6,7 +6,7 @@ from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.path_error import Followed, path_error
 from emulators.rig import BRIDGE
 from firmware_bridge.packet import Packet
-from hil_tests.scenarios.rome_ride import FULL, STANDS_MPS, driven, speed
+from hil_tests.scenarios.rome_ride import FULL, STANDSTILL_MPS, driven, speed
 
 
 @pytest.mark.long(keeps=["ros-arduino-bridge"])
@@ -23,9 +23,9 @@ def test_each_firmware_drives_the_circle_and_the_guard_has_nothing_to_refuse(pro
         rig.world.stop(BRIDGE)
         rig.runs(4.0)
         assert rig.bridge.finished
-        assert rig.bridge.unconfirmed == ()
+        assert rig.bridge.not_acknowledged == ()
         assert not any(axis.powered for axis in rig.devices.bank.axes)
-        assert speed(rig) < STANDS_MPS
+        assert speed(rig) < STANDSTILL_MPS
 
 
 def test_who_takes_control_is_reported_what_the_start_has_shown_of_the_boards_reset() -> None:

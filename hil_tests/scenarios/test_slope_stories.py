@@ -238,7 +238,7 @@ def test_ctrl_c_on_a_slope_holds_and_a_second_one_within_5_s_lets_go(
     one.runs(4.0)
     one.ends()
     one.runs(1.0)
-    assert bridge.unconfirmed == ()
+    assert bridge.not_acknowledged == ()
     assert one.rig.bridge.phase is Phase.FINISHED
     assert not any(powered(one))
     assert {device.store.get(at.CONSUMER_HEARTBEAT_1) for device in one.rig.devices.drives.values()} == {0}

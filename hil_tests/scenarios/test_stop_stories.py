@@ -127,7 +127,7 @@ def test_an_orderly_end_leaves_no_drive_with_power_that_receives_nothing(
     one.runs_until(NOT_RECEIVING_S + 0.02)
     ended(one, 8.0)
     assert unpowered(one)
-    assert one.rig.bridge.unconfirmed == ()
+    assert one.rig.bridge.not_acknowledged == ()
     one.runs(2.0)
     assert one.fastest(to_seconds(one.rig.world.now) - 0.5) < 0.003
 
@@ -167,7 +167,7 @@ def test_where_nothing_helps_the_operator_and_the_program_say_so(rides: Ridden) 
     last = one.held(f"{NOT_ACKNOWLEDGED}: left")[-1]
     assert last == f"{LEFT}: reset not acknowledged; nothing is left to try; it may go on moving"
     ended(one, 4.0)
-    assert one.rig.bridge.unconfirmed == ("node 1 (left rear wheel)",)
+    assert one.rig.bridge.not_acknowledged == ("node 1 (left rear wheel)",)
     assert states(one)[0] is PowerState.OPERATION_ENABLED, "only the battery switch is left"
 
 
@@ -176,7 +176,7 @@ def test_an_end_that_a_drive_does_not_confirm_goes_on_to_the_last_step_and_names
     one.runs_until(7.0)
     one.rig.world.silence("right", one.rig.world.now)
     assert ended(one, 8.0) > 1.0
-    assert one.rig.bridge.unconfirmed == ("node 2 (right rear wheel)",)
+    assert one.rig.bridge.not_acknowledged == ("node 2 (right rear wheel)",)
     left, right, steer, lift = states(one)
     assert {left, steer, lift} <= {PowerState.SWITCH_ON_DISABLED, PowerState.FAULT}
     assert right is PowerState.FAULT, "its own watch"

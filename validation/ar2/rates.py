@@ -29,7 +29,7 @@ QUICK_S: Final = 30.0
 WANTED_MM: Final = 1.5
 GAINS: Final = (3.0, 1.5)
 """1/s, of the robot file; the thesis's own are not printed."""
-STANDS: Final = (0.0, -90.0, 90.0, 0.0, 60.0, 0.0)
+STANDSTILL: Final = (0.0, -90.0, 90.0, 0.0, 60.0, 0.0)
 OFF_M: Final = (0.006, -0.004, 0.005)
 STEP_S: Final = 1e-3
 AFTER_S: Final = (0.5, 1.0, 2.0)
@@ -143,7 +143,7 @@ def resolved_rate(quick: bool) -> Findings:  # noqa: FBT001 - every study takes 
 
 def _decays() -> Floats:
     """Return the error in m, step by step, of a tool whose set-point steps to another place."""
-    angles = np.radians(STANDS)
+    angles = np.radians(STANDSTILL)
     desired = AR2.pose(angles).copy()
     desired[:3, 3] += OFF_M
     errors = []

@@ -117,7 +117,7 @@ def _pushed(robot: Robot[ClimberGeometry], seconds: float) -> tuple[Floats, Floa
     kind = robot_type_of(robot)
     path_follower = ClimberPathFollower(robot, "vertical")
     body = ClimberState(0.0, 0.0, 0.0, 1.0)
-    commanded: ClimberMotion = kind.rest
+    commanded: ClimberMotion = kind.standstill
     ahead, left, heading = 0.0, 0.0, 0.0
     rows: list[float] = []
     now: Nanoseconds = 0
@@ -132,7 +132,7 @@ def _pushed(robot: Robot[ClimberGeometry], seconds: float) -> tuple[Floats, Floa
         facts = Facts(now, True, False, now, True, axes, {}, {})  # noqa: FBT003 - in the order of its fields
         pose = Pose(ahead, left, heading)
         seen: Snapshot[ClimberMotion, ClimberState] = Snapshot(
-            facts=facts, command=kind.rest, commanded=commanded, body=body, pose=pose
+            facts=facts, command=kind.standstill, commanded=commanded, body=body, pose=pose
         )
         commanded = path_follower.command(seen, CYCLE)
         step = to_seconds(CYCLE)

@@ -23,7 +23,7 @@ from validation.pages import (
 from validation.pages.safety_texts import (
     AGE_TEXT,
     AXIS_TEXT,
-    BELIEF_TEXT,
+    PLAUSIBILITY_TEXT,
     SAFETY_TEXT,
     guard_text,
     power_text,
@@ -236,7 +236,7 @@ def _faults() -> str:
 
 def _safety(measured: Mapping[str, Sequence[str]]) -> str:
     parts = [SAFETY_TEXT, "## Interlocks of each axis", AXIS_TEXT]
-    parts += [table(safety.AXIS_HEADINGS, safety.axis_rows())]
+    parts += [table(safety.AXIS_HEADINGS, safety.axis_interlocks())]
     parts += ["## Age of a command", AGE_TEXT, table(safety.AGE_HEADINGS, safety.ages())]
     for kind, robot in safety.shipped():
         parts += [
@@ -247,7 +247,7 @@ def _safety(measured: Mapping[str, Sequence[str]]) -> str:
             "### Limits of a command",
             table(safety.LIMIT_HEADINGS, safety.limits(kind, robot)),
             "### Plausibility limits",
-            BELIEF_TEXT,
+            PLAUSIBILITY_TEXT,
             table(safety.PLAUSIBILITY_HEADINGS, safety.plausibility_rows(robot)),
             "### Power after a stop",
             power_text(robot),
@@ -286,7 +286,7 @@ SET_POSITION_TARGET_LOCAL_NED. All of them are subject to the same motion permis
 age limits and interlocks ([interlocks, limits and stops](safety.md), [one station in
 control](decisions/station-in-control.md)). A station is answered in its version of MAVLink; MAVLink 1 has no
 message numbers above 255 and no signatures."""
-WAYS_TEXT: Final = """Without a mode command the newest motion command counts, whatever its message.
+DRIVING_TEXT: Final = """Without a mode command the newest motion command counts, whatever its message.
 **Guided** is set by `DO_SET_MODE` or `SET_MODE`: a neutral stick does not count while set-points arrive; a
 stick that is moved takes over. **Hold** ramps down and waits; Manual or Guided continues, with stick and
 set-points neutral. The numbers are those of ArduPilot's Rover; a station that requests PX4's gets PX4's.
@@ -340,7 +340,7 @@ def _stations() -> str:
         "## Stations by name",
         STOP_TEXT,
         "## Modes",
-        WAYS_TEXT,
+        DRIVING_TEXT,
         table(stations.MODE_HEADINGS, stations.modes()),
         "## Sticks",
         STICK_TEXT.format(keys=KEYS),

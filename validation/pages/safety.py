@@ -90,7 +90,7 @@ def limits(kind: AnyRobotType, robot: AnyRobot) -> Iterator[Cells]:
         yield (row.name, _severity(row), _clear(row), row.remedy)
 
 
-def axis_rows() -> Iterator[Cells]:
+def axis_interlocks() -> Iterator[Cells]:
     """Yield what is judged of each axis, every weaker row behind the first one that it stands in for."""
     named: set[AxisInterlock] = set()
     for row in (*AXIS_INTERLOCKS, EXCLUDED_AXIS):
@@ -123,7 +123,7 @@ def bounds(robot: AnyRobot) -> Iterator[Cells]:
             f"{link.silent_ms} ms",
             f"{axis.top_speed:g} {axis.unit.value}/s",
             "-" if axis.travel is None else f"{axis.travel[0]:g} to {axis.travel[1]:g} {axis.unit.value}",
-            axis.zero.how or ("confirm" if axis.zero_confirmed else "at power-on"),
+            axis.zero.how or ("confirm" if axis.needs_confirmation else "at power-on"),
             _on_the_wire(robot, axis),
             ", ".join(_fitting(robot, axis)),
         )
@@ -218,7 +218,7 @@ def spoken(robot: AnyRobot, name: str) -> str:
 
 def _fitting(robot: AnyRobot, axis: Axis) -> Iterator[str]:
     for row in AXIS_INTERLOCKS:
-        if Reports.ZERO in row.needs and not axis.zero_confirmed:
+        if Reports.ZERO in row.needs and not axis.needs_confirmation:
             continue
         fitting = row.fitting(reports_of(robot, axis))
         yield "none: refused" if fitting is None else fitting.name

@@ -51,16 +51,16 @@ interlock named under **without it** replaces it; if there is none, the robot fi
 **disables power** switches off the power stage of its axis until the robot is armed again, because an axis
 whose feedback is untrusted cannot be ramped down. The last row is for an axis that the robot's current mode
 does without."""
-BELIEF_TEXT: Final = """The plausibility limits give each axis a range that follows from what was sent to it:
-a range of speeds after a speed set-point or a stop, else of positions. The range extends to a new set-point
-at once. It leaves an old one after **lag**, and no faster than **ramp** or **cruise**. An axis deviates if it
-is outside its range by more than **speed**, and a 50th of the commanded speed, or by more than **position**,
-in every sample **within** this time. If it moves further, faster or in another direction than commanded, this
-is uncommanded motion, else a tracking error. A position that repeats to the last bit for as long may differ
-by no more than **repeats** from the commanded one, and an axis may stand at no more than **holding current**
-for twice as long. A robot is at standstill when each axis that moves it is slower than **standstill below**.
-All values are computed from top speed, drive and link unless `[axes.plausibility]` in the robot file sets
-them."""
+PLAUSIBILITY_TEXT: Final = """The plausibility limits give each axis a range that follows from what was sent
+to it: a range of speeds after a speed set-point or a stop, else of positions. The range extends to a new
+set-point at once. It leaves an old one after **lag**, and no faster than **ramp** or **cruise**. An axis
+deviates if it is outside its range by more than **speed**, and a 50th of the commanded speed, or by more
+than **position**, in every sample **within** this time. If it moves further, faster or in another direction
+than commanded, this is uncommanded motion, else a tracking error. A position that repeats to the last bit
+for as long may differ by no more than **repeats** from the commanded one, and an axis may stand at no more
+than **holding current** for twice as long. A robot is at standstill when each axis that moves it is slower
+than **standstill below**. All values are computed from top speed, drive and link unless
+`[axes.plausibility]` in the robot file sets them."""
 LETTING_GO_TEXT: Final = """Which stops end without power, and which keep it. Category 0 disables the power
 stage at once, category 1 at standstill, category 2 keeps it enabled (EN 60204-1).
 

@@ -15,7 +15,7 @@ from firmware_bridge.teleop.streams import load, streams_of
 from firmware_bridge.units import Nanoseconds, to_seconds
 from validation.pages.safety import shipped
 
-WAYS: Final = {
+DIRECTIONS: Final = {
     (StickAxis.FORWARD, 1): "forward",
     (StickAxis.FORWARD, -1): "backward",
     (StickAxis.LEFT, 1): "to the left",
@@ -37,7 +37,7 @@ def modes() -> Iterator[Cells]:
     """Yield the modes of control, and the requests for them."""
     for row in MODES:
         also = "; ".join(map(_in_parts, row.also)) or "-"
-        yield (row.way.value, str(row.number), _in_parts(row.px4), also)
+        yield (row.driving_mode.value, str(row.number), _in_parts(row.px4), also)
 
 
 def _in_parts(number: int) -> str:
@@ -47,13 +47,13 @@ def _in_parts(number: int) -> str:
 def channels() -> Iterator[Cells]:
     """Yield the channels of RC_CHANNELS_OVERRIDE."""
     for row in USUAL_CHANNELS:
-        yield (str(row.number), row.axis.name.lower(), WAYS[row.axis, row.sign])
+        yield (str(row.number), row.axis.name.lower(), DIRECTIONS[row.axis, row.sign])
 
 
 def sticks() -> Iterator[Cells]:
     """Yield what the axes and buttons of MANUAL_CONTROL do, by robot."""
     for kind, robot in shipped():
-        station, rest = kind.station, kind.rest
+        station, rest = kind.station, kind.standstill
         still = station.stick(Stick(forward=0.0, left=0.0, turn=0.0, up=None), rest, robot)
         across = station.stick(Stick(forward=0.0, left=0.5, turn=0.0, up=None), rest, robot)
         axes = {

@@ -198,7 +198,7 @@ BENCH_SETUP: Final = BenchSetup(
     ),
     remarks=_remarks,
     cases=cases,
-    stands={"j2": -90.0, "j3": 90.0, "j5": 60.0},
+    start_positions={"j2": -90.0, "j3": 90.0, "j5": 60.0},
     figures={"max_lag_full_steps": _lost},
     paths=PATHS,
 )

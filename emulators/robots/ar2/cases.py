@@ -1,4 +1,4 @@
-"""The arm's rows at the edges of their thresholds; the tests that every robot gets go through them."""
+"""The arm's interlocks at the edges of their thresholds; for the inherited tests."""
 
 import math
 from collections.abc import Iterator
@@ -6,8 +6,8 @@ from typing import Final, TypeAlias
 
 from emulators.bench import cases as bench
 from firmware_bridge.robot import Axis, Robot
-from firmware_bridge.robots.ar2.body import Ar2Kinematics
 from firmware_bridge.robots.ar2.geometry import Ar2Geometry
+from firmware_bridge.robots.ar2.kinematics import Ar2Kinematics
 from firmware_bridge.robots.ar2.motion import STILL, Ar2Motion, Ar2State, motion_of
 from firmware_bridge.robots.ar2.rules import HORIZON, OUTSIDE_M, tool
 
@@ -62,13 +62,13 @@ def _moving(motion: Ar2Motion, body: Ar2State) -> Situation:
     return Situation(command=motion, commanded=motion, body=body)
 
 
-def _beyond(row: str, axis: int, high: float, reason: str) -> Case:
+def _beyond(interlock: str, axis: int, high: float, reason: str) -> Case:
     """Return the case of one of the tool's six speeds."""
     within, beyond = ([0.0] * 6, [0.0] * 6)
     within[axis], beyond[axis] = high, JUST * high
     commanded = motion_of(within)
     return Case(
-        row,
+        interlock,
         trips=Situation(command=motion_of(beyond), commanded=commanded, body=BENT),
         spares=Situation(command=commanded, commanded=commanded, body=BENT),
         reason=reason,

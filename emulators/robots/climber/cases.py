@@ -1,4 +1,4 @@
-"""The climber's rows at the edges of their thresholds; the tests that every robot gets go through them."""
+"""The climber's interlocks at the edges of their thresholds; for the inherited tests."""
 
 import math
 from collections.abc import Iterator
@@ -11,8 +11,8 @@ from firmware_bridge.motion.captured import Located, Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
 from firmware_bridge.robot_types import find
-from firmware_bridge.robots.climber.body import CLIMBER
 from firmware_bridge.robots.climber.geometry import ClimberGeometry
+from firmware_bridge.robots.climber.kinematics import CLIMBER
 from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
 from firmware_bridge.robots.climber.rules import ON_WALL
 
@@ -125,12 +125,12 @@ def _bounded(robot: Robot[ClimberGeometry]) -> Iterator[Case]:
         ("height limit", robot, Pose(0.0, limits.lowest_m, -UP), limits.lowest_m, ""),
         ("cable limit", robot, Pose(wall.cable_m, 0.0, ROUND), wall.cable_m, None),
     )
-    for row, machine, place, bound, why in (*bounds, _heavy(robot)):
+    for interlock, machine, place, bound, why in (*bounds, _heavy(robot)):
         there, back = replace(SEEN, pose=place), place.heading_rad + math.pi
         gone = replace(SEEN, pose=Pose(place.x_m, place.y_m, back))
         ahead = ClimberMotion(limits.speed_mps)
         yield Case(
-            row,
+            interlock,
             trips=Situation(command=ahead, commanded=ahead, located=there),
             spares=Situation(command=ahead, commanded=ahead, located=gone),
             reason=(

@@ -1,4 +1,4 @@
-"""RARS's rows at the edges of their thresholds; the tests that every robot gets go through them."""
+"""RARS's interlocks at the edges of their thresholds; for the inherited tests."""
 
 import math
 from collections.abc import Iterator
@@ -8,8 +8,8 @@ from typing import Final, TypeAlias
 from emulators.bench import cases as bench
 from firmware_bridge.motion import scissor
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rars.body import ramp_of
 from firmware_bridge.robots.rars.geometry import RarsGeometry
+from firmware_bridge.robots.rars.kinematics import ramp_of
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.robots.rars.rules import tipping_speed
 
@@ -71,9 +71,9 @@ def _interlocks(robot: Robot[RarsGeometry]) -> Iterator[Case]:
         )
 
 
-def _seen(row: str, reason: str, **body: float | None) -> Case:
+def _seen(interlock: str, reason: str, **body: float | None) -> Case:
     return Case(
-        row,
+        interlock,
         trips=Situation(body=replace(WELL, **body)),  # type: ignore[arg-type] # a field of State each
         spares=Situation(body=WELL),
         reason=reason,
@@ -122,11 +122,13 @@ def _limits(robot: Robot[RarsGeometry]) -> Iterator[Case]:
     yield _tipping(robot, tightest)
 
 
-def _limited(row: str, within: RarsMotion, beyond: RarsMotion, values: tuple[float, float, str]) -> Case:
+def _limited(
+    interlock: str, within: RarsMotion, beyond: RarsMotion, values: tuple[float, float, str]
+) -> Case:
     """Return the case of a limit that is passed at the pace that the robot has already."""
     requested, allowed, unit = values
     return Case(
-        row,
+        interlock,
         trips=Situation(command=beyond, commanded=within),
         spares=Situation(command=within, commanded=within),
         reason=f"requested {requested:.2f} {unit}, allowed is {allowed:.2f} {unit}",

@@ -1,4 +1,4 @@
-"""ROME's rows at the edges of their thresholds; the tests that every robot gets go through them."""
+"""ROME's interlocks at the edges of their thresholds; for the inherited tests."""
 
 import math
 from collections.abc import Iterator
@@ -117,10 +117,10 @@ def _limited(robot: Robot[RomeGeometry], side: float) -> Iterator[Case]:
     )
 
 
-def _beyond(row: str, within: RomeMotion, beyond: RomeMotion, requested: str, allowed: str) -> Case:
+def _beyond(interlock: str, within: RomeMotion, beyond: RomeMotion, requested: str, allowed: str) -> Case:
     """Return the case of a limit that is passed at the pace that the base has already."""
     return Case(
-        row,
+        interlock,
         trips=Situation(command=beyond, commanded=within),
         spares=Situation(command=within, commanded=within),
         reason=f"requested {requested}, allowed is {allowed}",

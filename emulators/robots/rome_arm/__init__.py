@@ -192,7 +192,7 @@ BENCH_SETUP: Final = BenchSetup(
     ),
     remarks=lambda robot: rome.BENCH_SETUP.remarks(BASE.robot(robot)),
     cases=cases,
-    stands=ar2.BENCH_SETUP.stands,
+    start_positions=ar2.BENCH_SETUP.start_positions,
     figures={**ar2.BENCH_SETUP.figures, "least_wheel_load_share": _least_load},
     paths={"orbit": _orbit, "formation": _formation, "pose": _pose},
 )

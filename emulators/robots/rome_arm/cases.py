@@ -1,4 +1,4 @@
-"""ROME's rows at the edges of their thresholds: those of its halves, and those between them."""
+"""ROME's interlocks at the edges of their thresholds: those of its halves, and those between them."""
 
 import math
 from collections.abc import Iterator
@@ -21,9 +21,11 @@ from firmware_bridge.robots.rome_arm.motion import RomeArmMotion, RomeArmState
 
 Case: TypeAlias = bench.Case[RomeArmMotion, RomeArmState]
 Situation: TypeAlias = bench.Situation[RomeArmMotion, RomeArmState]
-STANDS: Final = base.RomeState(0.0, 0.0, 0.0)
-WHOLE: Final = RomeArmState(STANDS, BENT)
-AHEAD: Final = RomeArmState(STANDS, arm.Ar2State((0.0, BENT.angles[1] + 1e-5, *BENT.angles[2:]), arm.STILL))
+STANDSTILL: Final = base.RomeState(0.0, 0.0, 0.0)
+WHOLE: Final = RomeArmState(STANDSTILL, BENT)
+AHEAD: Final = RomeArmState(
+    STANDSTILL, arm.Ar2State((0.0, BENT.angles[1] + 1e-5, *BENT.angles[2:]), arm.STILL)
+)
 """A little further forward."""
 
 
@@ -32,19 +34,19 @@ def cases(robot: Robot[RomeArmGeometry]) -> Iterator[Case]:
     for of_base in cases_of_base(BASE.robot(robot)):
         yield _whole(BASE, of_base, None if of_base.robot is None else _with_board(of_base.robot))
     for of_arm in cases_of_arm(ARM.robot(robot)):
-        row = of_arm.row if of_arm.row.startswith("tool") else f"tool {of_arm.row}"
+        interlock = of_arm.interlock if of_arm.interlock.startswith("tool") else f"tool {of_arm.interlock}"
         other = of_arm.robot
         if other is not None:
             geometry = robot.geometry.model_copy(update={"arm": other.geometry})
             axes = {axis.name: axis for axis in (*robot.axes, *other.axes)}
             other = robot.model_copy(update={"geometry": geometry, "axes": tuple(axes.values())})
-        yield replace(_whole(ARM, of_arm, other), row=row)
+        yield replace(_whole(ARM, of_arm, other), interlock=interlock)
     yield from _between(robot)
 
 
 def _whole(half: Half, case: bench.Case[Any, Any], robot: Robot[RomeArmGeometry] | None) -> Case:
     return Case(
-        case.row,
+        case.interlock,
         trips=_both(half, case.trips),
         spares=_both(half, case.spares),
         reason=case.reason,

@@ -1,4 +1,4 @@
-"""The safety tests that a robot gets because it is installed: its file, its rows, its cases, its missions.
+"""The safety tests of every installed robot: its file, its interlocks, its cases, its missions.
 
 `pytest --robot NAME --pyargs emulators.testing.inherited`; without a name those of every installed robot.
 """

@@ -30,10 +30,10 @@ def gate_of(robot: AnyRobot) -> Gate:
 def axes_of(robot: AnyRobot, now: Nanoseconds) -> dict[str, Feedback]:
     """Return all axes where the bench begins with them, with power, received now."""
     gauges = {gauge.role: gauge for gauge in robot_type_of(robot).station.gauges}
-    stands = bench_setup_of(robot).stands
+    start_positions = bench_setup_of(robot).start_positions
 
     def place(role: str) -> float:
-        read = stands.get(role, 0.0)
+        read = start_positions.get(role, 0.0)
         return read if role not in gauges else gauges[role].position(read, robot)
 
     return {
@@ -59,7 +59,11 @@ def seen(
     """Return the robot armed and well, but for the given facts."""
     kind = robot_type_of(robot)
     feedback = dict(axes_of(robot, now) if axes is None else axes)
-    body = kind.body(robot).sensed(feedback, well(robot, now)) if situation.body is None else situation.body
+    body = (
+        kind.kinematics(robot).sensed(feedback, well(robot, now))
+        if situation.body is None
+        else situation.body
+    )
     known: dict[str, Any] = {
         "now": now,
         "armed": True,
@@ -72,15 +76,15 @@ def seen(
     }
     return Snapshot(
         facts=Facts(**(known | facts)),
-        command=kind.rest if situation.command is None else situation.command,
-        commanded=kind.rest if situation.commanded is None else situation.commanded,
+        command=kind.standstill if situation.command is None else situation.command,
+        commanded=kind.standstill if situation.commanded is None else situation.commanded,
         body=body,
         pose=Pose(),
         located=situation.located,
     )
 
 
-def held(decision: Decision[Any]) -> dict[str, str]:
+def active(decision: Decision[Any]) -> dict[str, str]:
     """Return the reasons of all that holds, by name."""
     return {event.name: event.reason for event in decision.interlock_events}
 
@@ -107,7 +111,7 @@ class FakeDriver:
         self.axes: Final = axes_of(robot, START)
         self.before: Mapping[str, Feedback] = dict(self.axes)
         """The axes as the newest set-points found them."""
-        self.commanded: Any = self.kind.rest
+        self.commanded: Any = self.kind.standstill
         self.set_points: Mapping[str, SetPoint] = {}
         self.now: Nanoseconds = START
 
@@ -120,10 +124,10 @@ class FakeDriver:
         known = seen(self.robot, self.now, situation, self.axes, **facts)
         # The order is that of the bridge's pipeline: evaluate, ramp, then set-points from the ramp's result.
         decision = self.gate.rule(known)
-        self.commanded = self.rules.body.ramped(
+        self.commanded = self.rules.kinematics.ramped(
             self.commanded, decision.allowed, known.body, self.robot.cycle
         )
-        self.set_points = self.rules.body.set_points(self.commanded, known.body)
+        self.set_points = self.rules.kinematics.set_points(self.commanded, known.body)
         self._obey()
         return decision
 

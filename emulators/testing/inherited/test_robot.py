@@ -18,11 +18,11 @@ from emulators.testing.inherited.fake_driver import (
     START,
     AnyCase,
     FakeDriver,
+    active,
     axes_of,
     cases_of,
     full_motions,
     gate_of,
-    held,
     seen,
     silence_of,
 )
@@ -68,7 +68,7 @@ def generate(
     """Parametrize each test with these robots, and its other arguments; some with these `missions` alone."""
     if "case" in metafunc.fixturenames:
         cases = [(name, case) for name in robots for case in cases_of(name)]
-        ids = [f"{name}-{case.row}-{place}" for place, (name, case) in enumerate(cases)]
+        ids = [f"{name}-{case.interlock}-{place}" for place, (name, case) in enumerate(cases)]
         metafunc.parametrize(("name", "case"), cases, ids=ids)
     elif "mission" in metafunc.fixturenames:
         driven = [
@@ -81,8 +81,8 @@ def generate(
         metafunc.parametrize("name", robots)
 
 
-def rows_of(robot: AnyRobot) -> tuple[InterlockBase, ...]:
-    """Return the robot's own rows, the limits last."""
+def interlocks_of(robot: AnyRobot) -> tuple[InterlockBase, ...]:
+    """Return the robot's own interlocks, the limits last."""
     kind = robot_type_of(robot)
     return (*kind.interlocks, *kind.limits)
 
@@ -95,44 +95,46 @@ def test_its_file_loads_and_it_is_what_it_is_installed_as(name: str) -> None:
     assert bench_setup_of(robot).shipped()
 
 
-def test_every_row_of_its_own_has_a_boundary_case_and_no_case_is_for_nothing(name: str) -> None:
-    assert {case.row for case in cases_of(name)} == {row.name for row in rows_of(find(name))}
+def test_every_interlock_of_its_own_has_a_boundary_case_and_no_case_is_for_nothing(name: str) -> None:
+    assert {case.interlock for case in cases_of(name)} == {
+        interlock.name for interlock in interlocks_of(find(name))
+    }
 
 
-def test_at_its_threshold_a_row_holds_and_states_why(name: str, case: AnyCase) -> None:
+def test_at_its_threshold_an_interlock_is_active_and_states_why(name: str, case: AnyCase) -> None:
     robot = case.robot or find(name)
-    row = next(row for row in rows_of(robot) if row.name == case.row)
+    interlock = next(interlock for interlock in interlocks_of(robot) if interlock.name == case.interlock)
     gate = gate_of(robot)
     decision = gate.rule(seen(robot, START, case.trips))
-    assert held(decision)[case.row] == case.reason
-    assert next(event for event in decision.interlock_events if event.name == case.row).remedy
-    if isinstance(row, Limit):
+    assert active(decision)[case.interlock] == case.reason
+    assert next(event for event in decision.interlock_events if event.name == case.interlock).remedy
+    if isinstance(interlock, Limit):
         assert decision.stopped == frozenset()
     else:
         groups = frozenset(robot_type_of(robot).groups)
-        stopped = groups if row.stops is None else row.stops
+        stopped = groups if interlock.stops is None else interlock.stops
         assert stopped <= decision.stopped
         assert not decision.requested & stopped
 
 
-def test_just_within_its_threshold_a_row_does_not_hold(name: str, case: AnyCase) -> None:
+def test_just_within_its_threshold_an_interlock_is_not_active(name: str, case: AnyCase) -> None:
     robot = case.robot or find(name)
     decision = gate_of(robot).rule(seen(robot, START, case.spares))
-    assert case.row not in held(decision)
+    assert case.interlock not in active(decision)
     assert decision.stopped == frozenset()
 
 
-def test_a_row_lets_go_when_it_was_clear_for_its_clear_time(name: str, case: AnyCase) -> None:
+def test_an_interlock_clears_after_its_release_delay(name: str, case: AnyCase) -> None:
     robot = case.robot or find(name)
-    row = next(row for row in rows_of(robot) if row.name == case.row)
+    interlock = next(interlock for interlock in interlocks_of(robot) if interlock.name == case.interlock)
     gate = gate_of(robot)
     gate.rule(seen(robot, START, case.trips))
     clear = START + SECOND
     # "Commanded motion" reaches one decision further: the first look clears the request before.
     gate.rule(seen(robot, clear - 1))
-    if row.clear_after:
-        assert case.row in held(gate.rule(seen(robot, clear - 1 + row.clear_after - 1)))
-    assert case.row not in held(gate.rule(seen(robot, clear + row.clear_after)))
+    if interlock.clear_after:
+        assert case.interlock in active(gate.rule(seen(robot, clear - 1 + interlock.clear_after - 1)))
+    assert case.interlock not in active(gate.rule(seen(robot, clear + interlock.clear_after)))
 
 
 def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -148,7 +150,7 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
     well = axes_of(robot, START)
     for axis in robot.axes:
         limit = silence_of(robot, axis.link)
-        for row, changes in (
+        for interlock, changes in (
             ("axis timeout", {"received_at": START - limit}),
             ("axis timeout", {"received_at": NEVER_RECEIVED, "power": Power.UNKNOWN}),
             ("axis fault", {"fault": "0x8611"}),
@@ -156,47 +158,47 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
             ("axis reconfigured", {"rewritten": "601#2316100100000000"}),
             ("axis not enabled", {"power": Power.STOPPED}),
             ("axis not enabled", {"power": Power.OFF}),
-            *((("reference lost", {"reference_lost": True}),) if axis.zero_confirmed else ()),
+            *((("reference lost", {"reference_lost": True}),) if axis.needs_confirmation else ()),
         ):
             changed = replace(well[axis.name], **changes)
-            yield f"{row}: {axis.name}", {"axes": {**well, axis.name: changed}}
+            yield f"{interlock}: {axis.name}", {"axes": {**well, axis.name: changed}}
         stated = axis.plausibility.within_ms
         long = limit if stated is None else stated * MILLISECOND
         deviates = Tracking(sampled_at=START, obeyed_at=START - long)
         repeats = replace(deviates, obeyed_at=START, settled_at=START - long)
-        for row, following in (
+        for interlock, following in (
             ("tracking error", deviates),
             ("uncommanded motion", replace(deviates, uncommanded=True)),
             ("position not changing", repeats),
         ):
-            yield f"{row}: {axis.name}", {"following": {axis.name: following}}
+            yield f"{interlock}: {axis.name}", {"following": {axis.name: following}}
 
 
-def test_the_common_rows_stop_all_of_it_whatever_it_is_requested(name: str) -> None:
+def test_the_common_interlocks_stop_all_of_it_whatever_it_is_requested(name: str) -> None:
     robot = find(name)
     kind = robot_type_of(robot)
     tripped = set()
     for event, facts in common_trips(robot):
         for command in full_motions(kind, robot):
             decision = gate_of(robot).rule(seen(robot, START, Situation(command=command), **facts))
-            assert event in held(decision), event
+            assert event in active(decision), event
             if not event.startswith(("link lost", "second controller")):
                 assert decision.stopped == frozenset(kind.groups), event
             assert not decision.requested & decision.stopped, event
         tripped.add(event.split(":")[0])
     # Only an axis whose zero a person confirms can lose it.
-    unsent = set() if any(axis.zero_confirmed for axis in robot.axes) else {"reference lost"}
-    assert {row.name for row in AXIS_INTERLOCKS} - unsent <= tripped
+    unsent = set() if any(axis.needs_confirmation for axis in robot.axes) else {"reference lost"}
+    assert {interlock.name for interlock in AXIS_INTERLOCKS} - unsent <= tripped
 
 
-def test_a_word_just_in_time_stops_nothing(name: str) -> None:
+def test_a_command_just_in_time_stops_nothing(name: str) -> None:
     robot = find(name)
     silent = robot.operator.silent_ms * MILLISECOND
     axes = {
         axis.name: replace(one, received_at=START - silence_of(robot, axis.link) + 1)
         for axis, one in zip(robot.axes, axes_of(robot, START).values(), strict=True)
     }
-    assert held(gate_of(robot).rule(seen(robot, received_at=START - silent + 1, axes=axes))) == {}
+    assert active(gate_of(robot).rule(seen(robot, received_at=START - silent + 1, axes=axes))) == {}
 
 
 def spoiled(motion: Any, value: float) -> Iterator[Any]:
@@ -214,23 +216,23 @@ def test_a_command_that_is_no_number_stops_all_of_it(name: str, value: float) ->
     robot = find(name)
     kind = robot_type_of(robot)
     named = set()
-    for command in spoiled(kind.rest, value):
+    for command in spoiled(kind.standstill, value):
         titles = [title for title, read in kind.numbers.items() if repr(read(command)) == repr(value)]
         if titles:
             decision = gate_of(robot).rule(seen(robot, START, Situation(command=command)))
-            assert held(decision)["command unusable"] == f"the {titles[0]} requested is {value}"
+            assert active(decision)["command unusable"] == f"the {titles[0]} requested is {value}"
             assert decision.stopped == frozenset(kind.groups)
             assert not decision.requested
             named.update(titles)
     assert named == set(kind.numbers), "every number of the motion is judged"
 
 
-def test_it_rests_when_each_axis_that_takes_it_from_its_place_stands(name: str) -> None:
+def test_it_is_at_standstill_when_each_axis_that_moves_it_is(name: str) -> None:
     robot = find(name)
     rules = robot_type_of(robot).rules(robot)[""]
     well = axes_of(robot, START)
     travelling = {role for group in rules.travelling for role in robot_type_of(robot).groups[group]}
-    assert set(rules.body.rolling) <= {axis.name for axis in robot.axes if axis.role in travelling}
+    assert set(rules.kinematics.rolling) <= {axis.name for axis in robot.axes if axis.role in travelling}
     assert rules.at_standstill(seen(robot))
     for axis in robot.axes:
         for speed in (axis.standstill_below, -axis.standstill_below, math.nan, math.inf):
@@ -238,30 +240,30 @@ def test_it_rests_when_each_axis_that_takes_it_from_its_place_stands(name: str) 
             at_standstill = rules.at_standstill(
                 seen(robot, situation=Situation(body=resting(robot)), axes=moves)
             )
-            assert at_standstill is (axis.name not in rules.body.rolling), (axis.name, speed)
+            assert at_standstill is (axis.name not in rules.kinematics.rolling), (axis.name, speed)
         for sign in (1.0, -1.0):
             below = sign * math.nextafter(axis.standstill_below, 0.0)
             creeps = {**well, axis.name: replace(well[axis.name], velocity=below)}
             assert rules.at_standstill(seen(robot, situation=Situation(body=resting(robot)), axes=creeps))
 
 
-def test_wheels_that_turn_against_each_other_do_not_rest(name: str) -> None:
+def test_wheels_that_turn_against_each_other_are_not_at_standstill(name: str) -> None:
     robot = find(name)
     rules = robot_type_of(robot).rules(robot)[""]
-    first, *others = (axis for axis in robot.axes if axis.name in rules.body.rolling)
+    first, *others = (axis for axis in robot.axes if axis.name in rules.kinematics.rolling)
     spins = axes_of(robot, START)
     # The sum of the speeds is 0: a mean over the wheels would take that for a standstill.
     share = first.top_speed / max(len(others), 1)
     for axis, speed in ((first, first.top_speed), *((other, -share) for other in others)):
         spins[axis.name] = replace(spins[axis.name], velocity=speed)
     known = seen(robot, axes=spins)
-    assert rules.body.moving(known.body) & rules.travelling
+    assert rules.kinematics.moving(known.body) & rules.travelling
     assert not rules.at_standstill(known)
 
 
 def resting(robot: AnyRobot) -> Any:
     """Return what is known of a body at rest."""
-    return robot_type_of(robot).body(robot).sensed(axes_of(robot, START), {})
+    return robot_type_of(robot).kinematics(robot).sensed(axes_of(robot, START), {})
 
 
 shares = st.none() | st.floats(-1.0, 1.0)
@@ -284,9 +286,9 @@ def within_bounds(paper: FakeDriver) -> None:
     requested = paper.speeds()
     for axis in paper.robot.axes:
         assert abs(requested.get(axis.name, 0.0)) <= axis.top_speed * ROUNDING
-    for row in paper.robot.guard.sums:
-        total = sum(factor * requested.get(axis, 0.0) for axis, factor in row.of.items())
-        assert abs(total) <= row.bound * ROUNDING, row.name
+    for interlock in paper.robot.guard.sums:
+        total = sum(factor * requested.get(axis, 0.0) for axis, factor in interlock.of.items())
+        assert abs(total) <= interlock.bound * ROUNDING, interlock.name
     for pair in paper.robot.guard.exclusive:
         assert not (moves(paper, pair.one) and moves(paper, pair.other)), pair.name
 
@@ -318,7 +320,7 @@ def test_whatever_is_stated_the_guards_bounds_hold(
     name: str, stated: list[tuple[Stick | Velocity, int, bool]]
 ) -> None:
     paper = FakeDriver(find(name))
-    command = paper.kind.rest
+    command = paper.kind.standstill
     for word, cycles, armed in stated:
         command = states(paper, word, command)
         for _ in range(cycles):
@@ -354,7 +356,7 @@ def turning(paper: FakeDriver) -> list[float]:
     return [axis.velocity for axis in paper.axes.values()]
 
 
-def test_a_stop_brings_every_axis_to_rest(name: str) -> None:
+def test_a_stop_brings_every_axis_to_standstill(name: str) -> None:
     robot = find(name)
     for command in full_motions(robot_type_of(robot), robot):
         paper = FakeDriver(robot)
@@ -362,7 +364,9 @@ def test_a_stop_brings_every_axis_to_rest(name: str) -> None:
         decision = settled(paper, command, emergency_stopped=True)
         assert decision.stopped == frozenset(paper.kind.groups)
         assert not moves(paper, tuple(paper.axes))
-        assert not paper.rules.body.requested(paper.commanded, paper.kind.body(robot).sensed(paper.axes, {}))
+        assert not paper.rules.kinematics.requested(
+            paper.commanded, paper.kind.kinematics(robot).sensed(paper.axes, {})
+        )
 
 
 def test_its_missions_drive_without_a_refusal_and_it_ends_without_power(name: str, mission: str) -> None:

@@ -92,8 +92,8 @@ class Ar2Board:
             Task.CONFIGURE: self._configure,
             Task.START: self._start,
             Task.ENABLE: self._enable,
-            Task.LEAVE: self._let_go,
-            Task.DISABLE: self._let_go,
+            Task.LEAVE: self._release_current,
+            Task.DISABLE: self._release_current,
         }
 
     @property
@@ -355,9 +355,9 @@ class Ar2Board:
             self._fail("it has to be found first")
             return
         for joint in self.joints:
-            joint.enabled, joint.released, joint.set_point = True, False, Stop.REST
+            joint.enabled, joint.released, joint.set_point = True, False, Stop.STANDSTILL
 
-    def _let_go(self, _now: Nanoseconds) -> None:
+    def _release_current(self, _now: Nanoseconds) -> None:
         """Move no joint any more; the answer to the question proves that none does."""
         for joint in self.joints:
             joint.enabled, joint.released, joint.set_point = False, False, Stop.POWER_OFF

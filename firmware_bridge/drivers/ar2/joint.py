@@ -74,7 +74,7 @@ class Ar2Joint:
         by_motor = 2.0 * axis.ar2.full_steps_s * to_seconds(link.move)
         self.most: Final = int(min(by_axis, by_motor)) + MOVES_AT_ONCE
         """Steps of one move."""
-        self.set_point: SetPoint = Stop.REST
+        self.set_point: SetPoint = Stop.STANDSTILL
         self.enabled = False
         """True where it may be moved."""
         self.released = False
@@ -209,7 +209,7 @@ class Ar2Joint:
         """Learn that no one knows any more where it stands, and that it may not be moved."""
         self.count = self.commanded = None
         self.enabled = self.released = False
-        self.set_point = Stop.REST
+        self.set_point = Stop.STANDSTILL
 
     def sampled(self, cycle_at: Nanoseconds, now: Nanoseconds, *, placed: bool) -> None:
         """Take the board's answer to a cycle's request; `placed`: its position was sent since."""

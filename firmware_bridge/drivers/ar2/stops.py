@@ -26,7 +26,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
         StopStage(
             "no further move",
             f"nothing; the last move ends within {link.move_ms} ms",
-            Stop.REST,
+            Stop.STANDSTILL,
             within,
             at_once=True,
             received=True,

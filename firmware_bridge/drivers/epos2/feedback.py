@@ -131,12 +131,12 @@ class DriveFeedback:
         self.expected = False
         self.forget_motion()
 
-    def lose_zero(self) -> None:
+    def lose_reference(self) -> None:
         """Learn that no one knows whether its counter was set already: what was to set it has ended."""
         self.reference_lost, self.zeroing, self.seeking = True, False, False
         self.forget_motion()
 
-    def zero_set(self, counter: int) -> None:
+    def reference_set(self, counter: int) -> None:
         """Count from the zero that was just set; that is what the drive's counter shows by it."""
         self.reference_lost = self.zeroing = self.seeking = False
         self.position_qc = counter

@@ -38,7 +38,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
         StopStage(
             "ramp",
             f"target 0, or halt, {how} in every cycle",
-            Stop.REST,
+            Stop.STANDSTILL,
             max(CREEPS, times.ramp),
             axis.epos2.profile.deceleration_rpm_s / per_unit,
             slows_within=times.ramp,

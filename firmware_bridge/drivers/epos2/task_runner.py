@@ -103,12 +103,12 @@ class TaskRunner:
         # A stop always passes: no task may keep an axis from being stopped.
         if not self.busy or set_point is Stop.QUICK_STOP or set_point is Stop.POWER_OFF:
             return True
-        return set_point is Stop.REST and self._task is Task.HOME
+        return set_point is Stop.STANDSTILL and self._task is Task.HOME
 
     def meant(self, set_point: SetPoint) -> SetPoint:
         """Return a set-point as it may reach the drive: in homing mode a new position would start that."""
         # A new position in homing mode would start a homing: bit 4 means both.
-        return set_point if self._in_own_mode or isinstance(set_point, Stop) else Stop.REST
+        return set_point if self._in_own_mode or isinstance(set_point, Stop) else Stop.STANDSTILL
 
     @property
     def configured(self) -> bool:
@@ -134,7 +134,7 @@ class TaskRunner:
         self._scripts.stop()
         # Whether the counter was set already is not known any more.
         if self._feedback.zeroing or self._feedback.seeking:
-            self._feedback.lose_zero()
+            self._feedback.lose_reference()
         self._tasks.clear()
         self._task = None
 
@@ -201,15 +201,15 @@ class TaskRunner:
 
     def _set_zero(self) -> Script:
         self._feedback.zeroing, self._in_own_mode = True, False
-        return (*zero.set_zero(self._axis, self._feedback, self._position), Do(self._zero_is_set))
+        return (*zero.set_zero(self._axis, self._feedback, self._position), Do(self._is_referenced))
 
     def _home(self) -> Script:
         self._feedback.zeroing, self._in_own_mode = True, False
         # From the first command on: a homing that is interrupted leaves an unknown count.
         self._feedback.reference_lost = True
-        return (*zero.home(self._axis, self._feedback), Do(self._zero_is_set))
+        return (*zero.home(self._axis, self._feedback), Do(self._is_referenced))
 
-    def _zero_is_set(self) -> Script:
+    def _is_referenced(self) -> Script:
         self._in_own_mode = True
         # A target in the counts of the old reference is no target any more.
         self._set_point.word(QUICK_STOP)

@@ -199,7 +199,7 @@ def _counts(axis: Axis, feedback: DriveFeedback, home_qc: int) -> Ask:
         # Method 35 sets the count at standstill, where the regulator is off by its following error at most.
         if abs(position_qc - home_qc) > margin:
             raise StartupError(axis, f"it counts {position_qc} qc where its zero was set to {home_qc} qc")
-        feedback.zero_set(position_qc)
+        feedback.reference_set(position_qc)
         return ()
 
     return read(axis, at.POSITION_ACTUAL, DataType.INTEGER32, judge)

@@ -77,8 +77,8 @@ class Board:
             Task.CONFIGURE: dialect.set_up,
             Task.START: self._start,
             Task.ENABLE: self._enable,
-            Task.LEAVE: self._let_go,
-            Task.DISABLE: self._let_go,
+            Task.LEAVE: self._release_all,
+            Task.DISABLE: self._release_all,
         }
         """The commands of a task; None where it waits, or has failed. Other tasks need none."""
         self._releasing: Final = Releasing()
@@ -347,10 +347,10 @@ class Board:
             self._fail("it has to be set up first")
             return None
         for motor in self.motors:
-            motor.enabled, motor.set_point = True, Stop.REST
+            motor.enabled, motor.set_point = True, Stop.STANDSTILL
         return iter(())
 
-    def _let_go(self) -> Iterator[Say]:
+    def _release_all(self) -> Iterator[Say]:
         """Yield the commands that release all motors, and a request whose answer proves their arrival."""
         for motor in self.motors:
             motor.enabled, motor.set_point = False, Stop.POWER_OFF

@@ -78,8 +78,8 @@ class Dialect(ABC):
         """Yield the requests for all counts."""
 
     @abstractmethod
-    def drive(self, wanted: Mapping[int, int], ways: Mapping[int, int]) -> Iterator[Say]:
-        """Yield the commands that drive motors, by their numbers, with a sign; `ways` holds each direction.
+    def drive(self, wanted: Mapping[int, int], directions: Mapping[int, int]) -> Iterator[Say]:
+        """Yield the commands that drive motors, by number, with a sign; `directions` are their present ones.
 
         It is 1 or -1, and 0 where the motor is released; it changes only where a motor is commanded to 0.
         """
@@ -123,7 +123,7 @@ class Ros(Dialect):
         numbers = tuple(motor.port for motor in self.motors)
         yield self._say("counts", "e", answer=12 * len(numbers) + 1, counts=numbers)
 
-    def drive(self, wanted: Mapping[int, int], _ways: Mapping[int, int]) -> Iterator[Say]:
+    def drive(self, wanted: Mapping[int, int], _directions: Mapping[int, int]) -> Iterator[Say]:
         """Send all speeds, also unchanged ones: the board stops when it receives nothing."""
         speeds = tuple(wanted[motor.port] for motor in self.motors)
         return iter((self._say("speeds", "m", speeds, answer=4, writes=CHANNELS * len(speeds)),))
@@ -167,12 +167,12 @@ class ArduinoIo(Dialect):
         for place, motor in enumerate(self.counted):
             yield self._ask(f"count of M{motor.port}", "G", place, answer=8, counts=(motor.port,))
 
-    def drive(self, wanted: Mapping[int, int], ways: Mapping[int, int]) -> Iterator[Say]:
+    def drive(self, wanted: Mapping[int, int], directions: Mapping[int, int]) -> Iterator[Say]:
         """Set the speed, and the direction where that changes."""
         for number, pwm in wanted.items():
-            way = _way(pwm, ways[number])
-            if way != ways[number]:
-                letter = ord("f" if way > 0 else "b")
+            direction = _direction(pwm, directions[number])
+            if direction != directions[number]:
+                letter = ord("f" if direction > 0 else "b")
                 yield Say(f"direction of M{number}", arduinoio.encode("B", number, letter), writes=2)
             yield Say(f"PWM of M{number}", arduinoio.encode("A", number, abs(pwm)), writes=1)
 
@@ -183,7 +183,7 @@ class ArduinoIo(Dialect):
             yield Say(f"release of M{number}", arduinoio.encode("B", number, ord("r")), writes=2)
 
 
-def _way(pwm: int, before: int) -> int:
+def _direction(pwm: int, before: int) -> int:
     """Return which way a motor is to be set, that was set another way, or released."""
     # At PWM 0 the direction stays as it was, so that a standing motor is not switched to and fro.
     return (pwm > 0) - (pwm < 0) or before or 1
@@ -237,11 +237,11 @@ class Mw(Dialect):
             what, request = f"count of M{motor.port}", messages.ReadCount(place, 0)
             yield self._ask(what, request, answer=15, counts=(motor.port,))
 
-    def drive(self, wanted: Mapping[int, int], ways: Mapping[int, int]) -> Iterator[Say]:
+    def drive(self, wanted: Mapping[int, int], directions: Mapping[int, int]) -> Iterator[Say]:
         """Set speed and direction."""
         for number, pwm in wanted.items():
             # Speed and direction go in one command, so that no mixture of old and new is in force.
-            turn = FORWARD if _way(pwm, ways[number]) > 0 else BACKWARD
+            turn = FORWARD if _direction(pwm, directions[number]) > 0 else BACKWARD
             request = messages.SetMotorSpeed(SHIELD, number - 1, abs(pwm), turn)
             yield self._ask(f"speed of M{number}", request, writes=CHANNELS)
 
@@ -310,12 +310,12 @@ class Firmata(Dialect):
                 counts=(motor.port,),
             )
 
-    def drive(self, wanted: Mapping[int, int], ways: Mapping[int, int]) -> Iterator[Say]:
+    def drive(self, wanted: Mapping[int, int], directions: Mapping[int, int]) -> Iterator[Say]:
         """Set the speed, and the direction where that changes."""
         for number, pwm in wanted.items():
-            way = _way(pwm, ways[number])
-            if way != ways[number]:
-                low, high = (Pin.IN2, Pin.IN1) if way > 0 else (Pin.IN1, Pin.IN2)
+            direction = _direction(pwm, directions[number])
+            if direction != directions[number]:
+                low, high = (Pin.IN2, Pin.IN1) if direction > 0 else (Pin.IN1, Pin.IN2)
                 # Low before high: both inputs high would brake for the time of a write.
                 yield _channel(number, low, 0)
                 yield _channel(number, high, 1)

@@ -21,7 +21,7 @@ def expressed(
         return list(dialect.release_again(motor.number for motor in motors)), motors
     outputs = {motor.number: motor.output(now) for motor in motors}
     driven = outputs if dialect.on_board else {it.number: outputs[it.number] for it in motors if it.enabled}
-    words = list(dialect.drive(driven, {motor.number: motor.way for motor in motors}))
+    words = list(dialect.drive(driven, {motor.number: motor.direction for motor in motors}))
     if dialect.on_board and not any(outputs.values()):
         # Speed 0 for all releases them all: sent again to motors that are released, it drives none.
         return words, motors

@@ -77,8 +77,8 @@ class ShieldMotor:
         cycle = robot.cycle * link.every
         self.regulator: Final = Ticks(axis, cycle) if link.stops_itself else Pwm(axis, cycle)
         self._per_count: Final = axis.direction / axis.shield.counts_per_unit(axis.ratio)
-        self.set_point: SetPoint = Stop.REST
-        self.way = 0
+        self.set_point: SetPoint = Stop.STANDSTILL
+        self.direction = 0
         """Direction of its half bridge: 1 or -1; 0 where it was released."""
         self.enabled = False
         """True where it may be driven."""
@@ -209,7 +209,7 @@ class ShieldMotor:
 
     def on_output(self, output: int) -> None:
         """Note the command sent; 0 keeps the direction, until it is released."""
-        self.way = (output > 0) - (output < 0) or self.way or 1
+        self.direction = (output > 0) - (output < 0) or self.direction or 1
         self.released = False
 
     def begin_again(self) -> None:
@@ -218,7 +218,7 @@ class ShieldMotor:
         self._count = None
         self._velocity = 0.0
         self._estimated_at = self._sampled_at = NEVER_RECEIVED
-        self.set_point, self.way, self.enabled = Stop.REST, 0, False
+        self.set_point, self.direction, self.enabled = Stop.STANDSTILL, 0, False
 
     def counted(self, count: int, bits: int, requested_at: Nanoseconds, cycle_at: Nanoseconds) -> None:
         """Take its encoder's count, which wraps at so many bits."""
@@ -230,12 +230,12 @@ class ShieldMotor:
         else:
             # The counter wraps: of all ways between two counts the shortest is meant.
             half = 1 << bits - 1
-            way = self._per_count * ((count - before + half) % (2 * half) - half)
+            moved = self._per_count * ((count - before + half) % (2 * half) - half)
             # Read a little after the others, it is shifted to the instant that all samples share.
-            shift = way * (requested_at - cycle_at) / elapsed
-            self._position += way - shift + self._shifted
+            shift = moved * (requested_at - cycle_at) / elapsed
+            self._position += moved - shift + self._shifted
             self._shifted = shift
-            self._velocity = way / to_seconds(elapsed)
+            self._velocity = moved / to_seconds(elapsed)
 
     _shifted = 0.0
     """Offset of the position behind the newest count."""

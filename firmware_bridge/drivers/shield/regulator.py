@@ -16,15 +16,15 @@ LONGEST: Final = 2
 """Cycles that a step lasts at most, whatever the time since the one before."""
 
 
-class _Way:
-    """Direction of a motor, which stands at 0 before it is driven the other way.
+class _Reversal:
+    """Output of a motor, which stays at 0 for a while before it is reversed.
 
     A cycle may be a little short, and commands may be sent between two cycles.
     """
 
     def __init__(self, cycle: Nanoseconds) -> None:
         self.output = 0
-        self._stands: Final = cycle * 3 // 4
+        self._pause: Final = cycle * 3 // 4
         self._stood: Nanoseconds = 0
         self._sign = 0
         """Of the newest output that was not 0."""
@@ -33,7 +33,7 @@ class _Way:
         """Return an output, or 0 where it would reverse too soon; `elapsed` since the one before."""
         if self.output == 0:
             self._stood += elapsed
-        if output * self._sign < 0 and (self.output != 0 or self._stood < self._stands):
+        if output * self._sign < 0 and (self.output != 0 or self._stood < self._pause):
             output = 0
         if output != 0:
             self._sign = 1 if output > 0 else -1
@@ -54,21 +54,21 @@ class Ticks:
         per_unit = axis.shield.counts_per_unit(axis.ratio)
         self._ticks: Final = axis.direction * per_unit * ros.FRAME_MS * MILLISECOND / SECOND
         self._most: Final = math.floor(abs(self._ticks) * axis.top_speed)
-        self._way: Final = _Way(cycle)
+        self._reversal: Final = _Reversal(cycle)
 
     @property
     def output(self) -> int:
         """The newest one."""
-        return self._way.output
+        return self._reversal.output
 
     def next(self, wanted: float, _velocity: float | None, elapsed: Nanoseconds) -> int:
         """Return ticks a frame for a speed in the axis's unit a second."""
         ticks = min(max(round(wanted * self._ticks), -self._most), self._most)
-        return self._way.next(ticks, elapsed)
+        return self._reversal.next(ticks, elapsed)
 
     def reset(self) -> None:
-        """Begin at rest."""
-        self._way.stop()
+        """Begin at standstill."""
+        self._reversal.stop()
 
 
 class Pwm:
@@ -80,29 +80,33 @@ class Pwm:
         self._forward: Final = FULL_PWM / free
         self._gains: Final = motor.regulator
         self._direction: Final = axis.direction
-        self._rests: Final = axis.standstill_below
+        self._standstill_below: Final = axis.standstill_below
         self._most: Final = motor.max_pwm
         self._slope: Final = motor.slope_pwm_s
         self._cycle: Final = cycle
         self._behind = 0.0
-        """Of the way that was wanted, in the axis's unit."""
-        self._way: Final = _Way(cycle)
+        """Of the motion that was wanted, in the axis's unit."""
+        self._reversal: Final = _Reversal(cycle)
 
     @property
     def output(self) -> int:
         """The newest one."""
-        return self._way.output
+        return self._reversal.output
 
     def next(self, wanted: float, velocity: float | None, elapsed: Nanoseconds) -> int:
         """Return the PWM, with the motor's sign; `velocity` is None where nothing measures it."""
-        return self._way.next(self._pwm(wanted, velocity, elapsed), elapsed)
+        return self._reversal.next(self._pwm(wanted, velocity, elapsed), elapsed)
 
     def _pwm(self, wanted: float, velocity: float | None, elapsed: Nanoseconds) -> int:
         seconds = to_seconds(min(elapsed, LONGEST * self._cycle))
         if wanted == 0.0:
-            # It shall stand: a way that it is behind would drive it back.
+            # It shall stand: what it is behind would drive it back.
             self._behind = 0.0
-            brakes = 0.0 if velocity is None or abs(velocity) < self._rests else -self._gains.p * velocity
+            brakes = (
+                0.0
+                if velocity is None or abs(velocity) < self._standstill_below
+                else -self._gains.p * velocity
+            )
             return self._stepped(self._direction * brakes, seconds)
         fed = self._forward * wanted + math.copysign(self._gains.start, wanted)
         error = 0.0 if velocity is None else wanted - velocity
@@ -114,9 +118,9 @@ class Pwm:
         return self._stepped(self._direction * pwm, seconds)
 
     def reset(self) -> None:
-        """Begin at rest."""
+        """Begin at standstill."""
         self._behind = 0.0
-        self._way.stop()
+        self._reversal.stop()
 
     def _stepped(self, pwm: float, seconds: float) -> int:
         reach = math.floor(self._slope * seconds)

@@ -20,7 +20,7 @@ class Releasing:
     def begin(self, motors: Sequence[ShieldMotor], requested: int, words: Sequence[Say] = ()) -> None:
         """Note that these commands release motors; so many requests were sent before them."""
         for motor in motors:
-            motor.way = 0
+            motor.direction = 0
         questions = [word.reads is not None for word in words]
         # Where the last command has no answer of its own, that of the next request proves it.
         self._proved_by = requested + sum(questions) + (not any(questions[-1:]))
@@ -33,4 +33,4 @@ class Releasing:
         """Learn that the newest of so many questions was answered."""
         if self._proved_by is not None and requested >= self._proved_by:
             for motor in motors:
-                motor.released = motor.way == 0
+                motor.released = motor.direction == 0

@@ -45,7 +45,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
         StopStage(
             "speed 0",
             "speed 0" if board else "PWM down to 0 on its slope",
-            Stop.REST,
+            Stop.STANDSTILL,
             max(CREEPS, within),
             axis.shield.acceleration,
             slows_within=within,

@@ -6,8 +6,8 @@ from typing import Final
 
 from firmware_bridge import renamed
 from firmware_bridge.robot_type import RobotType
-from firmware_bridge.robots.ar2.body import GROUPS, TOOL, Ar2Kinematics, reach
 from firmware_bridge.robots.ar2.geometry import Ar2Geometry
+from firmware_bridge.robots.ar2.kinematics import GROUPS, TOOL, Ar2Kinematics, reach
 from firmware_bridge.robots.ar2.motion import Ar2Motion, Ar2State
 from firmware_bridge.robots.ar2.path_follower import COURSES, Ar2PathFollower
 from firmware_bridge.robots.ar2.rules import INTERLOCKS, LIMITS, slowed
@@ -17,7 +17,7 @@ ROBOT_TYPE: Final[RobotType[Ar2Geometry, Ar2Motion, Ar2State]] = RobotType(
     name="ar2",
     file=Path(__file__).with_name("ar2.toml"),
     geometry=Ar2Geometry,
-    rest=Ar2Motion(),
+    standstill=Ar2Motion(),
     numbers={
         "tool's speed ahead": lambda motion: motion.ahead_mps,
         "tool's speed to the left": lambda motion: motion.left_mps,
@@ -26,7 +26,7 @@ ROBOT_TYPE: Final[RobotType[Ar2Geometry, Ar2Motion, Ar2State]] = RobotType(
         "tool's turn about y": lambda motion: motion.pitch_rad_s,
         "tool's turn about z": lambda motion: motion.yaw_rad_s,
     },
-    body=Ar2Kinematics,
+    kinematics=Ar2Kinematics,
     groups=GROUPS,
     travelling=frozenset({TOOL}),
     interlocks=INTERLOCKS,

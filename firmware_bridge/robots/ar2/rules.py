@@ -12,8 +12,8 @@ import numpy as np
 
 from firmware_bridge.motion.ar2 import AR2
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.ar2.body import Ar2Kinematics, changed
 from firmware_bridge.robots.ar2.geometry import Ar2Geometry
+from firmware_bridge.robots.ar2.kinematics import Ar2Kinematics, changed
 from firmware_bridge.robots.ar2.motion import STILL, Ar2Motion, Ar2State, motion_of
 from firmware_bridge.safety import interlock
 from firmware_bridge.safety.interlock_base import Severity

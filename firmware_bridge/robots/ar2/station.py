@@ -8,8 +8,8 @@ import math
 from typing import Final
 
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.ar2.body import JOINTS
 from firmware_bridge.robots.ar2.geometry import Ar2Geometry
+from firmware_bridge.robots.ar2.kinematics import JOINTS
 from firmware_bridge.robots.ar2.motion import Ar2Motion, Ar2State
 from firmware_bridge.robots.ar2.rules import tool
 from firmware_bridge.safety.snapshot import Snapshot

@@ -6,8 +6,8 @@ from typing import Final
 
 from firmware_bridge import renamed
 from firmware_bridge.robot_type import RobotType
-from firmware_bridge.robots.climber.body import CLIMBER
 from firmware_bridge.robots.climber.geometry import ClimberGeometry
+from firmware_bridge.robots.climber.kinematics import CLIMBER
 from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
 from firmware_bridge.robots.climber.path_follower import ClimberPathFollower
 from firmware_bridge.robots.climber.paths import PATHS
@@ -20,9 +20,9 @@ ROBOT_TYPE: Final[RobotType[ClimberGeometry, ClimberMotion, ClimberState]] = Rob
     file=Path(__file__).with_name("climber.toml"),
     more={"cameras": Path(__file__).with_name("cameras.toml")},
     geometry=ClimberGeometry,
-    rest=ClimberMotion(),
+    standstill=ClimberMotion(),
     numbers=CLIMBER.numbers,
-    body=CLIMBER.body,
+    kinematics=CLIMBER.kinematics,
     groups=CLIMBER.groups,
     travelling=CLIMBER.travelling,
     interlocks=INTERLOCKS,

@@ -17,7 +17,7 @@ the other way that decays. No one steers a robot whose wheels are coupled, and i
 import math
 from typing import Final
 
-from firmware_bridge.differential.body import ramp_of
+from firmware_bridge.differential.kinematics import ramp_of
 from firmware_bridge.motion.captured import Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot

@@ -8,8 +8,8 @@ from firmware_bridge.differential.robot import CLEARS_AFTER
 from firmware_bridge.motion.captured import Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.motion.ramp import MARGIN
-from firmware_bridge.robots.climber.body import CLIMBER
 from firmware_bridge.robots.climber.geometry import ClimberGeometry
+from firmware_bridge.robots.climber.kinematics import CLIMBER
 from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
 from firmware_bridge.robots.climber.surface import placed
 from firmware_bridge.safety import interlock

@@ -6,8 +6,8 @@ Full stick is the speed limit and the turn rate's; with `r` unused `y` turns. Bu
 import math
 from typing import Final
 
-from firmware_bridge.robots.climber.body import CLIMBER
 from firmware_bridge.robots.climber.geometry import ClimberGeometry
+from firmware_bridge.robots.climber.kinematics import CLIMBER
 from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.station import Fixed, Station, Value

@@ -5,8 +5,8 @@ from typing import Final
 
 from firmware_bridge import renamed
 from firmware_bridge.robot_type import RobotType
-from firmware_bridge.robots.rars.body import BASE, GROUPS, Rars, reach
 from firmware_bridge.robots.rars.geometry import RarsGeometry
+from firmware_bridge.robots.rars.kinematics import BASE, GROUPS, Rars, reach
 from firmware_bridge.robots.rars.model import RarsModel
 from firmware_bridge.robots.rars.modes import MODES
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
@@ -17,14 +17,14 @@ ROBOT_TYPE: Final[RobotType[RarsGeometry, RarsMotion, RarsState]] = RobotType(
     name="rars",
     file=Path(__file__).with_name("rars.toml"),
     geometry=RarsGeometry,
-    rest=RarsMotion(),
+    standstill=RarsMotion(),
     numbers={
         "speed": lambda motion: motion.speed_mps,
         "steer angle": lambda motion: motion.steer_rad,
         "lift height": lambda motion: motion.lift_m,
         "lift rate": lambda motion: motion.lift_rate_mps,
     },
-    body=Rars,
+    kinematics=Rars,
     groups=GROUPS,
     travelling=frozenset({BASE}),
     interlocks=INTERLOCKS,

@@ -6,11 +6,11 @@ from typing import Final
 from firmware_bridge.motion import davis
 from firmware_bridge.motion.model import Moving, arc
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rars.body import STEERING, ramp_of
 from firmware_bridge.robots.rars.geometry import RarsGeometry
+from firmware_bridge.robots.rars.kinematics import STEERING, ramp_of
 from firmware_bridge.units import RPM_PER_RAD_S, from_seconds
 
-STANDS_MPS: Final = 0.02
+STANDSTILL_MPS: Final = 0.02
 """Speed below which a yaw rate gives no steering angle."""
 
 
@@ -28,7 +28,7 @@ class RarsModel:
         """Return its motion after some time of these set-points."""
         base, steer = self._base, self._steer(moving)
         # At a standstill any angle gives yaw rate 0, so the steering stays where it is.
-        if abs(speed_mps) >= STANDS_MPS:
+        if abs(speed_mps) >= STANDSTILL_MPS:
             goal = davis.pinion_from_steer(base, davis.steer_from_curvature(base, yaw_rate_rad_s / speed_mps))
             pinion, most = davis.pinion_from_steer(base, steer), self._rack_rad_s * seconds
             steer = davis.steer_from_pinion(base, pinion + min(max(goal - pinion, -most), most))
@@ -40,7 +40,7 @@ class RarsModel:
     def _steer(self, moving: Moving) -> float:
         if moving.steer_rad is not None:
             return moving.steer_rad
-        if abs(moving.speed_mps) < STANDS_MPS:
+        if abs(moving.speed_mps) < STANDSTILL_MPS:
             return 0.0
         # Noise of the yaw rate at a low speed would give a curvature that the rack cannot steer; sign as in v
         # = w R.

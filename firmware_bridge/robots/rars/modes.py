@@ -16,7 +16,8 @@ from firmware_bridge.motion.odometry import moved
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
 from firmware_bridge.robot_type import RobotMode
-from firmware_bridge.robots.rars.body import (
+from firmware_bridge.robots.rars.geometry import RarsGeometry
+from firmware_bridge.robots.rars.kinematics import (
     LEFT_WHEEL,
     RIGHT_WHEEL,
     SCREW,
@@ -24,7 +25,6 @@ from firmware_bridge.robots.rars.body import (
     Rars,
     steered,
 )
-from firmware_bridge.robots.rars.geometry import RarsGeometry
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.robots.rars.rules import (
     INTERLOCKS,
@@ -193,23 +193,23 @@ LITTLE_STEER: Final = Limit(
 MODES: Final[Mapping[str, RobotMode[RarsGeometry, RarsMotion, RarsState]]] = {
     "steering_failed": RobotMode(
         without=frozenset({STEERING}),
-        body=SteeringFailed,
+        kinematics=SteeringFailed,
         interlocks=INTERLOCKS,
         limits=_limits(STEERING_STAYS),
     ),
     "left_failed": RobotMode(
         without=frozenset({LEFT_WHEEL}),
-        body=LeftFailed,
+        kinematics=LeftFailed,
         interlocks=INTERLOCKS,
         limits=_limits(LITTLE_STEER),
     ),
     "right_failed": RobotMode(
         without=frozenset({RIGHT_WHEEL}),
-        body=RightFailed,
+        kinematics=RightFailed,
         interlocks=INTERLOCKS,
         limits=_limits(LITTLE_STEER),
     ),
     "lift_failed": RobotMode(
-        without=frozenset({SCREW}), body=LiftFailed, interlocks=INTERLOCKS, limits=_limits(LIFT_STAYS)
+        without=frozenset({SCREW}), kinematics=LiftFailed, interlocks=INTERLOCKS, limits=_limits(LIFT_STAYS)
     ),
 }

@@ -11,8 +11,8 @@ from typing import Any, Final, TypeAlias
 
 from firmware_bridge.motion import davis, scissor
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rars.body import BASE, BASE_MOVES_MPS, LIFT, known, ramp_of, rolls, steered
 from firmware_bridge.robots.rars.geometry import RarsGeometry, RarsLimits
+from firmware_bridge.robots.rars.kinematics import BASE, BASE_MOVES_MPS, LIFT, known, ramp_of, rolls, steered
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.safety import interlock
 from firmware_bridge.safety.interlock_base import Severity
@@ -29,8 +29,8 @@ RETRACTED_SHARE: Final = 0.8
 """An extended lift counts as retracted again below this share of the height at which it tripped."""
 LIFT_MOVES_RAD_S: Final = 0.10
 """Speed of the screw that counts as moving: one turn a minute, 24 um/s at the foot."""
-LIFT_RESTS_RAD_S: Final = 0.05
-BASE_RESTS_MPS: Final = 0.005
+LIFT_STANDSTILL_RAD_S: Final = 0.05
+BASE_STANDSTILL_MPS: Final = 0.005
 LIMIT_CLEARS_AFTER: Final[Nanoseconds] = 300 * MILLISECOND
 """A limit is reported for at least this long, so that a stick at its edge does not flicker."""
 SPEED_TOLERANCE_MPS: Final = 1e-4
@@ -48,7 +48,7 @@ def _lift_unknown(view: View) -> str | None:
 
 def _lift_extended(view: View) -> str | None:
     height, limit = view.body.lift_m, view.geometry.limits.lift_retracted_m
-    if height is None or height <= (RETRACTED_SHARE * limit if view.holding else limit):
+    if height is None or height <= (RETRACTED_SHARE * limit if view.was_active else limit):
         return None
     return f"the lift stands at {1000.0 * height:.0f} mm, retracted is below {1000.0 * limit:.0f} mm"
 
@@ -57,7 +57,7 @@ def _lift_moves(view: View) -> str | None:
     # From the command on, before the screw is measured to turn: lift and base never overlap.
     if view.before is not None and LIFT in view.before.requested:
         return "the lift has been commanded to move"
-    limit = LIFT_RESTS_RAD_S if view.holding else LIFT_MOVES_RAD_S
+    limit = LIFT_STANDSTILL_RAD_S if view.was_active else LIFT_MOVES_RAD_S
     turning = view.body.screw_rad_s
     if turning is None or abs(turning) <= limit:
         return None
@@ -70,7 +70,7 @@ def _base_drives(view: View) -> str | None:
         return None
     speed = rolls(view.geometry.base, view.body)
     # Written so that a NaN trips.
-    if not abs(speed) <= (BASE_RESTS_MPS if view.holding else BASE_MOVES_MPS):
+    if not abs(speed) <= (BASE_STANDSTILL_MPS if view.was_active else BASE_MOVES_MPS):
         return f"the robot drives with {speed:.2f} m/s"
     if view.seen.commanded.speed_mps != 0.0:
         return f"the robot is commanded to drive with {view.seen.commanded.speed_mps:.2f} m/s"

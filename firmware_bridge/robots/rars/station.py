@@ -11,8 +11,8 @@ from typing import Final
 from firmware_bridge.motion.davis import DavisBase, pinion_from_steer, steer_from_curvature, steer_from_pinion
 from firmware_bridge.motion.scissor import height_from_screw, highest, screw_from_height
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rars.body import SCREW, STEERING
 from firmware_bridge.robots.rars.geometry import RarsGeometry
+from firmware_bridge.robots.rars.kinematics import SCREW, STEERING
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.teleop.station import (

@@ -6,8 +6,8 @@ from typing import Final
 
 from firmware_bridge import renamed
 from firmware_bridge.robot_type import RobotType
-from firmware_bridge.robots.rome.body import BASE, GROUPS, RomeKinematics, reach
 from firmware_bridge.robots.rome.geometry import RomeGeometry
+from firmware_bridge.robots.rome.kinematics import BASE, GROUPS, RomeKinematics, reach
 from firmware_bridge.robots.rome.motion import RomeMotion, RomeState
 from firmware_bridge.robots.rome.path_follower import named
 from firmware_bridge.robots.rome.paths import PATHS
@@ -19,13 +19,13 @@ ROBOT_TYPE: Final[RobotType[RomeGeometry, RomeMotion, RomeState]] = RobotType(
     file=Path(__file__).with_name("rome.toml"),
     more={"cameras": Path(__file__).with_name("cameras.toml")},
     geometry=RomeGeometry,
-    rest=RomeMotion(),
+    standstill=RomeMotion(),
     numbers={
         "speed ahead": lambda motion: motion.ahead_mps,
         "speed to the left": lambda motion: motion.left_mps,
         "turn rate": lambda motion: motion.turn_rad_s,
     },
-    body=RomeKinematics,
+    kinematics=RomeKinematics,
     groups=GROUPS,
     travelling=frozenset({BASE}),
     interlocks=INTERLOCKS,

@@ -6,8 +6,8 @@ from typing import Final, TypeAlias
 
 from firmware_bridge.motion.omni import BodyTwist, rims, shortened
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.rome.body import ramp_of, with_twist
 from firmware_bridge.robots.rome.geometry import RomeGeometry
+from firmware_bridge.robots.rome.kinematics import ramp_of, with_twist
 from firmware_bridge.robots.rome.motion import RomeMotion, RomeState
 from firmware_bridge.safety import interlock
 from firmware_bridge.safety.interlock_base import Severity
@@ -28,7 +28,7 @@ TOLERANCE: Final = 1e-4
 def _turns_too_fast(view: View) -> str | None:
     limit, turn = view.geometry.limits.turn_rate_rad_s, view.body.turn_rad_s
     # Trips above a multiple of the limit and clears at the limit itself, so that it does not flicker.
-    if abs(turn) <= (limit if view.holding else SPIN * limit):
+    if abs(turn) <= (limit if view.was_active else SPIN * limit):
         return None
     return f"the base turns with {turn:.2f} rad/s, limit {limit:.2f} rad/s"
 

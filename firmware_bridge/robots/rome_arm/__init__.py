@@ -6,9 +6,9 @@ from typing import Final
 from firmware_bridge import renamed
 from firmware_bridge.robot_type import RobotType
 from firmware_bridge.robots import ar2, rome
-from firmware_bridge.robots.rome_arm.body import GROUPS, RomeArmKinematics, reach
 from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
 from firmware_bridge.robots.rome_arm.halves import ARM, BASE
+from firmware_bridge.robots.rome_arm.kinematics import GROUPS, RomeArmKinematics, reach
 from firmware_bridge.robots.rome_arm.motion import RomeArmMotion, RomeArmState
 from firmware_bridge.robots.rome_arm.path_follower import PATH_FOLLOWERS
 from firmware_bridge.robots.rome_arm.rules import INTERLOCKS, LIMITS, slowed
@@ -19,9 +19,9 @@ ROBOT_TYPE: Final[RobotType[RomeArmGeometry, RomeArmMotion, RomeArmState]] = Rob
     file=Path(__file__).with_name("rome_arm.toml"),
     more=dict(rome.ROBOT_TYPE.more),
     geometry=RomeArmGeometry,
-    rest=RomeArmMotion(),
+    standstill=RomeArmMotion(),
     numbers=BASE.numbers(rome.ROBOT_TYPE) | ARM.numbers(ar2.ROBOT_TYPE),
-    body=RomeArmKinematics,
+    kinematics=RomeArmKinematics,
     groups=GROUPS,
     travelling=rome.ROBOT_TYPE.travelling | ar2.ROBOT_TYPE.travelling,
     interlocks=INTERLOCKS,

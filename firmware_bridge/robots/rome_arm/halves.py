@@ -10,8 +10,8 @@ from typing import Any, Final, TypeAlias
 
 from firmware_bridge.robot import Robot
 from firmware_bridge.robot_type import AnyRobotType
-from firmware_bridge.robots.ar2.body import JOINTS
-from firmware_bridge.robots.rome.body import WHEELS
+from firmware_bridge.robots.ar2.kinematics import JOINTS
+from firmware_bridge.robots.rome.kinematics import WHEELS
 from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
 from firmware_bridge.robots.rome_arm.motion import RomeArmMotion, RomeArmState
 from firmware_bridge.safety import interlock
@@ -67,7 +67,7 @@ class Half:
             self.of(view.allowed),
             view.requested,
             None,
-            holding=view.holding,
+            was_active=view.was_active,
         )
 
     def numbers(self, kind: AnyRobotType) -> dict[str, Callable[[RomeArmMotion], float | None]]:

@@ -1,14 +1,14 @@
-"""ROME's rows: those of its base, those of its arm, and those between them."""
+"""ROME's interlocks: those of its base, those of its arm, and those between them."""
 
 from typing import Final
 
 import numpy as np
 
 from firmware_bridge.robots import ar2, rome
-from firmware_bridge.robots.ar2.body import Ar2Kinematics as Arm
+from firmware_bridge.robots.ar2.kinematics import Ar2Kinematics as Arm
 from firmware_bridge.robots.ar2.motion import STILL
 from firmware_bridge.robots.ar2.rules import HORIZON, tool
-from firmware_bridge.robots.rome.body import BASE as BASE_GROUP
+from firmware_bridge.robots.rome.kinematics import BASE as BASE_GROUP
 from firmware_bridge.robots.rome_arm.balance import balance
 from firmware_bridge.robots.rome_arm.halves import ARM, BASE, Interlock, Limit, View
 from firmware_bridge.robots.rome_arm.motion import RomeArmMotion
@@ -22,7 +22,7 @@ IN_TIME: Final = 1.0 - 1e-6
 
 
 def _unknown(view: View) -> bool:
-    """Return whether no one knows where the arm is: the common row of a lost zero holds then."""
+    """Return whether no one knows where the arm is: the common interlock "reference lost" is active then."""
     return any(axis.reference_lost for axis in view.facts.axes.values())
 
 
@@ -64,8 +64,8 @@ def _tips(view: View) -> tuple[RomeArmMotion, str | None]:
     if then >= geometry.balance.margin_m or then >= now:
         return motion, None
     # Only the arm rests: the base goes on, and may be what makes room.
-    rests = arm.rested(motion.arm, frozenset(ar2.ROBOT_TYPE.groups))
-    return ARM.put(motion, rests), f"the center of gravity would be {1000.0 * then:.0f} mm inside the wheels"
+    parked = arm.at_standstill(motion.arm, frozenset(ar2.ROBOT_TYPE.groups))
+    return ARM.put(motion, parked), f"the center of gravity would be {1000.0 * then:.0f} mm inside the wheels"
 
 
 def _stretched(view: View) -> tuple[RomeArmMotion, str | None]:

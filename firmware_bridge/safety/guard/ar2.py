@@ -207,7 +207,7 @@ class Ar2Rules(WireRules):
         del axis
         return (Packet(self.link, 0, HALT),)
 
-    def instead_of(self, packet: Packet) -> tuple[Packet, ...]:
+    def replacement_of(self, packet: Packet) -> tuple[Packet, ...]:
         """Return a question: no line but a move moves anything."""
         del packet
         return (Packet(self.link, 0, HALT),)

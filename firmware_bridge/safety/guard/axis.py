@@ -35,8 +35,8 @@ class GuardedAxis:
         "_margin_qc",
         "_off_since",
         "_patience",
-        "_rests_at",
         "_rpm_per_unit",
+        "_standstill_at",
         "_word",
         "all",
         "axis",
@@ -83,7 +83,7 @@ class GuardedAxis:
         """True while the drive is on its way to a position and has not reported its arrival."""
         self._changed_at: Nanoseconds = -NEVER
         """Time when it was sent there, was halted, or was released again."""
-        self._rests_at: int | None = None
+        self._standstill_at: int | None = None
         """Position at standstill; small deviations from it are no motion. None while it is unknown."""
         self._margin_qc: Final = axis.epos2.profile.max_following_error_qc
         """The largest such deviation. The reference stays, so that many small steps are none."""
@@ -141,7 +141,9 @@ class GuardedAxis:
         if self.by_speed:
             return set_point.word == ENABLE and set_point.target != 0
         if set_point.word == NEW_SET_POINT:
-            return self._rests_at is None or abs(set_point.target - self._rests_at) > self._margin_qc
+            return (
+                self._standstill_at is None or abs(set_point.target - self._standstill_at) > self._margin_qc
+            )
         return set_point.word == ENABLE and self._has_goal
 
     def speed_with(self, set_point: GuardedSetPoint) -> float:
@@ -181,7 +183,7 @@ class GuardedAxis:
             # Judged while the position at standstill is still known: a target close to it is no motion.
             self._has_goal = self.moves_with(set_point)
             if self._has_goal:
-                self._rests_at = None
+                self._standstill_at = None
         elif set_point.word not in POWERED:
             self._has_goal = False
         self._word, self.target = set_point
@@ -207,7 +209,7 @@ class GuardedAxis:
         self.not_receiving()
         self.reported = None
         self._confirmed_off = False
-        self._rests_at = None
+        self._standstill_at = None
         self.zeroing.restarted()
 
     def refuses_write(
@@ -237,7 +239,7 @@ class GuardedAxis:
         self.zeroing.wrote(address, kind.decode(raw[: kind.size]))
         if self.zeroing.in_homing:
             # Another mode drops where it was sent; and it may count from elsewhere soon.
-            self._has_goal, self._rests_at = False, None
+            self._has_goal, self._standstill_at = False, None
 
     def read(self, address: Address, raw: bytes) -> None:
         """Note the value that its drive reports of an object."""
@@ -261,9 +263,9 @@ class GuardedAxis:
     def reports_position(self, position_qc: int, now: Nanoseconds) -> None:
         """Note where the axis is."""
         # Without power the axis may be turned by hand, so each position is a new reference.
-        resting = self._rests_at is None and self._is_fresh(now) and not self.moving
+        resting = self._standstill_at is None and self._is_fresh(now) and not self.moving
         if resting or not self.powered:
-            self._rests_at = position_qc
+            self._standstill_at = position_qc
 
     def _is_fresh(self, now: Nanoseconds) -> bool:
         """Return whether a report cannot have left the drive before the newest set-point reached it."""

@@ -56,7 +56,7 @@ class CaptureRules(WireRules):
         del axis
         return ()
 
-    def instead_of(self, packet: Packet) -> tuple[Packet, ...] | None:
+    def replacement_of(self, packet: Packet) -> tuple[Packet, ...] | None:
         """Return nothing: no axis need stop for it."""
         del packet
         return ()

@@ -188,7 +188,7 @@ class Epos2CanRules(WireRules):
         """Return the axis's safe frame."""
         return (Packet(self.link, _set_point_id(axis), _SET_POINT.pack(*axis.safe)),)
 
-    def instead_of(self, packet: Packet) -> tuple[Packet, ...] | None:
+    def replacement_of(self, packet: Packet) -> tuple[Packet, ...] | None:
         """Return the abort of a request."""
         if packet.address not in self._by_request:
             return None

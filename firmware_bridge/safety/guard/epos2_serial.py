@@ -116,7 +116,7 @@ class Epos2SerialRules(WireRules):
         # command.
         return (self._writing(axis, _target(axis), target), control) if axis.by_speed else (control,)
 
-    def instead_of(self, packet: Packet) -> None:
+    def replacement_of(self, packet: Packet) -> None:
         """Stop every axis, whatever command it is."""
 
     def sends(self, packet: Packet, now: Nanoseconds, *, requested: bool) -> tuple[GuardedAxis, ...]:

@@ -162,8 +162,10 @@ class Guarded:
         if not axes:
             if reason is None:
                 return self._sent((packet,), now, requested=packet)
-            instead = rules.instead_of(packet)
-            return self._replaced(packet, reason, self._all_safe() if instead is None else instead, now)
+            replacement = rules.replacement_of(packet)
+            return self._replaced(
+                packet, reason, self._all_safe() if replacement is None else replacement, now
+            )
         # A refused set-point, too, shows that the bridge is alive: its silence is judged apart from its
         # errors.
         for axis in axes:

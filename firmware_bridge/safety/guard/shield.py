@@ -178,7 +178,7 @@ class ShieldRules(WireRules):
         """Return what takes the speed of a motor."""
         return tuple(Packet(self.link, 0, data) for data in no_motion(axis.number, self._board))
 
-    def instead_of(self, packet: Packet) -> None:
+    def replacement_of(self, packet: Packet) -> None:
         """Stop every axis, whatever command it is."""
 
     def sends(self, packet: Packet, now: Nanoseconds, *, requested: bool) -> tuple[InForce, ...]:

@@ -51,7 +51,7 @@ class Board(NamedTuple):
 
 Reader: TypeAlias = Callable[[bytes, Board], ListedCommand | None]
 NOTHING: Final = ListedCommand()
-AT_REST: Final = ListedCommand(at_standstill=True)
+AT_STANDSTILL: Final = ListedCommand(at_standstill=True)
 
 
 def _signed(size: int) -> Inputs:
@@ -66,7 +66,7 @@ def _ros(data: bytes, board: Board) -> ListedCommand | None:
         return NOTHING
     # Only the gains of the robot file: with others the loop on the board could become unstable.
     if data in {ros.encode("r"), ros.encode("u", (gains.kp, gains.kd, gains.ki, gains.ko))}:
-        return AT_REST
+        return AT_STANDSTILL
     words = rest.split(" ")
     if len(words) != len(board.motors) or not all(_is_number(word) for word in words):
         return None
@@ -94,7 +94,7 @@ def _arduinoio(data: bytes, board: Board) -> ListedCommand | None:
     if row.letter in "9GX":
         return NOTHING
     if row.letter in "EH":
-        return AT_REST
+        return AT_STANDSTILL
     if row.letter == "A" and values[0] in board.motors:
         return ListedCommand({values[0]: Inputs(values[1], None, None)})
     turn = _RUNS.get(values[1]) if row.letter == "B" and values[0] in board.motors else None
@@ -114,7 +114,7 @@ def _mw(data: bytes, board: Board) -> ListedCommand | None:
             | messages.AttachEncoder()
             | messages.WriteCount()
         ):
-            return AT_REST
+            return AT_STANDSTILL
         case messages.SetMotorSpeed(0, motor, speed, turn) if motor + 1 in board.motors and turn in TURNS:
             return ListedCommand({motor + 1: Inputs(speed, *TURNS[turn])})
         case messages.StopMotor(0, motor) if motor + 1 in board.motors:
@@ -144,13 +144,13 @@ def _firmata(data: bytes, board: Board) -> ListedCommand | None:
         return None
     message = found[0]
     if message.code == firmata.ENCODER and message.data:
-        return {0: AT_REST, 1: NOTHING, 2: NOTHING, 3: AT_REST}.get(message.data[0])
+        return {0: AT_STANDSTILL, 1: NOTHING, 2: NOTHING, 3: AT_STANDSTILL}.get(message.data[0])
     if message.code == firmata.I2C_REQUEST and message.data[:2] == bytes((motor_shield.ADDRESS, 0)):
         values = firmata.unpaired(message.data[2:])
         # Two bytes of 7 bits can carry more than the 8 of a register.
         return None if any(value > 0xFF for value in values) else _written(bytes(values), board)  # noqa: PLR2004
     if message.code == firmata.I2C_CONFIG:
-        return AT_REST
+        return AT_STANDSTILL
     return NOTHING if message in _QUERIES else None
 
 
@@ -160,7 +160,7 @@ _QUERIES: Final = (firmata.Message(firmata.FIRMWARE, b"", exclusive=True), firma
 def _written(data: bytes, board: Board) -> ListedCommand | None:
     """Return what a write to the shield's chip means."""
     if data in motor_shield.SET_UP:
-        return AT_REST
+        return AT_STANDSTILL
     written = motor_shield.decode_channel(data)
     if written is None or written.motor not in board.motors:
         return None

@@ -37,7 +37,7 @@ class WireRules(ABC):
         """Return what takes motion away from one of the link's own axes and gives it no power."""
 
     @abstractmethod
-    def instead_of(self, packet: Packet) -> tuple[Packet, ...] | None:
+    def replacement_of(self, packet: Packet) -> tuple[Packet, ...] | None:
         """Return what leaves instead of a refused packet that is no set-point; None to stop every axis."""
 
     @abstractmethod

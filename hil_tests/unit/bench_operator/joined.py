@@ -65,8 +65,10 @@ class Robotlike:
     interlock_events: tuple[ActiveInterlock, ...] = ()
 
     def __post_init__(self) -> None:
-        rolling = ROBOT_TYPE.rules(self.robot)[""].body.rolling
-        self.operator: Operator = Operator(self.robot, ROBOT_TYPE.station, ROBOT_TYPE.rest, rolling=rolling)
+        rolling = ROBOT_TYPE.rules(self.robot)[""].kinematics.rolling
+        self.operator: Operator = Operator(
+            self.robot, ROBOT_TYPE.station, ROBOT_TYPE.standstill, rolling=rolling
+        )
 
     def decide(self, request: Request) -> Answer:
         self.requests.append(request)

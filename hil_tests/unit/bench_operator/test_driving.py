@@ -6,7 +6,7 @@ import pytest
 
 from emulators.bench.log import Subject
 from emulators.robots.rars import BENCH_SETUP
-from firmware_bridge.intent import Arm, ConfirmZero, Disarm
+from firmware_bridge.intent import Arm, ConfirmPosition, Disarm
 from hil_tests.unit.bench_operator.joined import find, join, mission
 
 
@@ -49,8 +49,8 @@ def test_the_line_accelerates_as_in_the_thesis() -> None:
     speeds = {at: joined.run(at).command.speed_mps for at in (4.0, 9.0, 14.0, 18.9, 24.0, 29.0, 31.0)}
     expected = {4.0: 0.0, 9.0: 0.12, 14.0: 0.24, 18.9: 0.24, 24.0: 0.12, 29.0: 0.0, 31.0: 0.0}
     assert speeds == pytest.approx(expected, abs=0.00026)
-    stands = [ConfirmZero("steer", 0.0), ConfirmZero("lift", 0.0)]
-    assert joined.robotlike.requests == [*stands, Arm(), Disarm()]
+    confirmed = [ConfirmPosition("steer", 0.0), ConfirmPosition("lift", 0.0)]
+    assert joined.robotlike.requests == [*confirmed, Arm(), Disarm()]
 
 
 def test_lift_lamp_and_detector() -> None:

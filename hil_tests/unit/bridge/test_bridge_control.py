@@ -69,7 +69,7 @@ def test_control_that_passes_on_parts_the_operator_even_between_two_cycles(armed
 def test_a_driver_who_is_lost_leaves_a_robot_that_is_not_armed(bench_with: Callable[[Bridge], Any]) -> None:
     """Check it for any timeout of the operator in the robot file."""
     rars = robot_types.find("rars")
-    patient = rars.operator.model_copy(update={"gone_ms": 60_000})
+    patient = rars.operator.model_copy(update={"lost_ms": 60_000})
     bench = bench_with(Bridge(rars.model_copy(update={"operator": patient}), ROBOT_TYPE))
     bench.starts()
     assert bench.arms() == ACCEPTED

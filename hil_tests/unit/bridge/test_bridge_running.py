@@ -182,7 +182,7 @@ def test_the_orderly_end_on_a_dead_bus_takes_no_longer_than_4_s(armed: "Bench") 
     armed.runs(4)
     assert armed.bridge.phase is Phase.FINISHED
     # Their watch stays on: no report has confirmed that they powered down.
-    assert armed.bridge.unconfirmed == tuple(drive.axis.called for drive in armed.drives.values())
+    assert armed.bridge.not_acknowledged == tuple(drive.axis.called for drive in armed.drives.values())
     written = [payload for node in (1, 2, 3, 4) for _, payload in armed.sent(0x600 + node, begin)]
     assert [payload for payload in written if payload[3:8] == "16 10"] == []
 
@@ -197,7 +197,7 @@ def test_a_robot_that_stands_is_not_held_for_drives_that_are_gone(armed: "Bench"
     armed.stops()
     armed.runs(6)
     assert armed.bridge.phase is Phase.FINISHED
-    assert armed.bridge.unconfirmed == tuple(drive.axis.called for drive in armed.drives.values())
+    assert armed.bridge.not_acknowledged == tuple(drive.axis.called for drive in armed.drives.values())
 
 
 def test_a_late_wake_skips_cycles_instead_of_running_them_in_a_row(armed: "Bench") -> None:

@@ -82,7 +82,7 @@ def test_ended_while_it_only_listens_it_is_finished_at_once_and_has_stated_nothi
     assert bench.bridge.finished
     bench.runs(1)
     assert bench.frames == []
-    assert bench.bridge.unconfirmed == ()
+    assert bench.bridge.not_acknowledged == ()
 
 
 def test_a_forced_disarm_does_not_end_the_way_on_which_the_power_goes(armed: "Bench") -> None:
@@ -125,7 +125,7 @@ def test_while_it_comes_to_rest_a_forced_disarm_brakes_and_takes_the_power_at_re
     armed.runs(0.3)
     assert armed.bridge.finished, "it was ordered: no one looks whether the robot stands by itself"
     assert states(armed) <= WITHOUT_POWER
-    assert armed.bridge.unconfirmed == ()
+    assert armed.bridge.not_acknowledged == ()
 
 
 def test_while_it_comes_to_rest_an_emergency_stop_is_latched_and_reported(armed: "Bench") -> None:

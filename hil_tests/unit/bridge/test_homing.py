@@ -6,7 +6,7 @@ from typing import Final
 import pytest
 
 from firmware_bridge.bridge import Bridge
-from firmware_bridge.intent import ConfirmZero
+from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.robot import Axis
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.teleop.mavlink import dialect
@@ -334,7 +334,7 @@ def test_a_drive_that_reads_back_something_else_is_never_started(
 
 
 def test_at_the_start_one_is_homed_after_the_other() -> None:
-    bench = begun(Bridge(ROBOT, ROBOT_TYPE, stands=(ConfirmZero("lift"), ConfirmZero("steer"))))
+    bench = begun(Bridge(ROBOT, ROBOT_TYPE, confirmed=(ConfirmPosition("lift"), ConfirmPosition("steer"))))
     for name in ("lift", "steer"):
         bench.drives[name].referenced = False
         bench.drives[name].seeks_for = 2 * SECOND
@@ -349,7 +349,7 @@ def test_at_the_start_one_is_homed_after_the_other() -> None:
 
 
 def test_at_the_start_no_one_homes_without_an_operator() -> None:
-    bench = begun(Bridge(ROBOT, ROBOT_TYPE, stands=(ConfirmZero("lift"),)))
+    bench = begun(Bridge(ROBOT, ROBOT_TYPE, confirmed=(ConfirmPosition("lift"),)))
     bench.drives["lift"].referenced = False
     bench.talks = False
     bench.runs(8.0)

@@ -54,13 +54,13 @@ class Standing:
             **{"received_at": self.now, "sampled_at": self.now, "current_at": self.now} | what,
         )
 
-    def requests(self, later: Nanoseconds = 0, *, rests: bool = True) -> Stop | None:
+    def requests(self, later: Nanoseconds = 0, *, standstill: bool = True) -> Stop | None:
         """Request it, cycle by cycle, for so long; return the newest set-point."""
         until, silent = self.now + later, {}
         for name, driver in self.cart.drivers.items():
             silent[name] = self.now - driver.feedback.received_at > 0
         while True:
-            stop = self.power_down.stop_for(rests=rests, now=self.now, without=self.without)
+            stop = self.power_down.stop_for(standstill=standstill, now=self.now, without=self.without)
             if self.now == until:
                 return stop
             self.now = min(self.now + CYCLE, until)
@@ -82,7 +82,7 @@ class Standing:
 
 def test_while_the_base_moves_nothing_is_requested() -> None:
     standing = Standing()
-    assert standing.requests(SECOND, rests=False) is None
+    assert standing.requests(SECOND, standstill=False) is None
     assert standing.power_down.stage is Stage.KEPT
 
 
@@ -97,7 +97,7 @@ def test_it_stands_with_power_while_it_is_looked_at_and_then_all_let_go() -> Non
 def test_a_base_that_moves_again_is_looked_at_again() -> None:
     standing = Standing()
     standing.requests(LOOKS_FOR - 1)
-    assert standing.requests(rests=False) is None
+    assert standing.requests(standstill=False) is None
     assert standing.requests(LOOKS_FOR - 1) is Stop.QUICK_STOP
     assert standing.requests(1) is Stop.POWER_OFF
 
@@ -173,7 +173,7 @@ def test_a_current_counts_only_where_it_arrived_at_standstill(arrives: int | Non
         standing.reports("right")
         fresh = {} if arrives is None or ms < arrives else {"current_at": START + arrives * MILLISECOND}
         standing.reports("left", **{"current_at": START - 1} | fresh)
-        standing.power_down.stop_for(rests=True, now=standing.now)
+        standing.power_down.stop_for(standstill=True, now=standing.now)
         if arrives is not None and ms < arrives:
             assert standing.power_down.stage is Stage.LOOKED_AT
         elif standing.power_down.stage is not Stage.LOOKED_AT:
@@ -209,12 +209,12 @@ def silent_since(received: set[str], *, early: int = 0, current_a: float = 0.1) 
     standing.now += early
     for name in ("left", "right"):
         standing.reports(name, current_a=current_a)
-    standing.power_down.stop_for(rests=True, now=standing.now)
+    standing.power_down.stop_for(standstill=True, now=standing.now)
     for later in (LOOKS_FOR, JUDGED) if received else (LOOKS_FOR,):
         standing.now = START + later
         for name in received:
             standing.reports(name)
-        standing.power_down.stop_for(rests=True, now=standing.now)
+        standing.power_down.stop_for(standstill=True, now=standing.now)
     return standing
 
 
@@ -247,7 +247,7 @@ def test_where_nothing_had_power_nothing_gets_it_however_it_is_pushed() -> None:
     standing = Standing()
     standing.power(Power.OFF)
     standing.requests(LOOKS_FOR)
-    assert standing.power_down.let_go
+    assert standing.power_down.powered_down
     standing.reports("left", velocity=5.0, position=3.0)
     assert standing.requests(WATCHED_FOR) is Stop.POWER_OFF
     assert standing.cart.drivers["left"].begun == []
@@ -334,7 +334,7 @@ def test_one_that_moves_after_it_was_let_go_is_caught(what: dict[str, Any], *, s
             "on a slope: held with power; node 1 (left) moved when its power was disabled"
         ]
         standing.cart.drivers["left"].busy = True
-        assert standing.requests() is Stop.REST, "a quick stop would end what gives it power"
+        assert standing.requests() is Stop.STANDSTILL, "a quick stop would end what gives it power"
         standing.cart.drivers["left"].busy = False
         assert standing.requests() is Stop.QUICK_STOP
 
@@ -347,7 +347,7 @@ def test_it_is_watched_for_2_s(early: int, *, caught: bool) -> None:
     standing.reports("left", velocity=5.0)
     standing.requests()
     assert standing.power_down.held is caught
-    assert standing.power_down.let_go is not caught
+    assert standing.power_down.powered_down is not caught
 
 
 def test_one_in_fault_is_not_given_power() -> None:

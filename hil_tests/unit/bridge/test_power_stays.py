@@ -2,7 +2,7 @@
 
 import pytest
 
-from firmware_bridge.bridge.power_down import RESTS_WITHIN
+from firmware_bridge.bridge.power_down import STANDSTILL_WITHIN
 from hil_tests.unit.bridge.test_power_down import CYCLE, RESTS, Standing
 
 
@@ -14,16 +14,16 @@ def turning() -> Standing:
 
 def test_it_is_reported_when_the_base_does_not_rest_in_its_time() -> None:
     standing = turning()
-    standing.requests(RESTS_WITHIN - CYCLE, rests=False)
+    standing.requests(STANDSTILL_WITHIN - CYCLE, standstill=False)
     assert standing.reported() == []
-    standing.requests(CYCLE, rests=False)
+    standing.requests(CYCLE, standstill=False)
     assert standing.reported() == ["the robot is not at standstill: node 1 (left) moves"]
 
 
 @pytest.mark.parametrize("what", ["it rests", "no request", "the power is ordered off", "the wheel stands"])
 def test_it_is_reported_no_longer_than_it_is_so(what: str) -> None:
     standing = turning()
-    standing.requests(RESTS_WITHIN, rests=False)
+    standing.requests(STANDSTILL_WITHIN, standstill=False)
     assert standing.reported()
     if what == "it rests":
         standing.requests()
@@ -33,5 +33,5 @@ def test_it_is_reported_no_longer_than_it_is_so(what: str) -> None:
         standing.power_down.ordered(standing.now)
     else:
         standing.reports("left", velocity=0.0)
-        standing.requests(rests=False)
+        standing.requests(standstill=False)
     assert standing.reported() == []

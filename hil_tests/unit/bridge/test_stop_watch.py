@@ -41,7 +41,7 @@ class Watched:
         self.stops = Stops(cart.robot, cart.all_drivers)
         self.now = START
         self.requested = {"left"}
-        self.set_point: SetPoint = Stop.REST
+        self.set_point: SetPoint = Stop.STANDSTILL
         self.reports(speed)
 
     def reports(self, speed: float, power: Power = Power.ON) -> None:
@@ -173,7 +173,7 @@ def test_a_drive_that_is_receiving_nothing_is_taken_through_every_stage() -> Non
     assert (
         event.reason == "node 1 (left): reset not acknowledged; nothing is left to try; it may go on moving"
     )
-    assert event.row.disarms
+    assert event.interlock.disarms
 
 
 def test_for_an_axis_that_rested_no_one_else_loses_power() -> None:
@@ -248,7 +248,7 @@ def test_a_drive_that_rests_for_a_moment_again_and_again_gets_no_new_time_by_it(
 def test_an_axis_that_may_move_is_left_alone() -> None:
     watched = Watched()
     watched.requested = set()
-    assert watched.looks(10 * SECOND)["left"] is Stop.REST
+    assert watched.looks(10 * SECOND)["left"] is Stop.STANDSTILL
     assert watched.driver.begun == []
 
 
@@ -333,7 +333,7 @@ def test_the_word_that_took_the_power_stays_in_force_until_that_is_steady() -> N
         set_point = watched.looks(CYCLE)["left"]
         if set_point is not Stop.POWER_OFF:
             break
-    assert set_point is Stop.REST
+    assert set_point is Stop.STANDSTILL
     assert to_seconds(watched.now - watched.stops.of_axes["left"].confirmed_at) == pytest.approx(
         0.5, abs=0.06
     )

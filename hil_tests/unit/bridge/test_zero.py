@@ -7,7 +7,7 @@ import pytest
 
 from firmware_bridge import robot_types
 from firmware_bridge.bridge import Bridge
-from firmware_bridge.intent import ConfirmZero
+from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.wire.abort import AbortCode
@@ -262,10 +262,12 @@ def test_after_a_restart_it_is_reported_where_the_axis_was_last(started: "Bench"
     assert started.bridge.places == pytest.approx({"lift": 0.3, "steer": -30.0}, abs=1e-3)
 
 
-def started_with(bench_with: "Callable[[Bridge], Bench]", **stands: float) -> "Bench":
+def started_with(bench_with: "Callable[[Bridge], Bench]", **confirmed: float) -> "Bench":
     """Return a bench whose bridge receives axis positions at its start; its drives have no reference."""
     robot = robot_types.find("rars")
-    bench = bench_with(Bridge(robot, ROBOT_TYPE, stands=tuple(ConfirmZero(*one) for one in stands.items())))
+    bench = bench_with(
+        Bridge(robot, ROBOT_TYPE, confirmed=tuple(ConfirmPosition(*one) for one in confirmed.items()))
+    )
     for drive in bench.drives.values():
         drive.referenced = False
     return bench
@@ -294,11 +296,11 @@ def test_what_was_stated_at_the_start_is_not_taken_later(bench_with: "Callable[[
     assert bench.bridge.places == {}
 
 
-@pytest.mark.parametrize("stands", [{"lift": 2.0}, {"left": 0.0}, {"no one": 0.0}, {"steer": NAN}])
-def test_no_one_starts_a_bridge_with_a_place_that_there_is_not(stands: dict[str, float]) -> None:
+@pytest.mark.parametrize("confirmed", [{"lift": 2.0}, {"left": 0.0}, {"no one": 0.0}, {"steer": NAN}])
+def test_no_one_starts_a_bridge_with_a_place_that_there_is_not(confirmed: dict[str, float]) -> None:
     robot = robot_types.find("rars")
     with pytest.raises(ValueError, match="zero: "):
-        Bridge(robot, ROBOT_TYPE, stands=tuple(ConfirmZero(*one) for one in stands.items()))
+        Bridge(robot, ROBOT_TYPE, confirmed=tuple(ConfirmPosition(*one) for one in confirmed.items()))
 
 
 def test_a_zero_that_was_known_is_lost_where_a_new_one_did_not_come_to_its_end(started: "Bench") -> None:

@@ -6,12 +6,12 @@ import pytest
 import typer
 
 from firmware_bridge.cli.zeros import zeros_of
-from firmware_bridge.intent import ConfirmZero
+from firmware_bridge.intent import ConfirmPosition
 
 
 def test_what_was_seen_comes_before_what_shall_find_out() -> None:
     stated = zeros_of(["lift=0.2"], ["steer", "neck"])
-    assert stated[0] == ConfirmZero("lift", 0.2)
+    assert stated[0] == ConfirmPosition("lift", 0.2)
     assert [(one.axis, math.isnan(one.value)) for one in stated[1:]] == [("steer", True), ("neck", True)]
 
 

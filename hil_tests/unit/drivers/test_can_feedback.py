@@ -218,7 +218,7 @@ def test_bit_15_reports_that_the_zero_holds_until_it_was_gone_once(feedback: Can
     for word, lost in (("37 87", False), ("37 07", True), ("37 87", True)):
         feedback.receive(0x182, bytes.fromhex(word), 5)
         assert feedback.published().reference_lost is lost
-    feedback.zero_set(0)
+    feedback.reference_set(0)
     assert not feedback.published().reference_lost
 
 
@@ -236,7 +236,7 @@ def test_while_the_counter_is_set_no_way_is_a_motion(feedback: CanFeedback) -> N
         feedback.synchronized(cycle * CYCLE)
         feedback.receive(0x282, sample(counter), cycle * CYCLE + 1)
         assert (feedback.velocity, feedback.position_qc) == (0.0, counter)
-    feedback.zero_set(777)
+    feedback.reference_set(777)
     feedback.synchronized(9 * CYCLE)
     feedback.receive(0x282, sample(800), 9 * CYCLE + 1)
     assert (feedback.velocity, feedback.position_qc) == (0.0, 800)

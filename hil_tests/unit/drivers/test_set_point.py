@@ -53,7 +53,7 @@ def steering(state: PowerState | None = PowerState.OPERATION_ENABLED, position: 
         (Speed(6.0), "0f 00 d2 05 00 00"),  # 1490 rpm
         (Speed(-6.0), "0f 00 2e fa ff ff"),
         (Speed(0.0), "0f 00 00 00 00 00"),
-        (Stop.REST, "0f 00 00 00 00 00"),
+        (Stop.STANDSTILL, "0f 00 00 00 00 00"),
         (Stop.QUICK_STOP, "0b 00 00 00 00 00"),
         (Stop.POWER_OFF, "00 00 00 00 00 00"),
         (Position(7), "0f 00 00 00 00 00"),
@@ -73,7 +73,7 @@ def test_a_reversed_axis_turns_the_other_way() -> None:
 
 
 @every("state", NOT_ENABLED, ids=str)
-@every("set_point", [Speed(3.0), to(500), Stop.REST, Stop.QUICK_STOP], ids=str)
+@every("set_point", [Speed(3.0), to(500), Stop.STANDSTILL, Stop.QUICK_STOP], ids=str)
 def test_a_drive_that_is_not_enabled_receives_quick_stop_only(
     state: PowerState | None, set_point: SetPoint
 ) -> None:
@@ -111,14 +111,14 @@ def test_before_the_release_a_newer_position_waits() -> None:
 def test_rest_is_halt_with_the_last_target_and_ends_the_handshake() -> None:
     axis = steering()
     axis.frame_for(to(500))
-    assert axis.frame_for(Stop.REST).payload.hex(" ") == "0f 01 f4 01 00 00"
+    assert axis.frame_for(Stop.STANDSTILL).payload.hex(" ") == "0f 01 f4 01 00 00"
     assert axis.release() is None
 
 
 def test_after_a_rest_the_same_position_is_new() -> None:
     axis = steering()
     axis.frame_for(to(500))
-    axis.frame_for(Stop.REST)
+    axis.frame_for(Stop.STANDSTILL)
     assert axis.frame_for(to(500)).payload.hex(" ") == "3f 00 f4 01 00 00"
 
 

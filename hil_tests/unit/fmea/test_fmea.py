@@ -120,7 +120,7 @@ ASIDE_AT_MS = 1e3 * ASIDE["m"] / (0.3 - 0.05 * 0.3)
 def test_what_is_stated_of_a_cell(ill: Course, verdict: Assessment) -> None:
     found = effect(course(GOES), ill)
     assert found.verdict is verdict
-    assert (found.stands_after_ms is not None) == (ill.places["x_m"] is STANDS)
+    assert (found.standstill_after_ms is not None) == (ill.places["x_m"] is STANDS)
     assert found.goes_m == pytest.approx(float(ill.places["x_m"][-1] - ill.places["x_m"][0]))
 
 
@@ -128,7 +128,7 @@ def test_who_never_stands_is_not_noticed_whatever_was_reported() -> None:
     """The same robot stands without the failure: the operator lets go."""
     stands = course(STANDS)
     assert effect(stands, course(RUNS_ON, held_ms=100.0, reported_ms=50.0)).verdict is Assessment.NOT_NOTICED
-    assert effect(stands, course(RUNS_ON, held_ms=100.0)).stands_after_ms is None
+    assert effect(stands, course(RUNS_ON, held_ms=100.0)).standstill_after_ms is None
     assert effect(course(GOES), course(GOES, held_ms=100.0)).verdict is Assessment.NOTICED
 
 
@@ -157,7 +157,7 @@ def test_a_bridge_that_is_killed_is_excused_only_where_the_devices_stop_by_thems
     killed = next(cell for cell in cells if "killed" in cell.failure.title)
     assert killed.effect.verdict is Assessment.NOT_NOTICED
     assert killed.wrong is runs_on
-    assert (killed.effect.stands_after_ms is None) is runs_on
+    assert (killed.effect.standstill_after_ms is None) is runs_on
     assert bool(killed.why) is not runs_on
     requested = next(cell for cell in cells if "interrupted" in cell.failure.title)
     assert not requested.late
@@ -176,7 +176,7 @@ def test_an_encoder_that_freezes_while_the_robot_is_stopped_does_not_run_away_un
     assert left.effect.noticed_by == "position not changing: left"
     assert left.effect.after_ms is not None
     assert left.effect.after_ms < LATE_MS
-    assert left.effect.stands_after_ms is not None
+    assert left.effect.standstill_after_ms is not None
     assert left.effect.goes_m < 0.2
 
 

@@ -11,7 +11,7 @@ from firmware_bridge.motion import davis
 from firmware_bridge.motion.odometry import moved
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot_types import find
-from firmware_bridge.robots.rars.body import Rars
+from firmware_bridge.robots.rars.kinematics import Rars
 
 ROBOT = find("rars")
 RADIUS = ROBOT.geometry.base.wheel_radius_m

@@ -6,7 +6,7 @@ import pytest
 
 from firmware_bridge.motion.ramp import BRAKING_SHARE, MARGIN, Ramp
 from firmware_bridge.robot_types import find
-from firmware_bridge.robots.rars.body import ramp_of
+from firmware_bridge.robots.rars.kinematics import ramp_of
 from firmware_bridge.units import MILLISECOND
 
 CYCLE = 50 * MILLISECOND

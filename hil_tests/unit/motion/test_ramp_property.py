@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from firmware_bridge.robot_types import find
-from firmware_bridge.robots.rars.body import ramp_of
+from firmware_bridge.robots.rars.kinematics import ramp_of
 from firmware_bridge.units import MILLISECOND, to_seconds
 
 RAMP = ramp_of(find("rars"))

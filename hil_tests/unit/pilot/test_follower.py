@@ -5,8 +5,8 @@ from typing import Final
 
 from firmware_bridge.motion.model import Moving
 from firmware_bridge.motion.pose import Pose
-from firmware_bridge.pilot.driver import REST, Sight
-from firmware_bridge.pilot.follower import LETS_GO_FOR, PathDriver
+from firmware_bridge.pilot.driver import NEUTRAL, Sight
+from firmware_bridge.pilot.follower import NEUTRAL_FOR, PathDriver
 from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.pilot.paths import PATHS, placed
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
@@ -24,15 +24,15 @@ def test_armed_and_armed_again_it_lets_go_for_a_while() -> None:
         stated = set()
         for now in range(begin, begin + span, PERIOD):
             follower.sees(Sight(Moving(Pose(), 0.0, 0.0), None, now))
-            stated.add(follower.command(link, now, armed=armed) == REST)
+            stated.add(follower.command(link, now, armed=armed) == NEUTRAL)
         return stated
 
-    assert rests(0, LETS_GO_FOR, armed=False) == {True}
-    assert rests(LETS_GO_FOR, LETS_GO_FOR, armed=True) == {True}
-    assert rests(2 * LETS_GO_FOR, LETS_GO_FOR, armed=True) == {False}
-    assert rests(3 * LETS_GO_FOR, PERIOD, armed=False) == {True}
-    assert rests(4 * LETS_GO_FOR, LETS_GO_FOR, armed=True) == {True}
-    assert rests(5 * LETS_GO_FOR, LETS_GO_FOR, armed=True) == {False}
+    assert rests(0, NEUTRAL_FOR, armed=False) == {True}
+    assert rests(NEUTRAL_FOR, NEUTRAL_FOR, armed=True) == {True}
+    assert rests(2 * NEUTRAL_FOR, NEUTRAL_FOR, armed=True) == {False}
+    assert rests(3 * NEUTRAL_FOR, PERIOD, armed=False) == {True}
+    assert rests(4 * NEUTRAL_FOR, NEUTRAL_FOR, armed=True) == {True}
+    assert rests(5 * NEUTRAL_FOR, NEUTRAL_FOR, armed=True) == {False}
 
 
 def test_a_robot_that_is_held_back_is_let_go_and_driven_again_and_again() -> None:
@@ -43,7 +43,7 @@ def test_a_robot_that_is_held_back_is_let_go_and_driven_again_and_again() -> Non
     reported, held = [], []
     for now in range(0, 20 * SECOND, PERIOD):
         follower.sees(Sight(Moving(Pose(), 0.0, 0.0), None, now))
-        reported.append(follower.command(link, now, armed=True) == REST)
+        reported.append(follower.command(link, now, armed=True) == NEUTRAL)
         held.append(follower.held_back)
     lengths = [len(list(group)) * PERIOD for _, group in groupby(reported)]
     assert reported[0], "who arms it sees it stand"

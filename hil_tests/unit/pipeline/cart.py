@@ -94,7 +94,7 @@ class Cart:
     def moving(self, state: Sensed) -> frozenset[str]:
         return frozenset({"base"}) if abs(state.ahead) > 0.01 else frozenset()
 
-    def rested(self, motion: Sweep, groups: frozenset[str]) -> Sweep:
+    def at_standstill(self, motion: Sweep, groups: frozenset[str]) -> Sweep:
         if "base" in groups:
             motion = replace(motion, ahead=0.0)
         return replace(motion, brush=0.0) if "tool" in groups else motion
@@ -168,9 +168,9 @@ ROBOT_TYPE: Final[RobotType[Sizes, Sweep, Sensed]] = RobotType(
     name="cart",
     file=Path("cart.toml"),
     geometry=Sizes,
-    rest=Sweep(),
+    standstill=Sweep(),
     numbers={"speed": lambda motion: motion.ahead, "brush": lambda motion: motion.brush},
-    body=lambda _robot: Cart(),
+    kinematics=lambda _robot: Cart(),
     groups={"base": frozenset({"left", "right"}), "tool": frozenset({"brush"})},
     travelling=frozenset({"base"}),
     interlocks=(RACES,),
@@ -186,7 +186,7 @@ ROBOT_TYPE: Final[RobotType[Sizes, Sweep, Sensed]] = RobotType(
     path_followers={"ahead": Ahead},
     modes={
         "brushless": RobotMode(
-            without=frozenset({"brush"}), body=lambda _robot: Unbrushed(), interlocks=(), limits=()
+            without=frozenset({"brush"}), kinematics=lambda _robot: Unbrushed(), interlocks=(), limits=()
         )
     },
 )
@@ -326,8 +326,8 @@ class FakeCart:
         self._operator: Operator = Operator(
             self.robot,
             ROBOT_TYPE.station,
-            ROBOT_TYPE.rest,
-            rolling=rules[""].body.rolling,
+            ROBOT_TYPE.standstill,
+            rolling=rules[""].kinematics.rolling,
             modes=tuple(ROBOT_TYPE.modes),
         )
         self.permission: Final[Permission] = Permission(self.robot, rules, self.all_drivers, [])

@@ -131,7 +131,7 @@ def test_the_whole_robot_wants_the_axis_back() -> None:
 def test_on_the_way_to_rest_at_the_end_it_gets_no_power() -> None:
     cart = brushless()
     before = len(cart.drivers["brush"].set_points)
-    cart.pipeline.come_to_rest(cart.now + cart.robot.cycle)
+    cart.pipeline.come_to_standstill(cart.now + cart.robot.cycle)
     assert set(cart.drivers["brush"].set_points[before:]) == {Stop.POWER_OFF}
 
 

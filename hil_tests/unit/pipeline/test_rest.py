@@ -48,9 +48,9 @@ def test_its_orderly_end_waits_for_each_wheel(left: float, right: float) -> None
     cart = FakeCart()
     cart.arms()
     spin(cart, left, right)
-    assert not cart.pipeline.come_to_rest(cart.now)[1]
+    assert not cart.pipeline.come_to_standstill(cart.now)[1]
     spin(cart, 0.999 * BOUND, -0.999 * BOUND)
-    assert cart.pipeline.come_to_rest(cart.now)[1]
+    assert cart.pipeline.come_to_standstill(cart.now)[1]
 
 
 def test_without_its_brush_it_rests_as_before() -> None:
@@ -97,8 +97,8 @@ def seen(left_rad_s: float, age: int) -> Snapshot[Any, Any]:
         sensors={},
         links_lost={},
     )
-    rest = robot_type_of(RARS).rest
-    body = RULES[""].body.sensed(axes, {})
+    rest = robot_type_of(RARS).standstill
+    body = RULES[""].kinematics.sensed(axes, {})
     return Snapshot(facts=facts, command=rest, commanded=rest, body=body, pose=Pose(1.0, 2.0, 3.0))
 
 
@@ -117,7 +117,7 @@ def test_an_axis_that_a_mode_does_without_counts_as_long_as_it_is_received(
 ) -> None:
     rules = RULES[mode]
     known = rules.sensed(seen(left_rad_s, age))
-    assert rules.stands(known) is rests
+    assert rules.stopped(known) is rests
     assert rules.at_standstill(known) is rests
 
 
@@ -134,7 +134,7 @@ def test_what_a_mode_senses_is_the_same_snapshot_with_its_own_body() -> None:
     )
     after = RULES["left_failed"].sensed(before)
     assert after.body != before.body
-    assert after.body == RULES["left_failed"].body.sensed(before.facts.axes, {})
+    assert after.body == RULES["left_failed"].kinematics.sensed(before.facts.axes, {})
     assert after.facts is before.facts
     assert after.command is command
     assert (after.commanded, after.pose) == (one.commanded, one.pose)
@@ -145,15 +145,15 @@ def test_an_axis_that_is_not_believed_counts_as_one_that_stands() -> None:
     rules, one = RULES[""], seen(5.0, 0)
     known = rules.believed(one, {"left"})
     assert known is not None
-    assert rules.stands(known)
+    assert rules.stopped(known)
     stands = replace(one.facts.axes["left"], velocity=0.0)
     assert known.facts.axes == {**one.facts.axes, "left": stands}
-    assert known.body == rules.body.sensed(known.facts.axes, {})
+    assert known.body == rules.kinematics.sensed(known.facts.axes, {})
     assert known.command is one.command
     for others in (set[str](), {"right"}):
         less = rules.believed(one, others)
         assert less is not None
-        assert not rules.stands(less)
+        assert not rules.stopped(less)
 
 
 def test_where_no_axis_that_carries_is_believed_no_one_knows() -> None:

@@ -41,7 +41,7 @@ def test_an_emergency_stop_does_not_give_it_back() -> None:
 
 def test_nor_does_the_orderly_end() -> None:
     cart = frozen()
-    cart.pipeline.come_to_rest(cart.now)
+    cart.pipeline.come_to_standstill(cart.now)
     assert cart.newest("left") is Stop.POWER_OFF
 
 

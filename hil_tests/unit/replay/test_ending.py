@@ -9,7 +9,7 @@ import pytest
 from emulators.replay import Into, ReplayOrder
 from emulators.replay import replay as play
 from emulators.replay.ending import end_requested_at
-from firmware_bridge.intent import ConfirmZero
+from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.recording import EPOCH
 from firmware_bridge.renamed import RenamedWarning
 from firmware_bridge.robot_types import find
@@ -20,7 +20,10 @@ RUN = Path(__file__).with_name("end_requested_at")
 KNOWN = Path(__file__).with_name("places_known")
 """3 s of `drive rars` after a run that had kept where lift and steering stood."""
 ORDER = ReplayOrder(
-    find("rars"), RUN, into=Into.BRIDGE, stands=(ConfirmZero("lift", 0.0), ConfirmZero("steer", 0.0))
+    find("rars"),
+    RUN,
+    into=Into.BRIDGE,
+    confirmed=(ConfirmPosition("lift", 0.0), ConfirmPosition("steer", 0.0)),
 )
 
 

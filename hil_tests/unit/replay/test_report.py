@@ -14,7 +14,7 @@ from emulators.bench.animated import animated
 from emulators.bench.columns import ARMED, PLANAR, Samples
 from emulators.bench.summary import InterlockEntry
 from firmware_bridge.cli import program
-from firmware_bridge.intent import ConfirmZero
+from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.robot import RobotFileError
 from firmware_bridge.robot_types import find
 from firmware_bridge.runtime.run_file import RUN_FILE, AsRun, read_run, run_file
@@ -159,11 +159,11 @@ def test_a_path_is_played_from_where_the_robot_knew_its_place() -> None:
 
 def test_what_was_driven_is_read_back_whole(tmp_path: Path) -> None:
     robot = find("rars").agreed_on(0.8)
-    run = AsRun(robot, (ConfirmZero("lift", 0.02), ConfirmZero("steer")), "lift_failed")
+    run = AsRun(robot, (ConfirmPosition("lift", 0.02), ConfirmPosition("steer")), "lift_failed")
     (tmp_path / RUN_FILE).write_text(run_file(run)[RUN_FILE], encoding="utf-8")
     found = read_run(tmp_path)
     assert found is not None
-    assert (found.robot, found.mode, str(found.stands)) == (robot, "lift_failed", str(run.stands))
+    assert (found.robot, found.mode, str(found.confirmed)) == (robot, "lift_failed", str(run.confirmed))
     assert read_run(tmp_path / "empty") is None
     for text in ("{", "[]", '{"robot": {"kind": "no one"}, "agreed_ms": null, "stands": {}, "mode": ""}'):
         (tmp_path / RUN_FILE).write_text(text, encoding="utf-8")

@@ -134,6 +134,6 @@ def test_while_the_counter_is_set_no_way_is_a_motion(feedback: SerialFeedback) -
     feedback.zeroing = True
     cycle(feedback, 2, 900_000, MILLISECOND)
     assert (feedback.velocity, feedback.position_qc) == (0.0, 900_000)
-    feedback.zero_set(500)
+    feedback.reference_set(500)
     cycle(feedback, 3, 510, MILLISECOND)
     assert (feedback.velocity, feedback.position_qc) == (0.0, 510)

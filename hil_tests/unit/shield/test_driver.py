@@ -194,7 +194,7 @@ def test_a_stop_ends_with_the_boards_reset_and_reports_of_its_own_stop_where_it_
         notes[protocol] = stages[-1].note
         assert stages[-1].task is Task.RESET
         assert stages[2].within == 3 * robot.shield_link("board").answers_within_ms * MILLISECOND
-        assert stages[0].set_point is Stop.REST
+        assert stages[0].set_point is Stop.STANDSTILL
         assert all(stage.set_point is Stop.POWER_OFF for stage in stages if stage.ends_power)
     assert names["ros-arduino-bridge"] == names["arduinoio"] == ["speed 0", "brake", "release", "reset"]
     assert "it stops them 2000 ms after the last one" in notes["ros-arduino-bridge"]
@@ -276,7 +276,7 @@ def test_motors_that_are_released_stay_so_while_speed_0_is_stated_again() -> Non
     assert [word.data for word in words] == [b"m 0 0 0\r"]
     assert releases == motors
     for one in motors:
-        one.way, one.released = 0, True
+        one.direction, one.released = 0, True
     expressed(dialect("ros-arduino-bridge"), motors, SECOND + CYCLE, configured=True)
     assert all(one.unpowered for one in motors)
     motors[0].set_point = Speed(1.0)

@@ -66,7 +66,7 @@ def test_a_links_words_are_read(text: str, expected: Conditions) -> None:
     [
         ("dealy=0.5", "there is no key 'dealy'; perhaps 'delay'?"),
         ("delay", "give delay=NUMBER"),
-        ("uq.delay=1", "there is no way 'uq'; there are: up, down"),
+        ("uq.delay=1", "there is no direction 'uq'; there are: up, down"),
         ("up.lose=1", "there is no key 'lose'; perhaps 'loss'?"),
         ("loss=1.5", "must be from 0 to 1"),
         ("delay=nan", "must be from 0 to 60"),

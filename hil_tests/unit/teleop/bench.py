@@ -219,4 +219,4 @@ def bench_of(name: str) -> Bench[Any, Any, Any]:
     """Return a bench of an installed robot, whose kinematic model reports nothing."""
     robot = robot_types.find(name)
     kind = robot_types.robot_type_of(robot)
-    return Bench(robot, kind.station, kind.rest, None, ())
+    return Bench(robot, kind.station, kind.standstill, None, ())

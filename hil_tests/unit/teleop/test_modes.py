@@ -241,7 +241,7 @@ def test_whatever_is_requested_is_one_of_the_rows_or_the_robots_own(main: int, s
     found = requested(main, sub, own)
     if found is not None:
         assert found.own is None or 0 <= found.own < own
-        number = number_of(found.way, found.own or 0)
+        number = number_of(found.driving_mode, found.own or 0)
         assert requested(number, 0, own) is not None
         assert in_px4(number) >= 1 << 16
     assert requested(main, sub, own) == found

@@ -18,9 +18,9 @@ ROBOT_TYPE: Final[RobotType[Geometry, Motion, State]] = RobotType(
     name="diff_drive",
     file=Path(__file__).with_name("diff_drive.toml"),
     geometry=Geometry,
-    rest=Motion(),
+    standstill=Motion(),
     numbers=ROBOT.numbers,
-    body=ROBOT.body,
+    kinematics=ROBOT.kinematics,
     groups=ROBOT.groups,
     travelling=ROBOT.travelling,
     # A row of the robot's own stands beside these.

@@ -1,4 +1,4 @@
-"""The arm's body: from joints to the tool, and from how the tool shall move to where the joints shall be.
+"""The arm's kinematic model: from joints to the tool, and from its commanded motion to joint positions.
 
 A set-point is where the joints are at the cycle's end, so that steps that are too small for one are made up
 for in a later one. Source of the law: A. Seleit, MSc thesis, UCF, 2020, (3.15) and (3.16).
@@ -73,7 +73,7 @@ class Ar2Kinematics:
         slow = (abs(it) <= MOVES * top for it, top in zip(state.rates, self._fastest, strict=True))
         return NOTHING if all(slow) else frozenset({TOOL})
 
-    def rested(self, motion: Ar2Motion, groups: frozenset[str]) -> Ar2Motion:
+    def at_standstill(self, motion: Ar2Motion, groups: frozenset[str]) -> Ar2Motion:
         """Return the motion at rest."""
         return motion_of(STILL, path_s=motion.path_s) if TOOL in groups else motion
 

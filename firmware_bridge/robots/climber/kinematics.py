@@ -1,8 +1,8 @@
-"""The climber's body: two driven wheels with a joint between them, on a surface that is not a floor."""
+"""The climber's kinematic model: two driven wheels with a joint between, on a surface that is no floor."""
 
 from typing import Final
 
-from firmware_bridge.differential.body import Sensors
+from firmware_bridge.differential.kinematics import Sensors
 from firmware_bridge.differential.robot import DifferentialRobot
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot

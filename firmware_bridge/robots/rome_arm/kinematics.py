@@ -1,4 +1,4 @@
-"""ROME's body: its base and its arm, each for itself, but for what the arm leaves of the base's ramp."""
+"""ROME's kinematic model: base and arm, each for itself, but for what the arm leaves of the base's ramp."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -7,9 +7,9 @@ from typing import Final
 from firmware_bridge.drivers.driver import Feedback, Reading, SetPoint
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.ar2 import body as arms
+from firmware_bridge.robots.ar2 import kinematics as arms
 from firmware_bridge.robots.ar2 import motion as arm
-from firmware_bridge.robots.rome import body as bases
+from firmware_bridge.robots.rome import kinematics as bases
 from firmware_bridge.robots.rome import motion as base
 from firmware_bridge.robots.rome_arm.balance import balance
 from firmware_bridge.robots.rome_arm.geometry import RomeArmGeometry
@@ -44,10 +44,12 @@ class RomeArmKinematics:
         """Return what is seen to move."""
         return self._base.moving(state.base) | self._arm.moving(state.arm)
 
-    def rested(self, motion: RomeArmMotion, groups: frozenset[str]) -> RomeArmMotion:
+    def at_standstill(self, motion: RomeArmMotion, groups: frozenset[str]) -> RomeArmMotion:
         """Return the motion with these at rest."""
         return replace(
-            motion, base=self._base.rested(motion.base, groups), arm=self._arm.rested(motion.arm, groups)
+            motion,
+            base=self._base.at_standstill(motion.base, groups),
+            arm=self._arm.at_standstill(motion.arm, groups),
         )
 
     def ramped(

@@ -1,4 +1,4 @@
-"""ROME's body: from wheels to what the base does, and from a motion to what the wheels shall do."""
+"""ROME's kinematic model: from wheels to the base's state, and from a motion to the wheels' set-points."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -58,7 +58,7 @@ class RomeKinematics:
         slow = math.hypot(state.ahead_mps, state.left_mps) < MOVES_MPS
         return NOTHING if slow and abs(state.turn_rad_s) < TURNS_RAD_S else frozenset({BASE})
 
-    def rested(self, motion: RomeMotion, groups: frozenset[str]) -> RomeMotion:
+    def at_standstill(self, motion: RomeMotion, groups: frozenset[str]) -> RomeMotion:
         """Return the motion at rest."""
         return replace(motion, ahead_mps=0.0, left_mps=0.0, turn_rad_s=0.0) if BASE in groups else motion
 

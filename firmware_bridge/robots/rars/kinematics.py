@@ -1,4 +1,4 @@
-"""RARS's body: from axes to what the robot does, and from a motion to what the axes shall do (thesis 4.2).
+"""RARS's kinematic model: axes to the robot's state, and a motion to the axes' set-points (thesis 4.2).
 
 The steer set-point follows from what is allowed; the wheel speeds follow from the ACTUAL steer angle.
 """
@@ -89,10 +89,10 @@ class Rars:
         return frozenset(group for group in (base, lift) if group)
 
     def moving(self, state: RarsState) -> frozenset[str]:
-        """Return the base where a wheel of it rolls; the lift is judged by rows of its own."""
+        """Return the base where a wheel of it rolls; the lift is judged by interlocks of its own."""
         return NOTHING if abs(rolls(self._base, state)) < BASE_MOVES_MPS else frozenset({BASE})
 
-    def rested(self, motion: RarsMotion, groups: frozenset[str]) -> RarsMotion:
+    def at_standstill(self, motion: RarsMotion, groups: frozenset[str]) -> RarsMotion:
         """Return the motion with base, lift or both at rest: speed 0, and the rest stays where it is."""
         if BASE in groups:
             motion = replace(motion, speed_mps=0.0, steer_rad=None)
