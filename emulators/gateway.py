@@ -1,6 +1,6 @@
 """Several emulated devices and their physics as one node, so that the runner can carry them on a real bus.
 
-Between its members packets are exchanged at once; the real bus carries them to everybody else.
+Between its members packets are exchanged at once; the real bus carries them to all others.
 """
 
 from collections import deque

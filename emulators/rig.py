@@ -204,7 +204,7 @@ class Rig:
         self.world.attach(BRIDGE, node, {**wires, OPERATOR: self.operator_wire})
 
     def _attach(self, operator: Node) -> None:
-        """Put everybody on their wires: the drives, the bridge behind its lines, and the operator."""
+        """Attach all to their wires: the drives, the bridge behind its lines, and the operator."""
         node = self._lines()
         for axis in self.robot.axes if self.devices.drives else ():
             links: dict[str, Wire] = {CAN: self.can_wires[axis.link]}

@@ -82,7 +82,7 @@ class ClearEmergencyStop:
 
 @dataclass(frozen=True, slots=True)
 class Pause:
-    """Come to rest at the ramp, and stay until the operator lets the robot go on; it stays armed."""
+    """Come to standstill at the ramp, and stay until the operator lets the robot go on; it stays armed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +97,7 @@ class ResetOdometry:
 
 @dataclass(frozen=True, slots=True)
 class ConfirmPosition:
-    """Say where an axis stands, in the unit in which it is read off the robot, disarmed and at rest."""
+    """Say where an axis stands, in the unit in which it is read off the robot, disarmed and at standstill."""
 
     axis: str
     value: float = math.nan
@@ -106,7 +106,7 @@ class ConfirmPosition:
 
 @dataclass(frozen=True, slots=True)
 class EnterMode:
-    """Go on in another mode, at rest and disarmed; empty for the whole robot's."""
+    """Go on in another mode, at standstill and disarmed; empty for the whole robot's."""
 
     mode: str
 

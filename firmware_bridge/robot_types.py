@@ -76,10 +76,12 @@ def robots() -> dict[str, Path]:
     for name in names():
         # One broken package must not hide the robots of the others.
         try:
-            kind = robot_type_named(name)
+            robot_type = robot_type_named(name)
         except RobotFileError:
             continue  # `unloadable` reports it; the others are there
-        found |= {name: kind.file} | {name + SIGN + more: path for more, path in kind.more.items()}
+        found |= {name: robot_type.file} | {
+            name + SIGN + more: path for more, path in robot_type.more.items()
+        }
     return found
 
 
@@ -108,11 +110,11 @@ def robot_type_named(name: str) -> AnyRobotType:
     """Return an installed kind; KeyError for a name that is not there, RobotFileError of a broken one."""
     entry = _entries()[name]
     try:
-        kind: AnyRobotType = entry.load()
+        robot_type: AnyRobotType = entry.load()
     except Exception as error:
         problem = f"cannot be loaded: {type(error).__name__}: {error} ({entry.value})"
         raise RobotFileError(name, Problem("", problem)) from error
-    return kind
+    return robot_type
 
 
 def robot_type_of(robot: AnyRobot) -> AnyRobotType:
@@ -127,16 +129,20 @@ def find(name: str, *, plant_too: bool = False) -> AnyRobot:
     """
     if name.endswith(".toml"):
         return load(Path(name), plant_too=plant_too)
-    kind, plus, more = name.partition(SIGN)
-    if kind not in _entries():
-        here = f"; for the folder '{kind}' here say pip install -e {kind}" if Path(kind).is_dir() else ""
-        problem = f"no such robot; {near(kind, names())} (a path to a .toml file works, too){here}"
+    installed, plus, more = name.partition(SIGN)
+    if installed not in _entries():
+        here = (
+            f"; for the folder '{installed}' here say pip install -e {installed}"
+            if Path(installed).is_dir()
+            else ""
+        )
+        problem = f"no such robot; {near(installed, names())} (a path to a .toml file works, too){here}"
         raise RobotFileError(name, Problem("", problem))
-    found = robot_type_named(kind)
+    found = robot_type_named(installed)
     if not plus:
         return load(found.file, plant_too=plant_too)
     if more not in found.more:
-        raise RobotFileError(name, Problem("", f"{kind} has no '{more}'; {near(more, found.more)}"))
+        raise RobotFileError(name, Problem("", f"{installed} has no '{more}'; {near(more, found.more)}"))
     # TOML forbids a table twice, so a further file can only add tables.
     return parse("\n".join(map(text_of, (found.file, found.more[more]))), name, plant_too=plant_too)
 
@@ -156,11 +162,15 @@ def parse(text: str, file: str, *, plant_too: bool = False) -> AnyRobot:
     name = table.get("kind")
     if not isinstance(name, str) or name not in _entries():
         raise RobotFileError(file, _no_kind(name, table))
-    kind = robot_type_named(name)
+    robot_type = robot_type_named(name)
     more = plant_problems(table) if plant_too else ()
-    robot = robot_of(table, file, kind.geometry, kind.groups, more)
+    robot = robot_of(table, file, robot_type.geometry, robot_type.groups, more)
     # One after the other: a ratio that is upside down would make every bound look exceeded.
-    excess = tuple(odd_ratios(robot)) or tuple(beyond_bounds(robot, kind)) or tuple(loose_sums(robot, kind))
+    excess = (
+        tuple(odd_ratios(robot))
+        or tuple(beyond_bounds(robot, robot_type))
+        or tuple(loose_sums(robot, robot_type))
+    )
     if excess:
         raise RobotFileError(file, *excess)
     return robot
@@ -215,14 +225,14 @@ def weaker_rows(robot: AnyRobot) -> Iterator[tuple[str, AxisInterlock, AxisInter
                 yield axis.name, row, fitting
 
 
-def beyond_bounds(robot: AnyRobot, kind: AnyRobotType) -> Iterator[Problem]:
+def beyond_bounds(robot: AnyRobot, robot_type: AnyRobotType) -> Iterator[Problem]:
     """Yield where the type's kinematics could command more than the guard's bounds in the file allow.
 
     The guard would refuse such a set-point, and put a stop in its place: better reported before anything
     moves.
     """
     try:
-        most = _most_requested(robot, kind)
+        most = _most_requested(robot, robot_type)
     except (ArithmeticError, ValueError) as error:
         yield Problem("geometry", f"the kinematics cannot be worked out with it: {error}")
         return
@@ -257,7 +267,7 @@ def odd_ratios(robot: AnyRobot) -> Iterator[Problem]:
                 )
 
 
-def loose_sums(robot: AnyRobot, kind: AnyRobotType) -> Iterator[Problem]:
+def loose_sums(robot: AnyRobot, robot_type: AnyRobotType) -> Iterator[Problem]:
     """Yield where a sum of the guard is not what geometry and limits give: its factors are of another robot.
 
     The sum is worked out where the kinematics ask for most. With the right factors that is the limit of speed
@@ -265,9 +275,10 @@ def loose_sums(robot: AnyRobot, kind: AnyRobotType) -> Iterator[Problem]:
     """
     for index, total in enumerate(robot.guard.sums):
         most = max(
-            [_summed(kind.kinematics(robot), total.of, *pair) for pair in kind.reach(robot)], default=0.0
+            [_summed(robot_type.kinematics(robot), total.of, *pair) for pair in robot_type.reach(robot)],
+            default=0.0,
         )
-        limit = _limit_of(robot, kind, total.of, most)
+        limit = _limit_of(robot, robot_type, total.of, most)
         if most <= 0.0 or limit is None:
             continue
         right = limit / most
@@ -286,17 +297,19 @@ def loose_sums(robot: AnyRobot, kind: AnyRobotType) -> Iterator[Problem]:
         )
 
 
-def _limit_of(robot: AnyRobot, kind: AnyRobotType, of: Mapping[str, float], most: float) -> float | None:
+def _limit_of(
+    robot: AnyRobot, robot_type: AnyRobotType, of: Mapping[str, float], most: float
+) -> float | None:
     """Return which of the robot's limits a sum is of: that at which it is largest, else the nearest."""
-    largest, body = kind.station.largest(robot), kind.kinematics(robot)
+    largest, body = robot_type.station.largest(robot), robot_type.kinematics(robot)
     pure = {
         Velocity(largest.forward_mps, 0.0, 0.0): largest.forward_mps,
         Velocity(0.0, largest.left_mps, 0.0): largest.left_mps,
         Velocity(0.0, 0.0, largest.yaw_rate_rad_s): largest.yaw_rate_rad_s,
     }
-    states = [state for _, state in kind.reach(robot)]
+    states = [state for _, state in robot_type.reach(robot)]
     for velocity, limit in pure.items():
-        motion = kind.station.target(velocity, kind.standstill, robot)
+        motion = robot_type.station.target(velocity, robot_type.standstill, robot)
         if limit == 0.0 or isinstance(motion, Unusable):
             continue
         # Whatever the state: a base that is steered turns as it drives.
@@ -317,11 +330,11 @@ def _summed(body: KinematicModel[Any, Any], of: Mapping[str, float], motion: obj
     )
 
 
-def _most_requested(robot: AnyRobot, kind: AnyRobotType) -> dict[tuple[str, str], float]:
+def _most_requested(robot: AnyRobot, robot_type: AnyRobotType) -> dict[tuple[str, str], float]:
     """Return the largest command of each axis: speed, and position to either side; NaN stays NaN."""
-    body = kind.kinematics(robot)
+    body = robot_type.kinematics(robot)
     most: dict[tuple[str, str], float] = {}
-    for motion, state in kind.reach(robot):
+    for motion, state in robot_type.reach(robot):
         for name, set_point in body.set_points(motion, state).items():
             requested: Iterable[tuple[str, float]] = ()
             if isinstance(set_point, Speed):

@@ -21,8 +21,8 @@ from typing import Final
 
 from campaign import Reach, Unsound, reach_of, tried
 from mutants import Key, Mutant, mutants
+from packages import hashes_of, named_for, targets, tests_of
 from results import Result, read_reasons, read_results, write_results
-from rooms import hashes_of, named_for, targets, tests_of
 from sample import changed, drawn, seed_of
 
 JUDGED: Final = ("safety/", "motion/")
@@ -89,30 +89,30 @@ def _rounded(milliseconds: float) -> int:
 
 
 def report(every: Sequence[str], results: Mapping[str, Result], reasons: Mapping[Key, str]) -> int:
-    """Print the results of each room; return the number of mutants that survive without a reason."""
-    rooms: dict[str, list[int]] = defaultdict(lambda: [0] * 5)
+    """Print the results of each package; return the number of mutants that survive without a reason."""
+    packages: dict[str, list[int]] = defaultdict(lambda: [0] * 5)
     stale = []
     for target in every:
-        room = rooms[target.rpartition("/")[0]]
+        package = packages[target.rpartition("/")[0]]
         result = results.get(target)
         if result is None:
-            room[4] += sum(1 for _ in mutants(target))
+            package[4] += sum(1 for _ in mutants(target))
             say(f"open, never completed: {target}")
             continue
         if not result.ran_on(hashes_of(target)):
             stale.append(target)
         named = sum((target, *one) in reasons for one in result.survived)
-        room[0] += result.mutants
-        room[1] += result.mutants - len(result.survived)
-        room[2] += named
-        room[3] += len(result.survived) - named
-    say(f"{'room':28}{'mutants':>9}{'noticed':>9}{'equivalent':>12}{'open':>7}{'never run':>11}")
-    rooms["all"] = [sum(column) for column in zip(*rooms.values(), strict=True)]
-    for name, (tried_, noticed, named, left, never) in rooms.items():
+        package[0] += result.mutants
+        package[1] += result.mutants - len(result.survived)
+        package[2] += named
+        package[3] += len(result.survived) - named
+    say(f"{'package':28}{'mutants':>9}{'noticed':>9}{'equivalent':>12}{'open':>7}{'never run':>11}")
+    packages["all"] = [sum(column) for column in zip(*packages.values(), strict=True)]
+    for name, (tried_, noticed, named, left, never) in packages.items():
         say(f"{name:28}{tried_:>9}{noticed:>9}{named:>12}{left:>7}{never:>11}")
     if stale:
         say(f"not of these sources any more: {', '.join(stale)}")
-    return rooms["all"][3]
+    return packages["all"][3]
 
 
 def complaints(alive: Iterable[Key], known: Iterable[Key]) -> list[str]:

@@ -8,8 +8,8 @@ from typing import Final
 from mutants import mutants
 from nights import ROOT, STEPS, Outcome, Step
 from nights import read as read_outcomes
+from packages import targets
 from results import read_reasons, read_results
-from rooms import targets
 
 PAGE: Final = ROOT / "docs" / "nightly.md"
 HEAD: Final = """\

@@ -8,8 +8,8 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from mutants import ROOT, Mutant, mutants, path_of
+from packages import hashes_of
 from results import RESULTS, Result
-from rooms import hashes_of
 
 OF_A_MODULE: Final = 40
 """Mutants of one module in a sample: to find out what tests reach is paid once for all of them."""

@@ -64,11 +64,11 @@ class Pilot(Table):
         PathError where its file is none.
         """
         self.shape()  # a missing or wrong path file is reported before anything moves
-        kind = robot_type_of(robot)
-        made = kind.model
+        robot_type = robot_type_of(robot)
+        made = robot_type.model
         model: MotionModel = Unicycle() if made is None else made(robot)
         # An agreed delay reduces the top speed, and the follower's with it.
-        fastest = robot.operator.speed_share * kind.station.largest(robot).forward_mps
+        fastest = robot.operator.speed_share * robot_type.station.largest(robot).forward_mps
         return PathDriver(
             self.placed,
             speed_mps=min(self.speed_mps, fastest),

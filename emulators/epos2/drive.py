@@ -1,8 +1,8 @@
 """One emulated EPOS2 on a CAN bus: the node that starts, follows network commands and lets its services work.
 
 Source: CiA 301 v4.02, network management. Not known here: what the services do and how a motor moves
-(the rooms `canopen` and `control` do), and who carries its frames. It ignores every frame that no service of
-its number takes in the present state: extended identifiers, remote requests to identifiers that have none.
+(the packages `canopen` and `control` do), and who carries its frames. It ignores every frame that no service
+of its number takes in the present state: extended identifiers, remote requests to identifiers that have none.
 """
 
 from functools import partial

@@ -113,7 +113,7 @@ class ServoAxis(ServoRecord, ctypes.Structure):
         self.analogue_1_mv = 0
         self.analogue_2_mv = 0
         self.master = 0
-        self.back_emf = self.ending = self.balance_voltage = 0
+        self.back_emf = self.decay_resistance = self.balance_resistance = 0
         self.raised = self.braking = self.waits = self.speed_before = 0
         self.left = LEFT_MA
         self.learning = LEAST_LEARNING

@@ -150,14 +150,14 @@ class ServoRecord:
     current_integral: int
     voltage_mv: int
     turning: int
-    # Data of an open winding (`emulators.servo.winding`): constant, 2^-24 V s/rad; the decay current
-    # threshold within a tick and the balance voltage, 2^-16 Ohm, 0: unknown; the rate at which the constant
-    # is learnt, 2^-24 Ohm, 0: given; its last increment, and the current of that, mA; the part of the current
-    # that is left as it is, and the ms for which it is left to itself. The shaft's speed a tick before,
-    # mrad/s.
+    # Data of an open winding (`emulators.servo.winding`): constant, 2^-24 V s/rad; the ratios of voltage to
+    # current by which the current decays to 0, and turns round, within a tick, 2^-16 Ohm, 0: unknown; the
+    # rate at which the constant is learnt, 2^-24 Ohm, 0: given; its last increment, and the current of that,
+    # mA; the part of the current that is left as it is, and the ms for which it is left to itself. The
+    # shaft's speed a tick before, mrad/s.
     back_emf: int
-    ending: int
-    balance_voltage: int
+    decay_resistance: int
+    balance_resistance: int
     learning: int
     raised: int
     braking: int

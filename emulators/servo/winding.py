@@ -86,18 +86,19 @@ def set_winding(axis: ServoAxis, constant: float, resistance: float = 0.0, induc
     """Set an axis's motor constant (V s/rad), and resistance (Ohm) and inductance (H) where known.
 
     Over a tick of constant voltage u the current goes from i to a i + (1 - a) (u - emf) / R with
-    a = exp(-R tick / L): it ends at 0 for u = emf - `ending` i, and at -i for u = emf - `balance_voltage` i.
+    a = exp(-R tick / L): it ends at 0 for u = emf - `decay_resistance` i, and at -i for
+    u = emf - `balance_resistance` i.
     """
     axis.back_emf = min(max(0, round(constant * (1 << BACK_EMF_PLACES))), WIDEST_BACK_EMF)
     axis.learning = 0 if axis.back_emf else LEAST_LEARNING
-    axis.ending = axis.balance_voltage = 0
+    axis.decay_resistance = axis.balance_resistance = 0
     if resistance > 0.0 and inductance > 0.0:
         exponent = min(resistance * to_seconds(TICK) / inductance, _LONGEST_EXPONENT)
         # x / (exp(x) - 1) is 0/0 for x = 0: its limit is 1, where the inductance alone counts.
-        ending = inductance / to_seconds(TICK) * (exponent / expm1(exponent) if exponent > 0.0 else 1.0)
-        axis.ending = min(round(ending * (1 << RESISTANCE_PLACES)), WIDEST_RESISTANCE)
-        axis.balance_voltage = min(
-            max(1, round((resistance + 2.0 * ending) * (1 << RESISTANCE_PLACES))), WIDEST_RESISTANCE
+        decay = inductance / to_seconds(TICK) * (exponent / expm1(exponent) if exponent > 0.0 else 1.0)
+        axis.decay_resistance = min(round(decay * (1 << RESISTANCE_PLACES)), WIDEST_RESISTANCE)
+        axis.balance_resistance = min(
+            max(1, round((resistance + 2.0 * decay) * (1 << RESISTANCE_PLACES))), WIDEST_RESISTANCE
         )
 
 
@@ -162,12 +163,12 @@ def doubt(axis: ServoAxis, current: int, speed: int) -> None:
             axis.learning = max(axis.learning >> 2, LEAST_LEARNING)
             axis.braking, axis.waits = 0, RECOVERING_MS
             axis.left = min(axis.left << 1, MOST_LEFT_MA)
-    elif axis.balance_voltage and axis.voltage_mv:
+    elif axis.balance_resistance and axis.voltage_mv:
         past = -current if before > 0 else current
         size = before if before > 0 else -before
         opposed = (axis.voltage_mv > 0) != (before > 0)
         if before and opposed and past > (size >> 2) + DOUBTED_MA:
-            axis.ending = axis.balance_voltage = 0
+            axis.decay_resistance = axis.balance_resistance = 0
 
 
 def unfed(axis: ServoAxis, current: int, speed: int) -> int:
@@ -194,9 +195,9 @@ def unfed_forwards(axis: ServoAxis, current: int, speed: int, to_come: int) -> i
     back_emf = (axis.back_emf * max(0, min(speed, to_come))) >> BACK_EMF_PLACES
     if current == 0:
         return back_emf
-    if axis.balance_voltage == 0:
+    if axis.balance_resistance == 0:
         return back_emf if current < 0 else 0
-    ending = back_emf - ((axis.ending * current) >> RESISTANCE_PLACES)
-    if current < 0 or ending <= 0:
-        return ending
-    return max(0, back_emf - ((axis.balance_voltage * current) >> RESISTANCE_PLACES))
+    decay_voltage = back_emf - ((axis.decay_resistance * current) >> RESISTANCE_PLACES)
+    if current < 0 or decay_voltage <= 0:
+        return decay_voltage
+    return max(0, back_emf - ((axis.balance_resistance * current) >> RESISTANCE_PLACES))

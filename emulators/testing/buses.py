@@ -82,7 +82,7 @@ class Turns:
 
 
 def _lock(file: IO[bytes], *, waits: bool) -> None:
-    """Lock a file until it is closed; where the system has no such locks, everybody is let in."""
+    """Lock a file until it is closed; where the system has no such locks, all are let in."""
     with suppress(ImportError):
         import fcntl  # noqa: PLC0415 - not on Windows
 

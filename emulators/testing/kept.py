@@ -18,7 +18,7 @@ class Kept:
         self._rigs: Final[OrderedDict[tuple[str, int], tuple[VirtualRig, Callable[[], None]]]] = OrderedDict()
 
     def armed(self, robot: str, seed: int) -> VirtualRig:
-        """Return a robot armed and at rest, for one test at a time; RobotFileError where there is none."""
+        """Return a robot armed and at standstill, for one test at a time; RobotFileError: there is none."""
         name = (robot, seed)
         known = self._rigs.pop(name, None)
         # A run that broke off within an instant has no valid state to go back from.

@@ -208,7 +208,7 @@ def rig_seed(pytestconfig: pytest.Config) -> int:
 
 @pytest.fixture
 def rig(_kept_rigs: "Kept", rig_robot: str, rig_seed: int, request: pytest.FixtureRequest) -> "VirtualRig":
-    """Return a robot in virtual time, armed and at rest, with its operator."""
+    """Return a robot in virtual time, armed and at standstill, with its operator."""
     _virtual_only(request.config, "the robot of a rig")
     request.node.user_properties += [("robot", rig_robot), ("seed", rig_seed)]
     return _kept_rigs.armed(rig_robot, rig_seed)

@@ -17,7 +17,7 @@ LINE: Final = "v1:/dev/ttyUSB0"
 VELOCITY: Final = "0x2028"
 """Averaged; the plain one, 0x606C, trembles by a count a millisecond."""
 AT_REST_RPM: Final = 5
-"""Assumed: slower than that a motor behind its gear is as good as at rest."""
+"""Assumed: slower than that a motor behind its gear is as good as at standstill."""
 LOOKS: Final = 20
 """Each takes half a second, the time of a process."""
 

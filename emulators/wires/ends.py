@@ -53,7 +53,7 @@ class Ends:
         self.all = [end for end in self.all if end.station is not station]
 
     def hand_over(self, sender: WorldNode, packet: Packet) -> None:
-        """Give a packet that has wholly arrived to observers, trace and everybody but its sender."""
+        """Give a packet that has wholly arrived to observers, trace and all but its sender."""
         world, not_receiving, sent_on = self.world, self.not_receiving, packet.link
         # Before any station reacts: an answer comes behind its cause in trace and recordings.
         for observer in self.observers:

@@ -236,7 +236,7 @@ class FaultyCanWire(CanWire):
                 self._report(full, CONTROLLER, RECEIVE_OVERFLOW, Loss.OBJECT)
 
     def _damage(self, controller: Controller, first: WorldNode | None, hearers: list[WorldNode]) -> None:
-        """End a frame with an error flag: everybody counts, and it waits to be sent again."""
+        """End a frame with an error flag: all nodes count, and it waits to be sent again."""
         self.damaged += 1
         self._idle_after_flag(controller)
         self._on_counters(controller.station, changed=self._counters[controller.station].failed_to_send())

@@ -3,8 +3,8 @@
 A cycle: the devices of all links that are due are sampled, on CAN by SYNC; when they have answered, or after
 the links' time for it (on CAN 10 ms), the pipeline runs and its set-points leave; half a cycle after its
 begin the handshakes of new positions end. An exception passes through to the node's carrier; `stop` then
-brings the drives to rest by a path without interlocks and operator. An axis that does not confirm standstill,
-or at the end power off, is stopped by further stop stages.
+brings the drives to standstill by a path without interlocks and operator. An axis that does not confirm
+standstill, or at the end power off, is stopped by further stop stages.
 """
 
 from collections import deque
@@ -27,12 +27,12 @@ from firmware_bridge.robot_type import AnyRobotType
 from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.safety.snapshot import ActiveInterlock, AnySnapshot
 from firmware_bridge.teleop.operator import Operator
-from firmware_bridge.teleop.session import EVERYBODY
+from firmware_bridge.teleop.session import ANY_STATION
 from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import NEVER, SECOND, Nanoseconds
 
 STANDSTILL_WITHIN: Final[Nanoseconds] = 3 * SECOND
-"""The longest way to rest at an orderly end; then the power goes off, unless a stop still escalates."""
+"""Longest time to standstill at an orderly end; then the power goes off, unless a stop still escalates."""
 SECOND_REQUEST_WITHIN: Final[Nanoseconds] = 5 * SECOND
 """Time after a hold on a slope began, or after a command to end, in which the next one disables the power."""
 LEFT_WITHIN: Final[Nanoseconds] = 3 * SECOND
@@ -54,7 +54,7 @@ class Phase(Enum):
     FAILED = "failed"
     """Start-up failed: the drives are without power, the operator is informed of the reason."""
     STOPPING = "stopping"
-    """The robot ramps to rest."""
+    """The robot ramps to standstill."""
     LEAVING = "leaving"
     """Power goes off, and then the drives' watch over the bridge ends."""
     FINISHED = "finished"
@@ -66,8 +66,8 @@ class Bridge:
     def __init__(
         self,
         robot: AnyRobot,
-        kind: AnyRobotType,
-        trust: Trust = EVERYBODY,
+        robot_type: AnyRobotType,
+        trust: Trust = ANY_STATION,
         confirmed: tuple[ConfirmPosition, ...] = (),
         mode: str = "",
     ) -> None:
@@ -80,20 +80,20 @@ class Bridge:
         self._idle = Reaction()
         """The newest reaction that sent nothing; most are the same."""
         self._all_drivers: Final = AllDrivers(all_drivers_of(robot))
-        rules = kind.rules(robot)
+        rules = robot_type.rules(robot)
         self._operator: Operator = Operator(
             robot,
-            kind.station,
-            kind.standstill,
+            robot_type.station,
+            robot_type.standstill,
             rolling=rules[""].kinematics.rolling,
-            modes=tuple(kind.modes),
-            path_followers=tuple(kind.path_followers),
+            modes=tuple(robot_type.modes),
+            path_followers=tuple(robot_type.path_followers),
             trust=trust,
         )
         self._permission: Permission = Permission(robot, rules, self._all_drivers, self._outbox, mode)
         self._pipeline: Pipeline = Pipeline(
             robot,
-            kind,
+            robot_type,
             rules=rules,
             all_drivers=self._all_drivers,
             operator=self._operator,
@@ -196,7 +196,7 @@ class Bridge:
         return self._reaction(now)
 
     def stop(self, now: Nanoseconds) -> Reaction:
-        """Begin the orderly end: ramp to rest, power off, leave; done when `finished`.
+        """Begin the orderly end: ramp to standstill, power off, leave; done when `finished`.
 
         While it is `holding`, a command within 5 s of its begin, or of the one before, disables the power.
         """

@@ -107,7 +107,7 @@ class HomingSequence:
             self.interrupt(self._reason, now)
 
     def interrupt(self, reason: str, now: Nanoseconds) -> None:
-        """End the one that is under way, if any: its axis is commanded to rest from now on."""
+        """End the one that is under way, if any: its axis is commanded to standstill from now on."""
         if self._driver is not None:
             self._report(FAILED, f"{self._driver.axis.called} was not homed: {reason}", now)
             self._driver = None

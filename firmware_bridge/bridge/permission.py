@@ -31,7 +31,7 @@ from firmware_bridge.safety.snapshot import ActiveInterlock, AnySnapshot
 from firmware_bridge.units import SECOND, Nanoseconds
 
 BRAKED_WITHIN: Final[Nanoseconds] = 3 * SECOND
-"""The longest way to rest before an ordered power-off."""
+"""The longest time to standstill before an ordered power-off."""
 
 
 class Permission:
@@ -67,7 +67,7 @@ class Permission:
         self.powered_off = False
         """A forced disarm disables the power at standstill; it stays off until arming puts it on again."""
         self._brakes_until: Nanoseconds = NEVER_RECEIVED
-        """So long the robot may take to come to rest for that; over as soon as it has."""
+        """So long the robot may take to come to standstill for that; over as soon as it has."""
         self.paused = False
         self.neutral_required = True
         """The operator was away, or another one drives, and has not let his controls go since."""

@@ -50,7 +50,7 @@ class Pipeline:
     def __init__(
         self,
         robot: AnyRobot,
-        kind: AnyRobotType,
+        robot_type: AnyRobotType,
         *,
         rules: Mapping[str, Rules],
         all_drivers: AllDrivers,
@@ -58,27 +58,28 @@ class Pipeline:
         permission: Permission,
     ) -> None:
         self._robot = robot
-        self._kind = kind
+        self._robot_type = robot_type
         self._all_drivers = all_drivers
         self._operator = operator
         self._permission = permission
         self._group_of: Final = {
             axis.name: group
-            for group, roles in kind.groups.items()
+            for group, roles in robot_type.groups.items()
             for axis in robot.axes
             if axis.role in roles
         }
         reports = {driver.axis.name: driver.reports for driver in all_drivers.drivers}
         self._gate: Gate = Gate(robot, rules, reports)
         self._charge: Final = Charge(robot)
-        self._zeros: Final = Zeros(robot, kind.station.gauges, all_drivers)
+        self._zeros: Final = Zeros(robot, robot_type.station.gauges, all_drivers)
         self._followers: Final = Followers(robot)
-        self._guide: AnyPathFollower | None = None
+        self._path_follower: AnyPathFollower | None = None
         """The path follower in the operator's place; None while the operator commands."""
         self._command: Any | None = None
         """The path follower's newest command."""
-        self._commanded: Any = kind.standstill
-        self._locating: Final = Locating(robot, on_floor if kind.unrolled is None else kind.unrolled(robot))
+        self._commanded: Any = robot_type.standstill
+        unrolled = robot_type.unrolled
+        self._locating: Final = Locating(robot, on_floor if unrolled is None else unrolled(robot))
         self._counted: Mapping[str, Feedback] | None = None
         """The samples up to which the pose has been carried on."""
         self._ran_at: Nanoseconds | None = None
@@ -130,7 +131,8 @@ class Pipeline:
         self._commanded = rules.kinematics.ramped(self._commanded, rest, known.body, self._elapsed(now))
         standstill = self._axes_stopped(known) and self._set_point_is_zero(known)
         set_points = self._without_power(known, standstill=standstill) or self._set_points_of_body(known)
-        sent = self._stopped(set_points.keys() | self._group_of.keys(), set_points, self._kind.on_stop, now)
+        names, levels = set_points.keys() | self._group_of.keys(), self._robot_type.on_stop
+        sent = self._stopped(names, set_points, levels, now)
         self._keep(known, self._permission.interlock_events)
         return sent, standstill or self._permission.powered_off
 
@@ -165,7 +167,7 @@ class Pipeline:
         if isinstance(request, Follow):
             return self._follow(request.path_follower)
         if isinstance(request, ChangeDriver):
-            self._guide = self._command = None
+            self._path_follower = self._command = None
             self._permission.neutral_required = True
             self._operator.take_returned_to_neutral()  # the neutral stick was another station's
             self._permission.homing.ordered(request)
@@ -208,9 +210,7 @@ class Pipeline:
             sent_at=operator.intent.sent_at,
             timestamped=operator.intent.timestamped,
             age_limit=operator.age_limit,
-            stood_still=self._bridge_stalled
-            if self._ran_at is None
-            else max(self._bridge_stalled, now - self._ran_at),
+            stood_still=max(self._bridge_stalled, 0 if self._ran_at is None else now - self._ran_at),
         )
         return Snapshot(
             facts=facts,
@@ -228,7 +228,7 @@ class Pipeline:
         return self._operator.report(self.seen, self.interlock_events, now)
 
     def _lapse(self, now: Nanoseconds) -> None:
-        """Let no one drive where the driver is gone and the robot rests; the next one arms again."""
+        """Let no one drive where the driver is lost and the robot at standstill; the next one arms again."""
         if self._permission.rules.at_standstill(self.seen) and self._operator.lapse(now):
             self._permission.armed = False
 
@@ -237,13 +237,13 @@ class Pipeline:
 
         A deflected stick takes over; a disarm ends the path follower: armed again, nothing starts.
         """
-        if self._guide is None:
+        if self._path_follower is None:
             return known
         moved = self._permission.rules.kinematics.requested(self._operator.intent.command, known.body)
         if moved or not known.facts.armed:
-            self._guide = self._command = None
+            self._path_follower = self._command = None
         else:
-            self._command = self._guide.command(known, elapsed)
+            self._command = self._path_follower.command(known, elapsed)
         command = self._operator.intent.command if self._command is None else self._command
         return Snapshot(
             facts=known.facts,
@@ -255,18 +255,18 @@ class Pipeline:
         )
 
     def _follow(self, name: str) -> Answer:
-        made = self._kind.path_followers.get(name)
+        made = self._robot_type.path_followers.get(name)
         if name and made is None:
-            known = ", ".join(self._kind.path_followers) or "none"
+            known = ", ".join(self._robot_type.path_followers) or "none"
             return Answer(accepted=False, reason=f"path follower: this robot has no '{name}'; it has {known}")
         if name and not self._permission.armed:
             return Answer(accepted=False, reason="path follower: arm the robot first")
-        self._guide = None if made is None else made(self._robot)
+        self._path_follower = None if made is None else made(self._robot)
         self._command = None
         return Answer(accepted=True, reason=f"path follower: {name or 'the operator'}")
 
     def _against(self, axis: str, events: tuple[ActiveInterlock, ...]) -> tuple[ActiveInterlock, ...]:
-        """Return the holds that stop an axis."""
+        """Return the interlock events that stop an axis."""
         group = self._group_of[axis]
         return tuple(one for one in events if one.interlock.stops is None or group in one.interlock.stops)
 
@@ -355,11 +355,11 @@ class Pipeline:
 
     def _levels(self, decision: AnyDecision) -> Mapping[str, Level]:
         """Return the levels of the outputs: by the motion, or by a stop of everything."""
-        if self._kind.switched is None:
+        if self._robot_type.switched is None:
             return NO_LEVELS
-        levels = self._kind.switched(decision.allowed)
+        levels = self._robot_type.switched(decision.allowed)
         stopped = decision.stopped == self._permission.rules.groups
-        return {**levels, **self._kind.on_stop} if stopped else levels
+        return {**levels, **self._robot_type.on_stop} if stopped else levels
 
     def _all(self, set_point: SetPoint) -> Mapping[str, SetPoint]:
         return {driver.axis.name: set_point for driver in self._all_drivers.drivers}
@@ -390,8 +390,8 @@ class Pipeline:
             located=self._locating.located,
         )
         self.interlock_events = events
-        if self._guide is not None and any(event.interlock.stops != frozenset() for event in events):
-            self._guide.reset()
+        if self._path_follower is not None and any(event.interlock.stops != frozenset() for event in events):
+            self._path_follower.reset()
 
     def _elapsed(self, now: Nanoseconds) -> Nanoseconds:
         before, self._ran_at = self._ran_at, now

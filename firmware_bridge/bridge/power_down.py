@@ -118,7 +118,7 @@ class _Axis:
 
 
 class PowerDown:
-    """The way of a whole robot from rest with power to rest without."""
+    """The way of a whole robot from rest with power to standstill without."""
 
     __slots__ = ("_free", "_hold", "_looks_from", "_outbox", "_pulled", "_since", "_waits_from", "stage")
 

@@ -218,8 +218,8 @@ def run(given: DriveOptions) -> None:
             .agreed_on(given.max_delay)
         )
         machine, _ = along_path(machine, given.path, given.path_speed)
-        kind = robot_type_of(machine)
-        bridge = Bridge(machine, kind, stamps.trust, confirmed, _mode(given.mode, kind))
+        robot_type = robot_type_of(machine)
+        bridge = Bridge(machine, robot_type, stamps.trust, confirmed, _mode(given.mode, robot_type))
     # Read before the run overwrites them: they are offered, and never trusted.
     kept = LastPlaces(state)
     places_before = kept.read()
@@ -311,11 +311,11 @@ def texts_of() -> Texts:
     return read
 
 
-def _mode(name: str | None, kind: "AnyRobotType") -> str:
+def _mode(name: str | None, robot_type: "AnyRobotType") -> str:
     from firmware_bridge.robot.problems import near
 
-    if name is not None and name not in kind.modes:
-        known = near(name, list(kind.modes)) if kind.modes else "this robot has none"
+    if name is not None and name not in robot_type.modes:
+        known = near(name, list(robot_type.modes)) if robot_type.modes else "this robot has none"
         raise refusal(f"--mode {name}: no such mode; {known}")
     return name or ""
 

@@ -146,8 +146,8 @@ def run(given: PilotOptions) -> None:
         raise refusal(
             f"--telemetry {given.telemetry}: no such profile; {near(given.telemetry, list(PROFILES))}"
         )
-    kind = robot_type_of(robot)
-    driver = _driver(given, robot, kind)
+    robot_type = robot_type_of(robot)
+    driver = _driver(given, robot, robot_type)
     hand = {HAND: _device(given)} if isinstance(driver, AtHand) else {}
     operator = robot.operator
     # Signatures are dated by real time, whatever the monotonic clock shows.
@@ -159,7 +159,7 @@ def run(given: PilotOptions) -> None:
         trust=remembered.trust,
         requests=PROFILES[given.telemetry],
     )
-    cockpit = Cockpit(station, say, arms=given.arm, rolling=kind.kinematics(robot).rolling)
+    cockpit = Cockpit(station, say, arms=given.arm, rolling=robot_type.kinematics(robot).rolling)
     keys = f"; {HELP}" if given.keyboard else ""
     carry(
         Remembering(cockpit, remembered, station.stamps, say),
@@ -169,7 +169,7 @@ def run(given: PilotOptions) -> None:
     )
 
 
-def _driver(given: PilotOptions, robot: "AnyRobot", kind: "AnyRobotType") -> "Driver":
+def _driver(given: PilotOptions, robot: "AnyRobot", robot_type: "AnyRobotType") -> "Driver":
     from firmware_bridge.motion.model import Unicycle
     from firmware_bridge.pilot.driver import Extras
     from firmware_bridge.pilot.follower import PathDriver
@@ -181,9 +181,9 @@ def _driver(given: PilotOptions, robot: "AnyRobot", kind: "AnyRobotType") -> "Dr
 
     if (given.joystick, given.keyboard, given.path is not None).count(True) != 1:
         raise refusal("choose the controls: --joystick, --keyboard, or --path NAME; one of them")
-    fastest = kind.station.largest(robot).forward_mps
+    fastest = robot_type.station.largest(robot).forward_mps
     if given.path is None:
-        station = kind.station
+        station = robot_type.station
         switches = tuple(switch.button for switch in station.switches if switch.button is not None)
         extras = Extras(switches, station.up_button)
         if given.keyboard:
@@ -191,7 +191,7 @@ def _driver(given: PilotOptions, robot: "AnyRobot", kind: "AnyRobotType") -> "Dr
         return StickInput(Controls(DEVICES[_controls(given)]), extras)
     with one_message(PathError):
         path = _path(given.path, given.size)
-    model: MotionModel = Unicycle() if kind.model is None else kind.model(robot)
+    model: MotionModel = Unicycle() if robot_type.model is None else robot_type.model(robot)
     return PathDriver(
         lambda pose: placed(path, pose),
         # An agreed delay lowers the top speed: speed times age stays constant.
@@ -205,7 +205,7 @@ def _driver(given: PilotOptions, robot: "AnyRobot", kind: "AnyRobotType") -> "Dr
 def _controls(given: PilotOptions) -> str:
     """Return the type of the joystick; a gamepad by its own name is not taken for pedals.
 
-    A trigger at rest would be a pedal that is trodden down.
+    A trigger at standstill would be a pedal that is trodden down.
     """
     from firmware_bridge.pilot.joystick import DEVICES, USUAL, is_gamepad
     from firmware_bridge.robot.problems import near

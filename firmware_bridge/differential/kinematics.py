@@ -95,7 +95,7 @@ class DifferentialKinematics(Generic[G, M, S]):
         return NOTHING if stands else frozenset({self._group})
 
     def at_standstill(self, motion: M, groups: frozenset[Group]) -> M:
-        """Return the motion at rest; what else is in it stays as it is."""
+        """Return the motion at standstill; what else is in it stays as it is."""
         return replace(motion, speed_mps=0.0, turn_rad_s=0.0) if self._group in groups else motion
 
     def ramped(self, commanded: M, allowed: M, _state: S, elapsed: Nanoseconds) -> M:

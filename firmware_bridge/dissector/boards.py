@@ -181,7 +181,9 @@ class Ar2Line(BoardLine):
             if command.steps and not values:
                 values.append("no steps")
             values += [f"{letter} {number}" for letter, number in command.fields.items()]
-            yield _called(f"{command.word}, {ar2.COMMANDS[command.word]}", ", ".join(values) or command.text)
+            yield _called(
+                f"{command.letters}, {ar2.COMMANDS[command.letters]}", ", ".join(values) or command.text
+            )
 
     def from_board(self, chunk: bytes) -> Iterator[str]:
         """Yield the text as it came."""

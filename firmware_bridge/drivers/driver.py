@@ -63,7 +63,7 @@ class Task(Enum):
     """Make the device listen, and wait until it answers."""
     IDENTIFY = "check identity"
     CONFIGURE = "configure"
-    """Bring it to rest without power, write the set-up, and read back what safety hangs on."""
+    """Bring it to standstill without power, write the set-up, and read back what safety hangs on."""
     START = "start"
     """Let process data flow, and wait until the device reports its state and position."""
     ENABLE = "enable"

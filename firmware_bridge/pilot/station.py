@@ -15,7 +15,7 @@ from firmware_bridge.pilot.driver import DriveCommand, Driver, Sight, Stick, Tar
 from firmware_bridge.pilot.link import PilotLink
 from firmware_bridge.pilot.profiles import ORDER, USUAL, Profile
 from firmware_bridge.teleop.mavlink import Message, dialect, text_of
-from firmware_bridge.teleop.session import EVERYBODY
+from firmware_bridge.teleop.session import ANY_STATION
 from firmware_bridge.teleop.telemetry import ROLLING, UNKNOWN_U16
 from firmware_bridge.teleop.texts import TextCollector
 from firmware_bridge.teleop.trust import Signatures, Stamps, Trust
@@ -83,7 +83,7 @@ class PilotStation:
         driver: Driver,
         target: tuple[int, int],
         *,
-        trust: Trust = EVERYBODY,
+        trust: Trust = ANY_STATION,
         requests: Profile = USUAL,
     ) -> None:
         """Send to the system and component `target`; `requests`: the intervals to request from the robot.

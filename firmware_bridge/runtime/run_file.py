@@ -50,14 +50,14 @@ def read_run(folder: Path) -> AsRun | None:
             dict(content["confirmed"] if "confirmed" in content else content["stands"]),
             str(content["mode"]),
         )
-        kind = robot_type_named(table["kind"])
+        robot_type = robot_type_named(table["kind"])
     except FileNotFoundError:
         return None
     except (OSError, ValueError, KeyError, TypeError) as error:
         problem = f"cannot be read ({type(error).__name__}: {error}); name the robot behind the folder"
         raise RobotFileError(str(path), Problem("", problem)) from error
-    model = Robot[kind.geometry]  # type: ignore[name-defined] # a class from a variable, for pydantic
-    table = with_new_keys(table, str(path), kind.geometry.model_fields)
+    model = Robot[robot_type.geometry]  # type: ignore[name-defined] # a class from a variable, for pydantic
+    table = with_new_keys(table, str(path), robot_type.geometry.model_fields)
     try:
         robot: AnyRobot = model.model_validate_json(json.dumps(table))
     except ValidationError as error:

@@ -29,7 +29,7 @@ class KinematicModel(Protocol[M, S]):
         """Return the groups that are seen to move."""
 
     def at_standstill(self, motion: M, groups: frozenset[Group]) -> M:
-        """Return the motion with these groups at rest."""
+        """Return the motion with these groups at standstill."""
 
     def ramped(self, commanded: M, allowed: M, state: S, elapsed: Nanoseconds) -> M:
         """Return the next motion on the way to the allowed one, `elapsed` after `commanded`."""

@@ -170,7 +170,7 @@ class Exchange:
             self.report(text)
 
     def give_up_control(self) -> None:
-        """Let no one drive: the robot comes to rest, disarmed."""
+        """Let no one drive: the robot comes to standstill, disarmed."""
         session = self.session
         # Before control is given up: the robot comes to standstill and is disarmed in any case.
         self.decide(Disarm())

@@ -22,7 +22,7 @@ class DrivingMode(Enum):
     GUIDED = "Guided"
     """Driven by set-points: a neutral stick does not count while they come, a deflected one takes over."""
     HOLD = "Hold"
-    """It stands at rest, and waits."""
+    """It stands at standstill, and waits."""
 
 
 def px4(main: int, sub: int = 0) -> int:

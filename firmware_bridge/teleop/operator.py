@@ -17,7 +17,7 @@ from firmware_bridge.teleop.control import Sender
 from firmware_bridge.teleop.exchange import Decide, Exchange
 from firmware_bridge.teleop.mavlink import Counters, Message, concerns, dialect, speaks_mavlink_1, target_of
 from firmware_bridge.teleop.messages import HANDLERS, LATER, stop_for_anybody
-from firmware_bridge.teleop.session import EVERYBODY, MOST_PEERS, Dropped, Session
+from firmware_bridge.teleop.session import ANY_STATION, MOST_PEERS, Dropped, Session
 from firmware_bridge.teleop.station import AnyStation
 from firmware_bridge.teleop.streams import Telemetry
 from firmware_bridge.teleop.texts import InterlockTexts
@@ -39,9 +39,9 @@ class Operator:
         rolling: tuple[str, ...],
         modes: tuple[str, ...] = (),
         path_followers: tuple[str, ...] = (),
-        trust: Trust = EVERYBODY,
+        trust: Trust = ANY_STATION,
     ) -> None:
-        """Take the robot, its body's rolling axes, its type's rows, motion at rest, modes, path followers.
+        """Take the robot, its body's rolling axes, its type's rows, standstill, modes, path followers.
 
         `trust` decides whose frames are accepted.
         """

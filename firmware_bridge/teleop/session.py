@@ -40,7 +40,7 @@ LISTED_BITS: Final = 1_500
 """Bits of bandwidth for one parameter of a list: a quarter of it for 37 bytes."""
 REMEMBERED: Final[Nanoseconds] = 3 * SECOND
 """Time for which a command's answer is kept for its repetitions."""
-EVERYBODY: Final = Trust()
+ANY_STATION: Final = Trust()
 OUT_OF_ORDER: Final[Nanoseconds] = 250 * MILLISECOND
 """Time for which an older sequence number is taken for an overtaken datagram, not for a new start."""
 
@@ -173,7 +173,7 @@ class Session:
         rolling: tuple[str, ...],
         modes: tuple[str, ...],
         path_followers: tuple[str, ...] = (),
-        trust: Trust = EVERYBODY,
+        trust: Trust = ANY_STATION,
     ) -> None:
         self.robot: Final = robot
         self.station: Final = station
@@ -286,7 +286,7 @@ class Session:
         return made
 
     def adopt(self, peer: Peer | None, now: Nanoseconds) -> None:
-        """Take a station's own newest motion command; no one's, and an old one's, is to rest.
+        """Take a station's own newest motion command; no one's, and an old one's, is to standstill.
 
         What is switched stays as it is.
         """

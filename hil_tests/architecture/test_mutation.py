@@ -7,9 +7,9 @@ import campaign
 import pytest
 from breaks import COUNTER, changes, is_tuned, names_in
 from mutants import mutants, telling
+from packages import hashes_of, targets
+from packages import tests_of as files_for
 from results import Result, read_reasons, read_results
-from rooms import hashes_of, targets
-from rooms import tests_of as files_for
 from sample import drawn, new_lines
 
 
@@ -148,8 +148,8 @@ def f(a):
 def test_the_rooms_have_modules_and_every_module_tests() -> None:
     every = list(targets())
     assert len(every) == len(set(every))
-    rooms = {target.partition("/")[0] for target in every}
-    assert rooms == {
+    packages = {target.partition("/")[0] for target in every}
+    assert packages == {
         "safety",
         "bridge",
         "differential",

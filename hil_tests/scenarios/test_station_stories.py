@@ -26,7 +26,7 @@ class Station:
     def __init__(self, *, old: bool = False) -> None:
         self.codec = Codec(254, 190)
         self.source = number_of("192.0.2.7", 14550)
-        self.word: Callable[[], Any] | None = None
+        self.message: Callable[[], Any] | None = None
         self.results: dict[int, int] = {}
         self.modes: set[int] = set()
         self.first_bytes: set[int] = set()
@@ -64,8 +64,8 @@ class Station:
         if now >= self._beats_at:
             self._beats_at = now + SECOND
             stated.append(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
-        if self.word is not None:
-            stated.append(self.word())
+        if self.message is not None:
+            stated.append(self.message())
         frames = [self.codec.encode_1(one) if self._old else self.codec.encode(one) for one in stated]
         sent = tuple(Packet(OPERATOR, self.source, frame) for frame in frames if frame is not None)
         return Reaction(sent, self._due)
@@ -84,12 +84,14 @@ def velocity(vx: float, mask: int = 1479) -> Callable[[], Any]:
     )
 
 
-def armed(rides: Ridden, word: Callable[[], Any], *, old: bool = False, **how: Any) -> tuple[Ride, Station]:
+def armed(
+    rides: Ridden, message: Callable[[], Any], *, old: bool = False, **how: Any
+) -> tuple[Ride, Station]:
     """Return a ride at 4 s whose robot this station has armed; its operator only confirms its pose."""
     ride = rides(step(59.0, speed_mps=0.0), **{**ALONE, **how})
     station = Station(old=old).joins(ride)
     ride.runs_until(3.0)
-    station.word = word
+    station.message = message
     ride.runs_until(3.4)
     station.orders(ARM, 1.0)
     ride.runs_until(4.0)
@@ -99,29 +101,29 @@ def armed(rides: Ridden, word: Callable[[], Any], *, old: bool = False, **how: A
 
 def test_a_robot_is_driven_by_channels_and_stops_when_they_cease(rides: Ridden) -> None:
     ride, station = armed(rides, channels(1500))
-    station.word = channels(1700)
+    station.message = channels(1700)
     ride.runs_until(6.0)
     assert ride.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
-    station.word = None
+    station.message = None
     ride.runs_until(8.0)
     assert "operator link timeout" in ride.holding
     assert ride.stands_from(6.0, slower_than=0.005) < 6.0 + 0.55 + 0.35
-    station.word = channels(1700)
+    station.message = channels(1700)
     ride.runs_until(9.0)
     assert "stick not neutral" in ride.holding
     assert ride.fastest(8.0) < 0.005
-    station.word = channels(1500)
+    station.message = channels(1500)
     ride.runs_until(10.0)
-    station.word = channels(1300)
+    station.message = channels(1300)
     ride.runs_until(12.0)
     assert ride.now["speed_mps"] == pytest.approx(-0.2, rel=0.02)
 
 
 def test_channels_that_are_given_back_stop_it_at_the_ramp(rides: Ridden) -> None:
     ride, station = armed(rides, channels(1500))
-    station.word = channels(1800)
+    station.message = channels(1800)
     ride.runs_until(6.0)
-    station.word = channels(0, 0)
+    station.message = channels(0, 0)
     ride.runs_until(7.0)
     assert ride.stands_from(6.0, slower_than=0.005) < 6.0 + 0.1 + 0.35
     assert ride.hardest(6.0, 7.0) < 0.144 * 9.81
@@ -135,7 +137,7 @@ def test_channels_report_no_age_and_are_obeyed_where_such_words_are(
     robot = find("rars")
     operator = robot.operator.model_copy(update={"unknown_age": age})
     ride, station = armed(rides, channels(1500), robot=robot.model_copy(update={"operator": operator}))
-    station.word = channels(1700)
+    station.message = channels(1700)
     ride.runs_until(6.0)
     assert ride.now["speed_mps"] == pytest.approx(speed, abs=0.005)
     assert ("command not timestamped" in ride.holding) is (age is UnknownAge.REFUSE)
@@ -145,7 +147,7 @@ def test_offboard_drives_and_hold_stops_whatever_set_points_go_on(rides: Ridden)
     ride, station = armed(rides, velocity(0.0))
     station.orders(MODE, 1.0, 6.0)
     ride.runs_until(4.2)
-    station.word = velocity(0.2)
+    station.message = velocity(0.2)
     ride.runs_until(6.0)
     assert ride.now["speed_mps"] == pytest.approx(0.2, rel=0.02)
     assert 6 << 16 in station.modes
@@ -158,12 +160,12 @@ def test_offboard_drives_and_hold_stops_whatever_set_points_go_on(rides: Ridden)
     ride.runs_until(9.0)
     assert station.results[MODE] != 0, "nothing moves by a mode alone"
     assert ride.fastest(8.0) < 0.005
-    station.word = velocity(0.0)
+    station.message = velocity(0.0)
     ride.runs_until(9.5)
     station.orders(MODE, 1.0, 6.0)
     ride.runs_until(9.7)
     assert station.results[MODE] == 0
-    station.word = velocity(0.1)
+    station.message = velocity(0.1)
     ride.runs_until(11.0)
     assert ride.now["speed_mps"] == pytest.approx(0.1, rel=0.04)
 
@@ -175,7 +177,7 @@ def test_a_station_of_mavlink_1_drives_and_each_of_its_stops_brakes(
 ) -> None:
     ride, station = armed(rides, channels(1500), old=True)
     assert station.first_bytes == {0xFE}
-    station.word = channels(1800)
+    station.message = channels(1800)
     ride.runs_until(6.0)
     assert ride.now["speed_mps"] == pytest.approx(0.3, rel=0.02)
     station.orders(int(stop[0]), *stop[1:])

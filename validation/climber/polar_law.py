@@ -114,10 +114,10 @@ def polar_law(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
 
 def _pushed(robot: Robot[ClimberGeometry], seconds: float) -> tuple[Floats, Floats]:
     """Return instants after the push, s, and how far off the path the robot is then, m."""
-    kind = robot_type_of(robot)
+    robot_type = robot_type_of(robot)
     path_follower = ClimberPathFollower(robot, "vertical")
     body = ClimberState(0.0, 0.0, 0.0, 1.0)
-    commanded: ClimberMotion = kind.standstill
+    commanded: ClimberMotion = robot_type.standstill
     ahead, left, heading = 0.0, 0.0, 0.0
     rows: list[float] = []
     now: Nanoseconds = 0
@@ -132,7 +132,7 @@ def _pushed(robot: Robot[ClimberGeometry], seconds: float) -> tuple[Floats, Floa
         facts = Facts(now, True, False, now, True, axes, {}, {})  # noqa: FBT003 - in the order of its fields
         pose = Pose(ahead, left, heading)
         seen: Snapshot[ClimberMotion, ClimberState] = Snapshot(
-            facts=facts, command=kind.standstill, commanded=commanded, body=body, pose=pose
+            facts=facts, command=robot_type.standstill, commanded=commanded, body=body, pose=pose
         )
         commanded = path_follower.command(seen, CYCLE)
         step = to_seconds(CYCLE)

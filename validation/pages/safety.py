@@ -66,14 +66,14 @@ def shipped() -> Iterator[tuple[AnyRobotType, AnyRobot]]:
     """Yield the robots that come with this package; those of other packages have their own pages."""
     here = Path(firmware_bridge.__file__).parent
     for name in robot_types.names():
-        kind = robot_types.robot_type_named(name)
-        if here in kind.file.parents:
-            yield kind, robot_types.find(name)
+        robot_type = robot_types.robot_type_named(name)
+        if here in robot_type.file.parents:
+            yield robot_type, robot_types.find(name)
 
 
-def interlocks(kind: AnyRobotType, robot: AnyRobot) -> Iterator[Cells]:
+def interlocks(robot_type: AnyRobotType, robot: AnyRobot) -> Iterator[Cells]:
     """Yield the rows of the whole robot in the order in which they are judged."""
-    rules = kind.rules(robot)[""]
+    rules = robot_type.rules(robot)[""]
     rows: tuple[InterlockBase, ...] = (
         *whole_robot_interlocks(rules.numbers, robot.links),
         *rules.interlocks,
@@ -84,9 +84,9 @@ def interlocks(kind: AnyRobotType, robot: AnyRobot) -> Iterator[Cells]:
         yield (row.name, _groups(row), _severity(row), *answers, _clear(row), row.remedy)
 
 
-def limits(kind: AnyRobotType, robot: AnyRobot) -> Iterator[Cells]:
+def limits(robot_type: AnyRobotType, robot: AnyRobot) -> Iterator[Cells]:
     """Yield what clips a command, in its order."""
-    for row in kind.rules(robot)[""].limits:
+    for row in robot_type.rules(robot)[""].limits:
         yield (row.name, _severity(row), _clear(row), row.remedy)
 
 

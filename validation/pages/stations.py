@@ -52,8 +52,8 @@ def channels() -> Iterator[Cells]:
 
 def sticks() -> Iterator[Cells]:
     """Yield what the axes and buttons of MANUAL_CONTROL do, by robot."""
-    for kind, robot in shipped():
-        station, rest = kind.station, kind.standstill
+    for robot_type, robot in shipped():
+        station, rest = robot_type.station, robot_type.standstill
         still = station.stick(Stick(forward=0.0, left=0.0, turn=0.0, up=None), rest, robot)
         across = station.stick(Stick(forward=0.0, left=0.5, turn=0.0, up=None), rest, robot)
         axes = {
@@ -126,5 +126,5 @@ def _robot(bandwidth_bit_s: int | None) -> AnyRobot:
 
 
 def _station() -> AnyStation:
-    kind, _ = _talker()
-    return kind.station
+    robot_type, _ = _talker()
+    return robot_type.station

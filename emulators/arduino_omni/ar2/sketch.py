@@ -32,9 +32,9 @@ from emulators.arduino_omni.mega.jobs import Call, Delay, Say
 from emulators.arduino_omni.mega.mega import Mega
 from emulators.arduino_omni.mega.pins import FIRST_ANALOG, INPUT_PULLUP, OUTPUT
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, Nanoseconds
-from firmware_bridge.wire.arduino import ar2 as words
+from firmware_bridge.wire.arduino import ar2 as wire
 
-LETTERS: Final = words.LETTERS
+LETTERS: Final = wire.LETTERS
 OUTPUTS: Final = range(38, 54)
 FIRST_HIGH: Final = range(38, 46)
 """Outputs that are high from the beginning."""
@@ -116,7 +116,7 @@ class Ar2Sketch:
         while (byte := self._mega.serial.read()) >= 0:
             if len(self._line) < LONGEST:
                 self._line.append(byte)
-            if byte == words.END[0]:
+            if byte == wire.END[0]:
                 if self._expected:
                     self._keep_point()
                 else:
@@ -153,12 +153,12 @@ class Ar2Sketch:
                 value = least + min(max(value, 0), LARGEST_ANGLE) * (most - least) // LARGEST_ANGLE
             self.servos[servo] = min(value, most)
             self._mega.pins.configure(FIRST_ANALOG + servo, OUTPUT)
-        self._say(words.SERVO_DONE)
+        self._say(wire.SERVO_DONE)
 
     def _wait(self, line: bytes) -> None:
         # A negative int becomes a long without a sign: seven weeks.
         milliseconds = int16(truncated(single(real(line, "S") * 1_000.0))) % _LONG
-        self._mega.do(Delay(milliseconds * MILLISECOND), Say(words.DONE))
+        self._mega.do(Delay(milliseconds * MILLISECOND), Say(wire.DONE))
 
     def _input(self, line: bytes) -> None:
         high, low = self._firmware.input
@@ -172,7 +172,7 @@ class Ar2Sketch:
 
     def _switch(self, line: bytes, level: int) -> None:
         self._write(number(line, "X") & 0xFF, level, self._now)
-        self._say(words.DONE)
+        self._say(wire.DONE)
 
     def _await_high(self, line: bytes) -> None:
         self._await(line, 1)
@@ -187,18 +187,18 @@ class Ar2Sketch:
     def _look(self, _: Nanoseconds) -> None:
         pin, level = self._awaited
         if self._mega.pins.read(pin) == level:
-            self._say(words.DONE)
+            self._say(wire.DONE)
         else:
             # The sketch polls: in the meantime received bytes only enter its ring.
             self._mega.do(Delay(POLL), Call(self._look))
 
     def _echo(self, line: bytes) -> None:
-        self._say(substring(line, 2) + words.ECHO_END)
+        self._say(substring(line, 2) + wire.ECHO_END)
 
     # Moves
 
     def _joint_move(self, line: bytes) -> None:
-        self._say(words.MOVING)
+        self._say(wire.MOVING)
         self._begin(JointMove(self._requested(line, "G"), self._firmware.multiplier), self._ended)
 
     def _switches(self, line: bytes) -> None:
@@ -257,7 +257,7 @@ class Ar2Sketch:
     def _waypoints(self, line: bytes) -> None:
         self._point, self._expected = 0, max(0, atoi(substring(line, 2)))
         self._last_point = atoi(substring(line, 2))
-        self._say(words.POINTS)
+        self._say(wire.POINTS)
         if not self._expected:
             self._begin_points()
 
@@ -272,7 +272,7 @@ class Ar2Sketch:
             self._begin_points()
 
     def _begin_points(self) -> None:
-        self._say(words.ALL_POINTS)
+        self._say(wire.ALL_POINTS)
         self._point = -1
         self._mega.do(Call(self._next_point))
 

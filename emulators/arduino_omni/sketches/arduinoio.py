@@ -18,7 +18,7 @@ from emulators.arduino_omni.mega.pins import INPUT_PULLUP, Counter
 from emulators.arduino_omni.shield.i2c import write
 from emulators.arduino_omni.shield.motor_shield import PORTS
 from firmware_bridge.units import NEVER, Nanoseconds
-from firmware_bridge.wire.arduino import arduinoio as words
+from firmware_bridge.wire.arduino import arduinoio as wire
 
 COUNTER_BITS: Final = 16
 STOCK_ENCODERS: Final = 2
@@ -39,7 +39,7 @@ class ArduinoIoSketch:
         """Begin; where more encoders than the stock sketch's two count, all pins interrupt."""
         self._mega: Final = mega
         self._any_pin: Final = encoders > STOCK_ENCODERS
-        self._commands: Final = words.CommandReader()
+        self._commands: Final = wire.CommandReader()
         self._counters: dict[int, Counter] = {}
         self._kept: dict[int, int] = {}
         self._angles: dict[int, int] = {}
@@ -89,10 +89,10 @@ class ArduinoIoSketch:
                 return
 
     def _say(self, number: int) -> None:
-        self._mega.do(Say(words.encode_answer(number)))
+        self._mega.do(Say(wire.encode_answer(number)))
 
     def _who(self, _nine: int) -> None:
-        self._say(words.MOTOR_V2)
+        self._say(wire.MOTOR_V2)
 
     # Pins
 

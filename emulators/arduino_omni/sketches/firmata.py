@@ -32,7 +32,7 @@ from emulators.arduino_omni.sketches.firmata_pins import (
     modes,
 )
 from firmware_bridge.units import MICROSECOND, MILLISECOND, NEVER, Nanoseconds
-from firmware_bridge.wire.arduino import firmata as words
+from firmware_bridge.wire.arduino import firmata as wire
 
 VERSION: Final = b"\x02\x05"
 STANDARD: Final = "StandardFirmata.ino"
@@ -48,7 +48,7 @@ WIRE_BUFFER: Final = 32
 ENCODERS: Final = 5
 
 
-_Command: TypeAlias = Callable[[words.Message], None]
+_Command: TypeAlias = Callable[[wire.Message], None]
 _Exclusive: TypeAlias = Callable[[bytes], None]
 
 
@@ -69,7 +69,7 @@ class FirmataSketch:
         """Begin as StandardFirmata, or with `encoders` as ConfigurableFirmata."""
         self._mega: Final = mega
         self._has_encoders: Final = encoders
-        self._parser: Final = words.Parser()
+        self._parser: Final = wire.Parser()
         self._started = False
         self._now: Nanoseconds = 0
         self._interval = SAMPLING
@@ -86,27 +86,27 @@ class FirmataSketch:
         self._counters: dict[int, Counter] = {}
         self._reports_encoders = False
         self._commands: Final[dict[int, _Command]] = {
-            words.ANALOG: self._take_analog,
-            words.DIGITAL: self._write_port,
-            words.REPORT_ANALOG: self._take_report,
-            words.REPORT_DIGITAL: self._report_port,
-            words.PIN_MODE: self._take_mode,
-            words.PIN_VALUE: self._take_level,
-            words.VERSION: self._say_version,
-            words.RESET: self._reset,
+            wire.ANALOG: self._take_analog,
+            wire.DIGITAL: self._write_port,
+            wire.REPORT_ANALOG: self._take_report,
+            wire.REPORT_DIGITAL: self._report_port,
+            wire.PIN_MODE: self._take_mode,
+            wire.PIN_VALUE: self._take_level,
+            wire.VERSION: self._say_version,
+            wire.RESET: self._reset,
         }
         self._exclusive: Final[dict[int, _Exclusive]] = {
-            words.FIRMWARE: self._say_firmware,
-            words.MAPPING_QUERY: self._say_mapping,
-            words.CAPABILITY_QUERY: self._say_capabilities,
-            words.PIN_STATE_QUERY: self._say_state,
-            words.EXTENDED_ANALOG: self._extended,
-            words.SAMPLING: self._set_sampling,
-            words.I2C_CONFIG: self._configure_i2c,
-            words.I2C_REQUEST: self._request_i2c,
+            wire.FIRMWARE: self._say_firmware,
+            wire.MAPPING_QUERY: self._say_mapping,
+            wire.CAPABILITY_QUERY: self._say_capabilities,
+            wire.PIN_STATE_QUERY: self._say_state,
+            wire.EXTENDED_ANALOG: self._extended,
+            wire.SAMPLING: self._set_sampling,
+            wire.I2C_CONFIG: self._configure_i2c,
+            wire.I2C_REQUEST: self._request_i2c,
         }
         if encoders:
-            self._exclusive[words.ENCODER] = self._encoder
+            self._exclusive[wire.ENCODER] = self._encoder
 
     def setup(self) -> None:
         """Blink, and say who is there."""
@@ -145,7 +145,7 @@ class FirmataSketch:
             self._sampled_at = millis
             self._sample()
 
-    def _obey(self, message: words.Message) -> None:
+    def _obey(self, message: wire.Message) -> None:
         if message.exclusive:
             handler = self._exclusive.get(message.code)
             if handler is not None:
@@ -153,25 +153,25 @@ class FirmataSketch:
         else:
             self._commands[message.code](message)
 
-    def _say(self, message: words.Message) -> None:
-        self._mega.do(Say(words.encode(message)))
+    def _say(self, message: wire.Message) -> None:
+        self._mega.do(Say(wire.encode(message)))
 
     def _say_exclusive(self, code: int, data: bytes) -> None:
-        self._say(words.Message(code, data, exclusive=True))
+        self._say(wire.Message(code, data, exclusive=True))
 
     def _complain(self, text: str) -> None:
-        self._say_exclusive(words.STRING, words.pairs(text.encode()))
+        self._say_exclusive(wire.STRING, wire.pairs(text.encode()))
 
-    def _say_version(self, _message: words.Message | None = None) -> None:
-        self._say(words.Message(words.VERSION, VERSION))
+    def _say_version(self, _message: wire.Message | None = None) -> None:
+        self._say(wire.Message(wire.VERSION, VERSION))
 
     def _say_firmware(self, _data: bytes = b"") -> None:
         name = CONFIGURABLE if self._has_encoders else STANDARD
-        self._say_exclusive(words.FIRMWARE, VERSION + words.pairs(name.encode()))
+        self._say_exclusive(wire.FIRMWARE, VERSION + wire.pairs(name.encode()))
 
     def _say_mapping(self, _data: bytes = b"") -> None:
         channels = (pin - FIRST_ANALOG if pin >= FIRST_ANALOG else NO_CHANNEL for pin in range(PINS))
-        self._say_exclusive(words.MAPPING, bytes(channels))
+        self._say_exclusive(wire.MAPPING, bytes(channels))
 
     def _say_capabilities(self, _data: bytes = b"") -> None:
         answer = bytearray()
@@ -179,34 +179,34 @@ class FirmataSketch:
             for mode in modes(pin, encoders=self._has_encoders):
                 answer += bytes((mode, RESOLUTIONS[mode]))
             answer.append(NO_CHANNEL)
-        self._say_exclusive(words.CAPABILITY, bytes(answer))
+        self._say_exclusive(wire.CAPABILITY, bytes(answer))
 
     def _say_state(self, data: bytes) -> None:
         if not data:
             return
         pin = data[0]
         if pin >= PINS:
-            self._say_exclusive(words.PIN_STATE, bytes((pin & words.SEVEN,)))
+            self._say_exclusive(wire.PIN_STATE, bytes((pin & wire.SEVEN,)))
             return
         state = self._states.get(pin, 0)
-        rest = bytes((state >> 7 & words.SEVEN,)) if state >> 7 else b""
-        self._say_exclusive(words.PIN_STATE, bytes((pin, self._modes[pin], state & words.SEVEN)) + rest)
+        rest = bytes((state >> 7 & wire.SEVEN,)) if state >> 7 else b""
+        self._say_exclusive(wire.PIN_STATE, bytes((pin, self._modes[pin], state & wire.SEVEN)) + rest)
 
     # Pins
 
-    def _take_analog(self, message: words.Message) -> None:
-        self._write_analog(message.channel, words.unpaired(message.data)[0])
+    def _take_analog(self, message: wire.Message) -> None:
+        self._write_analog(message.channel, wire.unpaired(message.data)[0])
 
-    def _take_report(self, message: words.Message) -> None:
+    def _take_report(self, message: wire.Message) -> None:
         self._report_analog(message.channel, message.data[0])
 
-    def _take_mode(self, message: words.Message) -> None:
+    def _take_mode(self, message: wire.Message) -> None:
         self._set_mode(*message.data)
 
-    def _take_level(self, message: words.Message) -> None:
+    def _take_level(self, message: wire.Message) -> None:
         self._write_pin(*message.data)
 
-    def _reset(self, _message: words.Message | None = None) -> None:
+    def _reset(self, _message: wire.Message | None = None) -> None:
         started, self._started = self._started, False
         self._analog = 0
         self._ports.clear()
@@ -240,7 +240,7 @@ class FirmataSketch:
 
     def _extended(self, data: bytes) -> None:
         if len(data) > 1:
-            value = sum((byte & words.SEVEN) << 7 * place for place, byte in enumerate(data[1:4]))
+            value = sum((byte & wire.SEVEN) << 7 * place for place, byte in enumerate(data[1:4]))
             self._write_analog(data[0], value)
 
     def _write_pin(self, pin: int, level: int) -> None:
@@ -248,7 +248,7 @@ class FirmataSketch:
             self._mega.pins.write(pin, level)
             self._states[pin] = int(level != 0)
 
-    def _write_port(self, message: words.Message) -> None:
+    def _write_port(self, message: wire.Message) -> None:
         levels = message.data[0] | message.data[1] << 7
         for place in range(PORT):
             pin = message.channel * PORT + place
@@ -264,9 +264,9 @@ class FirmataSketch:
     def _say_analog(self, channel: int) -> None:
         self._mega.do(Delay(CONVERSION))
         raw = self._mega.pins.read_analog(channel)
-        self._say(words.Message(words.ANALOG, words.pairs((raw,)), channel))
+        self._say(wire.Message(wire.ANALOG, wire.pairs((raw,)), channel))
 
-    def _report_port(self, message: words.Message) -> None:
+    def _report_port(self, message: wire.Message) -> None:
         port = message.channel
         if not message.data[0]:
             self._ports.pop(port, None)
@@ -280,7 +280,7 @@ class FirmataSketch:
         return sum(self._mega.pins.read(pin) << pin % PORT for pin in inputs)
 
     def _say_port(self, port: int) -> None:
-        self._say(words.Message(words.DIGITAL, words.pairs((self._ports[port],)), port))
+        self._say(wire.Message(wire.DIGITAL, wire.pairs((self._ports[port],)), port))
 
     def _look(self) -> None:
         for port, before in self._ports.items():
@@ -291,7 +291,7 @@ class FirmataSketch:
 
     def _set_sampling(self, data: bytes) -> None:
         if len(data) > 1:
-            self._interval = max(words.unpaired(data)[0], SHORTEST_SAMPLING)
+            self._interval = max(wire.unpaired(data)[0], SHORTEST_SAMPLING)
 
     def _sample(self) -> None:
         for channel in range(ANALOG):
@@ -305,7 +305,7 @@ class FirmataSketch:
     # I2C
 
     def _configure_i2c(self, data: bytes) -> None:
-        delay = words.unpaired(data)[0] if data else 0
+        delay = wire.unpaired(data)[0] if data else 0
         self._delay = delay or self._delay
         self._i2c = True
         for pin in I2C_PINS:
@@ -314,21 +314,21 @@ class FirmataSketch:
     def _request_i2c(self, data: bytes) -> None:
         if not self._i2c or len(data) < len(("address", "mode")):
             return
-        address, mode = data[0] & words.SEVEN, data[1]
-        if mode & words.I2C_TEN_BITS:
+        address, mode = data[0] & wire.SEVEN, data[1]
+        if mode & wire.I2C_TEN_BITS:
             self._complain("10-bit addressing not supported")
             return
-        values = words.unpaired(data[2:])
-        wanted = mode & words.I2C_STOP
-        if wanted == words.I2C_WRITE:
+        values = wire.unpaired(data[2:])
+        wanted = mode & wire.I2C_STOP
+        if wanted == wire.I2C_WRITE:
             written = bytes(it & 0xFF for it in values[:WIRE_BUFFER])
             self._mega.do(OnBus(write(address, written)), Delay(AFTER_WRITE))
-        elif wanted == words.I2C_STOP:
+        elif wanted == wire.I2C_STOP:
             self._forget(address)
         elif values:
             register = values[0] & 0xFF if len(values) > 1 else None
-            query = _Query(address, register, values[min(1, len(values) - 1)], bool(mode & words.I2C_RESTART))
-            if wanted == words.I2C_READ:
+            query = _Query(address, register, values[min(1, len(values) - 1)], bool(mode & wire.I2C_RESTART))
+            if wanted == wire.I2C_READ:
                 self._read(query)
             elif len(self._queries) < QUERIES:
                 self._queries.append(query)
@@ -366,7 +366,7 @@ class FirmataSketch:
         if len(result.read) < query.count:
             self._complain("I2C: Too few bytes received")
         values = (query.address, query.register or 0, *result.read)
-        self._say_exclusive(words.I2C_REPLY, words.pairs(values))
+        self._say_exclusive(wire.I2C_REPLY, wire.pairs(values))
 
     # Encoders
 
@@ -391,5 +391,5 @@ class FirmataSketch:
         for number in numbers:
             count = self._counters[number].count
             answer.append((count < 0) << 6 | number)
-            answer += bytes(abs(count) >> 7 * place & words.SEVEN for place in range(4))
-        self._say_exclusive(words.ENCODER, bytes(answer))
+            answer += bytes(abs(count) >> 7 * place & wire.SEVEN for place in range(4))
+        self._say_exclusive(wire.ENCODER, bytes(answer))

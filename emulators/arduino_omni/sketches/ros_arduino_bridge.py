@@ -37,7 +37,7 @@ from emulators.arduino_omni.mega.pins import (
 from emulators.arduino_omni.shield.motor_shield import PORTS
 from emulators.arduino_omni.sketches.motor_pid import MAX_PWM, Gains, MotorPid
 from firmware_bridge.units import SECOND, Nanoseconds
-from firmware_bridge.wire.arduino import ros_arduino_bridge as words
+from firmware_bridge.wire.arduino import ros_arduino_bridge as wire
 
 PID_INTERVAL: Final = 1_000 // 30
 """ms; the division is the sketch's."""
@@ -128,7 +128,7 @@ class RosSketch:
             self._argument += 1
         elif self._argument == 0:
             self._letter = byte
-        elif self._argument <= len(self._words) and len(self._words[self._argument - 1]) < words.WORD - 1:
+        elif self._argument <= len(self._words) and len(self._words[self._argument - 1]) < wire.WORD - 1:
             self._words[self._argument - 1].append(byte)
         return False
 
@@ -139,12 +139,12 @@ class RosSketch:
     def _obey(self) -> None:
         handler = _HANDLERS.get(chr(self._letter))
         if handler is None:
-            self._say(words.INVALID)
+            self._say(wire.INVALID)
         else:
             handler(self)
 
     def _say(self, text: object) -> None:
-        self._mega.do(Say(str(text).encode() + words.LINE_END))
+        self._mega.do(Say(str(text).encode() + wire.LINE_END))
 
     def _number(self, place: int) -> int:
         return atoi(bytes(self._words[place]))
@@ -163,14 +163,14 @@ class RosSketch:
 
     def say_baud(self) -> None:
         """Answer `b`."""
-        self._say(words.BAUD)
+        self._say(wire.BAUD)
 
     def configure_pin(self) -> None:
         """Obey `c`."""
         mode = self._number(1)
         if mode in {INPUT, OUTPUT}:
             self._mega.pins.configure(self._pin(), mode)
-        self._say(words.OK)
+        self._say(wire.OK)
 
     def read_pin(self) -> None:
         """Answer `d`."""
@@ -195,7 +195,7 @@ class RosSketch:
             self._moving = self._driven = False
         for pid, target in zip(self.pids, targets, strict=True):
             pid.target = target
-        self._say(words.OK)
+        self._say(wire.OK)
 
     def set_pwm(self) -> None:
         """Obey `o`: the loop is off until the next speed."""
@@ -206,7 +206,7 @@ class RosSketch:
         # Raw PWM has an auto-stop, too.
         self._driven = any(speeds)
         self._drive(speeds)
-        self._say(words.OK)
+        self._say(wire.OK)
 
     def ping(self) -> None:
         """Answer `p`."""
@@ -222,7 +222,7 @@ class RosSketch:
             # The loops must begin again, too: the jump of the counts would be taken for a speed.
             counter.set(0)
         self._reset_pids()
-        self._say(words.OK)
+        self._say(wire.OK)
 
     def set_gains(self) -> None:
         """Obey `u`: what is not given stays."""
@@ -231,19 +231,19 @@ class RosSketch:
         gains = self._gains
         before = (gains.kp, gains.kd, gains.ki, gains.ko)
         gains.kp, gains.kd, gains.ki, gains.ko = (*given, *before[len(given) :])
-        self._say(words.OK)
+        self._say(wire.OK)
 
     def write_pin(self) -> None:
         """Obey `w`."""
         level = self._number(1)
         if level in {0, 1}:
             self._mega.pins.write(self._pin(), level)
-        self._say(words.OK)
+        self._say(wire.OK)
 
     def write_analog(self) -> None:
         """Obey `x`."""
         self._mega.pins.write_analog(self._pin(), self._number(1))
-        self._say(words.OK)
+        self._say(wire.OK)
 
     # The loop
 

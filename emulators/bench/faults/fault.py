@@ -75,8 +75,8 @@ class Fault(Table, ABC):
         """Return the names of those that it meets; all of them where it names none."""
         node = getattr(self, "node", None)
         # A node that the robot lacks stays as it is named: `problems` reports it.
-        everybody = self.among.of(robot)
-        return frozenset(everybody if node is None else [named(robot, node) or str(node)])
+        addressed = self.among.of(robot)
+        return frozenset(addressed if node is None else [named(robot, node) or str(node)])
 
     def problems(self, robot: AnyRobot) -> Iterator[Problem]:
         """Give what this robot lacks for it, key by key."""

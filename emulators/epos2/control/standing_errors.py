@@ -1,6 +1,6 @@
 """The errors that stand since the last fault reset: what the axis finds, how to react, what may be reset.
 
-The power sequence brings the motor to rest.
+The power sequence brings the motor to standstill.
 """
 
 from typing import Final

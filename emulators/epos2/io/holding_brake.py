@@ -1,8 +1,9 @@
 """The holding brake: released once the motor holds, closed before it lets go. Without a pin there is none.
 
 Sources: EDS for the times 0x2100 and 0x2101. Assumed: the brake is released with Operation enabled, and
-set-points wait for the rise time; on the way out the shaft comes to rest (0x2101, for at most its time-out),
-the brake closes, and power goes after the fall time; 0x2100:3 bounds all of that, its largest value does not.
+set-points wait for the rise time; on the way out the shaft comes to standstill (0x2101, for at most its
+time-out), the brake closes, and power goes after the fall time; 0x2100:3 bounds all of that, but for its
+largest value.
 """
 
 from typing import Final
@@ -66,7 +67,7 @@ class HoldingBrake:
         self._show(released=False)
 
     def closes(self) -> bool:
-        """Continue to close the brake, shaft at rest first; return True if it holds, or there is none."""
+        """Continue to close the brake, shaft at standstill first; return True if it holds or is absent."""
         if not self.fitted:
             return True
         if self._begun == NEVER:

@@ -34,7 +34,7 @@ class DigitalPosition(ModeOfOperation):
         self._following = False
 
     def enter(self) -> None:
-        """Come to rest; then it follows."""
+        """Come to standstill; then it follows."""
         super().enter()
         self._following = False
 

@@ -187,7 +187,7 @@ class HomingMode(ModeOfOperation):
 
     @property
     def arrived(self) -> bool:
-        """Bit 10: at rest, and no homing runs."""
+        """Bit 10: at standstill, and no homing runs."""
         return not self._ways and self.shaft.arrived
 
     def status(self, *, failed: bool) -> int:

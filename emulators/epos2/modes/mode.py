@@ -33,7 +33,7 @@ class ModeOfOperation:
         self.enter()
 
     def enter(self) -> None:
-        """Take the shaft over, maybe under way: the mode has changed. Assumed: it comes to rest by 0x6084."""
+        """Take the shaft over, maybe moving: the mode has changed. Assumed: it is stopped by 0x6084."""
         self.shaft.hold()
 
     def forget(self) -> None:

@@ -90,7 +90,7 @@ class ProfilePosition(ModeOfOperation):
             self._start(*setpoint)
 
     def halt(self) -> None:
-        """Come to rest with 0x6084, and remember the move that this cuts short."""
+        """Come to standstill with 0x6084, and remember the move that this cuts short."""
         axis = self.shaft.axis
         self._interrupted = axis.profile == MOVE and not axis.flags & PROFILE_DONE
         self.shaft.brake()

@@ -24,7 +24,7 @@ class ProfileVelocity(ModeOfOperation):
         self._go(self.shaft.store.get(at.TARGET_VELOCITY))
 
     def enter(self) -> None:
-        """Come to rest; a velocity counts when it is written, or with the next controlword."""
+        """Come to standstill; a velocity counts when it is written, or with the next controlword."""
         regulate_velocity(self.shaft.axis)
         self.shaft.brake()
 

@@ -92,7 +92,7 @@ class Shaft:
         return error
 
     def hold(self) -> None:
-        """Come to rest by 0x6084, and hold the position."""
+        """Come to standstill by 0x6084, and hold the position."""
         regulate_position(self.axis)
         self.brake()
 

@@ -245,8 +245,8 @@ typedef struct {
     int64_t voltage_mv;
     int64_t turning;
     int64_t back_emf;
-    int64_t ending;
-    int64_t balance_voltage;
+    int64_t decay_resistance;
+    int64_t balance_resistance;
     int64_t learning;
     int64_t raised;
     int64_t braking;

@@ -64,24 +64,24 @@ static inline void servo_doubt(servo_axis *axis, int64_t current, int64_t speed)
             axis->waits = RECOVERING_MS;
             axis->left = least(shifted(axis->left, 1), MOST_LEFT_MA);
         }
-    } else if (axis->balance_voltage && voltage && before && (voltage > 0) != (before > 0)) {
+    } else if (axis->balance_resistance && voltage && before && (voltage > 0) != (before > 0)) {
         int64_t past = before > 0 ? -current : current, size = before > 0 ? before : -before;
         if (past > (size >> 2) + DOUBTED_MA)
-            axis->ending = axis->balance_voltage = 0;
+            axis->decay_resistance = axis->balance_resistance = 0;
     }
 }
 
 static inline int64_t servo_unfed(const servo_axis *axis, int64_t current, int64_t speed, int64_t to_come)
 {
-    int64_t back_emf = (axis->back_emf * largest(0, least(speed, to_come))) >> BACK_EMF_PLACES, ending;
+    int64_t back_emf = (axis->back_emf * largest(0, least(speed, to_come))) >> BACK_EMF_PLACES, decay_voltage;
     if (current == 0)
         return back_emf;
-    if (axis->balance_voltage == 0)
+    if (axis->balance_resistance == 0)
         return current < 0 ? back_emf : 0;
-    ending = back_emf - ((axis->ending * current) >> RESISTANCE_PLACES);
-    if (current < 0 || ending <= 0)
-        return ending;
-    return largest(0, back_emf - ((axis->balance_voltage * current) >> RESISTANCE_PLACES));
+    decay_voltage = back_emf - ((axis->decay_resistance * current) >> RESISTANCE_PLACES);
+    if (current < 0 || decay_voltage <= 0)
+        return decay_voltage;
+    return largest(0, back_emf - ((axis->balance_resistance * current) >> RESISTANCE_PLACES));
 }
 
 static inline int64_t servo_opened(servo_axis *axis, int64_t current, int64_t speed)

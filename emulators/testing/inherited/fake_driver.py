@@ -57,10 +57,10 @@ def seen(
     **facts: Any,
 ) -> Snapshot[Any, Any]:
     """Return the robot armed and well, but for the given facts."""
-    kind = robot_type_of(robot)
+    robot_type = robot_type_of(robot)
     feedback = dict(axes_of(robot, now) if axes is None else axes)
     body = (
-        kind.kinematics(robot).sensed(feedback, well(robot, now))
+        robot_type.kinematics(robot).sensed(feedback, well(robot, now))
         if situation.body is None
         else situation.body
     )
@@ -76,8 +76,8 @@ def seen(
     }
     return Snapshot(
         facts=Facts(**(known | facts)),
-        command=kind.standstill if situation.command is None else situation.command,
-        commanded=kind.standstill if situation.commanded is None else situation.commanded,
+        command=robot_type.standstill if situation.command is None else situation.command,
+        commanded=robot_type.standstill if situation.commanded is None else situation.commanded,
         body=body,
         pose=Pose(),
         located=situation.located,
@@ -95,9 +95,9 @@ def cases_of(name: str) -> list[AnyCase]:
     return list(bench_setup_of(robot).cases(robot))
 
 
-def full_motions(kind: AnyRobotType, robot: AnyRobot) -> list[Any]:
+def full_motions(robot_type: AnyRobotType, robot: AnyRobot) -> list[Any]:
     """Return motions that ask for as much as the robot may do."""
-    return [motion for motion, _ in kind.reach(robot)]
+    return [motion for motion, _ in robot_type.reach(robot)]
 
 
 class FakeDriver:
@@ -105,13 +105,13 @@ class FakeDriver:
 
     def __init__(self, robot: AnyRobot) -> None:
         self.robot: Final = robot
-        self.kind: Final = robot_type_of(robot)
-        self.rules: Final = self.kind.rules(robot)[""]
+        self.robot_type: Final = robot_type_of(robot)
+        self.rules: Final = self.robot_type.rules(robot)[""]
         self.gate: Final = gate_of(robot)
         self.axes: Final = axes_of(robot, START)
         self.before: Mapping[str, Feedback] = dict(self.axes)
         """The axes as the newest set-points found them."""
-        self.commanded: Any = self.kind.standstill
+        self.commanded: Any = self.robot_type.standstill
         self.set_points: Mapping[str, SetPoint] = {}
         self.now: Nanoseconds = START
 

@@ -83,8 +83,8 @@ def generate(
 
 def interlocks_of(robot: AnyRobot) -> tuple[InterlockBase, ...]:
     """Return the robot's own interlocks, the limits last."""
-    kind = robot_type_of(robot)
-    return (*kind.interlocks, *kind.limits)
+    robot_type = robot_type_of(robot)
+    return (*robot_type.interlocks, *robot_type.limits)
 
 
 def test_its_file_loads_and_it_is_what_it_is_installed_as(name: str) -> None:
@@ -176,14 +176,14 @@ def common_trips(robot: AnyRobot) -> Iterator[tuple[str, dict[str, Any]]]:
 
 def test_the_common_interlocks_stop_all_of_it_whatever_it_is_requested(name: str) -> None:
     robot = find(name)
-    kind = robot_type_of(robot)
+    robot_type = robot_type_of(robot)
     tripped = set()
     for event, facts in common_trips(robot):
-        for command in full_motions(kind, robot):
+        for command in full_motions(robot_type, robot):
             decision = gate_of(robot).rule(seen(robot, START, Situation(command=command), **facts))
             assert event in active(decision), event
             if not event.startswith(("link lost", "second controller")):
-                assert decision.stopped == frozenset(kind.groups), event
+                assert decision.stopped == frozenset(robot_type.groups), event
             assert not decision.requested & decision.stopped, event
         tripped.add(event.split(":")[0])
     # Only an axis whose zero a person confirms can lose it.
@@ -214,17 +214,17 @@ def spoiled(motion: Any, value: float) -> Iterator[Any]:
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_a_command_that_is_no_number_stops_all_of_it(name: str, value: float) -> None:
     robot = find(name)
-    kind = robot_type_of(robot)
+    robot_type = robot_type_of(robot)
     named = set()
-    for command in spoiled(kind.standstill, value):
-        titles = [title for title, read in kind.numbers.items() if repr(read(command)) == repr(value)]
+    for command in spoiled(robot_type.standstill, value):
+        titles = [title for title, read in robot_type.numbers.items() if repr(read(command)) == repr(value)]
         if titles:
             decision = gate_of(robot).rule(seen(robot, START, Situation(command=command)))
             assert active(decision)["command unusable"] == f"the {titles[0]} requested is {value}"
-            assert decision.stopped == frozenset(kind.groups)
+            assert decision.stopped == frozenset(robot_type.groups)
             assert not decision.requested
             named.update(titles)
-    assert named == set(kind.numbers), "every number of the motion is judged"
+    assert named == set(robot_type.numbers), "every number of the motion is judged"
 
 
 def test_it_is_at_standstill_when_each_axis_that_moves_it_is(name: str) -> None:
@@ -262,7 +262,7 @@ def test_wheels_that_turn_against_each_other_are_not_at_standstill(name: str) ->
 
 
 def resting(robot: AnyRobot) -> Any:
-    """Return what is known of a body at rest."""
+    """Return what is known of a body at standstill."""
     return robot_type_of(robot).kinematics(robot).sensed(axes_of(robot, START), {})
 
 
@@ -307,7 +307,7 @@ def moves(paper: FakeDriver, axes: tuple[str, ...]) -> bool:
 
 def states(paper: FakeDriver, word: Stick | Velocity, command: Any) -> Any:
     """Return the command after a word of the operator; one that the robot cannot mean changes nothing."""
-    station = paper.kind.station
+    station = paper.robot_type.station
     if isinstance(word, Stick):
         return station.stick(word, command, paper.robot)
     meant = station.target(word, command, paper.robot)
@@ -320,7 +320,7 @@ def test_whatever_is_stated_the_guards_bounds_hold(
     name: str, stated: list[tuple[Stick | Velocity, int, bool]]
 ) -> None:
     paper = FakeDriver(find(name))
-    command = paper.kind.standstill
+    command = paper.robot_type.standstill
     for word, cycles, armed in stated:
         command = states(paper, word, command)
         for _ in range(cycles):
@@ -362,10 +362,10 @@ def test_a_stop_brings_every_axis_to_standstill(name: str) -> None:
         paper = FakeDriver(robot)
         settled(paper, command)
         decision = settled(paper, command, emergency_stopped=True)
-        assert decision.stopped == frozenset(paper.kind.groups)
+        assert decision.stopped == frozenset(paper.robot_type.groups)
         assert not moves(paper, tuple(paper.axes))
         assert not paper.rules.kinematics.requested(
-            paper.commanded, paper.kind.kinematics(robot).sensed(paper.axes, {})
+            paper.commanded, paper.robot_type.kinematics(robot).sensed(paper.axes, {})
         )
 
 

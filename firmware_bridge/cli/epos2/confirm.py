@@ -13,5 +13,5 @@ def confirm(what: str, why: str, *, yes: bool) -> None:
         return
     if not sys.stdin.isatty():
         raise refusal(f"{what}: {why}; use --yes where that is safe")
-    if not typer.confirm(f"{what}: {why}. Is everybody out of the way?", default=False, err=True):
+    if not typer.confirm(f"{what}: {why}. Is everyone clear of the machine?", default=False, err=True):
         raise refusal("nothing was done", FAILED)

@@ -16,7 +16,7 @@ from firmware_bridge.node import DTR_DOWN, DTR_UP, LINE_BACK, LINE_LOST
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot.settings.ar2 import Ar2Link
 from firmware_bridge.units import MILLISECOND, NEVER, Nanoseconds
-from firmware_bridge.wire.arduino import ar2 as words
+from firmware_bridge.wire.arduino import ar2 as wire
 
 LOST: Final = "the serial line to the arm's board is gone"
 BEATS: Final[Nanoseconds] = 1_000 * MILLISECOND
@@ -150,7 +150,7 @@ class Ar2Board:
     def placed(self, joint: Ar2Joint, steps: int, now: Nanoseconds) -> tuple[Packet, ...]:
         """Say on the line where a joint stands; it counts from there once the board has echoed it."""
         joint.commanded = steps
-        self._places.append(Question(words.place(joint.number, steps), joint))
+        self._places.append(Question(wire.place(joint.number, steps), joint))
         return self._go_on(now)
 
     # For the link's drivers
@@ -190,7 +190,7 @@ class Ar2Board:
         else:
             self._received = (self._received + bytes(packet.payload))[-KEPT:]
             question = self._question
-            if question is not None and words.echo(question.text) in self._received:
+            if question is not None and wire.echo(question.text) in self._received:
                 self._received = b""
                 self._answered(question, now)
         return self._go_on(now)
@@ -243,7 +243,7 @@ class Ar2Board:
         # The sketch reads the next line only after the move: its answer may come that much later.
         moves = 0 if self._move is None else self._table.move
         self._until = now + (FOUND_EVERY if finding else self.answers_within + moves)
-        return Packet(self.name, 0, words.test(question.text))
+        return Packet(self.name, 0, wire.test(question.text))
 
     def _moves(self) -> tuple[Packet, ...]:
         """Send the joints a step further towards where they are wanted."""

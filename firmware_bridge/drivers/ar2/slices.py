@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from firmware_bridge.units import MICROSECOND, Nanoseconds
-from firmware_bridge.wire.arduino import ar2 as words
+from firmware_bridge.wire.arduino import ar2 as wire
 
 FULL_US: Final = 20_000.0
 """Of all pulses of a turn together at 1 %."""
@@ -35,7 +35,7 @@ class Slice(NamedTuple):
     @property
     def line(self) -> bytes:
         """The line that commands it: at one speed from the begin to the end."""
-        return words.move(self.steps, self.speed)
+        return wire.move(self.steps, self.speed)
 
 
 def slice_of(wanted: Sequence[int], most: Sequence[int], within: Nanoseconds) -> Slice | None:

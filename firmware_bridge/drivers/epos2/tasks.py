@@ -65,7 +65,7 @@ def identify(axis: Axis) -> Script:
 
 
 def configure(axis: Axis, feedback: DriveFeedback, rows: tuple[SetupObject, ...]) -> Script:
-    """Bring the drive to rest without power, write the set-up, read back what safety hangs on."""
+    """Bring the drive to standstill without power, write the set-up, read back what safety hangs on."""
     # First without power: motor data and sensor types cannot be changed otherwise (abort 0x08000022).
     steps: list[Step] = [*_come_to_rest(axis, feedback)]
     for row in rows:

@@ -236,15 +236,15 @@ class Board:
             if finding and self._restores and not self._dialect.on_board:
                 # Its shield drives on until commanded, and its answers may not come through.
                 before = self._dialect.release_again(motor.number for motor in self.motors)
-        return tuple([Packet(self.name, 0, word.data) for word in (*before, say)])
+        return tuple([Packet(self.name, 0, command.data) for command in (*before, say)])
 
     def _express(self, now: Nanoseconds) -> None:
         """Make commands of the motors' set-points."""
         self._dirty = False
-        words, released = expressed(self._dialect, self.motors, now, configured=self.configured)
-        self._waiting.motion.extend(words)
+        commands, released = expressed(self._dialect, self.motors, now, configured=self.configured)
+        self._waiting.motion.extend(commands)
         if released is not None:
-            self._releasing.begin(released, self._questions, words)
+            self._releasing.begin(released, self._questions, commands)
 
     # What is answered
 

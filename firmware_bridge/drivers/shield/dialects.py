@@ -254,12 +254,12 @@ class Mw(Dialect):
     def release_again(self, motors: Iterable[int]) -> Iterator[Say]:
         """Release what is made still, then make shield and motors, and release again; wait for no answer."""
         numbers = tuple(motors)
-        for word in (*self.release(numbers), *self._made(numbers)):
-            lasts = mw.SHIELD_TAKES_MS if word.writes > CHANNELS else mw.MOTOR_TAKES_MS
+        for say in (*self.release(numbers), *self._made(numbers)):
+            lasts = mw.SHIELD_TAKES_MS if say.writes > CHANNELS else mw.MOTOR_TAKES_MS
             yield Say(
-                word.what,
-                mw.apart(word.data, line_rate=self.link.line_rate, milliseconds=lasts),
-                writes=word.writes,
+                say.what,
+                mw.apart(say.data, line_rate=self.link.line_rate, milliseconds=lasts),
+                writes=say.writes,
             )
 
     def _made(self, numbers: tuple[int, ...]) -> Iterator[Say]:

@@ -21,18 +21,18 @@ def expressed(
         return list(dialect.release_again(motor.number for motor in motors)), motors
     outputs = {motor.number: motor.output(now) for motor in motors}
     driven = outputs if dialect.on_board else {it.number: outputs[it.number] for it in motors if it.enabled}
-    words = list(dialect.drive(driven, {motor.number: motor.direction for motor in motors}))
+    commands = list(dialect.drive(driven, {motor.number: motor.direction for motor in motors}))
     if dialect.on_board and not any(outputs.values()):
         # Speed 0 for all releases them all: sent again to motors that are released, it drives none.
-        return words, motors
+        return commands, motors
     for motor in motors:
         if motor.enabled:
             motor.on_output(outputs[motor.number])
     if dialect.on_board:
-        return words, None
+        return commands, None
     off = [motor for motor in motors if motor.set_point is Stop.POWER_OFF]
     if not off:
-        return words, None
+        return commands, None
     # A command may be damaged on the line without a report: it is repeated while the wheel turns.
     slow = [motor for motor in off if not motor.released or motor.turns]
-    return [*words, *dialect.release(motor.number for motor in slow)], slow
+    return [*commands, *dialect.release(motor.number for motor in slow)], slow

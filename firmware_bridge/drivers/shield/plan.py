@@ -41,17 +41,17 @@ class ShieldPlan:
 
     cycle: Nanoseconds
     samples: tuple[BoardCommand, ...]
-    words: tuple[BoardCommand, ...]
+    commands: tuple[BoardCommand, ...]
 
     @property
     def time(self) -> Nanoseconds:
         """Time that the line and the board are busy in the fullest cycle."""
-        return sum(entry.time for entry in (*self.samples, *self.words))
+        return sum(entry.time for entry in (*self.samples, *self.commands))
 
     @property
     def answers_within(self) -> Nanoseconds:
         """Longest time of all samples; one command more may have begun before them."""
-        longest = max(entry.time for entry in (*self.samples, *self.words))
+        longest = max(entry.time for entry in (*self.samples, *self.commands))
         return sum(entry.time for entry in self.samples) + longest
 
     @property

@@ -17,11 +17,11 @@ class Releasing:
         self._proved_by: int | None = None
         """The question, counted from 1, whose answer proves it; None where none does."""
 
-    def begin(self, motors: Sequence[ShieldMotor], requested: int, words: Sequence[Say] = ()) -> None:
+    def begin(self, motors: Sequence[ShieldMotor], requested: int, commands: Sequence[Say] = ()) -> None:
         """Note that these commands release motors; so many requests were sent before them."""
         for motor in motors:
             motor.direction = 0
-        questions = [word.reads is not None for word in words]
+        questions = [command.reads is not None for command in commands]
         # Where the last command has no answer of its own, that of the next request proves it.
         self._proved_by = requested + sum(questions) + (not any(questions[-1:]))
 

@@ -34,9 +34,9 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
     # of those to a board that may have lost its set-up, which take their time on the line.
     axes = [it.shield for it in robot.axes_on(axis.link)]
     again = DIALECTS[link.protocol](link, axes).release_again(motor.port for motor in axes)
-    lasts = sum(takes(link, word) for word in again)
+    lasts = sum(takes(link, command) for command in again)
     requested = link.answers_within_ms * MILLISECOND
-    words = max(len(axes) * requested, lasts + requested)
+    longest = max(len(axes) * requested, lasts + requested)
     board = link.stops_itself
     runs_on = "the motors keep running while it boots: the shield has no wire to the board's reset"
     if board:
@@ -63,7 +63,7 @@ def stop_stages(robot: AnyRobot, axis: Axis) -> tuple[StopStage, ...]:
             "release",
             "speed 0 for all motors, and a request" if board else "release, and a request",
             Stop.POWER_OFF,
-            words,
+            longest,
             task=Task.DISABLE,
             whole_board=board,
             ends_power=True,

@@ -74,7 +74,7 @@ class Ar2Kinematics:
         return NOTHING if all(slow) else frozenset({TOOL})
 
     def at_standstill(self, motion: Ar2Motion, groups: frozenset[str]) -> Ar2Motion:
-        """Return the motion at rest."""
+        """Return the motion at standstill."""
         return motion_of(STILL, path_s=motion.path_s) if TOOL in groups else motion
 
     def ramped(

@@ -35,7 +35,7 @@ ARRIVED_M: Final = 0.0003
 SLOWEST_MPS: Final = 0.0005
 """A path that must brake to less than this is at its end."""
 LOOKS: Final = 10
-"""A path begins in the mean of so many poses of the robot at rest: one alone has the cameras' noise."""
+"""A path begins in the mean of so many poses of the robot at standstill: one alone has the cameras' noise."""
 SHARE: Final = 0.2
 """Share of the limits' accelerations that a path uses, so that the law can correct."""
 TURN_SHARE: Final = 0.5
@@ -155,9 +155,9 @@ class ClimberPathFollower:
         return self._motion(side * speed, turn)
 
     def _go_on(self, leg: PathLeg, seconds: float, *, stops: bool) -> None:
-        """Move where the robot shall be on along the leg: as fast as the path may be, and to rest at its end.
+        """Move where the robot shall be on along the leg: as fast as the path may be; at its end it stops.
 
-        It comes to rest before where it `stops`.
+        It comes to standstill before where it `stops`.
         """
         reach = SHARE * self._limits.acceleration_mps2
         if stops:

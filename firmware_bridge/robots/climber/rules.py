@@ -103,7 +103,7 @@ def _place(view: View) -> Pose | None:
 
 
 def _braked(left_m: float, view: View) -> float:
-    """Return the speed at which the robot comes to rest within a way; 0 where nothing is left of it."""
+    """Return the speed at which the robot comes to standstill within a way; 0 where nothing is left of it."""
     # v squared = 2 a s, with the share of the acceleration that the ramp uses.
     return math.sqrt(2.0 * MARGIN * view.geometry.limits.acceleration_mps2 * max(left_m, 0.0))
 

@@ -93,7 +93,7 @@ class Rars:
         return NOTHING if abs(rolls(self._base, state)) < BASE_MOVES_MPS else frozenset({BASE})
 
     def at_standstill(self, motion: RarsMotion, groups: frozenset[str]) -> RarsMotion:
-        """Return the motion with base, lift or both at rest: speed 0, and the rest stays where it is."""
+        """Return the motion with base, lift or both at standstill: speed 0; the rest stays where it is."""
         if BASE in groups:
             motion = replace(motion, speed_mps=0.0, steer_rad=None)
         if LIFT in groups:

@@ -59,7 +59,7 @@ class RomeKinematics:
         return NOTHING if slow and abs(state.turn_rad_s) < TURNS_RAD_S else frozenset({BASE})
 
     def at_standstill(self, motion: RomeMotion, groups: frozenset[str]) -> RomeMotion:
-        """Return the motion at rest."""
+        """Return the motion at standstill."""
         return replace(motion, ahead_mps=0.0, left_mps=0.0, turn_rad_s=0.0) if BASE in groups else motion
 
     def ramped(

@@ -47,7 +47,7 @@ def line(speed: float) -> Path:
 
 
 def by_points(points: tuple[tuple[float, float, float, float], ...]) -> Path:
-    """Return the path straight from each point to the next, at rest after the last; s, m, m, rad."""
+    """Return the path straight from each point to the next, at standstill after the last; s, m, m, rad."""
     times = [point[0] for point in points]
 
     def at(seconds: float) -> PathPoint:

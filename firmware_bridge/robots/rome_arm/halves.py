@@ -70,17 +70,17 @@ class Half:
             was_active=view.was_active,
         )
 
-    def numbers(self, kind: AnyRobotType) -> dict[str, Callable[[RomeArmMotion], float | None]]:
+    def numbers(self, robot_type: AnyRobotType) -> dict[str, Callable[[RomeArmMotion], float | None]]:
         """Return what must be a finite number in this half's motion."""
 
         def of(read: Callable[[Any], float | None]) -> Callable[[RomeArmMotion], float | None]:
             return lambda motion: read(self.of(motion))
 
-        return {title: of(read) for title, read in kind.numbers.items()}
+        return {title: of(read) for title, read in robot_type.numbers.items()}
 
-    def interlocks(self, kind: AnyRobotType) -> Iterator[Interlock]:
+    def interlocks(self, robot_type: AnyRobotType) -> Iterator[Interlock]:
         """Yield its interlocks; they stop both halves, as they stop the whole robot that the half is."""
-        for row in kind.interlocks:
+        for row in robot_type.interlocks:
             yield interlock.Interlock(
                 row.name,
                 self._judging(row.judge),
@@ -95,9 +95,9 @@ class Half:
                 after_limits=row.after_limits,
             )
 
-    def limits(self, kind: AnyRobotType) -> Iterator[Limit]:
+    def limits(self, robot_type: AnyRobotType) -> Iterator[Limit]:
         """Yield its limits; they clip its own motion."""
-        for row in kind.limits:
+        for row in robot_type.limits:
             # Both halves have a speed limit; a name must be unique for its interlock event.
             name = row.name if row.name.startswith(self._label) else f"{self._label} {row.name}"
             clip = self.clipping(row.clip)

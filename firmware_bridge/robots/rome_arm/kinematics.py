@@ -45,7 +45,7 @@ class RomeArmKinematics:
         return self._base.moving(state.base) | self._arm.moving(state.arm)
 
     def at_standstill(self, motion: RomeArmMotion, groups: frozenset[str]) -> RomeArmMotion:
-        """Return the motion with these at rest."""
+        """Return the motion with these at standstill."""
         return replace(
             motion,
             base=self._base.at_standstill(motion.base, groups),

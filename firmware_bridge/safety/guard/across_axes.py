@@ -37,7 +37,7 @@ class AxesRule(ABC):
 
     @abstractmethod
     def stops_with(self, axes: Collection[InForce]) -> tuple[InForce, ...]:
-        """Return which axes come to rest together with those whose set-point was refused."""
+        """Return which axes come to standstill together with those whose set-point was refused."""
 
     @abstractmethod
     def sent(self, axis: InForce, now: Nanoseconds) -> None:
@@ -131,7 +131,7 @@ class SpeedSum(AxesRule):
 
 
 class Exclusion(AxesRule):
-    """Two sides of which one may be commanded to move; the other must have been commanded to rest before."""
+    """Two sides of which one may be commanded to move; the other one must be at standstill before."""
 
     def __init__(self, row: GuardExclusive, axes: Mapping[str, InForce]) -> None:
         self.name = row.name

@@ -152,8 +152,8 @@ class Ar2Rules(WireRules):
         """Return all joints: a request commands none of them to move, a move sets the target of each."""
         line = packet.payload
         # A request counts for all joints: it shows that the bridge is alive while none of them is moved.
-        is_word = packet.address == 0 and (QUESTION.fullmatch(line) or MOVE.fullmatch(line))
-        return self.axes if is_word else ()
+        is_command = packet.address == 0 and (QUESTION.fullmatch(line) or MOVE.fullmatch(line))
+        return self.axes if is_command else ()
 
     def requested_by(self, packet: Packet) -> Mapping[InForce, RequestedMotion]:
         """Return which joints a line moves."""

@@ -18,7 +18,7 @@ from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.robot.settings.shield import FULL_PWM, ShieldProtocol
 from firmware_bridge.safety.guard.bounds import ROUNDING
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
-from firmware_bridge.safety.guard.shield_words import (
+from firmware_bridge.safety.guard.shield_commands import (
     READERS,
     Board,
     Inputs,
@@ -151,13 +151,13 @@ class ShieldRules(WireRules):
 
     def axes_of(self, packet: Packet) -> tuple[InForce, ...]:
         """Return the motors that a command drives."""
-        word = self._word(packet)
-        return () if word is None else tuple(self._motors[number] for number in word.drives)
+        command = self._command(packet)
+        return () if command is None else tuple(self._motors[number] for number in command.drives)
 
     def requested_by(self, packet: Packet) -> Mapping[InForce, RequestedMotion]:
         """Return what a command has its motors do."""
-        word = self._word(packet) or ListedCommand()
-        motors = ((self._motors[number], inputs) for number, inputs in word.drives.items())
+        command = self._command(packet) or ListedCommand()
+        motors = ((self._motors[number], inputs) for number, inputs in command.drives.items())
         return {motor: motor.requested_by(inputs) for motor, inputs in motors}
 
     def refuses(self, packet: Packet, now: Nanoseconds) -> str | None:
@@ -166,12 +166,12 @@ class ShieldRules(WireRules):
         # The shield has no wire to the reset: its motors run on as commanded while the board boots.
         if packet.address in {DTR_UP, DTR_DOWN} and not packet.payload:
             return None if moving is None else f"a reset of the board while {moving} may move"
-        word = self._word(packet)
-        if word is None:
+        command = self._command(packet)
+        if command is None:
             return f"the command '{packet.payload.hex(' ')}' is not listed"
-        if word.at_standstill and moving is not None:
+        if command.at_standstill and moving is not None:
             return f"the command '{packet.payload.hex(' ')}' while {moving} may move"
-        reasons = (self._motors[number].refuses(inputs, now) for number, inputs in word.drives.items())
+        reasons = (self._motors[number].refuses(inputs, now) for number, inputs in command.drives.items())
         return next((reason for reason in reasons if reason is not None), None)
 
     def safe(self, axis: GuardedMotor) -> tuple[Packet, ...]:
@@ -184,10 +184,10 @@ class ShieldRules(WireRules):
     def sends(self, packet: Packet, now: Nanoseconds, *, requested: bool) -> tuple[InForce, ...]:
         """Note what a command does to the motors."""
         del requested
-        word = self._word(packet) or ListedCommand()
-        for number, inputs in word.drives.items():
+        command = self._command(packet) or ListedCommand()
+        for number, inputs in command.drives.items():
             self._motors[number].sent(inputs, now)
-        return tuple(self._motors[number] for number in word.drives)
+        return tuple(self._motors[number] for number in command.drives)
 
     def receives(self, packet: Packet, now: Nanoseconds) -> bool:
         """Accept everything; note the libraries that MWProtocol reports."""
@@ -200,5 +200,5 @@ class ShieldRules(WireRules):
                 self._board = self._board._replace(libraries=libraries)
         return True
 
-    def _word(self, packet: Packet) -> ListedCommand | None:
+    def _command(self, packet: Packet) -> ListedCommand | None:
         return self._read(packet.payload, self._board) if packet.address == 0 else None

@@ -49,7 +49,7 @@ _FIELD: Final = re.compile(rb"([GHIKNPSTVX])(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?)")
 class Ar2Request:
     """A line, read as this module's functions write it; the board looks for letters, and takes anything."""
 
-    word: str
+    letters: str
     """The first two letters."""
     steps: Mapping[str, int]
     """Steps by the letters of joints and track; ahead, which is digit 1, above 0."""
@@ -61,14 +61,14 @@ class Ar2Request:
 
 def decode(line: bytes) -> Ar2Request | None:
     """Return the request of a line without its end; None for one that a board ignores."""
-    word, rest = line[:2].decode("ascii", "replace"), bytes(line[2:])
-    if word not in COMMANDS:
+    letters, rest = line[:2].decode("ascii", "replace"), bytes(line[2:])
+    if letters not in COMMANDS:
         return None
     # Letters are used twice: A to F are joints before the S, and G to K are ramps behind it.
-    axes, _, fields = rest.partition(b"S") if word in {"MJ", "LL"} else (b"", b"", rest)
-    found = _FIELD.findall((b"S" if axes else b"") + fields) if word != "TM" else ()
+    axes, _, fields = rest.partition(b"S") if letters in {"MJ", "LL"} else (b"", b"", rest)
+    found = _FIELD.findall((b"S" if axes else b"") + fields) if letters != "TM" else ()
     return Ar2Request(
-        word,
+        letters,
         {letter.decode(): int(count) * (2 * int(digit) - 1) for letter, digit, count in _AXIS.findall(axes)},
         {letter.decode(): number.decode() for letter, number in found},
         rest.decode("ascii", "replace"),

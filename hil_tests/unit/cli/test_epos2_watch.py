@@ -121,6 +121,6 @@ def test_a_question_comes_before_what_may_move(on: Bench, answer: str, status: i
         stated, complaint = running.communicate(timeout=HUNG_S)
     os.close(keyboard)
     os.close(other)
-    assert b"it may start to move. Is everybody out of the way? [y/N]" in complaint
+    assert b"it may start to move. Is everyone clear of the machine? [y/N]" in complaint
     assert (running.returncode, state in stated.decode()) == (status, True)
     assert (b"nothing was done" in complaint) is bool(status)

@@ -256,13 +256,13 @@ def test_a_voltage_that_only_sags_at_the_drive_brakes_nothing() -> None:
 
 def test_what_was_reported_is_never_learnt_over() -> None:
     bench = Bench(PLAIN)
-    before = (bench.axis.back_emf, bench.axis.ending, bench.axis.balance_voltage)
+    before = (bench.axis.back_emf, bench.axis.decay_resistance, bench.axis.balance_resistance)
     for current in (6.5, -6.5, 0.0):
         bench.axis.switch_on()
         bench.turns(200.0, current)
         bench.opens()
         bench.runs(20)
-    assert (bench.axis.back_emf, bench.axis.ending, bench.axis.balance_voltage) == before
+    assert (bench.axis.back_emf, bench.axis.decay_resistance, bench.axis.balance_resistance) == before
 
 
 @pytest.mark.parametrize("speed", [-300.0, -60.0, 60.0, 300.0])
@@ -290,7 +290,7 @@ def test_a_winding_that_is_not_what_was_reported_is_not_fed_by_what_was() -> Non
     bench.axis.switch_off()
     bench.bound = 0.5
     bench.runs(1)
-    assert bench.axis.balance_voltage == 0
+    assert bench.axis.balance_resistance == 0
     bench.opens()
     bench.runs(100)
 

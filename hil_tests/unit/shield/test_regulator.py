@@ -11,7 +11,7 @@ from firmware_bridge.drivers.shield.regulator import Pwm, Ticks
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
 from firmware_bridge.safety.guard.shield import GuardedMotor
-from firmware_bridge.safety.guard.shield_words import Inputs
+from firmware_bridge.safety.guard.shield_commands import Inputs
 from firmware_bridge.units import MILLISECOND, Nanoseconds
 
 ROBOTS: Final = {name: over_protocol(find("rome"), name, 3) for name in ("ros-arduino-bridge", "arduinoio")}

@@ -147,7 +147,12 @@ def test_an_axis_is_reported_its_motor_by_the_plant_and_learns_only_what_the_pla
     made, bank = drives(order)
     assert made
     (axis,) = bank.axes
-    assert (axis.back_emf > 0, axis.ending > 0, axis.balance_voltage > axis.ending, axis.learning) == (
+    assert (
+        axis.back_emf > 0,
+        axis.decay_resistance > 0,
+        axis.balance_resistance > axis.decay_resistance,
+        axis.learning,
+    ) == (
         True,
         True,
         True,
@@ -160,7 +165,7 @@ def test_an_axis_is_reported_its_motor_by_the_plant_and_learns_only_what_the_pla
 
     unknown = ServoAxis("axis", 2000)
     set_motor(cast("FmuPlant", Silent()), unknown)
-    assert (unknown.back_emf, unknown.ending, unknown.balance_voltage) == (0, 0, 0)
+    assert (unknown.back_emf, unknown.decay_resistance, unknown.balance_resistance) == (0, 0, 0)
     assert unknown.learning > 0
 
 

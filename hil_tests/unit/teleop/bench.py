@@ -25,7 +25,7 @@ from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.safety.snapshot import ActiveInterlock, Facts, Snapshot
 from firmware_bridge.teleop.mavlink import Codec, dialect
 from firmware_bridge.teleop.operator import Operator
-from firmware_bridge.teleop.session import EVERYBODY
+from firmware_bridge.teleop.session import ANY_STATION
 from firmware_bridge.teleop.station import Station
 from firmware_bridge.teleop.trust import Trust
 from firmware_bridge.units import MILLISECOND, Nanoseconds
@@ -59,7 +59,7 @@ class Bench(Generic[G, M, S]):
     now: Nanoseconds = 0
     requested: list[Request] = field(default_factory=list)
     verdict: Answer | None = None
-    trust: Trust = EVERYBODY
+    trust: Trust = ANY_STATION
     received: list[Any] = field(default_factory=list)
     """All reported messages."""
 

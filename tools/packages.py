@@ -27,7 +27,7 @@ GATE: Final = (
     "safety/test_what_follows",
 )
 
-ROOMS: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
+PACKAGES: Final[tuple[tuple[str, tuple[str, ...]], ...]] = (
     ("safety/guard/guard", (*GUARD, *LINES, *ACROSS)),
     ("safety/guard/across_axes", ACROSS),
     ("safety/guard/bounds", ("safety/test_guard_bounds",)),
@@ -85,12 +85,12 @@ NONE: Final = ("diff_drive/plant/*", "diff_drive/bench_setup", "diff_drive/cases
 
 
 def targets() -> Iterator[str]:
-    """Yield the modules, in the order of the rooms."""
+    """Yield the modules, in the order of the packages."""
     ours = ROOT / "firmware_bridge"
     files = [(file, ours) for file in ours.rglob("*.py")]
     files += [(file, file.parents[1]) for file in ROOT.glob("examples/*/src/*/*.py")]
     names = sorted(str(file.relative_to(above).with_suffix("")) for file, above in files)
-    for pattern, _ in ROOMS:
+    for pattern, _ in PACKAGES:
         for name in names:
             if _row_of(name) == pattern and next(mutants(name), None) is not None:
                 yield name
@@ -98,7 +98,7 @@ def targets() -> Iterator[str]:
 
 def tests_of(target: str) -> tuple[Path, ...]:
     """Return the files of tests that must notice a target's mutants."""
-    patterns = dict(ROOMS)[_row_of(target)]
+    patterns = dict(PACKAGES)[_row_of(target)]
     files = (file for pattern in patterns for file in sorted(TESTS.glob(f"{pattern}.py")))
     return tuple(
         dict.fromkeys(
@@ -112,7 +112,7 @@ def tests_of(target: str) -> tuple[Path, ...]:
 
 def named_for(target: str) -> tuple[Path, ...]:
     """Return those of them that the table names, one by one."""
-    return tuple(TESTS / f"{name}.py" for name in dict(ROOMS)[_row_of(target)] if "*" not in name)
+    return tuple(TESTS / f"{name}.py" for name in dict(PACKAGES)[_row_of(target)] if "*" not in name)
 
 
 def hashes_of(target: str) -> tuple[str, str, str]:
@@ -128,7 +128,7 @@ def hashes_of(target: str) -> tuple[str, str, str]:
 def _row_of(target: str) -> str:
     if any(fnmatch(target, pattern) for pattern in NONE):
         return ""
-    return next((pattern for pattern, _ in ROOMS if fnmatch(target, pattern)), "")
+    return next((pattern for pattern, _ in PACKAGES if fnmatch(target, pattern)), "")
 
 
 def _hash(files: Sequence[Path]) -> str:

@@ -6,7 +6,7 @@ import pytest
 
 from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.robot_types import find
-from firmware_bridge.safety.guard.shield_words import (
+from firmware_bridge.safety.guard.shield_commands import (
     READERS,
     Board,
     Inputs,
