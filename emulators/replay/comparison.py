@@ -2,7 +2,8 @@
 
 Frames are compared in their order and at their instants. A datagram link delays, loses and overtakes, and a
 recording has a message's time of arrival: so each recorded message must be among those sent before, found by
-its sequence number. The link's name in the recording does not count.
+its sequence number. Each recipient has its own sequence numbers, and a recording does not state recipients: a
+message of any of them will do. The link's name in the recording does not count.
 """
 
 from collections import deque
@@ -108,16 +109,17 @@ class Messages:
         self.compared = 0
         self._expected = deque(recorded)
         self._sender = sender
-        self._sent: list[deque[Carried]] = [deque() for _ in range(_SEQUENCE_NUMBERS)]
-        """Sent messages by sequence number; those that were recorded, and all before them, are dropped."""
+        self._sent: dict[int, list[deque[Carried]]] = {}
+        """Sent messages by recipient and sequence number; the newest that may have arrived is the first."""
         self._found: Difference | None = None
 
     def take(self, now: Nanoseconds, sender: str, packet: Packet) -> None:
         """Keep the messages of a datagram until their arrival is due."""
         if sender == self._sender:
             for message in mavlink_messages(packet.payload):
-                sequence = mavlink_origin(message)[2]
-                self._sent[sequence].append(Carried(now, OPERATOR, sender, Packet(OPERATOR, 0, message)))
+                numbers = self._sent.setdefault(packet.address, [deque() for _ in range(_SEQUENCE_NUMBERS)])
+                carried = Carried(now, OPERATOR, sender, Packet(OPERATOR, 0, message))
+                numbers[mavlink_origin(message)[2]].append(carried)
 
     def differences(self, now: Nanoseconds) -> Iterable[Difference]:
         """Return what differs among the messages that had arrived before `now`."""
@@ -126,20 +128,22 @@ class Messages:
             if wanted.at + RESOLUTION > now:
                 break
             self._expected.popleft()
-            came = self._newest(mavlink_origin(wanted.packet.payload)[2], wanted.at + RESOLUTION)
-            if came is None or came.packet != wanted.packet:
-                self._found = Difference(Sent(wanted, self._sender), came)
-            else:
+            sequence, before = mavlink_origin(wanted.packet.payload)[2], wanted.at + RESOLUTION
+            came = [_newest(numbers[sequence], before) for numbers in self._sent.values()]
+            if any(one is not None and one.packet == wanted.packet for one in came):
                 self.compared += 1
+            else:
+                nearest = max(filter(None, came), key=lambda one: one.at, default=None)
+                self._found = Difference(Sent(wanted, self._sender), nearest)
         return () if self._found is None else (self._found,)
 
-    def _newest(self, sequence: int, before: Nanoseconds) -> Carried | None:
-        """Return the last message with this number that was sent before an instant."""
-        sent = self._sent[sequence]
-        # Sequence numbers repeat after 256 messages: of those sent in time the last one counts.
-        while len(sent) > 1 and sent[1].at < before:
-            sent.popleft()
-        return sent[0] if sent and sent[0].at < before else None
+
+def _newest(sent: deque[Carried], before: Nanoseconds) -> Carried | None:
+    """Return the last of a recipient's messages with one number that was sent before an instant."""
+    # Sequence numbers repeat after 256 messages: of those sent in time the last one counts.
+    while len(sent) > 1 and sent[1].at < before:
+        sent.popleft()
+    return sent[0] if sent and sent[0].at < before else None
 
 
 def first(comparisons: Sequence[Comparison], now: Nanoseconds) -> Difference | None:

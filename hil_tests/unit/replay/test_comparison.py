@@ -117,6 +117,27 @@ def test_a_sequence_number_that_comes_again_is_the_newest() -> None:
     assert comparison.compared == 2
 
 
+@pytest.mark.parametrize("recorded", ["a", "b"])
+def test_each_recipient_has_its_own_sequence_numbers(recorded: str) -> None:
+    comparison = Messages([sent(10 * MILLISECOND, message(7, recorded))], BRIDGE)
+    for recipient, text in enumerate("ab"):
+        comparison.take(
+            recipient * MILLISECOND, BRIDGE, Packet(OPERATOR, recipient, message(7, text).payload)
+        )
+    assert first([comparison], SECOND) is None
+    assert comparison.compared == 1
+
+
+def test_what_one_recipient_was_sent_long_ago_proves_nothing_of_another() -> None:
+    comparison = Messages([sent(9 * SECOND, message(7, "old"))], BRIDGE)
+    comparison.take(0, BRIDGE, Packet(OPERATOR, 1, message(7, "old").payload))
+    comparison.take(8 * SECOND, BRIDGE, Packet(OPERATOR, 1, message(263, "new").payload))
+    found = first([comparison], 10 * SECOND)
+    assert found is not None
+    assert found.came is not None
+    assert found.came.at == 8 * SECOND
+
+
 ROWS = [
     (0x000, BRIDGE), (0x080, BRIDGE), (0x601, BRIDGE), (0x503, BRIDGE), (0x764, BRIDGE), (0x7E5, BRIDGE),
     (0x703 | REMOTE, BRIDGE), (0x181, "left"), (0x582, "right"), (0x083, "steer"), (0x704, "lift"),
