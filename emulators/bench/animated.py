@@ -1,4 +1,4 @@
-"""A page that plays a run's path: where the robot was, how fast, and what held it, by a slider over time.
+"""A page that plays a run's path: the robot's place, speed and active interlocks, by a slider over time.
 
 It needs no other file and no network: rows of the table as JSON, and a few lines of script.
 """

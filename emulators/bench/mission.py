@@ -13,7 +13,7 @@ from typing import Annotated, Self
 from pydantic import AfterValidator, Field, ValidationError, create_model, model_validator
 
 from emulators.bench.bench_setup import BenchSetup
-from emulators.bench.faults import FaultTable, misfits
+from emulators.bench.faults import ROBOT, FaultTable, misfits
 from emulators.bench.piloted import Pilot, by_hand
 from emulators.bench.step import (
     Finite,
@@ -138,7 +138,7 @@ def parse(text: str, file: str, robot: AnyRobot, bench_setup: BenchSetup) -> Mis
     # With the robot's own step, so that a wrong key is reported with its near names.
     model = create_model("Mission", __base__=Mission, step=(steps, ...))
     try:
-        mission = model.model_validate(table)
+        mission = model.model_validate(table, context={ROBOT: robot})
     except ValidationError as error:
         raise MissionFileError(file, *problems_of(error, model)) from error
     problems = (*cannot_say(mission, robot, bench_setup), *starmap(Problem, misfits(mission.fault, robot)))

@@ -1,4 +1,4 @@
-"""A run as one page of HTML that needs no other file: what was measured, what held, what was wrong."""
+"""A run as one page of HTML that needs no other file: measurements, active interlocks, what was wrong."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
@@ -40,8 +40,8 @@ def beginning(title: str, again: str, rows: Iterable[Sequence[str]]) -> Iterator
 
 
 def active(events: Sequence[InterlockEntry]) -> Iterator[str]:
-    """Yield the interlocks that held."""
-    yield "<h2>Interlocks that held</h2>"
+    """Yield the active interlocks."""
+    yield "<h2>Active interlocks</h2>"
     yield table(ACTIVE, map(_active, events), SPAN) if events else "<p>none</p>"
 
 

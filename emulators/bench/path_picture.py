@@ -43,7 +43,7 @@ def path_picture(figure: Figure, samples: Samples, events: Sequence[InterlockEve
             edgecolor="white",
             linewidth=0.6,
             zorder=4,
-            label="a hold began",
+            label="an interlock tripped",
         )
     axes.scatter(
         x[:1], y[:1], s=54, facecolor="white", edgecolor=GREEN, linewidth=2.0, zorder=5, label="start"

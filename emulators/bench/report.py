@@ -1,4 +1,4 @@
-"""A run's summary as tables on the terminal: its numbers, which faults were put on, and what held."""
+"""A run's summary as tables on the terminal: its numbers, its faults, and its active interlocks."""
 
 from collections.abc import Iterator, Mapping
 
@@ -25,7 +25,9 @@ def show(console: Console, summary: Summary, remarks: Mapping[str, str]) -> None
     console.print(measured)
     if summary.faults:
         console.print(_faulted(summary.faults))
-    console.print(_active(summary.interlock_events) if summary.interlock_events else "no interlock held\n")
+    console.print(
+        _active(summary.interlock_events) if summary.interlock_events else "no interlock was active\n"
+    )
 
 
 def numbers(summary: Summary, remarks: Mapping[str, str]) -> Iterator[tuple[str, str, str, str]]:
@@ -96,7 +98,7 @@ def _faulted(faults: tuple[Faulted, ...]) -> Table:
 
 
 def _active(events: tuple[InterlockEntry, ...]) -> Table:
-    table = _over_time("interlocks that held", "interlock", "reason")
+    table = _over_time("active interlocks", "interlock", "reason")
     for event in events:
         table.add_row(*span(event), event.name, event.reason)
     return table

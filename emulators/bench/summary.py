@@ -1,4 +1,4 @@
-"""One run in numbers: what the plant did, what the bridge believed, what held, and what the bus carried."""
+"""One run in numbers: what the plant did, the bridge believed and the bus carried, and active interlocks."""
 
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -190,7 +190,7 @@ def summarize(
 
 
 def entry_of(hold: InterlockEvent) -> InterlockEntry:
-    """Return a hold as it stands in a summary."""
+    """Return an interlock event as it stands in a summary."""
     return InterlockEntry(hold.name, hold.reason, *_span(hold), hold.remedy)
 
 

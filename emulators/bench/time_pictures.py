@@ -1,4 +1,4 @@
-"""A run over time: the robot's own panels, currents, and which interlock held when."""
+"""A run over time: the robot's own panels, currents, and active interlocks."""
 
 import math
 from collections.abc import Sequence
@@ -104,7 +104,7 @@ def interlocks_picture(figure: Figure, samples: Samples, events: Sequence[Interl
     for row, name in enumerate(names):
         rows = [event for event in events if event.name == name]
         bars = [(to_seconds(event.began), _seconds_active(event, end)) for event in rows]
-        shortest = end / 400.0  # so that a hold of one cycle is seen at all
+        shortest = end / 400.0  # so that an event of one cycle is seen at all
         axes.broken_barh(
             [(began, max(length, shortest)) for began, length in bars],
             (row - 0.2, 0.62),
@@ -125,7 +125,7 @@ def interlocks_picture(figure: Figure, samples: Samples, events: Sequence[Interl
     axes.set_yticks(range(len(names) + 1), [name.replace("_", " ") for name in names] + ["(armed)"])
     axes.set_ylim(len(names) + 0.6, -0.6)
     axes.grid(visible=False, axis="y")
-    axes.set(title="Which interlock held, and when", xlabel="time [s]")
+    axes.set(title="Active interlocks", xlabel="time [s]")
     _finish_time(axes, samples)
 
 
@@ -172,7 +172,7 @@ def _shade(axes: Axes, events: Sequence[InterlockEvent], samples: Samples) -> No
             ended = max(ended, shaded.pop()[1])
         shaded.append((began, ended))
     for index, (began, ended) in enumerate(shaded):
-        label = "a hold" if index == 0 else None
+        label = "active interlock" if index == 0 else None
         axes.axvspan(began, ended, color=SKY, alpha=0.16, linewidth=0, label=label)
 
 

@@ -119,6 +119,11 @@ def new(
     # The robot file keeps within the drive: the motor could bear more.
     if wanted > given:
         say(f"the motor's {wanted:g} A are more than an EPOS2 {device} gives: {given:g} A are written")
+    if specified.motor.kind == "ec" and specified.motor.pole_pairs is None:
+        say(
+            f"no source states the pole pairs of {specified.motor.title}: set 0x6410:3 in EPOS Studio, or "
+            f"write pole_pairs beside motor_type in src/{name}/{name}.toml"
+        )
     say(f"{target}: {len(paths)} files; before it moves check what src/{name}/{name}.toml marks as assumed")
     say(f"next: pip install -e {target}")
     say(f"then: firmware-bridge bench {name}")

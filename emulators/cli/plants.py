@@ -1,6 +1,6 @@
 """The plants' commands: `fmu list`, `fmu show`, `fmu build`, `fmu check`."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final, TypeAlias
 
@@ -202,15 +202,16 @@ def check(
     problems = [*found.problems, *(reason for one in named for reason in lacking[one.name])]
     rows = {
         "verdict": _verdict(problems, fits),
-        "model": f"{found.model}, {found.variables} variables",
-        "FMI": f"{found.version}, {' and '.join(found.interfaces) or 'no interface'}",
-        "description": _count_of(len(found.description), "valid"),
-        "start": "fails" if found.start else "loads, initializes, takes a step",
+        "model": f"{found.model}, {found.variables} variables, FMI {found.version}, "
+        f"{' and '.join(found.interfaces) or 'no interface'}",
+        "checked": f"description: {_count_of(len(found.description), 'valid')}; start: "
+        f"{'fails' if found.start else 'loads, initializes, takes a step'}",
         "bits": bits[found.fingerprint],
-        **{name: _lacks(reasons) for name, reasons in lacking.items() if reasons and not named},
     }
+    if not named and len(fits) < len(lacking):
+        rows["other robots"] = _lacks(lacking)
     for name, value in rows.items():
-        say(f"{name + ':':<13}{value}")
+        say(f"{name + ':':<14}{value}")
     # Each once: a robot may lack what the description already reports.
     for problem in dict.fromkeys(problems):
         say(f"problem: {problem}", err=True)
@@ -245,10 +246,10 @@ def _verdict(problems: list[str], fits: list[str]) -> str:
     return f"good; it fits {', '.join(fits)}" if fits else "good; it fits the bench of no installed robot"
 
 
-def _lacks(reasons: tuple[str, ...]) -> str:
-    """Return what a robot misses, shortened."""
-    more = f", and {len(reasons) - 1} more" if len(reasons) > 1 else ""
-    return f"does not fit: {reasons[0]}{more}"
+def _lacks(lacking: Mapping[str, tuple[str, ...]]) -> str:
+    """Return how much each robot lacks that it does not fit, in one line."""
+    counted = ", ".join(f"{name} lacks {len(reasons)}" for name, reasons in lacking.items() if reasons)
+    return f"{counted}; --robot NAME lists it"
 
 
 def _count_of(count: int, good: str) -> str:

@@ -7,7 +7,7 @@ from typing import Final
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.motors import Motor
 from emulators.starter.tuning import VELOCITY_P_UNIT, velocity_gains
-from firmware_bridge.robot.settings.epos2 import Epos2Device
+from firmware_bridge.robot.settings.epos2 import BRUSHED, SINUSOIDAL, Epos2Device
 
 BRIDGE_NODE: Final = 100
 TOP_MARGIN: Final = 1.02
@@ -99,6 +99,7 @@ def worked_out(given: Specification) -> dict[str, str]:
         "device": given.device.value,
         "product_code": f"0x{(PROFILES[given.device].hardware_version or 0) << 16:08X}",
         "motor": motor.title,
+        "winding": _winding(motor),
         "encoder_lines": given.encoder_lines,
         "continuous_ma": continuous_ma,
         "peak_ma": min(2 * continuous_ma, given.device.peak_ma),
@@ -148,6 +149,11 @@ def _must_be_possible(given: Specification, fastest: float) -> None:
         raise SpecificationError(
             f"--wheel-radius {radius:g} is not below --track {track:g}: both are in meters"
         )
+    if given.voltage_v > given.device.supply_v:
+        raise SpecificationError(
+            f"--voltage {given.voltage_v:g}: an EPOS2 {given.device} takes {given.device.supply_v} V at most:"
+            " take another --device"
+        )
     usable = USABLE_SPEED * given.motor.no_load_speed(given.voltage_v) / gear
     if fastest > usable:
         raise SpecificationError(
@@ -161,6 +167,17 @@ def _must_be_possible(given: Specification, fastest: float) -> None:
             f"--gear {gear:g}: at the speed limit the motor turns with {fastest * gear * RPM:.2g} rpm, it "
             f"can turn with {usable * gear * RPM:.0f}; a ratio is turns of the motor for one of the wheel"
         )
+
+
+def _winding(motor: Motor) -> str:
+    """Return the robot file's lines for the kind of the motor's winding."""
+    if motor.kind == "dc":
+        return f"motor_type = {BRUSHED}                  # brushed DC"
+    lines = [f"motor_type = {SINUSOIDAL}                 # EC, sinusoidal commutation"]
+    # Without a source the drive keeps what EPOS Studio has set.
+    if motor.pole_pairs is not None:
+        lines.append(f"pole_pairs = {motor.pole_pairs}")
+    return "\n".join(lines)
 
 
 def _number(value: float) -> str:

@@ -11,7 +11,6 @@ from pydantic import ValidationError
 from emulators.bench.bench_setup import bench_setup_of
 from emulators.bench.columns import Samples
 from emulators.bench.faults import KINDS, FaultError, read
-from emulators.bench.faults.failures import failures_of
 from emulators.bench.mission import Mission
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.records import FaultRecord, InterlockEvent
@@ -22,7 +21,7 @@ from emulators.testing.hand import FOR_GOOD_S, TestOperator
 from emulators.testing.recording import Recording
 from firmware_bridge import renamed
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.problems import near, nearest, problems_of
+from firmware_bridge.robot.problems import problems_of
 from firmware_bridge.units import SECOND, Nanoseconds, from_seconds, to_seconds
 
 ARM_S: Final = 3.0
@@ -163,22 +162,13 @@ class VirtualRig:
         """Let a fault happen from now on: `fault("supply_sag", to_v=9, for_s=0.5)`."""
         table = {"kind": kind, "at_s": self.now, **keys}
         try:
-            fault = read(table)
+            fault = read(table, self.robot)
             self.bench.faults.plan([fault])
         except ValidationError as error:
             if kind not in KINDS:
-                has = list(dict.fromkeys(failure.kind for failure in failures_of(self.robot)))
-                known = has if nearest(kind, has) or not nearest(kind, KINDS) else list(KINDS)
-                message = f"no such fault as '{kind}'; {near(kind, known, most=len(known))}"
-                raise RigError(f"{message} (firmware-bridge faults {self.robot.name} lists them)") from error
-            among = " or ".join(KINDS[kind].fault.among.of(self.robot)) or "no one here"
-            message = "; ".join(
-                f"{kind} needs node: {among}"
-                if key == "node" and "required" in problem
-                else f"{key}: {problem}"
-                for key, problem in problems_of(error, KINDS[kind].fault)
-            )
-            raise RigError(f"{self.robot.name} cannot have the fault '{kind}': {message}") from error
+                raise RigError(error.errors()[0]["msg"]) from error
+            stated = "; ".join(f"{key}: {problem}" for key, problem in problems_of(error, KINDS[kind].fault))
+            raise RigError(f"{self.robot.name} cannot have the fault '{kind}': {stated}") from error
         except FaultError as error:
             message = "; ".join(f"{key.partition('.')[2] or key}: {what}" for key, what in error.problems)
             raise RigError(f"{self.robot.name} cannot have the fault '{kind}': {message}") from error

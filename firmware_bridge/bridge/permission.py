@@ -72,7 +72,7 @@ class Permission:
         self.neutral_required = True
         """The operator was away, or another one drives, and has not let his controls go since."""
         self.untrusted: set[str] = set()
-        """The axes whose power a hold has taken; they get it back in the same way."""
+        """The axes whose power an interlock has disabled; they get it back in the same way."""
 
     @property
     def rules(self) -> Rules:

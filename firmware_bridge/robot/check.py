@@ -9,6 +9,7 @@ from typing import Final, TypeAlias
 
 from firmware_bridge.robot.problems import Problem, near, nearest
 from firmware_bridge.robot.settings.capture import CaptureDriver
+from firmware_bridge.robot.settings.epos2 import Epos2Device
 from firmware_bridge.units import RPM_PER_RAD_S
 
 Raw: TypeAlias = Mapping[str, object]
@@ -41,6 +42,7 @@ def cross_checked(table: Raw, roles: Mapping[str, str]) -> Iterator[Problem]:
         yield from _in_time(name, link, table.get("cycle_ms"))
         yield from _stopping(name, link, axes, roles)
     yield from _battery(table, sensors)
+    yield from _supplied(table, axes)
     yield from _captured(axes, sensors, links)
     names = [axis.get("name") for axis in axes]
     # Other tables refer to axes by name: a missing or doubled one is reported already, and would be so again.
@@ -138,6 +140,19 @@ def _battery(table: Raw, rows: list[Raw]) -> Iterator[Problem]:
         yield Problem("battery.sensor", f"no sensor '{sensor}'; {near(sensor, sensors)}")
     elif any(row.get("name") == sensor and "body" in _within(row, "settings") for row in rows):
         yield Problem("battery.sensor", f"'{sensor}' is a captured body, which has no voltage")
+
+
+def _supplied(table: Raw, axes: list[Raw]) -> Iterator[Problem]:
+    """Check that each drive takes the battery's voltage."""
+    nominal = _within(table, "battery").get("nominal_v")
+    types = {one.value: one.supply_v for one in Epos2Device}
+    for axis in axes:
+        device = _within(axis, "settings").get("device")
+        most = types.get(device) if isinstance(device, str) else None
+        if most is not None and isinstance(nominal, int | float) and nominal > most:
+            problem = f"{nominal:g} V: the EPOS2 {device} of '{axis.get('name')}' takes {most} V at most"
+            yield Problem("battery.nominal_v", problem)
+            return
 
 
 def _captured(axes: list[Raw], sensors: list[Raw], links: Mapping[str, Raw]) -> Iterator[Problem]:

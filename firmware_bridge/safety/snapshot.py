@@ -196,7 +196,7 @@ class Decision(Immutable, Generic[M]):
     ) -> None:
         self.interlock_events: Final = events
         self.stopped: Final = stopped
-        """The groups that a hold stops."""
+        """The groups that an active interlock stops."""
         self.allowed: Final = allowed
         """The permitted motion, at the pace of the body's ramp; a stopped group rests in it."""
         self.requested: Final = requested

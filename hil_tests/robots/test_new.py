@@ -213,6 +213,7 @@ def test_the_friction_that_it_writes_is_more_than_its_plant_has_and_less_than_a_
             ("mickey", "--motor", "nonsense"),
             "there are RE25, RE40, RE50, and 171 by order number or a part of",
         ),
+        (("mickey", "--voltage", "70.5"), "--voltage 70.5: an EPOS2 70/10 takes 70 V at most: take another"),
         (("mickey", "--gear", "200"), "take a smaller --gear, or less --speed"),
         (("mickey", "--encoder-lines", "1"), "--encoder-lines must be 16 to"),
         (("mickey", "--dir", "."), "is there already; take another --dir"),
@@ -290,3 +291,28 @@ def test_no_motor_is_given_more_than_its_drive_has_and_that_is_stated(
     continuous = min(5770, device.continuous_ma)
     assert currents == {(continuous, min(2 * continuous, device.peak_ma))}
     assert ("are more than an EPOS2" in reported.output) is (device.continuous_ma < 5770)
+
+
+@pytest.mark.parametrize(
+    ("order", "pole_pairs", "reported"),
+    [
+        ("397172", 8, ""),
+        (
+            "651607",
+            None,
+            "no source states the pole pairs of EC 45 flat 50W 24V (2025) (651607): set 0x6410:3",
+        ),
+    ],
+)
+def test_an_ec_motor_is_commutated_as_one(
+    order: str, pole_pairs: int | None, reported: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ["new", "mouse", "--wheel-radius", "0.08", "--track", "0.35", "--motor", order]
+    written = CliRunner().invoke(program, words)
+    assert written.exit_code == 0, written.output
+    file = tmp_path / "mouse/src/mouse/mouse.toml"
+    axes = tomllib.loads(file.read_text(encoding="utf-8"))["axes"]
+    found = {(axis["settings"]["motor_type"], axis["settings"].get("pole_pairs")) for axis in axes}
+    assert found == {(10, pole_pairs)}
+    assert reported in written.output

@@ -2,7 +2,7 @@
 
 from emulators.bench.faults.fault import CABLE_ORDER, Fault, Lasting
 from emulators.bench.faults.kind import FaultKind
-from emulators.bench.faults.reading import WRONG, FaultTable, misfits, read
+from emulators.bench.faults.reading import ROBOT, WRONG, FaultTable, misfits, read
 from emulators.bench.faults.schedule import FaultError, Faults
 from emulators.bench.faults.site import BRIDGE, OPERATOR_STATION, SECOND_BRIDGE, Site
 from emulators.bench.faults.table import KINDS
@@ -12,6 +12,7 @@ __all__ = [
     "CABLE_ORDER",
     "KINDS",
     "OPERATOR_STATION",
+    "ROBOT",
     "SECOND_BRIDGE",
     "WRONG",
     "Fault",

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from emulators.bench.faults import KINDS, read
 from emulators.bench.faults.kind import FaultKind
 from emulators.bench.faults.severe import SEVERE
+from emulators.bench.faults.table import KINDS
 from firmware_bridge.robot import AnyRobot
 
 
@@ -41,7 +41,8 @@ def failures_of(robot: AnyRobot) -> tuple[Failure, ...]:
             for place, keys in _places(kind, robot):
                 failure = Failure(kind.name, place, {**how, **keys}, kind.lasts)
                 # A fault that this robot cannot have is no row: the fault's own check decides.
-                if not tuple(read({"kind": kind.name, "at_s": 0.0, **failure.keys}).problems(robot)):
+                fault = kind.fault.model_validate({"at_s": 0.0, **failure.keys})
+                if not tuple(fault.problems(robot)):
                     found.append(failure)
     return tuple(found)
 

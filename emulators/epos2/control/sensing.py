@@ -22,7 +22,6 @@ from firmware_bridge.wire.epos2.address import Address
 
 CONTROLLER_STRUCTURE: Final = Address(0x2220)
 HALL_PATTERN: Final = Address(0x2022)
-POLE_PAIRS: Final = Address(0x6410, 3)
 ENCODER_INVERTED: Final = 1 << 0
 HALL_INVERTED: Final = 1 << 1
 UNSUPERVISED: Final = 1 << 0
@@ -41,7 +40,7 @@ _SHAPING: Final = (
     at.SENSOR_TYPE,
     SENSOR_POLARITY,
     at.MOTOR_TYPE,
-    POLE_PAIRS,
+    at.POLE_PAIRS,
     CONTROLLER_STRUCTURE,
     at.MIN_POSITION_LIMIT,
     at.MAX_POSITION_LIMIT,
@@ -72,7 +71,7 @@ class Sensing:
         # Hall sensors alone (type 3) have no encoder cable that could be supervised.
         axis.encoder_supervised = int(supervised and kind != HALL_ONLY)
         axis.index_supervised = int(kind in WITH_INDEX)
-        axis.hall_pole_pairs = max(1, value(POLE_PAIRS)) if motor in BRUSHLESS else 0
+        axis.hall_pole_pairs = max(1, value(at.POLE_PAIRS)) if motor in BRUSHLESS else 0
         axis.hall_angle_supervised = int(motor == SINUS and not inverted & HALL_INVERTED)
         axis.auxiliary_supervised = int(value(CONTROLLER_STRUCTURE) != 0)
         axis.lowest_qc, axis.highest_qc = value(at.MIN_POSITION_LIMIT), value(at.MAX_POSITION_LIMIT)

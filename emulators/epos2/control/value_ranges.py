@@ -46,7 +46,6 @@ GAINS: Final = (
     *(at.POSITION_P, at.POSITION_I, at.POSITION_D),
 )
 """Signed in the EDS, without a range."""
-POLE_PAIRS: Final = Address(0x6410, 3)
 
 VALUE_RANGES: Final = (
     ValueRange(Address(0x1012), (TIME_STAMP,), _DOCUMENTED, _INTERPOLATION),
@@ -76,7 +75,7 @@ VALUE_RANGES: Final = (
     ValueRange(at.MOTOR_TYPE, (1, 10, 11), _DOCUMENTED, LIBRARY),
     # A gain below 0 makes a regulator run away, a motor without poles does not turn, a move at 0 never ends.
     *(ValueRange(gain, range(1 << 15), Provenance.ASSUMED, ASSUMPTION) for gain in GAINS),
-    ValueRange(POLE_PAIRS, range(1, 1 << 8), Provenance.ASSUMED, ASSUMPTION),
+    ValueRange(at.POLE_PAIRS, range(1, 1 << 8), Provenance.ASSUMED, ASSUMPTION),
     ValueRange(at.PROFILE_VELOCITY, range(1, 1 << 32), Provenance.ASSUMED, ASSUMPTION),
 )
 

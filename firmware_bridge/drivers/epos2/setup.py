@@ -217,6 +217,9 @@ def _protection(axis: Axis) -> Iterator[SetupObject]:
     yield SetupObject(
         at.MOTOR_TYPE, U16, motor.motor_type, "motor type", "how the winding is driven", read_back=True
     )
+    if motor.pole_pairs is not None:
+        why = "the winding is commutated by them"
+        yield SetupObject(at.POLE_PAIRS, U8, motor.pole_pairs, "pole pairs", why, read_back=True)
     for address, kind, value, name, why in (
         (at.ENCODER_PULSES, U32, motor.encoder_lines, "encoder lines", "every position is counted in them"),
         (at.CONTINUOUS_CURRENT_LIMIT, U16, motor.continuous_current_ma, "continuous current limit", protects),

@@ -34,7 +34,7 @@ UNANSWERED_MS: Final = {Epos2Driver.CAN: 200, Epos2Driver.SERIAL: 700}
 
 
 class Epos2Device(StrEnum):
-    """The type of a drive, as maxon names it behind the word EPOS2."""
+    """The type of a drive, as maxon names it behind the word EPOS2: supply in V, continuous current in A."""
 
     EPOS2_24_2 = "24/2"
     EPOS2_24_5 = "24/5"
@@ -43,8 +43,13 @@ class Epos2Device(StrEnum):
     EPOS2_70_10 = "70/10"
 
     @property
+    def supply_v(self) -> int:
+        """Its highest supply voltage, by the type's name."""
+        return int(self.value.partition("/")[0])
+
+    @property
     def continuous_ma(self) -> int:
-        """The current that it can supply continuously: the type's name gives it, in A."""
+        """The current that it can supply continuously, by the type's name."""
         return 1000 * int(self.value.partition("/")[2])
 
     @property
@@ -197,7 +202,9 @@ class Profile(Table):
     max_following_error_qc: Moving
 
 
-MOTOR_TYPES: Final = MappingProxyType({1: "brushed DC", 10: "EC, sinusoidal", 11: "EC, block"})
+BRUSHED: Final = 1
+SINUSOIDAL: Final = 10
+MOTOR_TYPES: Final = MappingProxyType({BRUSHED: "brushed DC", SINUSOIDAL: "EC, sinusoidal", 11: "EC, block"})
 """Values of 0x6402 (EPOS2 firmware specification)."""
 
 
@@ -210,6 +217,8 @@ class Epos2Axis(Table):
     motor: str
     encoder_lines: Annotated[int, Field(ge=16, le=2_500_000)]
     motor_type: Unsigned16
+    pole_pairs: Annotated[int, Field(ge=1, le=255)] | None = None
+    """Of an EC motor, for 0x6410:3; None: the drive keeps what it has."""
     continuous_current_ma: Unsigned16
     peak_current_ma: Unsigned16
     thermal_time_constant_100ms: Annotated[int, Field(ge=1, le=5400)]
@@ -229,6 +238,12 @@ class Epos2Axis(Table):
             known = ", ".join(f"{number} ({what})" for number, what in MOTOR_TYPES.items())
             raise ValueError(f"0x6402 knows {known}")
         return motor_type
+
+    @model_validator(mode="after")
+    def _brushes_have_no_poles(self) -> Self:
+        if self.motor_type == BRUSHED and self.pole_pairs is not None:
+            raise ValueError(f"pole_pairs = {self.pole_pairs}: motor_type {BRUSHED} is brushed, and has none")
+        return self
 
     @model_validator(mode="after")
     def _the_drive_gives_it(self) -> Self:

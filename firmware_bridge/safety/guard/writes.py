@@ -178,6 +178,8 @@ def _protection(axis: Axis) -> Iterator[tuple[Address, Values]]:
     drive = axis.epos2
     profile = drive.profile
     yield at.MOTOR_TYPE, _exactly(U16, drive.motor_type)
+    if drive.pole_pairs is not None:
+        yield at.POLE_PAIRS, _exactly(U8, drive.pole_pairs)
     yield at.ENCODER_PULSES, _exactly(U32, drive.encoder_lines)
     yield at.CONTINUOUS_CURRENT_LIMIT, _within(U16, 0, drive.continuous_current_ma)
     yield at.OUTPUT_CURRENT_LIMIT, _within(U16, 0, drive.peak_current_ma)

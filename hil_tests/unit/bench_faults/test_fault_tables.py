@@ -109,7 +109,11 @@ AT = "at_s = 2.0\n"
         ("\n[[fault]]\nat_s = 1.0", "fault[0].kind: which fault? there are: frame_error, "),
         (table("frame_los", AT), "fault[0].kind: no such fault as 'frame_los'; perhaps 'frame_loss'?"),
         (table("nonsense", AT), "fault[0].kind: no such fault as 'nonsense'; there are: frame_error, "),
-        (table("frame_loss"), "fault[0].at_s: Field required"),
+        (
+            table("motor_cable_of", AT),
+            "fault[0].kind: no such fault as 'motor_cable_of'; rars cannot have 'motor_cable_off'; there a",
+        ),
+        (table("frame_loss"), "fault[0].at_s: frame_loss needs at_s"),
         (table("frame_loss", "at_s = -1"), "fault[0].at_s: "),
         (table("frame_loss", "at_s = nan"), "fault[0].at_s: "),
         (table("frame_loss", "at_s = 10.0"), "fault 'frame_loss' at 10 s is not before the end"),
@@ -139,7 +143,10 @@ AT = "at_s = 2.0\n"
             table("drive_restart", f'{AT}node = "bridge"'),
             "fault[0].node: 'bridge' is not a drive; there are: left",
         ),
-        (table("drive_restart", AT), "fault[0].node: Field required"),
+        (
+            table("drive_restart", AT),
+            "fault[0].node: drive_restart needs node: left or right or steer or lift",
+        ),
         (
             table("can_cut", f'{AT}between = ["left", "steer"]'),
             "fault[0].between: these two are not neighbors",
@@ -160,7 +167,7 @@ AT = "at_s = 2.0\n"
         (table("supply_sag", f"{AT}to_v = 24.0"), "fault[0].to_v: 24 V is no sag of a supply of 24 V"),
         (table("supply_surge", f"{AT}to_v = 20.0"), "fault[0].to_v: 20 V is no surge of a supply of 24 V"),
         (table("logic_supply_sag", f"{AT}node = 1\nto_v = 5.0"), "fault[0].to_v: "),
-        (table("datagram_late", AT), "fault[0].by_ms: Field required"),
+        (table("datagram_late", AT), "fault[0].by_ms: datagram_late needs by_ms"),
         (table("datagram_loss", f'{AT}sender = "robot"'), "fault[0].sender: "),
         (table("serial_unplugged", AT), "fault[0].kind: rars is not on a serial line"),
         (

@@ -94,9 +94,17 @@ def test_a_drive_s_currents_are_those_of_the_emulated_one(device: Epos2Device) -
             (("peak_current_ma = 11540", "peak_current_ma = 25001"),),
             "peak_current_ma = 25001: an EPOS2 70/10 takes 25000",
         ),
+        (
+            (("nominal_v = 24.0", "nominal_v = 70.5"),),
+            "battery.nominal_v: 70.5 V: the EPOS2 70/10 of 'left' takes 70 V at most",
+        ),
+        (
+            (("motor_type = 1 ", "pole_pairs = 7\nmotor_type = 1 "),),
+            "pole_pairs = 7: motor_type 1 is brushed",
+        ),
     ],
 )
-def test_currents_beyond_the_drive_s_are_reported_with_what_it_takes(
+def test_what_is_beyond_the_drive_or_the_motor_is_reported_with_its_bound(
     changes: tuple[tuple[str, str], ...], reported: str
 ) -> None:
     assert reported in problems(DIFF_DRIVE, *changes)

@@ -47,7 +47,11 @@ OTHERS: Final = (
     *("axes.*.top_speed", "axes.*.settings.acceleration", "axes.*.settings.max_pwm"),
     *("axes.*.settings.slope_pwm_s", "axes.*.settings.full_steps_s", "axes.*.settings.full_speed_rpm"),
     *("axes.*.settings.continuous_current_ma", "axes.*.settings.peak_current_ma"),
-    *("axes.*.settings.motor_type", "axes.*.settings.thermal_time_constant_100ms"),
+    *(
+        "axes.*.settings.motor_type",
+        "axes.*.settings.pole_pairs",
+        "axes.*.settings.thermal_time_constant_100ms",
+    ),
     *(
         "axes.*.settings.node",
         "axes.*.settings.joint",
