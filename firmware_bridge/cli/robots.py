@@ -8,6 +8,7 @@ from typing import Annotated, Final
 
 import typer
 from rich.table import Table
+from rich.text import Text
 
 from firmware_bridge import robot_types
 from firmware_bridge.cli.commands import command, completing
@@ -23,9 +24,9 @@ from firmware_bridge.units import MILLISECOND
 
 EXAMPLES: Final = """Examples:
 
-`firmware-bridge robots`
+`firmware-bridge robots` lists them, a line each.
 
-`firmware-bridge robots rover` checks one of them, `robots my_robot.toml` at a file of your own.
+`firmware-bridge robots rover` shows one in full, `robots my_robot.toml` a file of your own.
 
 `firmware-bridge robots --schema rars > rars.schema.json` gives an editor all keys of such a file."""
 
@@ -54,31 +55,66 @@ def robots(
 ) -> None:
     """List the robots that are installed, each file checked, with all its mistakes at once.
 
-    Lists only those that are named, where some are.
+    A line each; those that are named are shown in full.
     """
     if schema is not None:
         with one_message(RobotFileError):
             say(json.dumps(robot_types.schema_of(schema), indent=2))
         return
-    table = Table(title="robots")
-    for heading in ("robot", "axes", "links", "file", "check"):
-        table.add_column(heading, overflow="fold")
-    wrong = []
-    for name, path in _named(wanted) if wanted else robot_types.robots().items():
+    wrong = _shown(wanted) if wanted else _listed()
+    if wrong:
+        raise refusal("\n".join(map(str, wrong)))
+
+
+def _listed() -> list[Exception]:
+    """Print a line for each installed robot; return what is wrong with the others."""
+    rows, wrong = [("robot", "axes", "check", "devices", "")], list[Exception]()
+    for name in robot_types.robots():
+        try:
+            # With the plant, so that a wrong parameter is reported here and not at the bench's start.
+            robot = robot_types.find(name, plant_too=True)
+        except RobotFileError as error:
+            wrong.append(error)
+            rows.append((name, "", "wrong", "", ""))
+            continue
+        devices = ", ".join(dict.fromkeys(link.driver.value for link in robot.links.values()))
+        rows.append((name, str(len(robot.axes)), "good", devices, robot.title))
+    for name, why in robot_types.unloadable().items():
+        wrong.append(why)
+        rows.append((name, "", "cannot be loaded", "", ""))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    console = terminal()
+    for row in rows:
+        cells = zip(row, widths, strict=True)
+        # The title, which is the last cell, is cut where the terminal is narrow.
+        line = Text("  ".join(f"{cell:{width}}" for cell, width in cells).rstrip())
+        style = {"good": "green", "check": "bold"}.get(row[2], "red")
+        line.highlight_words([row[2]], style)
+        console.print(line, no_wrap=True, overflow="ellipsis")
+    console.print("\nfirmware-bridge robots ROBOT: its axes, links, file and checks", style="dim")
+    return wrong
+
+
+def _shown(wanted: Iterable[str]) -> list[Exception]:
+    """Print each robot that is named in full; return what is wrong with the others."""
+    console, wrong = terminal(), list[Exception]()
+    for name, path in _named(wanted):
         # A file of one's own has the name given in it.
         read = partial(robot_types.find, name) if name else partial(robot_types.load, path)
         try:
-            # With the plant, so that a wrong parameter is reported here and not at the bench's start.
-            table.add_row(*_row(name, read(plant_too=True), path))
+            robot = read(plant_too=True)
         except RobotFileError as error:
             wrong.append(error)
-            table.add_row(name or path.stem, "", "", str(path) if path.name else "", "[red]wrong[/]")
-    for name, why in () if wanted else robot_types.unloadable().items():
-        wrong.append(why)
-        table.add_row(name, "", "", "", "[red]cannot be loaded[/]")
-    terminal().print(table)
-    if wrong:
-        raise refusal("\n".join(map(str, wrong)))
+            console.print(f"{name or path}: [red]wrong[/]")
+            continue
+        grid = Table.grid(padding=(0, 2))
+        grid.add_column(no_wrap=True, style="dim")
+        grid.add_column(overflow="fold")
+        for heading, text in _rows(robot, path):
+            grid.add_row(heading, text)
+        console.print(f"[bold]{name or robot.name}[/]  {robot.title}")
+        console.print(grid)
+    return wrong
 
 
 def _named(wanted: Iterable[str]) -> Iterator[tuple[str, Path]]:
@@ -91,14 +127,22 @@ def _named(wanted: Iterable[str]) -> Iterator[tuple[str, Path]]:
         yield (word, installed.get(word, Path())) if named else ("", path)
 
 
-def _row(name: str, robot: AnyRobot, path: Path) -> tuple[str, str, str, str, str]:
-    axes = "\n".join(f"{axis.settings.number} {axis.title}" for axis in robot.axes)
-    links = "\n".join(_link(robot, name) for name in robot.links)
+def _rows(robot: AnyRobot, path: Path) -> Iterator[tuple[str, str]]:
+    """Yield what is shown of one robot: a heading, and its lines."""
+    yield "axes", "\n".join(f"{axis.settings.number} {axis.title}" for axis in robot.axes)
+    yield "links", "\n".join(_link(robot, name) for name in robot.links)
+    yield "file", str(path)
+    yield "check", "[green]good[/]"
     weaker: dict[str, list[str]] = {}
     for axis, strong, row in robot_types.weaker_rows(robot):
         weaker.setdefault(f"{row.name} in place of {strong.name}", []).append(axis)
-    check = "\n".join(["[green]good[/]", *(f"{what}: {', '.join(axes)}" for what, axes in weaker.items())])
-    return f"{name or robot.name}\n[dim]{robot.title}[/]", axes, links, str(path), check
+    # Checks with the same axes name them once.
+    alike: dict[tuple[str, ...], list[str]] = {}
+    for what, axes in weaker.items():
+        alike.setdefault(tuple(axes), []).append(what)
+    for those, checks in alike.items():
+        whom = "all axes" if len(those) == len(robot.axes) else ", ".join(those)
+        yield "weaker checks", "\n".join((f"{whom}, which lack a report:", *checks))
 
 
 def _link(robot: AnyRobot, name: str) -> str:

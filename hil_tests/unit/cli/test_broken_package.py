@@ -39,7 +39,7 @@ def test_it_is_one_row_among_the_robots(site: Path) -> None:
     rows = [line for line in out.splitlines() if "scout" in line]
     assert len(rows) == 1
     assert "cannot be loaded" in rows[0]
-    assert all(f" {name} " in out for name in ("rars", "rome", "climber", "diff_drive"))
+    assert all(f"\n{name} " in out for name in ("rars", "rome", "climber", "diff_drive"))
     assert complained.startswith(f"firmware-bridge: {WHY}")
 
 
