@@ -32,7 +32,7 @@ def failure_text(rig: VirtualRig, test: str, folder: Path, again: str, *, pictur
 def _lines(rig: VirtualRig, test: str, folder: Path, again: str, *, pictures: bool) -> Iterator[str]:
     yield f"{rig.robot.name}, seed {rig.seed}, at {rig.now:.2f} s of virtual time"
     events = [event for event in rig.interlock_history if event.ended is None or event.ended > rig.began]
-    yield f"holds since it was armed at {to_seconds(rig.began):.2f} s:{'' if events else ' none'}"
+    yield f"interlocks since it was armed at {to_seconds(rig.began):.2f} s:{'' if events else ' none'}"
     yield from (f"  {_span(event.began, event.ended)}  {event.name}: {event.reason}" for event in events)
     if rig.faults:
         yield "faults:"
@@ -77,7 +77,8 @@ def _span(began: Nanoseconds, ended: Nanoseconds | None) -> str:
 
 
 def _wrong(fault: FaultRecord) -> str:
-    return f"{fault.kind} ({', '.join(fault.nodes)}): {fault.title}"
+    titled = f": {fault.title}" if fault.title else ""
+    return f"{fault.kind} ({', '.join(fault.nodes)}){titled}"
 
 
 def _hidden(rig: VirtualRig, fault: FaultRecord) -> str:

@@ -1,7 +1,8 @@
 """Detection of two stations under one system and component: behind a router both come from one place.
 
-A station numbers its frames one after the other. Of two stations the numbers go back and forth, and one that
-was used comes again with another content; a frame that is doubled or overtaken on its way does not look so.
+A station numbers its frames one after the other. Of two stations the numbers go back and forth: by further
+than a frame is overtaken on its way, or, where the two are near, to a number that was used, with another
+content. A frame that is doubled or overtaken does not look so.
 """
 
 from collections import deque
@@ -13,6 +14,12 @@ LEAST: Final = 5
 """So often the numbers go back to one that was used before two stations are seen in that ..."""
 WITHIN: Final[Nanoseconds] = 3 * SECOND
 """... in this time; a station that begins again does it once."""
+FAR: Final = 16
+"""A step back by more than this: a frame that so many others have overtaken would be too old to count."""
+FAR_LEAST: Final = 3
+"""So often the numbers go back that far before two stations are seen in that ..."""
+FAR_WITHIN: Final[Nanoseconds] = SECOND
+"""... in this time."""
 GONE: Final[Nanoseconds] = 2 * SECOND
 """Silence after which a station is gone, or has begun again."""
 NEAR: Final = 32
@@ -24,7 +31,7 @@ _ALL, _HALF = 0x100, 0x80
 class Numbered:
     """The numbers of the frames of one system and component at one place."""
 
-    __slots__ = ("_back", "_first", "_newest", "_next", "_received", "_second", "two")
+    __slots__ = ("_back", "_far", "_first", "_newest", "_next", "_received", "_second", "two")
 
     def __init__(self) -> None:
         self._newest: tuple[int, int] | None = None
@@ -33,6 +40,8 @@ class Numbered:
         """The content of the newest frames, by their numbers as they are counted on."""
         self._back: Final[deque[Nanoseconds]] = deque(maxlen=LEAST)
         """Times of the returns to a number that was used."""
+        self._far: Final[deque[Nanoseconds]] = deque(maxlen=FAR_LEAST)
+        """Times of the steps far back."""
         self._first: tuple[int, Nanoseconds] | None = None
         self._second: tuple[int, Nanoseconds] | None = None
         """The newest frame of who was there first, and of who came later."""
@@ -55,11 +64,13 @@ class Numbered:
         # The same number with other bytes: one station does not count like that.
         if before is not None and step <= 0:
             self._back.append(now)
+        if step < -FAR:
+            self._far.append(now)
         self._newest = number, place
         self._received[place] = content
         if len(self._received) > KEPT:
             del self._received[next(iter(self._received))]
-        self.two = len(self._back) == LEAST and now - self._back[0] <= WITHIN
+        self.two = _often(self._back, now, WITHIN) or _often(self._far, now, FAR_WITHIN)
         return self._is_later(number, now) and self.two
 
     def _is_later(self, number: int, now: Nanoseconds) -> bool:
@@ -79,3 +90,8 @@ class Numbered:
             self._next = (first[0] + 1) % _ALL if after_first else self._next
             self._first, self._second = (first, newest) if later else (newest, second)
         return later
+
+
+def _often(times: deque[Nanoseconds], now: Nanoseconds, within: Nanoseconds) -> bool:
+    """Return whether as many as are counted were within this time."""
+    return len(times) == times.maxlen and now - times[0] <= within

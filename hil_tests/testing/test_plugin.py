@@ -126,7 +126,7 @@ def test_dead_encoder(rig):
     result = run("--robot", "rome", "--no-pictures")
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(
-        ["*encoder_cable_off (one): ; it could not show: its motor stood all that time"]
+        ["*encoder_cable_off (one); it could not show: its motor stood all that time"]
     )
     assert not any("motor_cable_off" in line and "could not show" in line for line in result.outlines)
 

@@ -57,6 +57,8 @@ def state(
     say(_text(drive, overview))
     if command is not None:
         say(f"left so: {command.procedure.leaves}")
+    if overview.next_step:
+        say(f"next:        {overview.next_step}")
 
 
 def _text(drive: OneDrive, overview: Overview) -> str:
@@ -84,6 +86,7 @@ def _record(drive: OneDrive, overview: Overview) -> dict[str, Any]:
         if overview.mode is None
         else {"number": overview.mode.value, "name": title(overview.mode)},
         "network": [each.title for each in overview.network],
+        "next": overview.next_step or None,
         "history": [object_record(history, address) for address in history.addresses],
         "objects": [object_record(standing, address) for address in standing.addresses],
     }

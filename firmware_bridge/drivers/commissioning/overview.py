@@ -3,6 +3,7 @@
 from typing import Final
 
 from firmware_bridge.drivers.commissioning.client import Do, Script
+from firmware_bridge.drivers.commissioning.next_step import next_step
 from firmware_bridge.drivers.commissioning.reading import Reading
 from firmware_bridge.wire.canopen import NmtState
 from firmware_bridge.wire.cia402 import Mode, PowerState, Status, state_of
@@ -64,6 +65,13 @@ class Overview:
     def mode(self) -> Mode | None:
         """The mode that it is in; None where it was not read."""
         return self._standing.mode
+
+    @property
+    def next_step(self) -> str:
+        """What brings the drive nearer to motion; empty where that is not known."""
+        control, status = (self._standing.value(address) for address in (at.CONTROLWORD, at.STATUSWORD))
+        known = control if isinstance(control, int) else None
+        return next_step(self.state, self.mode, known, status if isinstance(status, int) else 0)
 
     @property
     def network(self) -> tuple[NmtState, ...]:

@@ -175,7 +175,8 @@ def test_json_of_the_others(on: Bench) -> None:
     written = data(ask("write", "0x6081", "7", "--json", *on.can))
     assert (written["node"], written["written"]["value"]) == (1, 7)
     state = data(ask("state", "--json", *on.serial))
-    assert set(state) == {"node", "state", "mode", "network", "history", "objects"}
+    assert set(state) == {"node", "state", "mode", "network", "next", "history", "objects"}
+    assert state["next"] == "0x0006 to 0x6040, shutdown"
     assert (state["node"], state["state"], state["history"]) == (None, "switch on disabled", [])
     assert state["mode"] == {"number": 1, "name": "profile position"}
     assert state["network"] == ["pre-operational", "stopped"]

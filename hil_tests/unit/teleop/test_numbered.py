@@ -5,12 +5,12 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from firmware_bridge.intent import EmergencyStop
 from firmware_bridge.teleop.mavlink import Codec, dialect
-from firmware_bridge.teleop.numbered import Numbered
+from firmware_bridge.teleop.numbered import FAR, FAR_LEAST, LEAST, Numbered
 from firmware_bridge.units import MILLISECOND, SECOND
 from hil_tests.unit.teleop.bench import RarsBench, rars
 from hil_tests.unit.teleop.received import texts
@@ -49,17 +49,27 @@ def test_a_station_that_begins_again_is_one(restarts: list[int]) -> None:
     assert not any(repeats(Numbered(), frames))
 
 
-@given(apart=st.integers(1, 255).filter(lambda it: it not in {127, 128, 129}), joins=st.integers(5, 60))
+@given(apart=st.integers(1, 255), joins=st.integers(5, 60))
+@example(apart=127, joins=5)
+@example(apart=128, joins=5)
+@example(apart=129, joins=5)
+@example(apart=20, joins=60)
+@example(apart=100, joins=60)
 def test_two_are_seen_and_distinguished(apart: int, joins: int) -> None:
     numbered = Numbered()
     for at in range(joins):
         assert not numbered.receive(at & 0xFF, at, at * EVERY)
-    stated = []
+    stated, seen_after = [], None
     for at in range(joins, joins + 400):
         first = numbered.receive(at & 0xFF, at, at * EVERY)
         later = numbered.receive((at + apart) & 0xFF, 1_000_000 + at, at * EVERY + EVERY // 2)
         stated.append((first, later))
+        seen_after = at - joins + 1 if numbered.two and seen_after is None else seen_after
     assert numbered.two
+    # Numbers that are near come again soon, and of others the steps back are far.
+    near = min(apart, 256 - apart) <= FAR + 1
+    assert seen_after is not None
+    assert seen_after <= (FAR + 1 + LEAST if near else FAR_LEAST + 1)
     if apart == 1:
         assert stated[-1] in {(False, True), (True, False)}, (
             "who joins with the next number is the first to say it"
