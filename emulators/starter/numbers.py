@@ -7,7 +7,7 @@ from typing import Final
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.motors import Motor
 from emulators.starter.tuning import VELOCITY_P_UNIT, velocity_gains
-from firmware_bridge.robot.settings.epos2 import BRUSHED, SINUSOIDAL, Epos2Device
+from firmware_bridge.robot.settings.epos2 import BRUSHED, SINUSOIDAL, Epos2Device, too_fast
 
 BRIDGE_NODE: Final = 100
 TOP_MARGIN: Final = 1.02
@@ -154,6 +154,8 @@ def _must_be_possible(given: Specification, fastest: float) -> None:
             f"--voltage {given.voltage_v:g}: an EPOS2 {given.device} takes {given.device.supply_v} V at most:"
             " take another --device"
         )
+    if why := too_fast(given.encoder_lines, OVERSPEED * fastest * gear * RPM):
+        raise SpecificationError(f"--encoder-lines: {why}")
     usable = USABLE_SPEED * given.motor.no_load_speed(given.voltage_v) / gear
     if fastest > usable:
         raise SpecificationError(

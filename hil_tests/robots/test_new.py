@@ -213,6 +213,7 @@ def test_the_friction_that_it_writes_is_more_than_its_plant_has_and_less_than_a_
             ("mickey", "--motor", "nonsense"),
             "there are RE25, RE40, RE50, and 171 by order number or a part of",
         ),
+        (("mickey", "--encoder-lines", "100000"), "--encoder-lines: 100000 lines at 4"),
         (("mickey", "--voltage", "70.5"), "--voltage 70.5: an EPOS2 70/10 takes 70 V at most: take another"),
         (("mickey", "--gear", "200"), "take a smaller --gear, or less --speed"),
         (("mickey", "--encoder-lines", "1"), "--encoder-lines must be 16 to"),

@@ -208,6 +208,22 @@ MOTOR_TYPES: Final = MappingProxyType({BRUSHED: "brushed DC", SINUSOIDAL: "EC, s
 """Values of 0x6402 (EPOS2 firmware specification)."""
 
 
+ENCODER_HZ: Final = 5_000_000
+"""Highest frequency of an encoder's channel. Assumed for every type: no source at hand states it; an EPOS4
+takes 6.25 MHz by its hardware reference."""
+
+
+def too_fast(encoder_lines: int, rpm: float) -> str:
+    """Return why no EPOS2 can count an encoder at this speed of the motor; empty where it can."""
+    frequency = encoder_lines * rpm / 60.0
+    if frequency <= ENCODER_HZ:
+        return ""
+    return (
+        f"{encoder_lines} lines at {rpm:.0f} rpm are {frequency / 1e6:.3g} MHz a channel: an EPOS2 counts "
+        f"{ENCODER_HZ / 1e6:g} MHz at most (assumed)"
+    )
+
+
 class Epos2Axis(Table):
     """One drive, its motor and its encoder."""
 
@@ -243,6 +259,12 @@ class Epos2Axis(Table):
     def _brushes_have_no_poles(self) -> Self:
         if self.motor_type == BRUSHED and self.pole_pairs is not None:
             raise ValueError(f"pole_pairs = {self.pole_pairs}: motor_type {BRUSHED} is brushed, and has none")
+        return self
+
+    @model_validator(mode="after")
+    def _its_encoder_is_counted(self) -> Self:
+        if why := too_fast(self.encoder_lines, self.profile.max_velocity_rpm):
+            raise ValueError(f"encoder_lines and max_velocity_rpm: {why}")
         return self
 
     @model_validator(mode="after")

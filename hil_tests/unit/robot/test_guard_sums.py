@@ -95,6 +95,10 @@ def test_a_drive_s_currents_are_those_of_the_emulated_one(device: Epos2Device) -
             "peak_current_ma = 25001: an EPOS2 70/10 takes 25000",
         ),
         (
+            (("encoder_lines = 500", "encoder_lines = 70_000"),),
+            "encoder_lines and max_velocity_rpm: 70000 lines at 4782 rpm are 5.58 MHz a channel: an EPOS2 co",
+        ),
+        (
             (("nominal_v = 24.0", "nominal_v = 70.5"),),
             "battery.nominal_v: 70.5 V: the EPOS2 70/10 of 'left' takes 70 V at most",
         ),
