@@ -143,7 +143,7 @@ def test_nothing_but_rolling_out_follows_a_fault_that_stops_the_robot(driven: Dr
         assert bool(soon) is (fault["began_s"] >= 17.0 and armed), fault["title"]
 
 
-@pytest.mark.long(beside="test_what_it_leaves_behind_is_what_the_readme_states")
+@pytest.mark.long(beside="test_what_it_leaves_behind_is_what_its_page_states")
 def test_a_run_leaves_everything_that_it_promises(driven: Driven) -> None:
     folder = driven("line")
     names = {path.name for path in folder.iterdir()}

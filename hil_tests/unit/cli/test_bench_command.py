@@ -55,9 +55,9 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_what_it_leaves_behind_is_what_the_readme_states(results: Path) -> None:
-    readme = (Path(__file__).parents[3] / "README.md").read_text(encoding="utf-8")
-    rows = readme.partition("| file | content |")[2].partition("\n\n")[0].splitlines()
+def test_what_it_leaves_behind_is_what_its_page_states(results: Path) -> None:
+    page = (Path(__file__).parents[3] / "docs/runs.md").read_text(encoding="utf-8")
+    rows = page.partition("| file | content |")[2].partition("\n\n")[0].splitlines()
     named = [word.strip("`") for row in rows[2:] for word in row.split("|")[1].split()]
     assert sorted(path.name for path in (results / "first").iterdir()) == sorted(named)
 

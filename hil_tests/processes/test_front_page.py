@@ -1,0 +1,117 @@
+"""The front page's doors: each line that it shows is run as it stands there, and prints what is shown."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from hil_tests.processes.pair import awaited
+
+ROOT: Final = Path(__file__).parents[2]
+README: Final = (ROOT / "README.md").read_text(encoding="utf-8")
+BINARIES: Final = Path(sys.executable).parent
+REAL_BUS: Final = "-c can0"
+"""In a line that needs an adapter: its options are read, and the bus is missed."""
+DOORS: Final = tuple(re.findall(r"^## (I .*?)\n(.*?)(?=^## )", README, flags=re.DOTALL | re.MULTILINE))
+
+pytestmark = pytest.mark.alone
+
+
+class Shell:
+    """A folder in which a door's lines are typed, one after the other."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        (folder / "examples").symlink_to(ROOT / "examples")
+        self._environment = {
+            **os.environ,
+            "PATH": f"{BINARIES}{os.pathsep}{os.environ['PATH']}",
+            "PYTHONPATH": str(folder / "site"),
+            "PYTHONUNBUFFERED": "1",
+            "COLUMNS": "120",
+            "NO_COLOR": "1",
+        }
+        self._running: list[subprocess.Popen[str]] = []
+
+    def types(self, line: str, shown: list[str]) -> None:
+        """Run a line; AssertionError where it does not print what is shown, line for line, in this order."""
+        # The tests' own environment gets no package.
+        line = re.sub(r"^pip install -e (\w+)", rf"{sys.executable} -m pip install {BESIDE} ./\1", line)
+        log = self.folder / f"{len(list(self.folder.glob('*.log')))}.log"
+        with log.open("w", encoding="utf-8") as output:
+            process = subprocess.Popen(
+                ["/bin/sh", "-c", f"exec {line.removesuffix('&')}"],
+                cwd=self.folder,
+                env=self._environment,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                text=True,
+            )
+        if line.endswith("&"):
+            self._running.append(process)
+            awaited(lambda: prints(log.read_text(encoding="utf-8"), shown), f"{line} prints {shown}")
+            return
+        status = process.wait(timeout=300)
+        printed = log.read_text(encoding="utf-8")
+        if REAL_BUS in line:
+            assert (status, "can0" in printed) == (2, True), printed
+            return
+        assert status == 0, printed
+        assert prints(printed, shown), printed
+
+    def ends(self) -> None:
+        """End what still runs, as Ctrl-C does."""
+        for process in self._running:
+            with suppress(ProcessLookupError):
+                process.send_signal(signal.SIGINT)
+            assert process.wait(timeout=60) == 0
+
+
+BESIDE: Final = "--quiet --no-deps --no-build-isolation --disable-pip-version-check --target site"
+
+
+def prints(printed: str, shown: list[str]) -> bool:
+    """Return whether these lines were printed in this order; `...` is anything, and each number any."""
+    lines = iter(printed.splitlines())
+    return all(any(re.match(pattern(line), other) for other in lines) for line in shown)
+
+
+def pattern(line: str) -> str:
+    whole = re.escape(line.rstrip()).replace(r"\.\.\.", ".*")
+    return re.sub(r"(?<!x)(?<![\dA-F])\d+(?![\dA-Fx])", r"\\d+", whole)
+
+
+@contextmanager
+def shell(folder: Path) -> Iterator[Shell]:
+    made = Shell(folder)
+    try:
+        yield made
+    finally:
+        made.ends()
+
+
+def blocks(text: str, kind: str) -> list[str]:
+    return re.findall(rf"^```{kind}\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)
+
+
+@pytest.mark.parametrize(("title", "text"), DOORS, ids=[title for title, _ in DOORS])
+def test_a_door_opens_as_it_is_shown(title: str, text: str, tmp_path: Path) -> None:
+    assert title
+    for test in blocks(text, "python"):
+        (tmp_path / "test_silence.py").write_text(test, encoding="utf-8")
+    with shell(tmp_path) as typed:
+        for block in blocks(text, "console"):
+            for entry in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
+                line, *shown = entry.splitlines()
+                typed.types(line, shown)
+
+
+def test_there_are_four_doors() -> None:
+    assert len(DOORS) == 4
