@@ -44,7 +44,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 SHELL := bash
-.PHONY: help setup compiled installed wheels same demo studies test long nightly test-all check docs golden bench \
+.PHONY: help setup compiled installed wheels same demo studies test long nightly test-all check docs site golden bench \
 	adversary fuzz compare-sketch mutants hour clean
 
 help: ## list these commands
@@ -162,6 +162,11 @@ check: $(READY) ## lint, format, types, import contracts, documents in step
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
 	@$(BIN)/python -m pytest -q -p no:xdist hil_tests/architecture
+
+site: $(READY) ## the documentation as a site, in build/site; every warning is an error
+	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --group site
+	@$(BIN)/sphinx-build -q -W --keep-going -E -c tools/site docs build/site
+	@echo "site: build/site/index.html"
 
 docs: $(READY) ## write the pages of docs/ that are generated from the code's tables
 	@$(BIN)/python tools/make_docs.py

@@ -77,6 +77,7 @@ STEPS: Final = (
         "the same lines sent to a sketch's binary and to the emulated board",
         ("make compare-sketch",),
     ),
+    Step("site", "the documentation as a site, every warning an error", ("make site",)),
     Step(
         "mutation", "the program, broken in one place at a time", (".venv/bin/python tools/mutate.py -j 2",)
     ),

@@ -1,4 +1,4 @@
-"""The front page's doors: each line that it shows is run as it stands there, and prints what is shown."""
+"""The front page's doors and the tutorials: each line is run as it stands there, and prints what is shown."""
 
 import os
 import re
@@ -20,6 +20,11 @@ BINARIES: Final = Path(sys.executable).parent
 REAL_BUS: Final = "-c can0"
 """In a line that needs an adapter: its options are read, and the bus is missed."""
 DOORS: Final = tuple(re.findall(r"^## (I .*?)\n(.*?)(?=^## )", README, flags=re.DOTALL | re.MULTILINE))
+TUTORIALS: Final = tuple(
+    (page.stem, page.read_text(encoding="utf-8")) for page in sorted((ROOT / "docs/tutorials").glob("*.md"))
+)
+
+TITLES: Final = [title for title, _ in (*DOORS, *TUTORIALS)]
 
 pytestmark = pytest.mark.alone
 
@@ -101,8 +106,8 @@ def blocks(text: str, kind: str) -> list[str]:
     return re.findall(rf"^```{kind}\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)
 
 
-@pytest.mark.parametrize(("title", "text"), DOORS, ids=[title for title, _ in DOORS])
-def test_a_door_opens_as_it_is_shown(title: str, text: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("title", "text"), [*DOORS, *TUTORIALS], ids=TITLES)
+def test_what_is_typed_prints_what_is_shown(title: str, text: str, tmp_path: Path) -> None:
     assert title
     for test in blocks(text, "python"):
         (tmp_path / "test_silence.py").write_text(test, encoding="utf-8")
@@ -115,3 +120,4 @@ def test_a_door_opens_as_it_is_shown(title: str, text: str, tmp_path: Path) -> N
 
 def test_there_are_four_doors() -> None:
     assert len(DOORS) == 4
+    assert TUTORIALS
