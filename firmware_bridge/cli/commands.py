@@ -86,13 +86,33 @@ def command(
         text = cleandoc(function.__doc__ or "")
         if _NAMES_STATUSES.search(text) is None:
             text = f"{text}\n\n{STATUSES}"
+        # What a reader looks for first: the sentence, and what to type.
+        sentence, _, more = text.partition("\n\n")
+        text = "\n\n".join(filter(None, (sentence, examples, more)))
         called = function if work is None else _worked(function, work)
-        alone.command(epilog=examples, cls=kind, help=text)(called)
+        alone.command(cls=kind, help=text)(called)
         found = typer.main.get_command(alone)
         assert isinstance(found, TyperCommand)  # noqa: S101 - one function alone makes no group
+        for option in found.params:
+            # A flag takes no value, so that there is no type to show.
+            if getattr(option, "is_flag", False):
+                option.metavar = ""
+        setattr(found, "get_help_option", _without_type(found.get_help_option))  # noqa: B010 - mypy, see renamed
         return found
 
     return made
+
+
+def _without_type(made: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """Return what makes the option --help, which takes no value, and so has no type to show."""
+
+    def plain(context: Any) -> Any:
+        option = made(context)
+        if option is not None:
+            option.metavar = ""
+        return option
+
+    return plain
 
 
 def imported(place: str) -> Any:

@@ -85,7 +85,8 @@ class CommandGroup(Rows):
 program = typer.Typer(
     name="firmware-bridge",
     cls=CommandGroup,
-    help="Drive a robot with maxon EPOS2 drives from an operator's MAVLink: on a CAN bus, or on the bench.",
+    help="maxon EPOS2 drives, Arduino boards with motor shields, AR2 arms and robots made of them: emulated, "
+    "or driven from an operator's MAVLink with interlocks.",
     epilog="""Begin with one of these:
 
 `firmware-bridge robots` lists the robots.

@@ -46,6 +46,14 @@ class PlainGroup(TyperGroup):
         # What a command returns is no status; only what it ends with is.
         sys.exit(status if isinstance(status, int) else 0)
 
+    def get_params(self, ctx: Any) -> Any:
+        """Return the options, of which a flag shows no type: it takes no value."""
+        found = super().get_params(ctx)
+        for option in found:
+            if getattr(option, "is_flag", False):
+                option.metavar = ""
+        return found
+
     def _called(self, words: Sequence[str]) -> str:
         """Return the command that a line begins with; the parser leaves it out of some mistakes."""
         found: list[str] = []

@@ -30,6 +30,12 @@ next stop command starts again with the first stage."""
 EPOS2_STOPS_TEXT: Final = """The stage `silence` is skipped for an axis that was at standstill in its last
 report. The times are set in the robot file, `links.NAME.stop_confirmed_ms`. """
 SAFETY_TEXT: Final = """\
+**None of this is a rated safety function: it has no performance level (ISO 13849-1) and no SIL (IEC 61508,
+IEC 61800-5-2).** A command over a network is no emergency stop in the sense of ISO 13850: keep a hardware one
+within reach. An EPOS2 that is disabled has its power stage disabled, which is no STO. Times and distances
+come from simulation, not from measurements on a robot. People are not detected. Stops are comparable in kind
+to the stop categories of EN 60204-1, limits of speed to SLS of IEC 61800-5-2: in kind only.
+
 Interlocks, limits and stops of the robots in this package; `firmware-bridge robots` checks others.
 
 An active interlock stops the axis groups listed under **stops**. It clears after its condition has been

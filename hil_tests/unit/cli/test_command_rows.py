@@ -54,6 +54,10 @@ def test_every_command_is_reached_by_its_words() -> None:
         result = run(*words.split(), "--help")
         assert result.exit_code == 0, result.output
         assert f"firmware-bridge {words.partition(' ')[0]}" in result.output
+        assert "<bool>" not in result.output, f"{words}: a flag takes no value"
+        head, _, options = result.output.partition("Options")
+        assert "Example" in head, f"{words}: examples come first"
+        assert "Example" not in options
         assert re.search(r"\bstatus\s+[012]\b", result.output), f"{words} does not say how it ends"
 
 
