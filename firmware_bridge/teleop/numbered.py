@@ -14,8 +14,11 @@ LEAST: Final = 5
 """So often the numbers go back to one that was used before two stations are seen in that ..."""
 WITHIN: Final[Nanoseconds] = 3 * SECOND
 """... in this time; a station that begins again does it once."""
-FAR: Final = 16
-"""A step back by more than this: a frame that so many others have overtaken would be too old to count."""
+FAR: Final = 64
+"""A step back by more than this: a frame that so many others have overtaken would be too old to count.
+
+Nearer ones look like a link that delivers late, until a number comes again.
+"""
 FAR_LEAST: Final = 3
 """So often the numbers go back that far before two stations are seen in that ..."""
 FAR_WITHIN: Final[Nanoseconds] = SECOND

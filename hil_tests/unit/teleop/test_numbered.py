@@ -42,6 +42,15 @@ def test_of_one_station_frames_may_be_overtaken_and_doubled(order: list[int], do
     assert not any(repeats(Numbered(), ((at, at) for at in frames)))
 
 
+@pytest.mark.parametrize("late", [5, 16, 17, 50, FAR])
+def test_one_station_whose_frames_come_late_for_a_while_is_one(late: int) -> None:
+    on_time = list(range(40))
+    # So many frames wait on their way; then each of them comes beside one that does not.
+    both = [at for behind in range(40, 40 + late) for at in (behind + late, behind)]
+    frames = [*on_time, *both, *range(40 + 2 * late, 200 + 2 * late)]
+    assert not any(repeats(Numbered(), ((at, at) for at in frames)))
+
+
 @pytest.mark.parametrize("restarts", [[20], [20, 60], [5, 10, 15]])
 def test_a_station_that_begins_again_is_one(restarts: list[int]) -> None:
     begins = [0, *restarts, 120]
@@ -66,7 +75,7 @@ def test_two_are_seen_and_distinguished(apart: int, joins: int) -> None:
         stated.append((first, later))
         seen_after = at - joins + 1 if numbered.two and seen_after is None else seen_after
     assert numbered.two
-    # Numbers that are near come again soon, and of others the steps back are far.
+    # Numbers that are near look like late frames until they come again; of others the steps back are far.
     near = min(apart, 256 - apart) <= FAR + 1
     assert seen_after is not None
     assert seen_after <= (FAR + 1 + LEAST if near else FAR_LEAST + 1)
