@@ -14,16 +14,16 @@ from emulators.documents.object_reader import SilentNodeError, read_all
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import BIT_RATE_IN_USE, BIT_RATES, numbered
 from firmware_bridge.cli.commands import command
-from firmware_bridge.cli.console import FAILED, one_message, say, written_by
+from firmware_bridge.cli.console import FAILED, one_message, refusal, say, written_by
 from firmware_bridge.cli.options import BitRateOption, ChannelOption, InterfaceOption
-from firmware_bridge.cli.tables import terminal
+from firmware_bridge.cli.tables import print_grid, print_lines, terminal
 from firmware_bridge.runtime.ports import LostPort, PortError, open_can
 from firmware_bridge.wire.canopen import FIRST_NODE, LAST_NODE
 from firmware_bridge.wire.epos2 import address as at
 
 EXAMPLES: Final = """Examples:
 
-`firmware-bridge epos2 objects --json`
+`firmware-bridge epos2 objects target` lists those with it in their names, `objects 0x607A` shows one.
 
 `firmware-bridge epos2 eds --out epos2.eds`
 
@@ -40,6 +40,14 @@ NodeOption = Annotated[int, typer.Option("--node", "-n", min=FIRST_NODE, max=LAS
 
 @command(EXAMPLES)
 def objects(
+    words: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[TEXT]...",
+            help="Only objects with all of these in address or name; a single one is shown in full.",
+            show_default=False,
+        ),
+    ] = None,
     *,
     profile: ProfileOption = "70/10",
     node: NodeOption = 1,
@@ -50,12 +58,14 @@ def objects(
     if json:
         say(dictionary.as_json(found, node))
         return
-    table = Table(title=f"objects of the {found.name}, node {node}")
-    for heading in dictionary.HEADINGS:
-        table.add_column(heading, overflow="fold")
-    for entry in dictionary.entries(found, node):
-        table.add_row(*entry.cells())
-    terminal().print(table)
+    entries = [one for one in dictionary.entries(found, node) if one.matches(words or ())]
+    if not entries:
+        raise refusal(f"the {found.name} has no object with {' and '.join(words or ())} in address or name")
+    if len(entries) == 1:
+        print_grid(zip(dictionary.HEADINGS, entries[0].cells(), strict=True))
+        return
+    say(f"objects of the {found.name}, node {node}; `epos2 objects TEXT` shows those with it, one in full")
+    print_lines((dictionary.LINE, *(one.line() for one in entries)), dictionary.NAME)
 
 
 @command(EXAMPLES)
@@ -89,6 +99,10 @@ def dcf(
 
 @command(EXAMPLES)
 def fidelity(
+    words: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[TEXT]...", help="Only lines with all of these.", show_default=False),
+    ] = None,
     *,
     every: Annotated[bool, typer.Option("--all", help="Include proven items.")] = False,
 ) -> None:
@@ -98,13 +112,16 @@ def fidelity(
         counts.add_column(heading)
     for part, found in known.counted().items():
         counts.add_row(part, *(str(found[each] or "") for each in known.ORDER))
-    table = Table(title="line by line")
-    for heading in ("part", "what", "known", "from"):
-        table.add_column(heading, overflow="fold")
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    table.add_column("known", no_wrap=True)
+    table.add_column("what, and from where", overflow="fold")
     for line in known.ledger():
-        if every or line.provenance is not known.ORDER[0]:
-            table.add_row(line.part, line.what, line.provenance.value, line.source)
-    terminal().print(counts)
+        text = f"{line.part}: {line.what} ({line.source})"
+        wanted = all(word.casefold() in text.casefold() for word in words or ())
+        if wanted and (every or line.provenance is not known.ORDER[0]):
+            table.add_row(line.provenance.value, text)
+    if not words:
+        terminal().print(counts)
     terminal().print(table)
 
 

@@ -1,6 +1,7 @@
 """The object dictionary of one type of drive as a table: for people, as JSON, as a page."""
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -22,6 +23,10 @@ HEADINGS: Final = (
     "known",
     "default known",
 )
+LINE: Final = ("object", "type", "access", "PDO", "name", "default")
+NAME: Final = 4
+"""Headings of a line on a terminal, of which the name may be cut."""
+_SHORT: Final = {"UNSIGNED": "U", "INTEGER": "I", "VISIBLE_STRING": "string", "DOMAIN": "domain"}
 _WIDE: Final = frozenset({DataType.UNSIGNED32, DataType.UNSIGNED64})
 
 
@@ -52,6 +57,24 @@ class ObjectEntry:
         # COB-IDs and identities in hexadecimal; a number with a unit stays decimal.
         wide = self.row.type in _WIDE and self.default > 0xFFFF and not self.row.unit  # noqa: PLR2004
         return f"{self.default:#010x}" if wide else str(self.default)
+
+    @property
+    def short_type(self) -> str:
+        """The type as its letter and width: U32 for UNSIGNED32."""
+        name = self.row.type.name
+        return next((name.replace(long, short) for long, short in _SHORT.items() if long in name), name)
+
+    def line(self) -> tuple[str, ...]:
+        """Return the texts of one line on a terminal, as `LINE` names them."""
+        row = self.row
+        pdo = {"transmit": "tx", "receive": "rx"}.get(self.pdo, "")
+        default = f"{self.default_text} {row.unit}".rstrip()
+        return str(row.address), self.short_type, row.access.value, pdo, row.name, default
+
+    def matches(self, words: Sequence[str]) -> bool:
+        """Return whether address or name have all of these words; case does not count."""
+        text = f"{self.row.address} {self.row.name}".casefold()
+        return all(word.casefold() in text for word in words)
 
     def cells(self) -> tuple[str, ...]:
         """Return the texts of one line, as `HEADINGS` names them."""

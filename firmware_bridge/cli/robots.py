@@ -7,13 +7,11 @@ from pathlib import Path
 from typing import Annotated, Final
 
 import typer
-from rich.table import Table
-from rich.text import Text
 
 from firmware_bridge import robot_types
 from firmware_bridge.cli.commands import command, completing
 from firmware_bridge.cli.console import one_message, refusal, say
-from firmware_bridge.cli.tables import terminal
+from firmware_bridge.cli.tables import print_grid, print_lines, terminal
 from firmware_bridge.cli.watchdogs import RUNS_ON
 from firmware_bridge.drivers.shield.plan import shield_plan
 from firmware_bridge.robot import AnyRobot, RobotFileError
@@ -82,16 +80,9 @@ def _listed() -> list[Exception]:
     for name, why in robot_types.unloadable().items():
         wrong.append(why)
         rows.append((name, "", "cannot be loaded", "", ""))
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    console = terminal()
-    for row in rows:
-        cells = zip(row, widths, strict=True)
-        # The title, which is the last cell, is cut where the terminal is narrow.
-        line = Text("  ".join(f"{cell:{width}}" for cell, width in cells).rstrip())
-        style = {"good": "green", "check": "bold"}.get(row[2], "red")
-        line.highlight_words([row[2]], style)
-        console.print(line, no_wrap=True, overflow="ellipsis")
-    console.print("\nfirmware-bridge robots ROBOT: its axes, links, file and checks", style="dim")
+    styles = [{"good": "", "check": "bold"}.get(row[2], "red") for row in rows]
+    print_lines(rows, styles=styles)
+    terminal().print("\nfirmware-bridge robots ROBOT: its axes, links, file and checks", style="dim")
     return wrong
 
 
@@ -107,13 +98,8 @@ def _shown(wanted: Iterable[str]) -> list[Exception]:
             wrong.append(error)
             console.print(f"{name or path}: [red]wrong[/]")
             continue
-        grid = Table.grid(padding=(0, 2))
-        grid.add_column(no_wrap=True, style="dim")
-        grid.add_column(overflow="fold")
-        for heading, text in _rows(robot, path):
-            grid.add_row(heading, text)
         console.print(f"[bold]{name or robot.name}[/]  {robot.title}")
-        console.print(grid)
+        print_grid(_rows(robot, path))
     return wrong
 
 

@@ -192,10 +192,39 @@ def test_the_table_as_json_has_every_object_and_every_key() -> None:
     assert (word["access"], word["pdo"], word["type"]) == ("rww", "receive", "UNSIGNED16")
 
 
-def stated(*words: str) -> str:
-    result = CliRunner().invoke(program, ["epos2", *words], env={"COLUMNS": "200"})
+def stated(*words: str, columns: int = 200) -> str:
+    result = CliRunner().invoke(program, ["epos2", *words], env={"COLUMNS": str(columns)})
     assert result.exit_code == 0, result.output
     return result.stdout
+
+
+@pytest.mark.parametrize("columns", [80, 120, 200])
+def test_each_object_is_a_line_of_any_terminal(columns: int) -> None:
+    _, heads, *lines = stated("objects", columns=columns).splitlines()
+    assert heads.split() == ["object", "type", "access", "PDO", "name", "default"]
+    assert len(lines) == 430
+    assert max(map(len, lines)) <= columns
+    (target,) = [line.split() for line in lines if line.startswith("0x607A")]
+    assert target == ["0x607A", "I32", "rww", "rx", "Target", "Position", "0", "qc"]
+
+
+def test_objects_are_looked_for_and_one_is_shown_in_full() -> None:
+    found = stated("objects", "TARGET", "vel").split()
+    assert "0x60FF" in found
+    assert "0x607A" not in found
+    one = [line.split() for line in stated("objects", "607A").splitlines()]
+    assert ["name", "Target", "Position"] in one
+    assert ["type", "INTEGER32"] in one
+    none = CliRunner().invoke(program, ["epos2", "objects", "no such"])
+    assert (none.exit_code, "has no object with no such in address or name" in none.stderr) == (2, True)
+
+
+@pytest.mark.parametrize("columns", [80, 120, 200])
+def test_what_is_known_of_the_emulation_is_looked_for(columns: int) -> None:
+    text = stated("fidelity", "holding", "brake", columns=columns)
+    assert max(map(len, text.splitlines())) <= columns
+    assert "holding_brake.py" in "".join(text.split())
+    assert "electronic_gear.py" not in "".join(text.split())
 
 
 def test_the_commands_say_it(tmp_path: Path) -> None:
