@@ -83,6 +83,10 @@ class BenchOptions:
     ] = False
     protocol: FirmwareOption = None
     encoders: EncodersOption = None
+    check: Annotated[
+        bool,
+        typer.Option("--check", help="Read robot and mission, report their mistakes, and drive nothing."),
+    ] = False
     path: PathOption = None
     path_speed: PathSpeedOption = None
 
@@ -132,6 +136,9 @@ def run(given: BenchOptions) -> None:
         script = script.predicted() if given.predictor else script
         # Only to check it: what is wrong is reported before the plant is built.
         script.on(machine)
+        if given.check:
+            say(f"{name}: good, for {machine.name}")
+            return
         folder = given.out or RESULTS / f"{machine.name}-{name}"
         order = RunOrder(machine, bench_setup, name, script, given.seed, folder, given.plant, _again())
         report_beginning(machine, given.plant)

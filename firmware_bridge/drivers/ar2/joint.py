@@ -28,7 +28,7 @@ MOVES_AT_ONCE: Final = 1
 """Steps beside those of its top speed, for the rounding of the command."""
 
 
-class Words(Protocol):
+class JointBoard(Protocol):
     """The carrier of the joint's commands: its board."""
 
     @property
@@ -63,7 +63,7 @@ class Words(Protocol):
 class Ar2Joint:
     """One joint."""
 
-    def __init__(self, axis: Axis, robot: AnyRobot, board: Words) -> None:
+    def __init__(self, axis: Axis, robot: AnyRobot, board: JointBoard) -> None:
         self._axis: Final = axis
         self._board: Final = board
         self.number: Final = axis.ar2.joint

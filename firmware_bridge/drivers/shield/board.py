@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Final
 
 from firmware_bridge.drivers.driver import STOPPING, Stop, Task
 from firmware_bridge.drivers.shield.booting import FOUND_EVERY, TRIES, Booting
-from firmware_bridge.drivers.shield.dialects import Dialect, Numbers, Say
+from firmware_bridge.drivers.shield.dialects import BoardMessage, Dialect, Numbers
 from firmware_bridge.drivers.shield.expressed import expressed
 from firmware_bridge.drivers.shield.releasing import Releasing
 from firmware_bridge.drivers.shield.waiting import Part, Waiting
@@ -58,7 +58,7 @@ class Board:
         self._booting: Final = Booting(name, table, dialect.begins)
         self._gone = self._dirty = self._set_up_once = False
         self._received_at: Nanoseconds = NEVER_RECEIVED
-        self._question: Say | None = None
+        self._question: BoardMessage | None = None
         self._requested_at: Nanoseconds = 0
         self._until: Nanoseconds = NEVER
         self._tries = 0
@@ -71,7 +71,7 @@ class Board:
         self._cycle_at: Nanoseconds = NEVER_RECEIVED
         self._restores = False
         """True where no set-point ends the tasks under way: a stop, or no command, has begun them."""
-        self._scripts: Final[Mapping[Task, Callable[[], Iterator[Say] | None]]] = {
+        self._scripts: Final[Mapping[Task, Callable[[], Iterator[BoardMessage] | None]]] = {
             Task.FIND: self._find,
             Task.IDENTIFY: self._identify,
             Task.CONFIGURE: dialect.set_up,
@@ -204,19 +204,19 @@ class Board:
         while self._question is None and not self._gone and now >= self._booting.speaks_at:
             if self._dirty and not self._waiting.motion and not self.under_way:
                 self._express(now)
-            say = self._taken()
-            if say is None:
+            message = self._taken()
+            if message is None:
                 break
-            sent += self._encoded(say, now)
+            sent += self._encoded(message, now)
         return tuple(sent)
 
-    def _taken(self) -> Say | None:
+    def _taken(self) -> BoardMessage | None:
         """Return the next command."""
         self._tries = 0
-        say = self._waiting.take(quiet=self.clock < self._booting.quiet_until)
-        if say is not None and say.reads is None and self._waiting.part is Part.TASK:
+        message = self._waiting.take(quiet=self.clock < self._booting.quiet_until)
+        if message is not None and message.reads is None and self._waiting.part is Part.TASK:
             self._advance()
-        return say
+        return message
 
     def _advance(self) -> None:
         """Go on to the next command of the task under way, or to the next task."""
@@ -225,18 +225,18 @@ class Board:
         elif self._waiting.last and self.under_way[0] in _LETTING_GO:
             self._releasing.begin(self.motors, self._questions)
 
-    def _encoded(self, say: Say, now: Nanoseconds) -> tuple[Packet, ...]:
+    def _encoded(self, message: BoardMessage, now: Nanoseconds) -> tuple[Packet, ...]:
         self.commands += 1
-        before: Iterable[Say] = ()
-        if say.reads is not None:
-            self._question, self._requested_at = say, now
+        before: Iterable[BoardMessage] = ()
+        if message.reads is not None:
+            self._question, self._requested_at = message, now
             finding = self.under_way[:1] == (Task.FIND,)
             self._until = now + (FOUND_EVERY if finding else self._patience)
             self._questions += 1
             if finding and self._restores and not self._dialect.on_board:
                 # Its shield drives on until commanded, and its answers may not come through.
                 before = self._dialect.release_again(motor.number for motor in self.motors)
-        return tuple([Packet(self.name, 0, command.data) for command in (*before, say)])
+        return tuple([Packet(self.name, 0, command.data) for command in (*before, message)])
 
     def _express(self, now: Nanoseconds) -> None:
         """Make commands of the motors' set-points."""
@@ -248,7 +248,7 @@ class Board:
 
     # What is answered
 
-    def _end(self, question: Say, numbers: Numbers, now: Nanoseconds) -> None:
+    def _end(self, question: BoardMessage, numbers: Numbers, now: Nanoseconds) -> None:
         self._question, self._received_at = None, now
         self.busy += now - self._requested_at
         self._releasing.answered(self._questions, self.motors)
@@ -266,7 +266,7 @@ class Board:
         elif not self.under_way and not self._waiting.motion:
             self.longest_cycle = max(self.longest_cycle, now - self._cycle_at)
 
-    def _count(self, question: Say, numbers: Numbers) -> None:
+    def _count(self, question: BoardMessage, numbers: Numbers) -> None:
         """Give the motors their counts."""
         for number, count in zip(question.counts, numbers, strict=False):
             for motor in self.motors:
@@ -288,7 +288,7 @@ class Board:
             self.under_way, self._restores = RESTORING, True
             self._open_task()
 
-    def _again(self, question: Say, now: Nanoseconds) -> tuple[Packet, ...]:
+    def _again(self, question: BoardMessage, now: Nanoseconds) -> tuple[Packet, ...]:
         """Ask once more what has no answer, or give it up."""
         self._tries += 1
         finding = self.under_way[:1] == (Task.FIND,)
@@ -326,7 +326,7 @@ class Board:
             self._advance()
         return pulse
 
-    def _find(self) -> Iterator[Say]:
+    def _find(self) -> Iterator[BoardMessage]:
         self._booting.looked_for(self.clock)
         if self.clock - self._received_at >= self._silent_after:
             # To open its port may have reset it.
@@ -334,7 +334,7 @@ class Board:
         self.configured = False
         return iter((self._dialect.find(),))
 
-    def _identify(self) -> Iterator[Say]:
+    def _identify(self) -> Iterator[BoardMessage]:
         self._booting.identified(self.clock)
         return iter((self._dialect.find(),))
 
@@ -342,7 +342,7 @@ class Board:
         """Wait for the samples of a cycle."""
         self._starts_until = self.clock + TRIES * self._silent_after
 
-    def _enable(self) -> Iterator[Say] | None:
+    def _enable(self) -> Iterator[BoardMessage] | None:
         if not self.configured:
             self._fail("it has to be set up first")
             return None
@@ -350,7 +350,7 @@ class Board:
             motor.enabled, motor.set_point = True, Stop.STANDSTILL
         return iter(())
 
-    def _release_all(self) -> Iterator[Say]:
+    def _release_all(self) -> Iterator[BoardMessage]:
         """Yield the commands that release all motors, and a request whose answer proves their arrival."""
         for motor in self.motors:
             motor.enabled, motor.set_point = False, Stop.POWER_OFF

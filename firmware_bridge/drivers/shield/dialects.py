@@ -28,7 +28,7 @@ Reads: TypeAlias = Callable[[Any], Numbers | None]
 
 
 @dataclass(frozen=True, slots=True)
-class Say:
+class BoardMessage:
     """One command, and what reads its answer: its numbers, or None for what answers something else."""
 
     what: str
@@ -66,29 +66,29 @@ class Dialect(ABC):
         """Return what reads the board's bytes from now on."""
 
     @abstractmethod
-    def find(self) -> Say:
+    def find(self) -> BoardMessage:
         """Return what any board with this firmware answers."""
 
     @abstractmethod
-    def set_up(self) -> Iterator[Say]:
+    def set_up(self) -> Iterator[BoardMessage]:
         """Yield what makes the board ready; what may turn is released first."""
 
     @abstractmethod
-    def encoders(self) -> Iterator[Say]:
+    def encoders(self) -> Iterator[BoardMessage]:
         """Yield the requests for all counts."""
 
     @abstractmethod
-    def drive(self, wanted: Mapping[int, int], directions: Mapping[int, int]) -> Iterator[Say]:
+    def drive(self, wanted: Mapping[int, int], directions: Mapping[int, int]) -> Iterator[BoardMessage]:
         """Yield the commands that drive motors, by number, with a sign; `directions` are their present ones.
 
         It is 1 or -1, and 0 where the motor is released; it changes only where a motor is commanded to 0.
         """
 
     @abstractmethod
-    def release(self, motors: Iterable[int]) -> Iterator[Say]:
+    def release(self, motors: Iterable[int]) -> Iterator[BoardMessage]:
         """Yield the commands that disable motors' power."""
 
-    def release_again(self, motors: Iterable[int]) -> Iterator[Say]:
+    def release_again(self, motors: Iterable[int]) -> Iterator[BoardMessage]:
         """Yield the commands that disable the motors' power at a board that may have lost its set-up."""
         return self.release(motors)
 
@@ -102,33 +102,33 @@ class Ros(Dialect):
         """Return what finds lines."""
         return ros.LineReader()
 
-    def _say(self, what: str, letter: str, numbers: Numbers = (), **more: Any) -> Say:
+    def _say(self, what: str, letter: str, numbers: Numbers = (), **more: Any) -> BoardMessage:
         count = len(self.motors)
         line = ros.encode(letter, numbers, count)
-        return Say(what, line, lambda answer: ros.decode(letter, answer, count), **more)
+        return BoardMessage(what, line, lambda answer: ros.decode(letter, answer, count), **more)
 
-    def find(self) -> Say:
+    def find(self) -> BoardMessage:
         """Ask for the rate."""
         return self._say("who is there", "b", answer=7, wanted=(ros.BAUD,))
 
-    def set_up(self) -> Iterator[Say]:
+    def set_up(self) -> Iterator[BoardMessage]:
         """Release, give the gains, count from 0."""
         gains = self.link.gains
         yield from self.release(())
         yield self._say("gains", "u", (gains.kp, gains.kd, gains.ki, gains.ko), answer=4)
         yield self._say("count from 0", "r", answer=4)
 
-    def encoders(self) -> Iterator[Say]:
+    def encoders(self) -> Iterator[BoardMessage]:
         """Ask for all counts at once."""
         numbers = tuple(motor.port for motor in self.motors)
         yield self._say("counts", "e", answer=12 * len(numbers) + 1, counts=numbers)
 
-    def drive(self, wanted: Mapping[int, int], _directions: Mapping[int, int]) -> Iterator[Say]:
+    def drive(self, wanted: Mapping[int, int], _directions: Mapping[int, int]) -> Iterator[BoardMessage]:
         """Send all speeds, also unchanged ones: the board stops when it receives nothing."""
         speeds = tuple(wanted[motor.port] for motor in self.motors)
         return iter((self._say("speeds", "m", speeds, answer=4, writes=CHANNELS * len(speeds)),))
 
-    def release(self, _motors: Iterable[int]) -> Iterator[Say]:
+    def release(self, _motors: Iterable[int]) -> Iterator[BoardMessage]:
         """Send speed 0, which releases all motors."""
         return self.drive(dict.fromkeys((motor.port for motor in self.motors), 0), {})
 
@@ -142,45 +142,45 @@ class ArduinoIo(Dialect):
         """Return what finds lines: they end as those of ros_arduino_bridge do."""
         return ros.LineReader()
 
-    def _ask(self, what: str, letter: str, *values: int, **more: Any) -> Say:
+    def _ask(self, what: str, letter: str, *values: int, **more: Any) -> BoardMessage:
         def reads(answer: bytes) -> Numbers | None:
             number = arduinoio.decode(answer)
             return None if number is None else (number,)
 
-        return Say(what, arduinoio.encode(letter, *values), reads, **more)
+        return BoardMessage(what, arduinoio.encode(letter, *values), reads, **more)
 
-    def find(self) -> Say:
+    def find(self) -> BoardMessage:
         """Ask which sketch it is."""
         return self._ask("who is there", "9", 9, answer=3, wanted=(arduinoio.MOTOR_V2,))
 
-    def set_up(self) -> Iterator[Say]:
+    def set_up(self) -> Iterator[BoardMessage]:
         """Release, attach the encoders, count from 0."""
         yield from self.release(motor.port for motor in self.motors)
         for place, motor in enumerate(self.counted):
-            yield Say("encoder", arduinoio.encode("E", place, *motor.encoder_pins))
-            yield Say("count from 0", arduinoio.encode("H", place))
+            yield BoardMessage("encoder", arduinoio.encode("E", place, *motor.encoder_pins))
+            yield BoardMessage("count from 0", arduinoio.encode("H", place))
         # The commands before have no answer of their own; this one proves that they arrived.
         yield self.find()
 
-    def encoders(self) -> Iterator[Say]:
+    def encoders(self) -> Iterator[BoardMessage]:
         """Ask one after the other."""
         for place, motor in enumerate(self.counted):
             yield self._ask(f"count of M{motor.port}", "G", place, answer=8, counts=(motor.port,))
 
-    def drive(self, wanted: Mapping[int, int], directions: Mapping[int, int]) -> Iterator[Say]:
+    def drive(self, wanted: Mapping[int, int], directions: Mapping[int, int]) -> Iterator[BoardMessage]:
         """Set the speed, and the direction where that changes."""
         for number, pwm in wanted.items():
             direction = _direction(pwm, directions[number])
             if direction != directions[number]:
                 letter = ord("f" if direction > 0 else "b")
-                yield Say(f"direction of M{number}", arduinoio.encode("B", number, letter), writes=2)
-            yield Say(f"PWM of M{number}", arduinoio.encode("A", number, abs(pwm)), writes=1)
+                yield BoardMessage(f"direction of M{number}", arduinoio.encode("B", number, letter), writes=2)
+            yield BoardMessage(f"PWM of M{number}", arduinoio.encode("A", number, abs(pwm)), writes=1)
 
-    def release(self, motors: Iterable[int]) -> Iterator[Say]:
+    def release(self, motors: Iterable[int]) -> Iterator[BoardMessage]:
         """Set speed 0, and release."""
         for number in motors:
-            yield Say(f"PWM 0 of M{number}", arduinoio.encode("A", number, 0), writes=1)
-            yield Say(f"release of M{number}", arduinoio.encode("B", number, ord("r")), writes=2)
+            yield BoardMessage(f"PWM 0 of M{number}", arduinoio.encode("A", number, 0), writes=1)
+            yield BoardMessage(f"release of M{number}", arduinoio.encode("B", number, ord("r")), writes=2)
 
 
 def _direction(pwm: int, before: int) -> int:
@@ -203,7 +203,7 @@ class Mw(Dialect):
         """Return what finds answers."""
         return mw.AnswerReader()
 
-    def _ask(self, what: str, request: Any, **more: Any) -> Say:
+    def _ask(self, what: str, request: Any, **more: Any) -> BoardMessage:
         def reads(answered: mw.MwAnswer | mw.Traced) -> Numbers | None:
             decoded = mw.decode_answer(request, answered) if isinstance(answered, mw.MwAnswer) else None
             if isinstance(decoded, messages.ServerInfo):
@@ -218,26 +218,26 @@ class Mw(Dialect):
         # Seven bits: the eighth marks a library's command.
         self._sequence = (self._sequence + 1) % mw.SEQUENCES
         frame = mw.encode_request(request, self._sequence, self._libraries)
-        return Say(what, frame, reads, **{"answer": 6, **more})
+        return BoardMessage(what, frame, reads, **{"answer": 6, **more})
 
-    def find(self) -> Say:
+    def find(self) -> BoardMessage:
         """Ask for the libraries."""
         return self._ask("who is there", messages.GetServerInfo(), answer=120, wanted=(1,))
 
-    def set_up(self) -> Iterator[Say]:
+    def set_up(self) -> Iterator[BoardMessage]:
         """Make shield and motors, release, attach the encoders, count from 0."""
         yield from self._made(tuple(motor.port for motor in self.motors))
         for place, motor in enumerate(self.counted):
             yield self._ask("encoder", messages.AttachEncoder(place, *motor.encoder_pins))
             yield self._ask("count from 0", messages.WriteCount(place, 0))
 
-    def encoders(self) -> Iterator[Say]:
+    def encoders(self) -> Iterator[BoardMessage]:
         """Ask one after the other."""
         for place, motor in enumerate(self.counted):
             what, request = f"count of M{motor.port}", messages.ReadCount(place, 0)
             yield self._ask(what, request, answer=15, counts=(motor.port,))
 
-    def drive(self, wanted: Mapping[int, int], directions: Mapping[int, int]) -> Iterator[Say]:
+    def drive(self, wanted: Mapping[int, int], directions: Mapping[int, int]) -> Iterator[BoardMessage]:
         """Set speed and direction."""
         for number, pwm in wanted.items():
             # Speed and direction go in one command, so that no mixture of old and new is in force.
@@ -245,24 +245,24 @@ class Mw(Dialect):
             request = messages.SetMotorSpeed(SHIELD, number - 1, abs(pwm), turn)
             yield self._ask(f"speed of M{number}", request, writes=CHANNELS)
 
-    def release(self, motors: Iterable[int]) -> Iterator[Say]:
+    def release(self, motors: Iterable[int]) -> Iterator[BoardMessage]:
         """Stop, which is the library's name for release."""
         for number in motors:
             request = messages.StopMotor(SHIELD, number - 1)
             yield self._ask(f"release of M{number}", request, writes=2)
 
-    def release_again(self, motors: Iterable[int]) -> Iterator[Say]:
+    def release_again(self, motors: Iterable[int]) -> Iterator[BoardMessage]:
         """Release what is made still, then make shield and motors, and release again; wait for no answer."""
         numbers = tuple(motors)
-        for say in (*self.release(numbers), *self._made(numbers)):
-            lasts = mw.SHIELD_TAKES_MS if say.writes > CHANNELS else mw.MOTOR_TAKES_MS
-            yield Say(
-                say.what,
-                mw.apart(say.data, line_rate=self.link.line_rate, milliseconds=lasts),
-                writes=say.writes,
+        for question in (*self.release(numbers), *self._made(numbers)):
+            lasts = mw.SHIELD_TAKES_MS if question.writes > CHANNELS else mw.MOTOR_TAKES_MS
+            yield BoardMessage(
+                question.what,
+                mw.apart(question.data, line_rate=self.link.line_rate, milliseconds=lasts),
+                writes=question.writes,
             )
 
-    def _made(self, numbers: tuple[int, ...]) -> Iterator[Say]:
+    def _made(self, numbers: tuple[int, ...]) -> Iterator[BoardMessage]:
         """Make shield and motors: what was not made takes nothing, and is answered all the same."""
         shield = messages.CreateShield(SHIELD, motor_shield.ADDRESS, FREQUENCY)
         yield self._ask("shield", shield, writes=21)
@@ -280,29 +280,29 @@ class Firmata(Dialect):
         """Return what finds messages."""
         return firmata.Parser(from_board=True)
 
-    def find(self) -> Say:
+    def find(self) -> BoardMessage:
         """Ask for the firmware's name."""
 
         def reads(message: firmata.Message) -> Numbers | None:
             return () if message.exclusive and message.code == firmata.FIRMWARE and message.data else None
 
-        return Say("who is there", firmata.exclusive(firmata.FIRMWARE), reads, answer=60)
+        return BoardMessage("who is there", firmata.exclusive(firmata.FIRMWARE), reads, answer=60)
 
-    def set_up(self) -> Iterator[Say]:
+    def set_up(self) -> Iterator[BoardMessage]:
         """Wake the chip, release, attach the encoders, count from 0."""
         yield self._bus()
         for data in motor_shield.SET_UP:
-            yield Say("shield", firmata.i2c_write(motor_shield.ADDRESS, data), writes=1)
+            yield BoardMessage("shield", firmata.i2c_write(motor_shield.ADDRESS, data), writes=1)
         yield from self.release(motor.port for motor in self.motors)
         for place, motor in enumerate(self.counted):
             for words in (bytes((0, place, *motor.encoder_pins)), bytes((3, place))):
-                yield Say("encoder", firmata.exclusive(firmata.ENCODER, words))
+                yield BoardMessage("encoder", firmata.exclusive(firmata.ENCODER, words))
         yield self.find()
 
-    def encoders(self) -> Iterator[Say]:
+    def encoders(self) -> Iterator[BoardMessage]:
         """Ask one after the other."""
         for place, motor in enumerate(self.counted):
-            yield Say(
+            yield BoardMessage(
                 f"count of M{motor.port}",
                 firmata.exclusive(firmata.ENCODER, bytes((1, place))),
                 lambda message, place=place: _count(message, place),  # type: ignore[misc] # bound now
@@ -310,7 +310,7 @@ class Firmata(Dialect):
                 counts=(motor.port,),
             )
 
-    def drive(self, wanted: Mapping[int, int], directions: Mapping[int, int]) -> Iterator[Say]:
+    def drive(self, wanted: Mapping[int, int], directions: Mapping[int, int]) -> Iterator[BoardMessage]:
         """Set the speed, and the direction where that changes."""
         for number, pwm in wanted.items():
             direction = _direction(pwm, directions[number])
@@ -321,25 +321,25 @@ class Firmata(Dialect):
                 yield _channel(number, high, 1)
             yield _channel(number, Pin.PWM, abs(pwm))
 
-    def release(self, motors: Iterable[int]) -> Iterator[Say]:
+    def release(self, motors: Iterable[int]) -> Iterator[BoardMessage]:
         """Set all three inputs low."""
         for number in motors:
             for pin in Pin:
                 yield _channel(number, pin, 0)
 
-    def release_again(self, motors: Iterable[int]) -> Iterator[Say]:
+    def release_again(self, motors: Iterable[int]) -> Iterator[BoardMessage]:
         """Open the I2C bus first: a stray FF resets the firmware, which takes no I2C then."""
         yield self._bus()
         yield from self.release(motors)
 
     @staticmethod
-    def _bus() -> Say:
-        return Say("I2C", firmata.exclusive(firmata.I2C_CONFIG, bytes(2)))
+    def _bus() -> BoardMessage:
+        return BoardMessage("I2C", firmata.exclusive(firmata.I2C_CONFIG, bytes(2)))
 
 
-def _channel(motor: int, pin: Pin, level: int) -> Say:
+def _channel(motor: int, pin: Pin, level: int) -> BoardMessage:
     data = firmata.i2c_write(motor_shield.ADDRESS, motor_shield.encode_channel(motor, pin, level))
-    return Say(f"{pin.value} of M{motor}", data, writes=1)
+    return BoardMessage(f"{pin.value} of M{motor}", data, writes=1)
 
 
 def _count(message: firmata.Message, place: int) -> Numbers | None:

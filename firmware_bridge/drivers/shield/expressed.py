@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 
 from firmware_bridge.drivers.driver import Stop
-from firmware_bridge.drivers.shield.dialects import Dialect, Say
+from firmware_bridge.drivers.shield.dialects import BoardMessage, Dialect
 from firmware_bridge.drivers.shield.motor import ShieldMotor
 from firmware_bridge.units import Nanoseconds
 
 
 def expressed(
     dialect: Dialect, motors: Sequence[ShieldMotor], now: Nanoseconds, *, configured: bool
-) -> tuple[list[Say], Sequence[ShieldMotor] | None]:
+) -> tuple[list[BoardMessage], Sequence[ShieldMotor] | None]:
     """Return the commands, and the motors that they release; None where they drive.
 
     A board that is not set up receives only commands to release.

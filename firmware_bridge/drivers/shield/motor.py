@@ -33,7 +33,7 @@ def reports(axis: Axis, link: AnyLink) -> frozenset[Reports]:
     return COUNTED if counted else frozenset()
 
 
-class Words(Protocol):
+class MotorBoard(Protocol):
     """The carrier of the motor's commands: its board."""
 
     clock: Nanoseconds
@@ -67,7 +67,7 @@ class Words(Protocol):
 class ShieldMotor:
     """One motor."""
 
-    def __init__(self, axis: Axis, robot: AnyRobot, board: Words) -> None:
+    def __init__(self, axis: Axis, robot: AnyRobot, board: MotorBoard) -> None:
         link = robot.shield_link(axis.link)
         self._axis: Final = axis
         self._board: Final = board

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.drivers.shield.dialects import BUS_WRITE_US, DIALECTS, Say
+from firmware_bridge.drivers.shield.dialects import BUS_WRITE_US, DIALECTS, BoardMessage
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot.settings.shield import ShieldLink
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND, Nanoseconds
@@ -90,11 +90,11 @@ def fitting_plan(robot: AnyRobot, name: str) -> ShieldPlan:
     )
 
 
-def _entries(link: ShieldLink, orders: Iterable[Say]) -> tuple[BoardCommand, ...]:
+def _entries(link: ShieldLink, orders: Iterable[BoardMessage]) -> tuple[BoardCommand, ...]:
     return tuple(BoardCommand(say.what, len(say.data) + say.answer, takes(link, say)) for say in orders)
 
 
-def takes(link: ShieldLink, say: Say) -> Nanoseconds:
+def takes(link: ShieldLink, say: BoardMessage) -> Nanoseconds:
     """Return how long a command takes, with its answer and what the board writes for it."""
     on_line = (len(say.data) + say.answer) * BITS_PER_BYTE * SECOND // link.line_rate
     # Only an answer waits for the USB chip, which collects bytes before it passes them on.

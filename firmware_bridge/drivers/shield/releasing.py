@@ -6,7 +6,7 @@ no answer, nor before a reset.
 
 from collections.abc import Sequence
 
-from firmware_bridge.drivers.shield.dialects import Say
+from firmware_bridge.drivers.shield.dialects import BoardMessage
 from firmware_bridge.drivers.shield.motor import ShieldMotor
 
 
@@ -17,7 +17,9 @@ class Releasing:
         self._proved_by: int | None = None
         """The question, counted from 1, whose answer proves it; None where none does."""
 
-    def begin(self, motors: Sequence[ShieldMotor], requested: int, commands: Sequence[Say] = ()) -> None:
+    def begin(
+        self, motors: Sequence[ShieldMotor], requested: int, commands: Sequence[BoardMessage] = ()
+    ) -> None:
         """Note that these commands release motors; so many requests were sent before them."""
         for motor in motors:
             motor.direction = 0

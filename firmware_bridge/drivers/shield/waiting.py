@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from enum import Enum
 from typing import Final
 
-from firmware_bridge.drivers.shield.dialects import Say
+from firmware_bridge.drivers.shield.dialects import BoardMessage
 
 
 class Part(Enum):
@@ -22,10 +22,10 @@ class Waiting:
     def __init__(self) -> None:
         self.part = Part.TASK
         """Part of the newest command."""
-        self.motion: Final[deque[Say]] = deque()
-        self.samples: Final[deque[Say]] = deque()
-        self._script: deque[Say] = deque()
-        self._next: Say | None = None
+        self.motion: Final[deque[BoardMessage]] = deque()
+        self.samples: Final[deque[BoardMessage]] = deque()
+        self._script: deque[BoardMessage] = deque()
+        self._next: BoardMessage | None = None
 
     @property
     def urgent(self) -> bool:
@@ -42,7 +42,7 @@ class Waiting:
         """True where a task's last command waits: all before it was sent, and answered where requested."""
         return self._next is not None and not self._script
 
-    def begin(self, script: Iterable[Say]) -> None:
+    def begin(self, script: Iterable[BoardMessage]) -> None:
         """Put a task's commands into the queue; the first is reached by `advance`."""
         self._script, self._next = deque(script), None
 
@@ -51,11 +51,11 @@ class Waiting:
         self._next = self._script.popleft() if self._script else None
         return self._next is not None
 
-    def again(self, say: Say) -> None:
+    def again(self, say: BoardMessage) -> None:
         """Put a task's command into the queue once more."""
         self._next = say
 
-    def later(self, say: Say) -> None:
+    def later(self, say: BoardMessage) -> None:
         """Put a task's command into the queue once more, behind those that are left."""
         self._script.append(say)
         self._next = self._script.popleft()
@@ -72,7 +72,7 @@ class Waiting:
         self.motion.clear()
         self.samples.clear()
 
-    def take(self, *, quiet: bool) -> Say | None:
+    def take(self, *, quiet: bool) -> BoardMessage | None:
         """Return the next command; none of a task while it is to be `quiet`."""
         for part, waiting in ((Part.MOTION, self.motion), (Part.SAMPLE, self.samples)):
             if waiting:
