@@ -61,7 +61,9 @@ def made() -> Mapping[str, str]:
 def main() -> None:
     """Write them."""
     for name, text in made().items():
-        (ROOT / "docs" / name).write_text(text, encoding="utf-8")
+        path = ROOT / "docs" / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

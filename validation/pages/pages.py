@@ -1,5 +1,6 @@
 """The pages of `docs/` that are made from the tables, so that they agree with the code."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final
 
@@ -9,6 +10,8 @@ from emulators.epos2.control.power_states import TRANSITIONS
 from emulators.epos2.objects.catalogue import PROFILES
 from emulators.epos2.objects.device_profile import EPOS2_70_10
 from firmware_bridge.pilot.keyboard import HELP as KEYS
+from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot_type import AnyRobotType
 from validation.pages import (
     board_fidelity,
     capture_fidelity,
@@ -24,6 +27,8 @@ from validation.pages.safety_texts import (
     AGE_TEXT,
     AXIS_TEXT,
     PLAUSIBILITY_TEXT,
+    ROBOT_TEXT,
+    ROBOTS_TEXT,
     SAFETY_TEXT,
     guard_text,
     power_text,
@@ -130,7 +135,11 @@ def pages(
         "power-machine.md": _machine(),
         "opcodes.md": _opcodes(commands),
         "faults.md": _faults(),
-        "safety.md": _safety(measured),
+        "safety.md": _safety(),
+        **{
+            f"safety/{robot.name}.md": _robots_safety(robot_type, robot, measured.get(robot.name, ()))
+            for robot_type, robot in safety.shipped()
+        },
         "ground-stations.md": _stations(),
         "messages.md": _page("Messages, their causes and remedies", *message_page.parts(table)),
     }
@@ -234,44 +243,65 @@ def _faults() -> str:
     return _page("Faults of a mission", *parts)
 
 
-def _safety(measured: Mapping[str, Sequence[str]]) -> str:
-    parts = [SAFETY_TEXT, "## Interlocks of each axis", AXIS_TEXT]
-    parts += [table(safety.AXIS_HEADINGS, safety.axis_interlocks())]
-    parts += ["## Age of a command", AGE_TEXT, table(safety.AGE_HEADINGS, safety.ages())]
-    for kind, robot in safety.shipped():
-        parts += [
-            f"## {robot.title}",
-            *filter(None, (watchdog_text(robot),)),
-            f"### Interlocks of `{robot.name}`",
-            table(safety.HEADINGS, safety.interlocks(kind, robot)),
-            "### Limits of a command",
-            table(safety.LIMIT_HEADINGS, safety.limits(kind, robot)),
-            "### Plausibility limits",
-            PLAUSIBILITY_TEXT,
-            table(safety.PLAUSIBILITY_HEADINGS, safety.plausibility_rows(robot)),
-            "### Power after a stop",
-            power_text(robot),
-            table(safety.UNPOWERED_HEADINGS, safety.unpowered(robot)),
-            "### Output guard",
-            guard_text(robot),
-            table(safety.BOUND_HEADINGS, safety.bounds(robot)),
-        ]
-        for headings, rows in (
-            (safety.SUM_HEADINGS, safety.guarded_sums(robot)),
-            (safety.EXCLUSIVE_HEADINGS, safety.exclusive(robot)),
-        ):
-            found = tuple(rows)
-            if found:
-                parts.append(table(headings, found))
-        parts += ["### Stop stages", stops_text(robot)]
-        for reached in safety.reached(robot):
-            for link in reached.links:
-                parts.append(f"Link `{link}`, {safety.spoken(reached, link)}:")
-                if reached.axes_on(link):
-                    parts.append(table(safety.STOP_HEADINGS, safety.stops(reached, link)))
-                    parts.append(safety.sums_of_stops(reached, link))
-        parts += measured.get(robot.name, ())
-    return _page("Interlocks, limits and stops", *parts)
+def _safety() -> str:
+    """Return what is alike for every robot, and the robots' pages with the worst case of each."""
+    return _page(
+        "Interlocks, limits and stops",
+        SAFETY_TEXT,
+        "## Robots",
+        ROBOTS_TEXT,
+        table(safety.WORST_HEADINGS, safety.worst()),
+        "## Interlocks of each axis",
+        AXIS_TEXT,
+        table(safety.AXIS_HEADINGS, safety.axis_interlocks()),
+        "## Plausibility limits",
+        PLAUSIBILITY_TEXT,
+        "## Age of a command",
+        AGE_TEXT,
+        table(safety.AGE_HEADINGS, safety.ages()),
+    )
+
+
+def _robots_safety(robot_type: AnyRobotType, robot: AnyRobot, measured: Sequence[str]) -> str:
+    """Return one robot's page: its interlocks, limits, guard and stops, and what was measured of them."""
+    parts = [
+        ROBOT_TEXT,
+        *filter(None, (watchdog_text(robot),)),
+        "## Interlocks",
+        table(safety.HEADINGS, safety.interlocks(robot_type, robot)),
+        "## Limits of a command",
+        table(safety.LIMIT_HEADINGS, safety.limits(robot_type, robot)),
+        "## Plausibility limits",
+        table(safety.PLAUSIBILITY_HEADINGS, safety.plausibility_rows(robot)),
+        "## Power after a stop",
+        power_text(robot),
+        table(safety.UNPOWERED_HEADINGS, safety.unpowered(robot)),
+        "## Output guard",
+        guard_text(robot),
+        table(safety.BOUND_HEADINGS, safety.bounds(robot)),
+    ]
+    for headings, rows in (
+        (safety.SUM_HEADINGS, safety.guarded_sums(robot)),
+        (safety.EXCLUSIVE_HEADINGS, safety.exclusive(robot)),
+    ):
+        found = tuple(rows)
+        if found:
+            parts.append(table(headings, found))
+    parts += ["## Stop stages", stops_text(robot)]
+    for reached in safety.reached(robot):
+        for link in reached.links:
+            parts.append(f"Link `{link}`, {safety.spoken(reached, link)}:")
+            if reached.axes_on(link):
+                parts.append(table(safety.STOP_HEADINGS, safety.stops(reached, link)))
+                parts.append(safety.sums_of_stops(reached, link))
+    # Written for one page of all robots, a level deeper.
+    parts += [re.sub(r"^###", "##", part, flags=re.MULTILINE) for part in measured]
+    return _page(f"Interlocks and stops: {robot.title}", *map(_deeper, parts))
+
+
+def _deeper(text: str) -> str:
+    """Return a text with its links as from a folder below docs/."""
+    return re.sub(r"\]\((?!https?:|#)", "](../", text)
 
 
 STICK_TEXT: Final = """Effect of positive values of MANUAL_CONTROL's axes, and of its buttons. x,

@@ -12,6 +12,7 @@ from firmware_bridge.drivers.epos2.serial.link_drivers import over_serial
 from firmware_bridge.drivers.shield.link_drivers import over_protocol
 from firmware_bridge.drivers.stop_stages import StopStage, sequence, sums
 from firmware_bridge.robot import AnyRobot, Axis, CommandForm
+from firmware_bridge.robot.settings.ar2 import Ar2Link
 from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
 from firmware_bridge.robot_type import AnyRobotType
 from firmware_bridge.safety.common import AXIS_INTERLOCKS, EXCLUDED_AXIS, whole_robot_interlocks
@@ -22,7 +23,7 @@ from firmware_bridge.safety.interlock import AxisInterlock
 from firmware_bridge.safety.interlock_base import InterlockBase
 from firmware_bridge.safety.tracking import bounds_of, within
 from firmware_bridge.teleop.age import ROWS as AGES
-from firmware_bridge.units import MILLISECOND, SECOND
+from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 Cells: TypeAlias = tuple[str, ...]
 HEADINGS: Final = (
@@ -60,6 +61,33 @@ STOP_HEADINGS: Final = (
     "from top speed",
     "notes",
 )
+
+
+WORST_HEADINGS: Final = (
+    "robot",
+    "link",
+    "longest stop",
+    "all stages over",
+    "silence of an axis",
+    "silence of the operator",
+)
+
+
+def worst() -> Iterator[Cells]:
+    """Yield each robot's longest stop from top speed, a line a link, and how long silence may last before."""
+    for _, robot in shipped():
+        for link in robot.links:
+            if not robot.axes_on(link):
+                continue
+            taken, whole = _longest(robot, link)
+            yield (
+                f"[{robot.title}](safety/{robot.name}.md)",
+                f"`{link}`",
+                f"{taken / SECOND:.1f} s: {_ended(robot, link).removesuffix(',')}",
+                f"{whole / SECOND:.1f} s",
+                f"{robot.links[link].silent_ms} ms",
+                f"{robot.operator.silent_ms} ms",
+            )
 
 
 def shipped() -> Iterator[tuple[AnyRobotType, AnyRobot]]:
@@ -188,11 +216,20 @@ def stops(robot: AnyRobot, link: str) -> Iterator[Cells]:
 
 def sums_of_stops(robot: AnyRobot, link: str) -> str:
     """Return the longest time of a stop: until the power is off, and in all."""
+    taken, whole = (f"{seconds / SECOND:.1f} s" for seconds in _longest(robot, link))
+    return f"From top speed {_ended(robot, link)} after {taken} at most; all stages end after {whole}."
+
+
+def _ended(robot: AnyRobot, link: str) -> str:
+    """Return what the stage that ends a stop brings about."""
+    steppers = isinstance(robot.links[link], Ar2Link)
+    return "no motor moves, with its current on," if steppers else "the power stage is disabled"
+
+
+def _longest(robot: AnyRobot, link: str) -> list[Nanoseconds]:
     driver, axes = robot.links[link].driver, robot.axes_on(link)
     sequences = [(sequence(STOP_STAGES[driver](robot, axis), off=False), axis.top_speed) for axis in axes]
-    longest = [max(seconds) for seconds in zip(*(sums(*one) for one in sequences), strict=True)]
-    taken, whole = (f"{seconds / SECOND:.1f} s" for seconds in longest)
-    return f"From top speed the power stage is disabled after {taken} at most; all stages end after {whole}."
+    return [max(seconds) for seconds in zip(*(sums(*one) for one in sequences), strict=True)]
 
 
 def _within(stage: StopStage) -> str:

@@ -51,6 +51,10 @@ counts for 1 s. A starting bridge listens for `bridge_silent_ms` before it sends
 start if it receives such a frame; if it is ended before that, it leaves the drives as they are. Behind a
 gateway a serial line shows no traffic of the bus, so a second controller is not detected there. Reading and
 writing objects, as an engineer does with a tool, does not count."""
+ROBOTS_TEXT: Final = """Worst case of each: the longest stop from top speed, of a device that confirms
+nothing, and the time by which every stop stage is over; before it a device or the operator may be silent for
+as long as stated."""
+ROBOT_TEXT: Final = """What is alike for every robot, and what none of this is, [is here](safety.md)."""
 AXIS_TEXT: Final = """Each axis is judged by these interlocks. While one is active, everything stops, and the
 robot is disarmed. An interlock **needs** certain reports of a driver's devices. Without them, the weaker
 interlock named under **without it** replaces it; if there is none, the robot file is refused. One that
