@@ -108,6 +108,18 @@ class RobotType(Generic[G, M, S]):
         made = renamed.kinematics(self.kinematics)
         object.__setattr__(self, "kinematics", made)
 
+    @property
+    def body(self) -> Callable[[Robot[G]], KinematicModel[M, S]]:
+        """The old name of `kinematics`."""
+        renamed.warn("body", "kinematics", "RobotType")
+        return self.kinematics
+
+    @property
+    def rest(self) -> M:
+        """The old name of `standstill`."""
+        renamed.warn("rest", "standstill", "RobotType")
+        return self.standstill
+
     def rules(self, robot: Robot[G]) -> dict[str, Rules]:
         """Return what the gate judges by in each mode; the whole robot's is the empty name's."""
         whole = RobotMode(

@@ -93,6 +93,12 @@ class BenchSetup:
     They need the column `OFFSET` of `emulators.bench.path_error`.
     """
 
+    @property
+    def stands(self) -> Mapping[str, float]:
+        """The old name of `start_positions`."""
+        renamed.warn("stands", "start_positions", "BenchSetup")
+        return self.start_positions
+
     def shipped(self) -> dict[str, FilePath]:
         """Return the shipped missions by their names, in alphabetical order."""
         return {path.stem: path for path in sorted(self.missions.glob("*.toml"))}

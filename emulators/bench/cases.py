@@ -44,3 +44,9 @@ class Case(Generic[M, S]):
     """The reported reason, with its numbers."""
     robot: AnyRobot | None = None
     """One with other numbers, where those of the robot file never trip it; None for the file's."""
+
+    @property
+    def row(self) -> str:
+        """The old name of `interlock`."""
+        renamed.warn("row", "interlock", "Case")
+        return self.interlock

@@ -134,7 +134,8 @@ def _show(cells: "Sequence[Cell]", failures: int) -> None:
     from rich.table import Table
 
     from emulators.fmea.effect import Assessment
-    from firmware_bridge.cli.tables import terminal
+    from emulators.fmea.report import WORST, worst
+    from firmware_bridge.cli.tables import print_lines, terminal
 
     verdicts = [it for it in Assessment if any(cell.effect.verdict is it for cell in cells)]
     table = Table(box=SIMPLE_HEAD, title=f"{failures} failures")
@@ -147,6 +148,9 @@ def _show(cells: "Sequence[Cell]", failures: int) -> None:
     for state, of in counted.items():
         table.add_row(state, *(str(of[it]) for it in verdicts))
     terminal().print(table)
+    say("the worst, by their deviation from the run without the failure:")
+    print_lines((WORST, *worst(cells)))
+    say("")
     excused = Counter(
         cell.why
         for cell in cells

@@ -31,6 +31,36 @@ LEGEND: Final = (
 )
 
 
+WORST: Final = ("state", "deviation", "moved", "noticed by", "after", "standstill", "failure")
+
+
+def worst(cells: Sequence[Cell], count: int = 3) -> list[tuple[str, ...]]:
+    """Return the cells that deviate most from the run without the failure, as `WORST` names their texts.
+
+    The deviation is a share of its limit; one that still moves at the end is worse than any that does not.
+    """
+
+    def badness(cell: Cell) -> tuple[bool, float, str, str]:
+        still = cell.effect.standstill_after_ms is not None
+        return still, -cell.effect.aside, cell.state, cell.failure.title
+
+    rows: list[tuple[str, ...]] = []
+    for cell in sorted(cells, key=badness)[:count]:
+        found, stops = cell.effect, cell.effect.standstill_after_ms
+        place = f" ({cell.failure.place})" if cell.failure.place else ""
+        rows.append(
+            (
+                *(cell.state, f"{found.aside:.1f}"),
+                f"{1e3 * found.goes_m:.0f} mm, {DEGREES * found.turns_rad:.0f}°",
+                found.noticed_by or "-",
+                "-" if found.after_ms is None else f"{found.after_ms:.0f} ms",
+                "keeps moving" if stops is None else f"{stops:.0f} ms",
+                f"{cell.failure.title}{place}",
+            )
+        )
+    return rows
+
+
 def as_csv(cells: Sequence[Cell]) -> str:
     """Return a line for each cell, under `COLUMNS`; what was never is left empty."""
     text = io.StringIO(newline="")

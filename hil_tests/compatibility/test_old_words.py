@@ -74,6 +74,12 @@ def test_arguments_are_taken_under_their_old_names() -> None:
     made = {one.name: getattr(setup, one.name) for one in fields(setup) if one.name != "start_positions"}
     with pytest.warns(RenamedWarning, match="BenchSetup: 'stands' is called 'start_positions' now"):
         assert replaced(**made, stands=setup.start_positions) == setup
+    with pytest.warns(RenamedWarning, match="RobotType: 'body' is called 'kinematics' now"):
+        assert ROBOT_TYPE.body is ROBOT_TYPE.kinematics
+    with pytest.warns(RenamedWarning, match="RobotType: 'rest' is called 'standstill' now"):
+        assert ROBOT_TYPE.rest is ROBOT_TYPE.standstill
+    with pytest.warns(RenamedWarning, match="BenchSetup: 'stands' is called 'start_positions' now"):
+        assert setup.stands is setup.start_positions
     value: Any = Value
     with pytest.warns(RenamedWarning, match="Value: 'tells' is called 'title' now"):
         assert value("SPEED", SECOND, lambda _: 0.0, tells="m/s").title == "m/s"
