@@ -20,7 +20,7 @@ from firmware_bridge.safety.guard.ar2 import GuardedJoint
 from firmware_bridge.safety.guard.bounds import targets
 from firmware_bridge.safety.guard.shield import GuardedMotor
 from firmware_bridge.safety.interlock import AxisInterlock
-from firmware_bridge.safety.interlock_base import InterlockBase
+from firmware_bridge.safety.interlock_base import InterlockBase, Severity
 from firmware_bridge.safety.tracking import bounds_of, within
 from firmware_bridge.teleop.age import ROWS as AGES
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
@@ -282,7 +282,9 @@ def _groups(row: InterlockBase) -> str:
 
 
 def _severity(row: InterlockBase) -> str:
-    return row.severity.name.lower()
+    """Return how serious it is: a warning that stops the whole robot is a stop."""
+    stops_all = row.stops is None and row.severity is Severity.WARNING
+    return "stop" if stops_all else row.severity.name.lower()
 
 
 def _clear(row: InterlockBase) -> str:

@@ -38,6 +38,10 @@ to the stop categories of EN 60204-1, limits of speed to SLS of IEC 61800-5-2: i
 
 Interlocks, limits and stops of the robots in this package; `firmware-bridge robots` checks others.
 
+**Severity** is that of the text to the operator, by MAVLink: *critical* (a device, a link or the robot's
+place is at fault), *warning* (a command or a state does not fit), *notice* and *info* (nothing to do). *Stop*
+is a warning with which the whole robot stops.
+
 An active interlock stops the axis groups listed under **stops**. It clears after its condition has been
 absent for the **release delay** at every evaluation. An interlock that **disarms** withdraws the motion
 permission: to continue, arm again. While one that **blocks arming** is active, the robot cannot be armed. One
