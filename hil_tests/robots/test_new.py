@@ -120,7 +120,7 @@ def test_without_a_mission_it_drives_its_figure_of_eight(mouse: tuple[Beside, fl
 
 
 @pytest.mark.long(beside="test_three_commands_drive_a_robot_and_touch_nothing_of_the_product")
-@pytest.mark.parametrize("chosen", ["mouse and row", "mouse and not figure_eight and not interlocks"])
+@pytest.mark.parametrize("chosen", ["mouse and interlock", "mouse and not figure_eight and not interlocks"])
 def test_it_gets_the_safety_tests_of_every_robot(mouse: tuple[Beside, float], chosen: str) -> None:
     """From what is installed, beside no checkout."""
     beside, _ = mouse
