@@ -172,6 +172,6 @@ def test_the_same_tests_on_real_drives(pytester: pytest.Pytester, imported: Impo
     )
     bold = pytester.runpytest_inprocess(*words, "--yes-move-it", plugins=[imported])
     bold.assert_outcomes(passed=2, skipped=4)
-    bold.stdout.fnmatch_lines("*no one here can take the power*")
+    bold.stdout.fnmatch_lines("*no one here can disable the power*")
     again = pytester.runpytest_inprocess(*words, "-k", "reads", plugins=[imported])
     again.assert_outcomes(passed=1)
