@@ -42,7 +42,7 @@ class TransmitQueue:
         return due
 
     def drop_answers(self) -> None:
-        """Forget the SDO answers that have not left: the server has gone to standstill."""
+        """Forget the answers that have not left: the SDO server has stopped."""
         self._answers.clear()
         self.answer_due = NEVER
 
