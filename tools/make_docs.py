@@ -20,7 +20,8 @@ sys.path.insert(0, str(ROOT))
 
 from hil_tests.adversary import beyond  # noqa: E402 - it is found from the checkout only
 from hil_tests.failures import encoders  # noqa: E402 - as above
-from hil_tests.failures.page import sections  # noqa: E402 - as above
+from hil_tests.failures import page as stops  # noqa: E402 - as above
+from hil_tests.hazards import page as hazards  # noqa: E402 - as above
 
 EMERGENCY: Final = "emergency"
 OPCODE: Final = "opcode"
@@ -48,14 +49,11 @@ def _codes(function: ast.FunctionDef, mark: str) -> Iterator[int]:
 def made() -> Mapping[str, str]:
     """Return every page by its file name."""
     measured = {
-        name: (
-            *sections(name),
-            *encoders.sections(name),
-            *beyond.sections(name),
-        )
-        for name in names()
+        name: (*stops.sections(name), *encoders.sections(name), *beyond.sections(name)) for name in names()
     }
-    return pages(marked(EMERGENCY), marked(OPCODE), measured)
+    measured[""] = (*hazards.general(), *stops.general(), *encoders.general())
+    protected = {name: hazards.sections(name) for name in names()}
+    return pages(marked(EMERGENCY), marked(OPCODE), measured, protected)
 
 
 def main() -> None:

@@ -15,10 +15,10 @@ R = TypeVar("R", bound="DataclassInstance")
 class Kept(Generic[R]):
     """The rows of one file; its columns are the fields of their class, whole numbers or texts."""
 
-    def __init__(self, row: type[R], name: str) -> None:
-        """Name the class, and the file without its ending."""
+    def __init__(self, row: type[R], name: str, folder: Path = Path(__file__).parent) -> None:
+        """Name the class, and the file without its ending in its folder."""
         self._row = row
-        self._file = Path(__file__).with_name(f"{name}.csv")
+        self._file = folder / f"{name}.csv"
         self._reads = {
             name: str if hint is str else int
             for name, hint in get_type_hints(row).items()
@@ -40,4 +40,5 @@ class Kept(Generic[R]):
             writer.writerows(asdict(row) for row in rows)
 
     def _values(self, row: dict[str, str]) -> dict[str, Any]:
-        return {name: reads(row[name]) if row[name] else None for name, reads in self._reads.items()}
+        empty = {str: "", int: None}
+        return {name: reads(row[name]) if row[name] else empty[reads] for name, reads in self._reads.items()}

@@ -21,10 +21,11 @@ from hil_tests.safety.driving import ARM, SPEEDS, robot_of
 from validation.pages.pages import table
 
 Cells: TypeAlias = tuple[str, ...]
-EVERY_TEXT: Final = """Straight ahead at {speed}, on the flat, measured in the plant: stopping distance,
-stopping time, and what stops the robot; of several stop stages, those that its axes needed. "Line cut" is the
-bridge's end of a bus, the adapter of a serial line, or a board's cable, permanently; "reset" is a board's
-button, or an interruption of a drive's supply for 0.3 s. A test repeats each row, to the millimeter."""
+EVERY_TEXT: Final = """Each robot was driven straight ahead on the flat; its page has
+stopping distance, stopping time, measured in the plant, and what stops it; of several stop stages, those that
+its axes needed. "Line cut" is the bridge's end of a bus, the adapter of a serial line, or a board's cable,
+permanently; "reset" is a board's button, or an interruption of a drive's supply for 0.3 s. A test repeats
+each row, to the millimeter."""
 BOARDS_TEXT: Final = """No wire leads from the board's reset to the shield: the motors keep running as
 commanded while a board boots, and its set-up releases them. After a reset, the next request of the cycle
 keeps a Mega in its boot loader for as long as bytes arrive; a board that hangs cannot be distinguished from
@@ -67,10 +68,14 @@ def sections(robot: str) -> tuple[str, ...]:
     if not lines:
         return ()
     speed = f"{SPEEDS.get(robot, 0.3):g} m/s" if robot != ARM else "20 mm/s at the tool"
-    boards = (BOARDS_TEXT,) if robot_of(lines[0]).shield_links else ()
     headings = ("cause", *map(_title, lines))
-    every = ("### Measured stops", EVERY_TEXT.format(speed=speed), table(headings, _cells(lines)))
-    return (*every, *boards, *(_worst() if lines == RARS else ()))
+    every = ("### Measured stops", f"Straight ahead at {speed}, on the flat:", table(headings, _cells(lines)))
+    return (*every, *(_worst() if lines == RARS else ()))
+
+
+def general() -> tuple[str, ...]:
+    """Return what the tables of all robots have in common."""
+    return ("### Measured stops", EVERY_TEXT, BOARDS_TEXT)
 
 
 def _worst() -> tuple[str, ...]:

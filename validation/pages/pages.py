@@ -30,6 +30,8 @@ from validation.pages.safety_texts import (
     ROBOT_TEXT,
     ROBOTS_TEXT,
     SAFETY_TEXT,
+    confirmed_text,
+    dead_text,
     guard_text,
     power_text,
     stops_text,
@@ -119,12 +121,16 @@ order: {cable} (assumed, to be verified)."""
 
 
 def pages(
-    tests: emergencies.Tests, commands: serial_commands.Tests, measured: Mapping[str, Sequence[str]]
+    tests: emergencies.Tests,
+    commands: serial_commands.Tests,
+    measured: Mapping[str, Sequence[str]],
+    hazards: Mapping[str, Sequence[str]],
 ) -> Mapping[str, str]:
     """Return every page by its file name.
 
     `tests` has the tests that reach each emergency, `commands` those that go through each serial command,
-    `measured` further measurements of a robot's safety.
+    `hazards` a robot's hazards and the functions against them, `measured` further measurements of its
+    safety; under the empty name what is alike for all.
     """
     return {
         "objects.md": _objects(),
@@ -135,9 +141,11 @@ def pages(
         "power-machine.md": _machine(),
         "opcodes.md": _opcodes(commands),
         "faults.md": _faults(),
-        "safety.md": _safety(),
+        "safety.md": _safety(measured.get("", ())),
         **{
-            f"safety/{robot.name}.md": _robots_safety(robot_type, robot, measured.get(robot.name, ()))
+            f"safety/{robot.name}.md": _robots_safety(
+                robot_type, robot, hazards.get(robot.name, ()), measured.get(robot.name, ())
+            )
             for robot_type, robot in safety.shipped()
         },
         "ground-stations.md": _stations(),
@@ -243,7 +251,7 @@ def _faults() -> str:
     return _page("Faults of a mission", *parts)
 
 
-def _safety() -> str:
+def _safety(measured: Sequence[str]) -> str:
     """Return what is alike for every robot, and the robots' pages with the worst case of each."""
     return _page(
         "Interlocks, limits and stops",
@@ -256,17 +264,27 @@ def _safety() -> str:
         table(safety.AXIS_HEADINGS, safety.axis_interlocks()),
         "## Plausibility limits",
         PLAUSIBILITY_TEXT,
+        "## Power after a stop",
+        power_text(),
+        "## Output guard",
+        guard_text(),
+        "## Stop stages",
+        stops_text(),
         "## Age of a command",
         AGE_TEXT,
         table(safety.AGE_HEADINGS, safety.ages()),
+        *_shallower(measured),
     )
 
 
-def _robots_safety(robot_type: AnyRobotType, robot: AnyRobot, measured: Sequence[str]) -> str:
-    """Return one robot's page: its interlocks, limits, guard and stops, and what was measured of them."""
+def _robots_safety(
+    robot_type: AnyRobotType, robot: AnyRobot, hazards: Sequence[str], measured: Sequence[str]
+) -> str:
+    """Return one robot's page: its hazards, interlocks, limits, guard and stops, and what was measured."""
     parts = [
         ROBOT_TEXT,
         *filter(None, (watchdog_text(robot),)),
+        *hazards,
         "## Interlocks",
         table(safety.HEADINGS, safety.interlocks(robot_type, robot)),
         "## Limits of a command",
@@ -274,10 +292,9 @@ def _robots_safety(robot_type: AnyRobotType, robot: AnyRobot, measured: Sequence
         "## Plausibility limits",
         table(safety.PLAUSIBILITY_HEADINGS, safety.plausibility_rows(robot)),
         "## Power after a stop",
-        power_text(robot),
+        dead_text(robot),
         table(safety.UNPOWERED_HEADINGS, safety.unpowered(robot)),
         "## Output guard",
-        guard_text(robot),
         table(safety.BOUND_HEADINGS, safety.bounds(robot)),
     ]
     for headings, rows in (
@@ -287,16 +304,20 @@ def _robots_safety(robot_type: AnyRobotType, robot: AnyRobot, measured: Sequence
         found = tuple(rows)
         if found:
             parts.append(table(headings, found))
-    parts += ["## Stop stages", stops_text(robot)]
+    parts += ["## Stop stages", "A stop is confirmed by:", confirmed_text(robot)]
     for reached in safety.reached(robot):
         for link in reached.links:
             parts.append(f"Link `{link}`, {safety.spoken(reached, link)}:")
             if reached.axes_on(link):
                 parts.append(table(safety.STOP_HEADINGS, safety.stops(reached, link)))
                 parts.append(safety.sums_of_stops(reached, link))
-    # Written for one page of all robots, a level deeper.
-    parts += [re.sub(r"^###", "##", part, flags=re.MULTILINE) for part in measured]
+    parts += _shallower(measured)
     return _page(f"Interlocks and stops: {robot.title}", *map(_deeper, parts))
+
+
+def _shallower(parts: Sequence[str]) -> list[str]:
+    """Return parts that were written for one page of all robots, a level deeper."""
+    return [re.sub(r"^###", "##", part, flags=re.MULTILINE) for part in parts]
 
 
 def _deeper(text: str) -> str:

@@ -109,13 +109,13 @@ def interlocks(robot_type: AnyRobotType, robot: AnyRobot) -> Iterator[Cells]:
     )
     for row in rows:
         answers = (_yes(row.disarms), _yes(row.blocks_arming), _yes(row.latches))
-        yield (row.name, _groups(row), _severity(row), *answers, _clear(row), row.remedy)
+        yield (row.name, _groups(row), severity(row), *answers, _clear(row), row.remedy)
 
 
 def limits(robot_type: AnyRobotType, robot: AnyRobot) -> Iterator[Cells]:
     """Yield what clips a command, in its order."""
     for row in robot_type.rules(robot)[""].limits:
-        yield (row.name, _severity(row), _clear(row), row.remedy)
+        yield (row.name, severity(row), _clear(row), row.remedy)
 
 
 def axis_interlocks() -> Iterator[Cells]:
@@ -129,7 +129,7 @@ def axis_interlocks() -> Iterator[Cells]:
             weaker = "-" if not standing.needs else _instead(standing)
             disables_power = _yes(standing.disables_power)
             yield (
-                *(standing.name, needs, weaker, _severity(standing), disables_power),
+                *(standing.name, needs, weaker, severity(standing), disables_power),
                 *(_clear(standing), standing.remedy),
             )
             standing = standing.replacement
@@ -178,7 +178,10 @@ def plausibility_rows(robot: AnyRobot) -> Iterator[Cells]:
 def unpowered(robot: AnyRobot) -> Iterator[Cells]:
     """Yield what becomes of each axis without power, and what friction explains where it stands with it."""
     for axis in robot.axes:
-        yield (f"`{axis.name}`", axis.unpowered.value, f"{axis.friction:.2g} A")
+        # No command takes a stepper's current: the robot file's answer is that of a motor that keeps it.
+        steps = axis.link in robot.ar2_links
+        without = "keeps its current; without it, it falls" if steps else axis.unpowered.value
+        yield (f"`{axis.name}`", without, f"{axis.friction:.2g} A")
 
 
 def guarded_sums(robot: AnyRobot) -> Iterator[Cells]:
@@ -217,7 +220,7 @@ def stops(robot: AnyRobot, link: str) -> Iterator[Cells]:
 def sums_of_stops(robot: AnyRobot, link: str) -> str:
     """Return the longest time of a stop: until the power is off, and in all."""
     taken, whole = (f"{seconds / SECOND:.1f} s" for seconds in _longest(robot, link))
-    return f"From top speed {_ended(robot, link)} after {taken} at most; all stages end after {whole}."
+    return f"From top speed {_ended(robot, link)} after {taken} at most; all stages after {whole}."
 
 
 def _ended(robot: AnyRobot, link: str) -> str:
@@ -281,7 +284,7 @@ def _groups(row: InterlockBase) -> str:
     return "everything" if row.stops is None else ", ".join(sorted(row.stops)) or "nothing"
 
 
-def _severity(row: InterlockBase) -> str:
+def severity(row: InterlockBase) -> str:
     """Return how serious it is: a warning that stops the whole robot is a stop."""
     stops_all = row.stops is None and row.severity is Severity.WARNING
     return "stop" if stops_all else row.severity.name.lower()

@@ -10,25 +10,23 @@ from firmware_bridge.bridge.stops import RAMPED_WITHIN
 from firmware_bridge.drivers.all_drivers import CONFIRMED_BY, alone
 from firmware_bridge.drivers.stop_stages import TAKEN_WITHIN
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot.settings.ar2 import Ar2Driver
-from firmware_bridge.robot.settings.epos2 import Epos2Driver
-from firmware_bridge.robot.settings.shield import ShieldDriver, ShieldLink, ShieldProtocol
+from firmware_bridge.robot.settings.shield import ShieldLink, ShieldProtocol
 from firmware_bridge.units import MILLISECOND, SECOND
 
-STOPS_TEXT: Final = """Each stop of an axis must be confirmed by a report of its device that is newer than the
-stop: {confirmed}. A stage that is not confirmed within its time is followed by the next one, the operator is
-informed, and the robot is disarmed. No stage lasts longer than stated, whatever the device reports meanwhile.
-A stop does not wait for a start-up, a query or a quiet line. The bridge's own ramp down, {ramped} s at most,
-comes before the first stage. The first stage that disables the power stage has ended {taken} s after the stop
-began, at the latest. A confirmed stop begins again if no more reports arrive, or if one shows the axis moving
-under power. **Of** is the purpose of the stage: a stop, a commanded power-off (forced disarm, end of the
-program), or both. **Within** does not include the ramp: without observed deceleration, and with it; **from
-top speed** includes the ramp. A stage ends earlier without reports: after the link's `silent_ms`, or after
-the shorter time alone if the device reports that it is not receiving. {more}While a stop escalates, arming is
-refused. If all stages have failed, the last line of the program reports it, its exit status is not 0, and the
-next stop command starts again with the first stage."""
-EPOS2_STOPS_TEXT: Final = """The stage `silence` is skipped for an axis that was at standstill in its last
-report. The times are set in the robot file, `links.NAME.stop_confirmed_ms`. """
+STOPS_TEXT: Final = """Each stop of an axis must be confirmed by a report of its device
+that is newer than the stop, which is stated with each robot. A stage that is not confirmed within its time is
+followed by the next one, the operator is informed, and the robot is disarmed. No stage lasts longer than
+stated, whatever the device reports meanwhile. A stop does not wait for a start-up, a query or a quiet line.
+The bridge's own ramp down, {ramped} s at most, comes before the first stage. The first stage that disables
+the power stage has ended {taken} s after the stop began, at the latest. A confirmed stop begins again if no
+more reports arrive, or if one shows the axis moving under power. **Of** is the purpose of the stage: a stop,
+a commanded power-off (forced disarm, end of the program), or both. **Within** does not include the ramp:
+without observed deceleration, and with it; **from top speed** includes the ramp. A stage ends earlier without
+reports: after the link's `silent_ms`, or after the shorter time alone if the device reports that it is not
+receiving. On a link of EPOS2 drives the stage `silence` is skipped for an axis that was at standstill in its
+last report, and the times are set in the robot file, `links.NAME.stop_confirmed_ms`. While a stop escalates,
+arming is refused. If all stages have failed, the last line of the program reports it, its exit status is not
+0, and the next stop command starts again with the first stage."""
 SAFETY_TEXT: Final = """\
 **None of this is a rated safety function: it has no performance level (ISO 13849-1) and no SIL (IEC 61508,
 IEC 61800-5-2).** A command over a network is no emergency stop in the sense of ISO 13850: keep a hardware one
@@ -87,25 +85,25 @@ stage at once, category 1 at standstill, category 2 keeps it enabled (EN 60204-1
 * **Forced disarm**: category 1 in any place: quick stop, and no power at standstill, or after {braked} s at
   the latest. This command also releases a robot that is held with power. At the end of the program, a second
   request within {again} s has the same effect.
-{dead}
+* **A bridge that is dead**, killed or cut off, stops nothing: what stops the axes then is stated with each
+  robot.
 
 An axis marked **holds** stands without power, by its gear; the robot file states it with
 `unpowered = "holds"`. Without `friction` in `[axes.plausibility]`, friction is taken as a 20th of the motor's
 continuous current."""
 GUARD_TEXT: Final = """The output guard shares neither code nor state with the interlocks. It passes no
-set-point beyond these bounds, no sum of speeds beyond its own bound, and no motion of one side while the
-other may move.{more}"""
+set-point beyond the bounds of the robot's page, no sum of speeds beyond its own bound, and no motion of one
+side while the other may move.
+
+{more}"""
 GUARDED: Final[Mapping[str, str]] = {
-    **dict.fromkeys(
-        Epos2Driver,
-        " It ends a drive's watchdog over the bridge only after a statusword without power, and resets it"
-        " only when the controlword that disables the power stage has been in force for `by_object` and no"
-        " statusword has confirmed it.",
-    ),
-    ShieldDriver.MOTOR_SHIELD: " It passes no reset of a board while one of its motors may move.",
-    Ar2Driver.AR2: " It passes one move at a time, and none from a position that was not confirmed.",
+    "EPOS2 drives": "it ends a drive's watchdog over the bridge only after a statusword without power, and"
+    " resets it only when the controlword that disables the power stage has been in force for `by_object` and"
+    " no statusword has confirmed it",
+    "motor shields": "it passes no reset of a board while one of its motors may move",
+    "AR2": "it passes one move at a time, and none from a position that was not confirmed",
 }
-"""Further functions of a link's guard, by the link's driver."""
+"""Further functions of a link's guard, by the link's devices."""
 AGE_TEXT: Final = """\
 A motion command that is older than `operator.max_age_ms` when it would be executed is not executed. Its age
 is the largest that the methods below give. The first method that dates it is off by half the shortest round
@@ -115,72 +113,67 @@ dates is subject to the operator link timeout alone, or moves nothing: `operator
 is executed whatever its age, and no older command cancels it. [Why](decisions/command-age.md). A session may
 agree on a larger age, up to `operator.max_age_ceiling_ms`: the robot is then
 [slower](decisions/command-age.md) by the same factor."""
-STEPPER_POWER_TEXT: Final = """No command of the bridge removes the motors' current: the board has no command
-for it, and the motor drivers keep the current on. So every stop is of category 2 (EN 60204-1), whatever
-causes it: disarming, the emergency stop, a forced disarm, the end of the program, a bridge that is dead or
-cut off. No further move is sent, the one in progress is completed within {move_ms} ms, and the motors hold
-the arm where it is.
+STEPPER_POWER_TEXT: Final = """**An arm on stepper motors** (AR2) is another
+matter. No command of the bridge removes the motors' current: the board has no command for it, and the motor
+drivers keep the current on. So every stop is of category 2 (EN 60204-1), whatever causes it: disarming, the
+emergency stop, a forced disarm, the end of the program, a bridge that is dead or cut off. No further move is
+sent, the one in progress is completed, and the motors hold the arm where it is.
 
 The emergency stop that removes the power is a switch in the motors' supply, within reach of the operator.
 **Without current the arm falls**: [how far and how fast](../fmu/ar2/README.md#how-it-falls). No one stands
 below it.
 
-"Disables power", "no torque" and "power off" in the tables have a weaker meaning for this robot: the board
+"Disables power", "no torque" and "power off" in the tables have a weaker meaning for such an arm: the board
 has echoed the request behind the last move, so nothing moves, and nothing further is sent."""
 
-NO_WATCHDOG_TEXT: Final = """\
-**No watchdog** on `{link}` with {without}: if the bridge ends, is killed or cut off, the motors keep running
-as commanded, without limit. `drive` starts on such a board only with `--accept-no-watchdog`, or with
-`accept_no_watchdog = true` in `[links.{link}]`. This project's sketch, `emulators/arduino_omni/sketch`
+ARM_FALLS_TEXT: Final = """No command removes the arm's current. **Without it the arm falls**: [its
+switch](safety.md#power-after-a-stop)."""
+
+UNWATCHED_TEXT: Final = """A firmware without a watchdog lets the motors run on as commanded, without limit,
+if the bridge ends, is killed or cut off. `drive` starts on such a board only with `--accept-no-watchdog`, or
+with `accept_no_watchdog = true` in `[links.NAME]`. This project's sketch, `emulators/arduino_omni/sketch`
 (protocol ros-arduino-bridge), stops them by itself. Keep the switch of their supply within reach."""
-ARM_TEXT: Final = "Of the arm:"
+NO_WATCHDOG_TEXT: Final = """\
+**No watchdog** on `{link}` with {without}: [the motors run on](safety.md#power-after-a-stop)."""
 
 
-def power_text(robot: AnyRobot) -> str:
-    """Return what becomes of a robot's power, in words: of drives and half bridges, or of steppers."""
-    if not robot.epos2_links and not robot.shield_links:
-        (link,) = robot.ar2_links.values()
-        return STEPPER_POWER_TEXT.format(move_ms=link.move_ms)
+def power_text() -> str:
+    """Return what becomes of a robot's power after a stop, in words that are true of every robot."""
     base = LETTING_GO_TEXT.format(
         looks=LOOKS_FOR // MILLISECOND,
         watched=WATCHED_FOR // SECOND,
         braked=BRAKED_WITHIN // SECOND,
         again=SECOND_REQUEST_WITHIN // SECOND,
-        dead=dead_text(robot),
     )
-    arms = [STEPPER_POWER_TEXT.format(move_ms=link.move_ms) for link in robot.ar2_links.values()]
-    return "\n\n".join((base, *([ARM_TEXT, *arms] if arms else ())))
+    return f"{base}\n\n{UNWATCHED_TEXT}\n\n{STEPPER_POWER_TEXT}"
 
 
-def stops_text(robot: AnyRobot) -> str:
-    """Return how a robot's axes are stopped, in words that are true of its devices."""
-    drivers = _drivers(robot)
-    return STOPS_TEXT.format(
-        confirmed="; ".join(dict.fromkeys(CONFIRMED_BY[driver] for driver in drivers)),
-        ramped=RAMPED_WITHIN // SECOND,
-        taken=TAKEN_WITHIN // SECOND,
-        more=EPOS2_STOPS_TEXT if robot.epos2_links else "",
-    )
+def stops_text() -> str:
+    """Return how axes are stopped."""
+    return STOPS_TEXT.format(ramped=RAMPED_WITHIN // SECOND, taken=TAKEN_WITHIN // SECOND)
 
 
-def guard_text(robot: AnyRobot) -> str:
-    """Return what a robot's guard does, in words that are true of its devices."""
-    return GUARD_TEXT.format(more="".join(dict.fromkeys(GUARDED[driver] for driver in _drivers(robot))))
+def confirmed_text(robot: AnyRobot) -> str:
+    """Return what confirms a stop on each of a robot's links."""
+    links = [name for name in robot.links if robot.axes_on(name)]
+    return "\n".join(f"* `{name}`: {CONFIRMED_BY[robot.links[name].driver]}." for name in links)
 
 
-def _drivers(robot: AnyRobot) -> list[str]:
-    """Return the drivers of the links that axes are on."""
-    return [link.driver for name, link in robot.links.items() if robot.axes_on(name)]
+def guard_text() -> str:
+    """Return what a guard does."""
+    return GUARD_TEXT.format(more="\n".join(f"* **{whom}**: {what}." for whom, what in GUARDED.items()))
 
 
 def dead_text(robot: AnyRobot) -> str:
     """Return the effect of a dead bridge, link by link, from the link's driver."""
-    lines = ["* **A bridge that is dead**, killed or cut off, stops nothing. What stops the axes then:"]
+    lines = ["What stops the axes when the bridge is dead:", ""]
     for name, link in robot.links.items():
         if isinstance(link, ShieldLink):
-            lines += [f"  * `{name}`, {_spoken(protocol)}" for protocol in _protocols(robot, name)]
+            lines += [f"* `{name}`, {_spoken(protocol)}" for protocol in _protocols(robot, name)]
         elif states := alone(robot, name):
-            lines.append(f"  * `{name}`: {states}.")
+            lines.append(f"* `{name}`: {states}.")
+    if robot.ar2_links:
+        lines += ["", ARM_FALLS_TEXT]
     return "\n".join(lines)
 
 
