@@ -26,10 +26,8 @@ from firmware_bridge.teleop.age import ROWS as AGES
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 Cells: TypeAlias = tuple[str, ...]
-HEADINGS: Final = (
-    "interlock", "stops", "severity", "disarms", "blocks arming", "latches", "release delay", "remedy"
-)  # fmt: skip
-LIMIT_HEADINGS: Final = ("limit", "severity", "release delay", "remedy")
+HEADINGS: Final = ("interlock", "blocks arming", "release delay", "remedy")
+LIMIT_HEADINGS: Final = ("limit", "release delay", "remedy")
 AXIS_HEADINGS: Final = (
     "interlock", "needs", "without it", "severity", "disables power", "release delay", "remedy"
 )  # fmt: skip
@@ -108,14 +106,13 @@ def interlocks(robot_type: AnyRobotType, robot: AnyRobot) -> Iterator[Cells]:
         *rules.after_limits,
     )
     for row in rows:
-        answers = (_yes(row.disarms), _yes(row.blocks_arming), _yes(row.latches))
-        yield (row.name, _groups(row), severity(row), *answers, _clear(row), row.remedy)
+        yield (row.name, _yes(row.blocks_arming), _clear(row), row.remedy)
 
 
 def limits(robot_type: AnyRobotType, robot: AnyRobot) -> Iterator[Cells]:
     """Yield what clips a command, in its order."""
     for row in robot_type.rules(robot)[""].limits:
-        yield (row.name, severity(row), _clear(row), row.remedy)
+        yield (row.name, _clear(row), row.remedy)
 
 
 def axis_interlocks() -> Iterator[Cells]:
@@ -278,10 +275,6 @@ def _on_the_wire(robot: AnyRobot, axis: Axis) -> str:
 
 def _instead(row: AxisInterlock) -> str:
     return "the driver is refused" if row.replacement is None else row.replacement.name
-
-
-def _groups(row: InterlockBase) -> str:
-    return "everything" if row.stops is None else ", ".join(sorted(row.stops)) or "nothing"
 
 
 def severity(row: InterlockBase) -> str:

@@ -40,10 +40,10 @@ Interlocks, limits and stops of the robots in this package; `firmware-bridge rob
 place is at fault), *warning* (a command or a state does not fit), *notice* and *info* (nothing to do). *Stop*
 is a warning with which the whole robot stops.
 
-An active interlock stops the axis groups listed under **stops**. It clears after its condition has been
-absent for the **release delay** at every evaluation. An interlock that **disarms** withdraws the motion
-permission: to continue, arm again. While one that **blocks arming** is active, the robot cannot be armed. One
-that **latches** sets the emergency stop, which stays active until it is reset by command. On a link whose
+An active interlock stops everything, or the axis groups that its **reaction** names. It clears after its
+condition has been absent for the **release delay** at every evaluation. One that leaves the robot disarmed
+withdraws the motion permission: to continue, arm again. While one that **blocks arming** is active, the robot
+cannot be armed. One that is latched stays active until it is reset by command. On a link whose
 `stops` names groups, the interlock of the link and those of its axes stop these groups alone, and do not
 disarm.
 
