@@ -44,7 +44,9 @@ class Curve:
     scale: float = 1.0
     """Factor from the column's unit to the panel's."""
     step: bool = False
-    """Drawn broad and in steps: what is demanded, behind what came of it."""
+    """Drawn broad and in steps: the set-point, behind the actual value."""
+    right: bool = False
+    """True if the panel's right axis is its own: a panel's second quantity."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +63,8 @@ class Panel:
     height: float = 1.4
     least: float = 0.0
     """Least span of the vertical axis, so that noise does not look like a movement."""
+    right: str = ""
+    """Quantity and unit of the right axis, as `label` is of the left one; empty where no curve needs it."""
 
 
 POSE: Final = ("x_m", "y_m", "heading_rad")

@@ -75,7 +75,7 @@ DEMANDED: Final = (
 SPEED_PANEL: Final = Panel(
     "Forward speed",
     "speed [m/s]",
-    (Curve("demanded_speed_mps", "demanded", step=True), Curve("speed_mps", "plant")),
+    (Curve("demanded_speed_mps", "set-point", step=True), Curve("speed_mps", "actual (plant)")),
     limit=lambda robot: (robot.geometry.limits.speed_mps, "m/s"),
     shaded=True,
     height=2.5,
@@ -83,7 +83,7 @@ SPEED_PANEL: Final = Panel(
 TURN_PANEL: Final = Panel(
     "Turn rate, left is positive",
     "turn rate [rad/s]",
-    (Curve("demanded_turn_rad_s", "demanded", step=True), Curve("yaw_rate_rad_s", "plant")),
+    (Curve("demanded_turn_rad_s", "set-point", step=True), Curve("yaw_rate_rad_s", "actual (plant)")),
     limit=lambda robot: (robot.geometry.limits.turn_rate_rad_s, "rad/s"),
     shaded=True,
     height=2.5,

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from emulators.bench.columns import ODOMETRY, POSE, SAMPLE_EVERY, Floats, Sample, Samples
+from emulators.bench.columns import ODOMETRY, PLANAR, POSE, SAMPLE_EVERY, Floats, Sample, Samples
 from emulators.bench.halo import HALO
 from emulators.bench.records import InterlockEvent
 from emulators.bench.style import BLUE, GREEN, INK, VERMILION
@@ -25,25 +25,25 @@ def path_picture(figure: Figure, samples: Samples, events: Sequence[InterlockEve
     known = np.isfinite(samples.column(place[0]))
     x, y = (samples.column(name)[known] for name in place)
     if samples.truth:
-        axes.plot(x, y, color=BLUE, linewidth=3.2, alpha=0.45, label="plant", solid_capstyle="round")
+        axes.plot(x, y, color=BLUE, linewidth=3.2, alpha=0.45, label="actual (plant)", solid_capstyle="round")
     # NaN before the bridge knows its pose: the line begins there.
-    believed = [samples.column(name) for name in ODOMETRY[:2]]
-    axes.plot(*believed, color=INK, linewidth=0.7 if samples.truth else 1.6, label="odometry")
+    estimated = [samples.column(name) for name in ODOMETRY[:2]]
+    axes.plot(*estimated, color=INK, linewidth=0.7 if samples.truth else 1.6, label="odometry of the bridge")
     rows = [row for row, it in zip(samples, known, strict=True) if it]
     _time_marks(axes, rows, place, max(_extent(x), _extent(y), 0.1))
     began = {event.began // SAMPLE_EVERY for event in events}
-    held = [row for row in rows if row.at // SAMPLE_EVERY in began and abs(row["speed_mps"]) > MOVING_MPS]
-    if held:
+    tripped = [row for row in rows if row.at // SAMPLE_EVERY in began and abs(row["speed_mps"]) > MOVING_MPS]
+    if tripped:
         axes.scatter(
-            [row[place[0]] for row in held],
-            [row[place[1]] for row in held],
+            [row[place[0]] for row in tripped],
+            [row[place[1]] for row in tripped],
             marker="X",
             s=46,
             color=VERMILION,
             edgecolor="white",
             linewidth=0.6,
             zorder=4,
-            label="an interlock tripped",
+            label="an interlock became active",
         )
     axes.scatter(
         x[:1], y[:1], s=54, facecolor="white", edgecolor=GREEN, linewidth=2.0, zorder=5, label="start"
@@ -51,11 +51,20 @@ def path_picture(figure: Figure, samples: Samples, events: Sequence[InterlockEve
     axes.scatter(x[-1:], y[-1:], s=54, color=GREEN, zorder=5, label="end")
     _square(axes, x, y)
     axes.set(
-        title="Path of the reference point" if samples.truth else "Path, as the bridge measured it",
-        xlabel="x, forward at the start [m]",
-        ylabel="y, left [m]",
+        title="Path of the reference point" if samples.truth else "Path by the bridge's odometry",
+        xlabel=_named(samples, "x_m", "x, forward at the start"),
+        ylabel=_named(samples, "y_m", "y, left"),
     )
-    axes.legend(loc="best")
+    # Below the plot: within it, most paths would cross it.
+    figure.legend(loc="outside lower center", ncols=5, fontsize=8.5, columnspacing=1.2)
+
+
+def _named(samples: Samples, name: str, planar: str) -> str:
+    """Return the axis' label: of a robot that drives on no plane, the column's own title."""
+    known = {column.name: column for column in samples.columns}
+    column = known.get(name)
+    own = column is not None and column not in PLANAR
+    return f"{column.title if column is not None and own else planar} [m]"
 
 
 def _time_marks(axes: Axes, rows: Sequence[Sample], place: tuple[str, ...], span: float) -> None:

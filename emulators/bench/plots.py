@@ -1,4 +1,4 @@
-"""Pictures of a run for people: the path, the robot's own panels, the currents, the holds, and its own.
+"""Pictures of a run: the path, the robot's panels over time, motor currents, interlocks, and the robot's own.
 
 The same rows give the same bytes: no date, no random color, no window system.
 """
@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
-from typing import Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 from matplotlib import style
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -21,10 +21,13 @@ from emulators.bench.style import PALE, STYLE
 from emulators.bench.time_pictures import currents_picture, interlocks_picture, panels_picture
 from firmware_bridge.robot import AnyRobot
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 Picture: TypeAlias = Callable[[Figure, AnyRobot, Samples], None]
 NO_PICTURES: Final[Mapping[str, Picture]] = MappingProxyType({})
 OVER_TIME: Final = {"speeds": True, "currents": True, "interlocks": False}
-"""Pictures whose axes are seconds, and whether they have room for the names of faults."""
+"""Pictures whose axes are seconds, and whether faults are named at their marks, or else by rows."""
 
 
 def draw(
@@ -47,7 +50,7 @@ def draw(
         "path": lambda figure: path_picture(figure, samples, events),
         "speeds": lambda figure: panels_picture(figure, robot, panels, samples, events),
         **({"currents": lambda figure: currents_picture(figure, robot, samples)} if currents_known else {}),
-        "interlocks": lambda figure: interlocks_picture(figure, samples, events),
+        "interlocks": lambda figure: interlocks_picture(figure, samples, events, faults),
         # A robot's own picture is of its plant.
         **{name: partial(_own, picture, robot, samples) for name, picture in more.items() if samples.truth},
     }
@@ -58,7 +61,11 @@ def draw(
             FigureCanvasAgg(figure)
             picture(figure)
             if name in OVER_TIME:
-                mark_faults(figure.axes, faults, float(samples.seconds[-1]), named=OVER_TIME[name])
+                rows: dict[object, Axes] = {}
+                # A second vertical axis has the place of the first one, which is marked once.
+                for axes in figure.axes:
+                    rows.setdefault(axes.get_subplotspec(), axes)
+                mark_faults(list(rows.values()), faults, float(samples.seconds[-1]), named=OVER_TIME[name])
             figure.suptitle(title, x=0.01, ha="left", fontsize=9.5, color=PALE)
             path = folder / f"{name}.png"
             figure.savefig(path, metadata={"Software": None})

@@ -279,7 +279,7 @@ class Robot(Table, Generic[G_co]):
 
     name: Name
     kind: Name
-    """Of which kind it is; without one, its name's."""
+    """Its robot type; without it, that of its name."""
     title: str
     source: str
     cycle_ms: Annotated[int, Field(ge=5, le=1000)]

@@ -17,6 +17,7 @@ from validation.pages import (
     capture_fidelity,
     emergencies,
     faults,
+    keys,
     message_page,
     safety,
     serial_commands,
@@ -148,6 +149,8 @@ def pages(
             )
             for robot_type, robot in safety.shipped()
         },
+        "robot-file.md": _page("Keys of a robot file", *keys.robot_file(table)),
+        "mission-file.md": _page("Keys of a mission", *keys.mission_file(table)),
         "ground-stations.md": _stations(),
         "messages.md": _page("Messages, their causes and remedies", *message_page.parts(table)),
     }
@@ -242,12 +245,12 @@ def _opcodes(commands: serial_commands.Tests) -> str:
 
 def _faults() -> str:
     parts = [FAULTS_TEXT.format(kinds=len(KINDS), cable=CABLE_ORDER)]
-    for kind, keys in faults.sections():
+    for kind, fields in faults.sections():
         parts.append(f"## `{kind.name}`")
         parts.append(f"{kind.happens}")
         parts.append(f"* **Device**: {kind.does}\n* **Applies to**: {faults.target(kind)}.")
-        if keys:
-            parts.append(table(faults.HEADINGS, keys))
+        if fields:
+            parts.append(table(faults.HEADINGS, fields))
     return _page("Faults of a mission", *parts)
 
 
@@ -284,6 +287,7 @@ def _robots_safety(
     parts = [
         ROBOT_TEXT,
         *filter(None, (watchdog_text(robot),)),
+        f"![Drawing of the robot, from its robot file](pictures/{robot.name}.svg)",
         *hazards,
         "## Interlocks",
         table(safety.HEADINGS, safety.interlocks(robot_type, robot)),

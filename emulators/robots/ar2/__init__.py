@@ -139,8 +139,8 @@ BENCH_SETUP: Final = BenchSetup(
     stick=_stick,
     twist=lambda values, _: TwistAxes(values["speed"], -values["left"], -values["turn"]),
     columns=(
-        Column("x_m", "tool, ahead of the foot", "m", plant="tool_x"),
-        Column("y_m", "tool, above the floor", "m", plant="tool_z"),
+        Column("x_m", "tool ahead of the foot", "m", plant="tool_x"),
+        Column("y_m", "tool above the floor", "m", plant="tool_z"),
         Column("heading_rad", "of a view from the side", "rad", seen=_straight),
         Column("tool_y_m", "tool, to the left", "m", plant="tool_y"),
         Column("speed_mps", "of the tool, as it is counted from cycle to cycle", "m/s", seen=_counted_speed),
@@ -171,8 +171,8 @@ BENCH_SETUP: Final = BenchSetup(
             "Speed of the tool",
             "speed [mm/s]",
             (
-                Curve("speed_mps", "counted", scale=1000.0),
-                Curve("demanded_speed_mps", "demanded", step=True, scale=1000.0),
+                Curve("speed_mps", "actual, by step counts", scale=1000.0),
+                Curve("demanded_speed_mps", "set-point", step=True, scale=1000.0),
             ),
             limit=lambda robot: (1000.0 * robot.geometry.limits.speed_mps, "mm/s"),
             shaded=True,
@@ -188,8 +188,8 @@ BENCH_SETUP: Final = BenchSetup(
         ),
         *(
             Panel(
-                f"Rotors behind their fields, {joints[0]} to {joints[-1]}",
-                "full steps",
+                f"Rotor lag behind the stator field, joints {joints[0]} to {joints[-1]}",
+                "lag [full steps]",
                 tuple(Curve(f"lag_j{it}_rad", f"J{it}", scale=1.0 / STEP_RAD) for it in joints),
                 least=LOST_STEP,
             )

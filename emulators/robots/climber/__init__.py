@@ -141,8 +141,8 @@ BENCH_SETUP: Final = BenchSetup(
     stick=stick,
     twist=twist,
     columns=(
-        Column("x_m", "way round the tank, to the right of who looks up", "m", plant="arc"),
-        Column("y_m", "way up the tank", "m", plant="height"),
+        Column("x_m", "arc around the tank, to the right of an observer who looks up", "m", plant="arc"),
+        Column("y_m", "height along the tank's axis", "m", plant="height"),
         Column("heading_rad", "counter-clockwise from the way round", "rad", plant="heading"),
         Column("speed_mps", "forward speed of the reference point", "m/s", plant="speed"),
         Column("yaw_rate_rad_s", "counter-clockwise", "rad/s", plant="yaw_rate"),
@@ -162,7 +162,7 @@ BENCH_SETUP: Final = BenchSetup(
         Panel(
             "Joint",
             "angle [deg]",
-            (Curve("joint_rad", "plant", scale=math.degrees(1.0)),),
+            (Curve("joint_rad", "actual (plant)", scale=math.degrees(1.0)),),
             limit=lambda robot: (robot.geometry.joint.bound_deg, "deg"),
         ),
     ),

@@ -119,7 +119,7 @@ BENCH_SETUP: Final = BenchSetup(
         Panel(
             "Speed ahead",
             "speed [m/s]",
-            (Curve("demanded_speed_mps", "demanded", step=True), Curve("speed_mps", "plant")),
+            (Curve("demanded_speed_mps", "set-point", step=True), Curve("speed_mps", "actual (plant)")),
             limit=lambda robot: (robot.geometry.limits.speed_mps, "m/s"),
             shaded=True,
             height=2.5,
@@ -127,14 +127,14 @@ BENCH_SETUP: Final = BenchSetup(
         Panel(
             "Speed to the left",
             "speed [m/s]",
-            (Curve("demanded_left_mps", "demanded", step=True), Curve("speed_left_mps", "plant")),
+            (Curve("demanded_left_mps", "set-point", step=True), Curve("speed_left_mps", "actual (plant)")),
             shaded=True,
             height=2.5,
         ),
         Panel(
             "Turn rate, left is positive",
             "turn rate [rad/s]",
-            (Curve("yaw_rate_rad_s", "plant"),),
+            (Curve("yaw_rate_rad_s", "actual (plant)"),),
             least=0.1,
         ),
     ),

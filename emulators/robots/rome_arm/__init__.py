@@ -184,11 +184,9 @@ BENCH_SETUP: Final = BenchSetup(
     ),
     panels=(
         *_panels(BASE, rome.BENCH_SETUP.panels),
-        Panel("Tool above the floor", "height [mm]", (Curve(HEIGHT, "plant", scale=1000.0),)),
+        Panel("Tool above the floor", "height [mm]", (Curve(HEIGHT, "actual (plant)", scale=1000.0),)),
         *(row for row in ar2.BENCH_SETUP.panels if row.limit is None),
-        Panel(
-            "What the wheels carry", "load [N]", tuple(Curve(f"load_{it}_n", f"wheel {it}") for it in WHEELS)
-        ),
+        Panel("Wheel loads", "load [N]", tuple(Curve(f"load_{it}_n", f"wheel {it}") for it in WHEELS)),
     ),
     remarks=lambda robot: rome.BENCH_SETUP.remarks(BASE.robot(robot)),
     cases=cases,
