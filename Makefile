@@ -161,7 +161,7 @@ check: $(READY) ## lint, format, types, import contracts, documents in step
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
-	@$(BIN)/python -m pytest -q -p no:xdist hil_tests/architecture
+	@$(BIN)/python -m pytest -q -n $(JOBS) hil_tests/architecture
 
 site: $(READY) ## the documentation as a site, in build/site; every warning is an error
 	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check --group site

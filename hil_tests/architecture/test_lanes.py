@@ -43,7 +43,7 @@ def test_one_lane_is_what_the_other_is_not_and_both_are_checked() -> None:
         "long": f" -m '(long or hypothesis) and not interpreted'{others} {SHARE}",
     }
     assert "worksteal -q -m '(long or hypothesis) and interpreted'" in makefile
-    assert "pytest -q -p no:xdist hil_tests/architecture" in makefile
+    assert "pytest -q -n $(JOBS) hil_tests/architecture" in makefile
     assert re.search(r"^test-all: test long ", makefile, flags=re.MULTILINE)
 
 
