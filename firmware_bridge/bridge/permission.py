@@ -124,7 +124,7 @@ class Permission:
             self.neutral_required = True
 
     def watch(self, events: tuple[ActiveInterlock, ...]) -> None:
-        """Do what the active interlocks require: disarm, latch the emergency stop, take an axis's power."""
+        """Do what active interlocks require: disarm, latch the emergency stop, disable an axis's power."""
         for event in events:
             if event.interlock.latches:
                 self.emergency_stopped = True

@@ -15,7 +15,7 @@ import typer
 from typer.core import TyperCommand
 
 from firmware_bridge.cli.console import refusal, say
-from firmware_bridge.cli.usage import PlainGroup
+from firmware_bridge.cli.usage import PlainCommand, PlainGroup
 
 COMMAND_GROUP: Final = "firmware_bridge.commands"
 """Entry points of this group are tuples of rows."""
@@ -72,7 +72,7 @@ class Promised(TyperCommand):
 
 
 def command(
-    examples: str, *, kind: type[TyperCommand] = TyperCommand, work: Callable[[Any], None] | None = None
+    examples: str, *, kind: type[PlainCommand] = PlainCommand, work: Callable[[Any], None] | None = None
 ) -> Callable[[Callable[..., Any]], TyperCommand]:
     """Make a command of a function: its parameters are the options, its docstring is the help.
 
@@ -93,26 +93,9 @@ def command(
         alone.command(cls=kind, help=text)(called)
         found = typer.main.get_command(alone)
         assert isinstance(found, TyperCommand)  # noqa: S101 - one function alone makes no group
-        for option in found.params:
-            # A flag takes no value, so that there is no type to show.
-            if getattr(option, "is_flag", False):
-                option.metavar = ""
-        setattr(found, "get_help_option", _without_type(found.get_help_option))  # noqa: B010 - mypy, see renamed
         return found
 
     return made
-
-
-def _without_type(made: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """Return what makes the option --help, which takes no value, and so has no type to show."""
-
-    def plain(context: Any) -> Any:
-        option = made(context)
-        if option is not None:
-            option.metavar = ""
-        return option
-
-    return plain
 
 
 def imported(place: str) -> Any:

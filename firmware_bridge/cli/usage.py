@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any, Final, NoReturn
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from firmware_bridge.cli.console import WRONG_INPUT, say
 
@@ -16,6 +16,22 @@ _Mistake: Final[Any] = next(one for one in typer.BadParameter.__mro__ if one.__n
 PROGRAM: Final = "firmware-bridge"
 _VALUE: Final = re.compile(r"^Invalid value(?: for (?P<where>.+?))?: (?P<what>.*)$", re.DOTALL)
 _NEAR: Final = re.compile(r" \(Possible \w+: (?P<names>[^)]*)\)$")
+
+
+def _without_types(options: list[Any]) -> list[Any]:
+    """Return the options, of which a flag shows no type: it takes no value."""
+    for option in options:
+        if getattr(option, "is_flag", False):
+            option.metavar = ""
+    return options
+
+
+class PlainCommand(TyperCommand):
+    """A command whose flags show no type in its help."""
+
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Return its options, --help among them."""
+        return _without_types(super().get_params(ctx))
 
 
 class PlainGroup(TyperGroup):
@@ -46,13 +62,9 @@ class PlainGroup(TyperGroup):
         # What a command returns is no status; only what it ends with is.
         sys.exit(status if isinstance(status, int) else 0)
 
-    def get_params(self, ctx: Any) -> Any:
-        """Return the options, of which a flag shows no type: it takes no value."""
-        found = super().get_params(ctx)
-        for option in found:
-            if getattr(option, "is_flag", False):
-                option.metavar = ""
-        return found
+    def get_params(self, ctx: Any) -> list[Any]:
+        """Return its options, --help among them."""
+        return _without_types(super().get_params(ctx))
 
     def _called(self, words: Sequence[str]) -> str:
         """Return the command that a line begins with; the parser leaves it out of some mistakes."""

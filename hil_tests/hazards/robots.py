@@ -96,14 +96,19 @@ CLIMBER: Final = (
     Function("joint limit", "the joint folds up to its stops, and a wheel leaves the wall", "-"),
     Function("coupled wheels", "a turn is commanded that one shaft cannot drive", "-"),
     Function(
+        "place unknown",
+        "the robot is driven before its height is known",
+        "without cameras its height is by odometry from `[geometry.start]`",
+    ),
+    Function(
         "height limit",
         "the robot leaves the tank at its edge",
-        "until the cameras have seen the robot its height is unknown, and nothing is limited",
+        "a wrong `[geometry.start]`, where no cameras see it",
     ),
     Function(
         "adhesion limit",
         "the hanging cable becomes heavier than the magnets hold",
-        "until the cameras have seen the robot its height is unknown, and nothing is limited; paint and dirt",
+        "paint and dirt",
     ),
     Function("cable limit", "the cable becomes taut and pulls the robot off", "what the cable is caught by"),
     TURN,

@@ -1,6 +1,7 @@
 """The climber on the bench: closed paths by captured pose and by odometry, joint, coupled wheels, a fall."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
 
 CLOSED = ("square", "triangle", "diamond")
+PAGE = Path(__file__).parents[2] / "docs" / "climber.md"
 STOP_DEG, BOUND_DEG = 25.0, 15.0
 
 
@@ -34,6 +36,13 @@ class Ridden:
             }
             self.samples = rig.samples
             self.refused = rig.guard.refused
+
+    def row(self, title: str) -> str:
+        """Return its row of the page's table."""
+        assert self.path.same_instant is not None
+        off_mm, closure_mm = 1e3 * self.path.same_instant, 1e3 * self.figures["closure_m"]
+        joint_deg = self.figures["max_joint_deg"]
+        return f"| {title} | {off_mm:.1f} mm | {closure_mm:.1f} mm | {joint_deg:.1f} degrees |"
 
 
 def changed(table: str, **values: Any) -> AnyRobot:
@@ -55,6 +64,7 @@ def test_by_captured_pose_a_closed_path_is_kept_to_and_closes(name: str) -> None
     assert ridden.refused == 0
     # The mission's own end disarms; nothing else holds while it drives.
     assert set(ridden.held) == {"not armed"}
+    assert ridden.row(f"{name}, cameras") in PAGE.read_text(encoding="utf-8")
 
 
 @pytest.mark.long(beside="test_where_a_magnet_lets_go_it_states_so_and_the_drives_stop")
@@ -63,6 +73,7 @@ def test_by_odometry_alone_it_is_off_by_what_the_summary_reports(name: str) -> N
     ridden = Ridden(find("climber"), name)
     assert 0.001 < ridden.figures["closure_m"] < 0.03
     assert ridden.figures["max_joint_deg"] < BOUND_DEG
+    assert ridden.row(f"{name}, odometry alone") in PAGE.read_text(encoding="utf-8")
 
 
 @pytest.mark.long(beside="test_where_a_magnet_lets_go_it_states_so_and_the_drives_stop")

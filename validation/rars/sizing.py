@@ -92,11 +92,11 @@ def sizing(quick: bool) -> Findings:  # noqa: FBT001 - every study takes it
             Compared(
                 "turn at 60° of the inner wheel",
                 "mm",
-                415.0,
+                402.0,
                 1e3 * _crossing(math.radians(60.0)),
                 1e3 * davis.turn_radius(base, math.radians(60.0)),
                 0.01,
-                "Tab. 2.1 and App. C have 415 mm, which is 58.95°",
+                "printed rounded down; 415 mm (Tab. 2.1, App. C) is the built robot, at 58.95°",
             ),
         ),
         plots=(

@@ -19,6 +19,7 @@ from firmware_bridge.robots.climber.rules import ON_WALL
 Case: TypeAlias = bench.Case[ClimberMotion, ClimberState]
 Situation: TypeAlias = bench.Situation[ClimberMotion, ClimberState]
 WELL = ClimberState(0.0, 0.0, 0.0, 1.0)
+CREEPS_MPS = 0.01
 UP, ROUND = math.pi / 2.0, 0.0
 SEEN = Located(Pose(), Source.CAPTURED, 0.0, 0.0, 0.0, 0)
 
@@ -105,6 +106,15 @@ def _lost() -> Iterator[Case]:
         trips=Situation(command=guided, located=replace(SEEN, source=Source.UNSEEN)),
         spares=Situation(command=guided, located=SEEN),
         reason="the cameras have not seen the robot yet",
+    )
+    ahead = ClimberMotion(-CREEPS_MPS)
+    yield Case(
+        "place unknown",
+        trips=Situation(command=ahead, commanded=ahead, located=replace(SEEN, source=Source.UNSEEN)),
+        spares=Situation(command=ClimberMotion(turn_rad_s=0.01), located=replace(SEEN, source=Source.UNSEEN)),
+        reason=(
+            f"the cameras have not seen the robot yet: requested {CREEPS_MPS:.3f} m/s, allowed is 0.000 m/s"
+        ),
     )
     under_cameras = find("climber+cameras")
     bound = under_cameras.located_by[1].slip_mps if under_cameras.located_by else math.nan

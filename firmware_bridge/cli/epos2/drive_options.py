@@ -4,8 +4,8 @@ import re
 from typing import Annotated, Any, Final
 
 import typer
-from typer.core import TyperCommand
 
+from firmware_bridge.cli.usage import PlainCommand
 from firmware_bridge.wire.canopen import ALL_NODES, FIRST_NODE, LAST_NODE
 from firmware_bridge.wire.maxon.frame import Generation
 
@@ -73,7 +73,7 @@ PERIOD: Final = "0.2"
 """Seconds between two looks where none are given."""
 
 
-class NegativeValue(TyperCommand):
+class NegativeValue(PlainCommand):
     """A command that accepts `-500qc` as its last argument, and not as a row of short options."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -86,7 +86,7 @@ class NegativeValue(TyperCommand):
         return super().parse_args(ctx, [*others, _REST, *below] if below else others)
 
 
-class OptionalPeriod(TyperCommand):
+class OptionalPeriod(PlainCommand):
     """A command that accepts `--watch` or `-w` alone, too: the next word is its value only if a number."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:

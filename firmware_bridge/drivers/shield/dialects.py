@@ -184,7 +184,7 @@ class ArduinoIo(Dialect):
 
 
 def _direction(pwm: int, before: int) -> int:
-    """Return which way a motor is to be set, that was set another way, or released."""
+    """Return the direction that a motor is to be set to, where it was set to another one, or released."""
     # At PWM 0 the direction stays as it was, so that a standing motor is not switched to and fro.
     return (pwm > 0) - (pwm < 0) or before or 1
 
@@ -254,12 +254,12 @@ class Mw(Dialect):
     def release_again(self, motors: Iterable[int]) -> Iterator[BoardMessage]:
         """Release what is made still, then make shield and motors, and release again; wait for no answer."""
         numbers = tuple(motors)
-        for question in (*self.release(numbers), *self._made(numbers)):
-            lasts = mw.SHIELD_TAKES_MS if question.writes > CHANNELS else mw.MOTOR_TAKES_MS
+        for command in (*self.release(numbers), *self._made(numbers)):
+            lasts = mw.SHIELD_TAKES_MS if command.writes > CHANNELS else mw.MOTOR_TAKES_MS
             yield BoardMessage(
-                question.what,
-                mw.apart(question.data, line_rate=self.link.line_rate, milliseconds=lasts),
-                writes=question.writes,
+                command.what,
+                mw.apart(command.data, line_rate=self.link.line_rate, milliseconds=lasts),
+                writes=command.writes,
             )
 
     def _made(self, numbers: tuple[int, ...]) -> Iterator[BoardMessage]:

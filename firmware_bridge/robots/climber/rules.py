@@ -102,6 +102,17 @@ def _place(view: View) -> Pose | None:
     return None if located.source is Source.UNSEEN else located.pose
 
 
+def _place_unknown(view: View) -> tuple[ClimberMotion, str | None]:
+    """Keep it where it is: how high it is, and how far its cable is drawn, no limit behind this one knows."""
+    motion = view.allowed
+    if _place(view) is not None or motion.speed_mps == 0.0:
+        return motion, None
+    speed = abs(motion.speed_mps)
+    return replace(motion, speed_mps=0.0), (
+        f"the cameras have not seen the robot yet: requested {speed:.3f} m/s, allowed is 0.000 m/s"
+    )
+
+
 def _braked(left_m: float, view: View) -> float:
     """Return the speed at which the robot comes to standstill within a way; 0 where nothing is left of it."""
     # v squared = 2 a s, with the share of the acceleration that the ramp uses.
@@ -171,6 +182,12 @@ LIMITS: Final = (
     CLIMBER.speed_limit,
     Limit("joint limit", _joint, "drive the other way, or turn round", clear_after=CLEARS_AFTER),
     Limit("coupled wheels", _coupled, "drive straight, nose first or tail first", clear_after=CLEARS_AFTER),
+    Limit(
+        "place unknown",
+        _place_unknown,
+        "look what hides it from the cameras; or drive it without them, by its odometry",
+        clear_after=CLEARS_AFTER,
+    ),
     Limit("height limit", _height, "drive the other way", clear_after=CLEARS_AFTER),
     Limit("adhesion limit", _adhesion, "drive down, or take weight off its cable", clear_after=CLEARS_AFTER),
     Limit("cable limit", _cable, "drive back, or give it a longer cable", clear_after=CLEARS_AFTER),
