@@ -25,7 +25,7 @@ from firmware_bridge.intent import (
     Resume,
 )
 from firmware_bridge.packet import Packet
-from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.safety.rules import Rules
 from firmware_bridge.safety.snapshot import ActiveInterlock, AnySnapshot
 from firmware_bridge.units import SECOND, Nanoseconds
@@ -71,6 +71,8 @@ class Permission:
         self.paused = False
         self.neutral_required = True
         """The operator was away, or another one drives, and has not let his controls go since."""
+        self._confirming: list[Driver] = []
+        """Drivers that were requested to count from a position; some may have done so."""
         self.untrusted: set[str] = set()
         """The axes whose power an interlock has disabled; they get it back in the same way."""
 
@@ -140,12 +142,11 @@ class Permission:
 
         One without power is enabled before. `holds` are those that stop this axis.
         """
-        kept = self._keeps_zeros(seen)
+        kept = self._keeps_zeros(seen) or self._keeps_zero(driver.axis)
         if kept is not None:
-            return Answer(accepted=False, reason=f"zero: {kept}", temporary=True)
-        if driver.axis.name in self.untrusted:
-            reason = f"zero: the power of {driver.axis.called} was disabled; arm once, that enables it"
-            return Answer(accepted=False, reason=reason, temporary=True)
+            # An excluded axis has no power, which a new reference takes: waiting changes nothing.
+            waits = driver.axis.name not in self.rules.without
+            return Answer(accepted=False, reason=f"zero: {kept}", temporary=waits)
         now, feedback = seen.facts.now, driver.feedback
         if not self._ready(driver, now):
             failed = f" (last try: {driver.failure.problem})" if driver.failure is not None else ""
@@ -157,7 +158,16 @@ class Permission:
         if position is None:
             return self._home(driver, events, now)
         self._outbox += driver.set_zero(position, now)
+        self._confirming = [*self._under_confirmation(now), driver]
         return Answer(accepted=True, reason=f"zero: {driver.axis.called} counts from there")
+
+    def _keeps_zero(self, axis: Axis) -> str | None:
+        """Return why this axis' position may not be confirmed, or None."""
+        if axis.name in self.rules.without:
+            return f"this mode excludes {axis.called}; leave it, confirm, then enter it again"
+        if axis.name in self.untrusted:
+            return f"the power of {axis.called} was disabled; arm once, that enables it"
+        return None
 
     def _home(self, driver: Driver, events: tuple[ActiveInterlock, ...], now: Nanoseconds) -> Answer:
         axis = driver.axis
@@ -324,17 +334,29 @@ class Permission:
             return Answer(accepted=False, reason=f"mode: this robot has no '{mode}'; it has {known}")
         if mode == self.mode:
             return self._resume(seen)
-        rules = self._rules[mode]
+        kept = self._keeps_mode(self._rules[mode], seen)
+        if kept is not None:
+            return Answer(accepted=False, reason=f"mode: {kept}", temporary=True)
+        self.mode = mode
+        return Answer(accepted=True, reason=f"mode: {mode or 'the whole robot'}; arm to move")
+
+    def _keeps_mode(self, rules: Rules, seen: AnySnapshot) -> str | None:
+        """Return why a mode with these rules may not be entered now, or None."""
         # By the mode's own body: an axis that it does without, and that reports nothing, is not known to be
         # still.
         if self.armed or not rules.at_standstill(rules.sensed(seen)):
-            return Answer(accepted=False, reason="mode: stop and disarm first", temporary=True)
+            return "stop and disarm first"
+        # An axis that the mode does without loses its power, and with it the position that is being written.
+        for driver in self._under_confirmation(seen.facts.now):
+            return f"the position of {driver.axis.called} is being confirmed; wait"
+        for event in self.homing.under_way:
+            return event.reason
         kept = self.power_down.kept_by(rules.carriers, seen.facts.now)
-        if kept is not None:
-            reason = f"mode: {kept}; {HELD.remedy.partition(';')[0]}"
-            return Answer(accepted=False, reason=reason, temporary=True)
-        self.mode = mode
-        return Answer(accepted=True, reason=f"mode: {mode or 'the whole robot'}; arm to move")
+        return None if kept is None else f"{kept}; {HELD.remedy.partition(';')[0]}"
+
+    def _under_confirmation(self, now: Nanoseconds) -> list[Driver]:
+        """Return the drivers that write a confirmed position; a silent one is not waited for."""
+        return [driver for driver in self._confirming if driver.busy and not self._silent(driver, now)]
 
     def _ready(self, driver: Driver, now: Nanoseconds) -> bool:
         feedback = driver.feedback

@@ -129,7 +129,12 @@ ROME_ARM: Final = (
     Function("arm out", "the base drives with its arm out, and tips or hits", PLANE),
     Function("off balance", "the robot tips at rest", f"{PLANE}; a load that is not in the robot file"),
     Function("tool balance", "the arm moves the center of gravity beyond the wheels", PLANE),
-    Function("time stretched", "a path requires more than base and arm can do, and they part", "-"),
+    Function(
+        "time stretched",
+        "a path requires more than base and arm can do, and they part",
+        "-",
+        reaction="the path takes longer; reported",
+    ),
 )
 OWN: Final[Mapping[str, tuple[Function, ...]]] = {
     "rars": (*RARS, DELAY),

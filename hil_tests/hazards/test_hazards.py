@@ -23,7 +23,7 @@ from hil_tests.hazards.rows import OWN_CASES
 ROOT: Final = Path(__file__).parents[2]
 ANALYZED: Final = analysis.KEPT.read()
 FUNCTIONS: Final = (*COMMON, *AXES, *BESIDE, *(row for rows in OWN.values() for row in rows))
-HAZARD, NAME, _, TRIPS, REACTION, DISTANCE, FMEA, RESIDUAL, TEST = range(len(HEADINGS))
+HAZARD, NAME, SEVERITY, TRIPS, REACTION, DISTANCE, FMEA, RESIDUAL, TEST = range(len(HEADINGS))
 
 each = pytest.mark.parametrize("robot", sorted(LINES))
 
@@ -49,6 +49,14 @@ def test_the_page_has_the_table_and_begins_with_the_worst_case(robot: str) -> No
     worst, heading, *rest = sections(robot)
     assert text.index(worst) < text.index(heading)
     assert all(part.replace("](", "](../") in text or part in text for part in rest)
+
+
+def test_each_severity_is_in_the_legend() -> None:
+    (legend,) = re.findall(
+        r"\*\*Severity\*\*.*?\n\n", (ROOT / "docs" / "safety.md").read_text(encoding="utf-8"), re.DOTALL
+    )
+    named = {word.lower() for word in re.findall(r"\*(\w+)\*", legend)} - {"severity"}
+    assert {row[SEVERITY] for robot in LINES for row in rows(robot)} - {"-"} == named
 
 
 def test_each_test_that_a_row_names_is_there() -> None:

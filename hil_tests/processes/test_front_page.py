@@ -35,6 +35,8 @@ class Shell:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        # A shell has what it starts in the background ignore Ctrl-C: the tests may be such, and hand it on.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         (folder / "examples").symlink_to(ROOT / "examples")
         self._environment = {
             **os.environ,

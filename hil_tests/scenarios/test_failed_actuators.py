@@ -211,3 +211,25 @@ def test_over_serial_it_is_the_same(rides: Ridden, mode: str) -> None:
     )
     ride.runs_until(18.5)
     assert reached(ride, MODE_AT_S) > 0.8
+
+
+BEFORE_SET_UP: Final = (step(0.0, zero={"steering": 0.0, "lift": 0.0}), step(0.0, mode="steering_failed"))
+"""Both are ordered before the drives are set up: what has to wait is answered so, and repeated."""
+
+
+def test_a_mode_waits_until_the_position_before_it_is_confirmed(rides: Ridden) -> None:
+    ride = rides(*BEFORE_SET_UP, step(6.0, arm=True), *drives(1.0), seconds=14)
+    ride.runs_until(8.0)
+    assert "mode: the position of node 3 (steering) is being confirmed; wait" in texts(ride)
+    assert ride.operator.diary.armed
+    assert "mode: accepted" in texts(ride)
+
+
+def test_in_a_mode_the_position_of_the_axis_that_it_excludes_is_refused_with_the_reason(
+    rides: Ridden,
+) -> None:
+    ride = rides(*BEFORE_SET_UP[::-1], step(6.0, arm=True), seconds=14)
+    ride.runs_until(8.0)
+    assert "zero: this mode excludes node 3 (steering); leave it, confirm, then enter it again" in texts(ride)
+    assert not ride.operator.diary.armed
+    assert "mode: accepted" in texts(ride)

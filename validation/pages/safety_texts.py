@@ -31,14 +31,14 @@ SAFETY_TEXT: Final = """\
 **None of this is a rated safety function: it has no performance level (ISO 13849-1) and no SIL (IEC 61508,
 IEC 61800-5-2).** A command over a network is no emergency stop in the sense of ISO 13850: keep a hardware one
 within reach. An EPOS2 that is disabled has its power stage disabled, which is no STO. Times and distances
-come from simulation, not from measurements on a robot. People are not detected. Stops are comparable in kind
-to the stop categories of EN 60204-1, limits of speed to SLS of IEC 61800-5-2: in kind only.
+come from simulation, not from measurements on a robot. People are not detected. Stops are comparable to the
+stop categories of EN 60204-1 and to SS1 and SS2 of IEC 61800-5-2, limits of speed to its SLS: in kind only.
 
 Interlocks, limits and stops of the robots in this package; `firmware-bridge robots` checks others.
 
-**Severity** is that of the text to the operator, by MAVLink: *critical* (a device, a link or the robot's
-place is at fault), *warning* (a command or a state does not fit), *notice* and *info* (nothing to do). *Stop*
-is a warning with which the whole robot stops.
+**Severity** is that of the text to the operator, by MAVLink: *emergency* (the robot falls), *critical* and
+*error* (a device, a link or the robot's place is at fault), *warning* (a command or a state does not fit),
+*notice* and *info* (nothing to do). *Stop* is a warning with which the whole robot stops.
 
 An active interlock stops everything, or the axis groups that its **reaction** names. It clears after its
 condition has been absent for the **release delay** at every evaluation. One that leaves the robot disarmed
