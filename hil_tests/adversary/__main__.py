@@ -30,9 +30,9 @@ def main() -> int:
         robot = robot_of(reported)
     except RobotFileError as error:
         words.error(str(error))
-    natures = frozenset(map(FaultProfile, reported.natures))
+    profiles = frozenset(map(FaultProfile, reported.profiles))
     line = line_of(reported)
-    search = Search(robot, bench_setup_of(robot), invariants(robot), natures, print)
+    search = Search(robot, bench_setup_of(robot), invariants(robot), profiles, print)
     driven, seed, count = 0.0, reported.seed, 0
     while driven < 3600.0 * reported.hours:
         found, seconds = search.random_run(seed)

@@ -147,6 +147,26 @@ def test_the_mutants_are_of_modules_that_there_are() -> None:
     assert all(next(tool().mutants(target), None) is not None for target in TARGETS)
 
 
+def test_the_command_of_the_night_searches_with_all_its_options(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    words = [
+        "rars",
+        "--hours",
+        "1e-6",
+        "--profiles",
+        "honest",
+        "lying",
+        "--seed",
+        "7",
+        "--out",
+        str(tmp_path),
+    ]
+    monkeypatch.setattr("sys.argv", ["adversary", *words])
+    assert main() == 0
+    assert "simulated hours, seeds 7 to 7, 0 found" in capsys.readouterr().out
+
+
 def test_a_robot_that_there_is_not_is_one_line_and_no_find(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
