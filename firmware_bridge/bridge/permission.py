@@ -127,6 +127,8 @@ class Permission:
 
     def watch(self, events: tuple[ActiveInterlock, ...]) -> None:
         """Do what active interlocks require: disarm, latch the emergency stop, disable an axis's power."""
+        # A driver that has ended is forgotten: later it may be busy with something else.
+        self._confirming = [driver for driver in self._confirming if driver.busy]
         for event in events:
             if event.interlock.latches:
                 self.emergency_stopped = True

@@ -4,6 +4,7 @@ A cell is one failure at one place in one state of the robot. The worst of sever
 most from the run without the failure. `tools/measure_fmea.py` runs it and writes `analyzed.csv`.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -15,8 +16,6 @@ from emulators.fmea.effect import Assessment
 from emulators.fmea.matrix import Cell, all_failures, matrix, of_state, state_names
 from firmware_bridge.robot_types import find
 from hil_tests.failures.kept import Kept
-
-DEGREES: Final = 57.29577951308232
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +99,6 @@ def _row(robot: str, name: str, cells: Sequence[Cell]) -> Analyzed:
         None if effect.after_ms is None else round(effect.after_ms),
         None if effect.standstill_after_ms is None else round(effect.standstill_after_ms),
         round(1000 * effect.goes_m),
-        round(DEGREES * effect.turns_rad),
+        round(math.degrees(effect.turns_rad)),
         worst.why if worst.late else "",
     )

@@ -3,6 +3,7 @@
 from typing import Final
 
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.safety.common import HALTS
 from firmware_bridge.safety.tracking import within
 from firmware_bridge.units import MILLISECOND
 from hil_tests.hazards.common import BRAKES, SCENARIOS, always, each_link
@@ -13,18 +14,19 @@ PLAUSIBLE: Final = f"{SCENARIOS}/test_plausibility_stories.py"
 COASTS: Final = "an axis without power coasts, or drops its load: brakes"
 
 
-def _deviates(robot: AnyRobot) -> str:
+def _within(robot: AnyRobot) -> str:
+    """Return the time that an axis may deviate; several where the axes differ."""
     times = {within(axis, robot.links[axis.link].silent_ms * MILLISECOND) for axis in robot.axes}
-    shown = " or ".join(f"{time // MILLISECOND} ms" for time in sorted(times))
-    return f"outside of its plausibility limits, see below, for {shown}"
+    return " or ".join(f"{time // MILLISECOND} ms" for time in sorted(times))
+
+
+def _deviates(robot: AnyRobot) -> str:
+    return f"outside of its plausibility limits, see below, for {_within(robot)}"
 
 
 def _stands(robot: AnyRobot) -> str:
-    times = {within(axis, robot.links[axis.link].silent_ms * MILLISECOND) for axis in robot.axes}
-    shown = " or ".join(f"{time // MILLISECOND} ms" for time in sorted(times))
-    return (
-        f"the same position to the last bit for {shown}, 40 ms where it turned, while it is commanded to move"
-    )
+    turned = f"{HALTS // MILLISECOND} ms where it turned"
+    return f"the same position to the last bit for {_within(robot)}, {turned}, while it is commanded to move"
 
 
 AXES: Final = (

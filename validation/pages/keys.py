@@ -45,13 +45,13 @@ BOUNDS: Final = (
     (annotated_types.Le, "at most", "le"),
     (annotated_types.Lt, "below", "lt"),
 )
-ROBOT_TEXT: Final = """A robot file is TOML; `firmware-bridge bench --check FILE` checks it and drives
-nothing. An unknown key, a missing one and a value of another kind are refused, all at once, each with the
-file and the key. "Required" stands where there is no default. `axes`, `sensors`, `outputs`, `guard.sums` and
-`guard.exclusive` are lists of tables, `[[axes]]` in TOML. `[geometry]` is each robot type's own; those of the
-shipped types are at the end."""
-MISSION_TEXT: Final = """A mission is TOML; `firmware-bridge bench ROBOT --mission FILE` drives it, and
-`bench --check FILE` checks it. `step` is a list of tables, `[[step]]` in TOML, and so are
+ROBOT_TEXT: Final = """A robot file is TOML; `firmware-bridge bench FILE --mission MISSION --check` checks
+it with one of its missions, and drives nothing. An unknown key, a missing one and a value of another kind are
+refused, all at once, each with the file and the key. "Required" stands where there is no default. `axes`,
+`sensors`, `outputs`, `guard.sums` and `guard.exclusive` are lists of tables, `[[axes]]` in TOML. `[geometry]`
+is each robot type's own; those of the shipped types are at the end."""
+MISSION_TEXT: Final = """A mission is TOML; `firmware-bridge bench ROBOT --mission FILE` drives it, and with
+`--check` reads it and drives nothing. `step` is a list of tables, `[[step]]` in TOML, and so are
 [faults](faults.md), which have a page of their own. Keys of a step that a robot adds are at the end, by
 robot."""
 

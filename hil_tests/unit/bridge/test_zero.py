@@ -10,6 +10,7 @@ from firmware_bridge.bridge import Bridge
 from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.robots.rars import ROBOT_TYPE
 from firmware_bridge.teleop.mavlink import dialect
+from firmware_bridge.teleop.modes import number_of_own
 from firmware_bridge.wire.abort import AbortCode
 from firmware_bridge.wire.cia402 import PowerState
 from firmware_bridge.wire.epos2 import address as at
@@ -61,6 +62,23 @@ def restarted(bench: "Bench", name: str = "lift") -> None:
     assert bench.arms() == TEMPORARILY_REJECTED
     bench.runs(1)
     assert bench.drives[name].state is PowerState.OPERATION_ENABLED
+
+
+def test_a_mode_waits_for_a_position_and_not_for_what_its_drive_does_later(started: "Bench") -> None:
+    mode = (1.0, float(number_of_own([*ROBOT_TYPE.modes].index("steering_failed") + 1)))
+    assert started.commands(STANDS, STEER, 0.0) == ACCEPTED
+    assert started.commands(dialect.MAV_CMD_DO_SET_MODE, *mode) == TEMPORARILY_REJECTED
+    assert "being confirmed" in started.reported()
+    started.runs(1)
+    # Its drive is busy again: an arm enables what a forced disarm disabled; a failed drive may never end it.
+    assert started.commands(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, 21196.0) == ACCEPTED
+    started.runs(1)
+    assert started.arms() == TEMPORARILY_REJECTED
+    (steer,) = (it for it in started.bridge.all_drivers.drivers if it.axis.name == "steer")
+    assert steer.busy
+    before = started.reported()
+    started.commands(dialect.MAV_CMD_DO_SET_MODE, *mode)
+    assert "being confirmed" not in started.reported().removeprefix(before)
 
 
 def test_what_goes_to_the_drive_is_homing_by_method_35(started: "Bench") -> None:
