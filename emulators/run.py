@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Final, TypeAlias
 
@@ -11,11 +12,11 @@ import numpy as np
 from emulators.arduino_omni.board import Board
 from emulators.bench.bench_setup import BenchSetup
 from emulators.bench.columns import Samples, electric
-from emulators.bench.mission import Mission
+from emulators.bench.mission import Mission, MissionFileError
 from emulators.bench.operator import ScriptedOperator
 from emulators.bench.page import page
 from emulators.bench.path_error import Followed, path_error
-from emulators.bench.piloted import PilotedMission
+from emulators.bench.piloted import HandedOver, PilotedMission
 from emulators.bench.radial_error import radial_error
 from emulators.bench.summary import LineRun, RunFigures, Summary, as_json, summarize
 from emulators.extras import installed
@@ -24,7 +25,7 @@ from emulators.recorded import recorded
 from emulators.rig import Rig
 from firmware_bridge import renamed
 from firmware_bridge.node import Node
-from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot import AnyRobot, Problem
 from firmware_bridge.runtime.run_file import AsRun, run_file
 from firmware_bridge.units import MILLISECOND, Nanoseconds, from_seconds
 
@@ -63,10 +64,11 @@ def drive(order: RunOrder, progress: Progress) -> Summary:
     PlantError where the plant cannot be used; OSError where the folder cannot be written.
     """
     order.folder.mkdir(parents=True, exist_ok=True)
+    operator = operator_of(order)
     rig = Rig(
         order.mission.on(order.robot),
         order.bench_setup,
-        operator_of(order),
+        operator,
         plant_path=order.plant,
         seed=order.seed,
         noise=order.mission.noise,
@@ -83,6 +85,9 @@ def drive(order: RunOrder, progress: Progress) -> Summary:
     # Of the run alone: pictures and files come behind.
     wall_s = time.perf_counter() - begun
     rig.finish()
+    pilot = operator.pilot if isinstance(operator, HandedOver) else operator
+    if isinstance(pilot, PilotedMission) and (refused := pilot.follower.refused):
+        raise MissionFileError(order.mission_name, Problem("pilot", refused))
     run = RunFigures(
         robot=order.robot.name,
         mission=order.mission_name,
@@ -108,7 +113,7 @@ def drive(order: RunOrder, progress: Progress) -> Summary:
         faults,
         path=path,
         radial_error_m=swing,
-        figures=order.bench_setup.figures,
+        figures={**order.bench_setup.figures, **_by_file(order)},
     )
     for name, text in run_file(AsRun(order.mission.on(order.robot))).items():
         (order.folder / name).write_text(text, encoding="utf-8")
@@ -135,17 +140,31 @@ def drive(order: RunOrder, progress: Progress) -> Summary:
 
 
 def operator_of(order: RunOrder) -> Node:
-    """Return the driver of the mission: its operator with a stick, or its pilot."""
-    if order.mission.pilot is not None:
-        return PilotedMission(order.mission.on(order.robot), order.mission.step, order.mission.pilot)
-    hand = np.random.default_rng([order.seed, HAND_STREAM])
-    return ScriptedOperator(order.robot, order.bench_setup, order.mission, hand)
+    """Return the driver of the mission: its operator with a stick, its pilot, or one after the other."""
+    mission, tremor = order.mission, np.random.default_rng([order.seed, HAND_STREAM])
+    hand = ScriptedOperator(order.robot, order.bench_setup, mission, tremor)
+    if mission.pilot is None:
+        return hand
+    pilot = PilotedMission(mission.on(order.robot), mission.step, mission.pilot)
+    begins_s = mission.pilot.begins_s
+    return HandedOver(hand, pilot, from_seconds(begins_s)) if begins_s else pilot
+
+
+def _by_file(order: RunOrder) -> dict[str, Callable[[Samples], float | None]]:
+    by_file = order.bench_setup.figures_by_file
+    return {name: partial(_figure, figure, order.robot) for name, figure in by_file.items()}
+
+
+def _figure(
+    figure: Callable[[Samples, AnyRobot], float | None], robot: AnyRobot, samples: Samples
+) -> float | None:
+    return figure(samples, robot)
 
 
 def swings(order: RunOrder, samples: Samples) -> float | None:
     """Return how far the robot swung about its pilot's path; None where it has none."""
     mission = order.mission
-    if mission.pilot is None:
+    if mission.pilot is None or mission.pilot.goal_m is not None:
         return None
     return radial_error(samples, mission.pilot.placed, mission.settled_after_s)
 

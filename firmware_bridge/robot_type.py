@@ -50,6 +50,11 @@ class RobotMode(Generic[G, M, S]):
     kinematics: Callable[[Robot[G]], KinematicModel[M, S]]
     interlocks: tuple[Interlock[G, M, S], ...]
     limits: tuple[Limit[G, M, S], ...]
+    curvatures: Callable[[Robot[G], Mapping[str, float]], tuple[float, float]] | None = None
+    """The lowest and the highest curvature that it drives, 1/m, left positive, by its named values.
+
+    None: as the whole robot.
+    """
 
     def __post_init__(self) -> None:
         # The class is frozen, so that this is the way to change a field while it is made.
@@ -75,6 +80,11 @@ class RobotType(Generic[G, M, S]):
     kinematics: Callable[[Robot[G]], KinematicModel[M, S]]
     groups: Mapping[Group, frozenset[str]]
     """The axes, by their roles, that stop together; every axis is in one group."""
+    led: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    """The axes, by their roles, whose set-points follow the position of another one, by its role.
+
+    Where that one's device sends its position between the cycles, they are commanded again then.
+    """
     travelling: frozenset[Group]
     """The groups that take the robot from its place; they stand before it is armed or disarmed."""
     interlocks: tuple[Interlock[G, M, S], ...]

@@ -83,6 +83,8 @@ class BenchSetup:
     """Initial positions of the plant, by the axes' roles and as read off the robot; 0 where none is given."""
     well: Mapping[str, float] = field(default_factory=dict)
     """Sensor values, by their names, of a robot that is well, where it does not move without."""
+    figures_by_file: Mapping[str, Callable[[Samples, AnyRobot], float | None]] = field(default_factory=dict)
+    """Further numbers of the summary, for which the robot file is needed."""
     figures: Mapping[str, Callable[[Samples], float | None]] = field(default_factory=dict)
     """Its own numbers in the summary, by their keys there; None where a run has no such number."""
     pictures: Mapping[str, Callable[["Figure", AnyRobot, Samples], None]] = field(default_factory=dict)

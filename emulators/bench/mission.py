@@ -198,7 +198,7 @@ def cannot_say(mission: Mission, robot: AnyRobot, bench_setup: BenchSetup) -> It
 
 def _beside_a_pilot(index: int, step: Step, pilot: Pilot | None) -> Iterator[Problem]:
     """Yield the inputs of a step that need a hand, where a pilot drives."""
-    for key in () if pilot is None else by_hand(step):
+    for key in () if pilot is None or step.at_s < pilot.begins_s else by_hand(step):
         yield Problem(f"step[{index}].{key}", "a pilot drives, who does nothing of the kind")
 
 

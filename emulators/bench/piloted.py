@@ -1,18 +1,21 @@
 """A path follower in the operator's place: a mission's table `pilot`, and the node that drives by it."""
 
 import math
+from collections.abc import Callable
 from pathlib import Path as FilePath
-from typing import Annotated, Final
+from typing import Annotated, Final, Self, TypeAlias
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, Field, model_validator
 
 from emulators.bench import orders
 from emulators.bench.step import Finite, NonNegative, Positive, Sends, Step, inputs
 from firmware_bridge.motion.model import MotionModel, Unicycle
 from firmware_bridge.motion.pose import Pose
+from firmware_bridge.node import Node
 from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.pilot import path_file
 from firmware_bridge.pilot.follower import PathDriver
+from firmware_bridge.pilot.goals import Curvatures, path_to
 from firmware_bridge.pilot.paths import PATHS, Path, placed
 from firmware_bridge.pilot.predictor import Predictor
 from firmware_bridge.pilot.station import PilotStation
@@ -24,17 +27,26 @@ from firmware_bridge.units import NEVER, Nanoseconds, from_seconds
 
 
 def _is_a_path(name: str) -> str:
-    if name not in PATHS and not name.endswith(".csv"):
+    if name not in PATHS and name != GOAL and not name.endswith(".csv"):
         raise ValueError(
-            f"there is no path '{name}'; {near(name, list(PATHS))} (or a file that ends in .csv)"
+            f"there is no path '{name}'; {near(name, [*PATHS, GOAL])} (or a file that ends in .csv)"
         )
     return name
+
+
+GOAL: Final = "goal"
+"""The path to `goal_m`, which is made by what the robot can drive when it begins."""
+Reach: TypeAlias = Callable[[], Curvatures]
 
 
 class Pilot(Table):
     """Pure pursuit along a path from the station, with what the link brings."""
 
     path: Annotated[str, AfterValidator(_is_a_path)]
+    goal_m: Annotated[tuple[Finite, Finite] | None, Field(strict=False)] = None
+    """Where path = "goal" leads: ahead and to the left of the robot when it begins."""
+    loop: bool = False
+    """Permits a loop where no arc leads to the goal: it needs space."""
     size_m: Positive = 5.0
     """The radius of a circle and of each half of an eight, the length of a line."""
     speed_mps: Positive = 0.5
@@ -43,9 +55,17 @@ class Pilot(Table):
     """Initial offset of the robot to the left of the path."""
     turned_deg: Finite = 0.0
     """Initial heading of the robot to the left of the path's direction."""
+    begins_s: NonNegative = 0.0
+    """Time at which it takes over; until then the mission's steps drive by hand."""
     predictor: bool = False
     reaction_s: NonNegative = 0.0
     """Delay of the hand after the computation; the predictor does not know it."""
+
+    @model_validator(mode="after")
+    def _a_goal_is_somewhere(self) -> Self:
+        if (self.path == GOAL) != (self.goal_m is not None):
+            raise ValueError("goal_m and path = 'goal' belong together")
+        return self
 
     def shape(self) -> Path:
         """Return the path, where it begins at the origin; PathError where its file is none."""
@@ -58,19 +78,23 @@ class Pilot(Table):
         turned = math.radians(self.turned_deg)
         return placed(self.shape(), at, offset_m=self.offset_m, turned_rad=turned)
 
-    def follower(self, robot: AnyRobot) -> PathDriver:
+    def follower(self, robot: AnyRobot, reach: Reach) -> PathDriver:
         """Return the driver along it, no faster than the session's agreed delay lets the robot go.
 
         PathError where its file is none.
         """
-        self.shape()  # a missing or wrong path file is reported before anything moves
+        place, goal = self.placed, self.goal_m
+        if goal is None:
+            self.shape()  # a missing or wrong path file is reported before anything moves
+        else:
+            place = lambda at: placed(path_to(goal, reach(), loop=self.loop), at)  # noqa: E731 - one line
         robot_type = robot_type_of(robot)
         made = robot_type.model
         model: MotionModel = Unicycle() if made is None else made(robot)
         # An agreed delay reduces the top speed, and the follower's with it.
         fastest = robot.operator.speed_share * robot_type.station.largest(robot).forward_mps
         return PathDriver(
-            self.placed,
+            place,
             speed_mps=min(self.speed_mps, fastest),
             look_ahead_m=self.look_ahead_m,
             tightest_per_m=model.tightest_per_m,
@@ -89,7 +113,10 @@ class PilotedMission:
     """A `Node`: the station, and a mission's steps, whose commands it sends at their time."""
 
     def __init__(self, robot: AnyRobot, steps: tuple[Step, ...], pilot: Pilot) -> None:
-        self.follower: Final = pilot.follower(robot)
+        modes = [step.mode for step in steps if step.mode is not None]
+        steps = tuple(step for step in steps if step.at_s >= pilot.begins_s)
+        self._mode: Final = modes[-1] if modes else ""
+        self.follower: Final = pilot.follower(robot, self._reach)
         operator = robot.operator
         self.station: Final = PilotStation(self.follower, (operator.system_id, operator.component_id))
         self._robot: Final = robot
@@ -108,9 +135,44 @@ class PilotedMission:
             self._taken += 1
         return self._in_time(self.station.wake(now))
 
+    def _reach(self) -> Curvatures:
+        """Return what the robot drives in the mission's mode, by the values that it has sent."""
+        robot_type = robot_type_of(self._robot)
+        of_mode = robot_type.modes[self._mode].curvatures if self._mode in robot_type.modes else None
+        if of_mode is not None:
+            return Curvatures(*of_mode(self._robot, self.station.shown.values))
+        made = robot_type.model
+        most = (Unicycle() if made is None else made(self._robot)).tightest_per_m
+        return Curvatures(-most, most)
+
     @property
     def _due(self) -> Nanoseconds:
         return from_seconds(self._steps[self._taken].at_s) if self._taken < len(self._steps) else NEVER
 
     def _in_time(self, reaction: Reaction) -> Reaction:
         return Reaction(reaction.sent, min(reaction.wake_at, self._due))
+
+
+class HandedOver:
+    """A `Node`: a hand that drives first, and a pilot that takes over from it."""
+
+    def __init__(self, hand: Node, pilot: PilotedMission, at: Nanoseconds) -> None:
+        self._hand: Final = hand
+        self.pilot: Final = pilot
+        self._at: Final = at
+
+    def receive(self, packet: Packet, now: Nanoseconds) -> Reaction:
+        """Deliver the link's packets to the one that drives."""
+        return self._in_time(self._driver(now).receive(packet, now), now)
+
+    def wake(self, now: Nanoseconds) -> Reaction:
+        """Let the one that drives go on."""
+        return self._in_time(self._driver(now).wake(now), now)
+
+    def _driver(self, now: Nanoseconds) -> Node:
+        return self.pilot if now >= self._at else self._hand
+
+    def _in_time(self, reaction: Reaction, now: Nanoseconds) -> Reaction:
+        if now >= self._at:
+            return reaction
+        return Reaction(reaction.sent, min(reaction.wake_at, self._at))

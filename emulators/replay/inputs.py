@@ -147,7 +147,7 @@ def _by_link(recording: Recording, robot: AnyRobot, known: set[str]) -> dict[str
         if one.packet.link not in known:
             raise RecordingFileError(
                 f"{one.where}: {robot.name} has no line '{one.packet.link}'; it has: {_named(sorted(known))};"
-                " for drives over a serial line say --serial"
+                " for drives over a serial line use --serial"
             )
         entries.setdefault(one.packet.link, []).append(place)
     return {

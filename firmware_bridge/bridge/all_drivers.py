@@ -172,6 +172,16 @@ class AllDrivers:
                 sent += link_drivers.switch(levels, now)
         return sent
 
+    def follow(self, set_points: Mapping[str, SetPoint]) -> tuple[Packet, ...]:
+        """Send these axes set-points between two cycles; the others keep theirs."""
+        sent: tuple[Packet, ...] = ()
+        for driver in self.drivers:
+            name = driver.axis.name
+            if name in set_points:
+                sent += driver.command(set_points[name])
+        self.set_points.update(set_points)
+        return sent
+
     def command_all(self, set_point: Stop, off: Collection[str] = ()) -> tuple[Packet, ...]:
         """Send all axes the same set-point; those named in `off` shall have no power, whatever it is."""
         commanded = {driver.axis.name: set_point for driver in self.drivers} | dict.fromkeys(

@@ -179,7 +179,7 @@ class Bridge:
         if self.phase is Phase.FINISHED:
             return self._reaction(now)
         if packet.link != OPERATOR:
-            self._outbox += self._all_drivers.receive(packet, now) or ()
+            self._outbox += (self._all_drivers.receive(packet, now) or ()) + self._pipeline.follow(now)
         else:
             self._receive_operator(packet, now)
         return self._reaction(now)

@@ -9,6 +9,8 @@ from itertools import compress
 from typing import Any, Final
 
 from firmware_bridge.bridge.all_drivers import AllDrivers
+from firmware_bridge.bridge.guide import Guide
+from firmware_bridge.bridge.led_axes import LedAxes
 from firmware_bridge.bridge.locating import Locating, on_floor
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.zeros import Zeros
@@ -25,7 +27,7 @@ from firmware_bridge.intent import (
 )
 from firmware_bridge.packet import Packet
 from firmware_bridge.robot import AnyRobot
-from firmware_bridge.robot_type import AnyPathFollower, AnyRobotType
+from firmware_bridge.robot_type import AnyRobotType
 from firmware_bridge.safety.charge import Charge
 from firmware_bridge.safety.gate import Gate
 from firmware_bridge.safety.rules import Rules
@@ -73,11 +75,12 @@ class Pipeline:
         self._charge: Final = Charge(robot)
         self._zeros: Final = Zeros(robot, robot_type.station.gauges, all_drivers)
         self._followers: Final = Followers(robot)
-        self._path_follower: AnyPathFollower | None = None
-        """The path follower in the operator's place; None while the operator commands."""
-        self._command: Any | None = None
-        """The path follower's newest command."""
+        self._guide: Final = Guide(robot, robot_type, operator, permission)
         self._commanded: Any = robot_type.standstill
+        self._allowed: Any = robot_type.standstill
+        """The motion to which the commanded one is ramped."""
+        self._ramped_at: Nanoseconds | None = None
+        self._led: Final = LedAxes(robot, robot_type, all_drivers)
         unrolled = robot_type.unrolled
         self._locating: Final = Locating(robot, on_floor if unrolled is None else unrolled(robot))
         self._counted: Mapping[str, Feedback] | None = None
@@ -93,10 +96,9 @@ class Pipeline:
 
     def run(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], tuple[Packet, ...]]:
         """Do one cycle; return what goes to the devices and what to the operator."""
-        rules = self._permission.rules
         elapsed = self._elapsed(now)
         self._lapse(now)
-        known = self._guided(self.known(now), elapsed)
+        known = self._guide.guided(self.known(now), elapsed)
         decision = self._gate.rule(known)
         self._watch_homing(decision.interlock_events + self._permission.stops.interlock_events, known.facts)
         # Before this cycle's events: one that begins now requires neutral again.
@@ -108,13 +110,26 @@ class Pipeline:
             # A target of before the timeout must not start the robot when the link is back.
             self._operator.forget()
         self.gate_deadline = self._gate.next_deadline(known.facts)
-        self._commanded = rules.kinematics.ramped(self._commanded, decision.allowed, known.body, elapsed)
+        self._ramp(decision.allowed, known.body, now)
         sent = self._stopped(
             self._stop_requested(decision.stopped), self._set_points(known), self._levels(decision), now
         )
         self._advance(known.facts)
         self._keep(known, decision.interlock_events + self._permission.interlock_events)
         return sent, self._operator.report(self.seen, self.interlock_events, now)
+
+    def follow(self, now: Nanoseconds) -> tuple[Packet, ...]:
+        """Command the axes that are led again, by a position that has come between two cycles."""
+        if not self._led.due(now):
+            return ()
+        facts, kinematics = self.seen.facts, self._permission.rules.kinematics
+        self._led.followed(now)
+        body = kinematics.sensed(self._led.newest(facts.axes), facts.sensors)
+        self._ramp(self._allowed, body, now)
+        set_points = self._led.of(kinematics.set_points(self._commanded, body), self._all_drivers.set_points)
+        sent = self._all_drivers.follow(set_points)
+        self._followers.on_set_points(set_points, now)
+        return sent
 
     def come_to_standstill(self, now: Nanoseconds) -> tuple[tuple[Packet, ...], bool]:
         """Ramp down, then power down, without the operator; return the packets, and whether it is done.
@@ -128,7 +143,8 @@ class Pipeline:
         self._permission.watch(tuple([event for event in events if event.interlock.disables_power]))
         rules = self._permission.rules
         rest = rules.kinematics.at_standstill(self._commanded, rules.groups)
-        self._commanded = rules.kinematics.ramped(self._commanded, rest, known.body, self._elapsed(now))
+        self._elapsed(now)
+        self._ramp(rest, known.body, now)
         standstill = self._axes_stopped(known) and self._set_point_is_zero(known)
         set_points = self._without_power(known, standstill=standstill) or self._set_points_of_body(known)
         names, levels = set_points.keys() | self._group_of.keys(), self._robot_type.on_stop
@@ -165,9 +181,9 @@ class Pipeline:
         if isinstance(request, ResetOdometry):
             return Answer(accepted=True, reason=self._locating.begin_again())
         if isinstance(request, Follow):
-            return self._follow(request.path_follower)
+            return self._guide.follow(request.path_follower)
         if isinstance(request, ChangeDriver):
-            self._path_follower = self._command = None
+            self._guide.leave()
             self._permission.neutral_required = True
             self._operator.take_returned_to_neutral()  # the neutral stick was another station's
             self._permission.homing.ordered(request)
@@ -214,7 +230,7 @@ class Pipeline:
         )
         return Snapshot(
             facts=facts,
-            command=operator.intent.command if self._command is None else self._command,
+            command=self._guide.command,
             commanded=self._commanded,
             body=permission.rules.kinematics.sensed(axes, sensors),
             pose=self._locating.pose,
@@ -231,39 +247,6 @@ class Pipeline:
         """Let no one drive where the driver is lost and the robot at standstill; the next one arms again."""
         if self._permission.rules.at_standstill(self.seen) and self._operator.lapse(now):
             self._permission.armed = False
-
-    def _guided(self, known: AnySnapshot, elapsed: Nanoseconds) -> AnySnapshot:
-        """Return the snapshot with the path follower's command in it, where there is one.
-
-        A deflected stick takes over; a disarm ends the path follower: armed again, nothing starts.
-        """
-        if self._path_follower is None:
-            return known
-        moved = self._permission.rules.kinematics.requested(self._operator.intent.command, known.body)
-        if moved or not known.facts.armed:
-            self._path_follower = self._command = None
-        else:
-            self._command = self._path_follower.command(known, elapsed)
-        command = self._operator.intent.command if self._command is None else self._command
-        return Snapshot(
-            facts=known.facts,
-            command=command,
-            commanded=known.commanded,
-            body=known.body,
-            pose=known.pose,
-            located=known.located,
-        )
-
-    def _follow(self, name: str) -> Answer:
-        made = self._robot_type.path_followers.get(name)
-        if name and made is None:
-            known = ", ".join(self._robot_type.path_followers) or "none"
-            return Answer(accepted=False, reason=f"path follower: this robot has no '{name}'; it has {known}")
-        if name and not self._permission.armed:
-            return Answer(accepted=False, reason="path follower: arm the robot first")
-        self._path_follower = None if made is None else made(self._robot)
-        self._command = None
-        return Answer(accepted=True, reason=f"path follower: {name or 'the operator'}")
 
     def _against(self, axis: str, events: tuple[ActiveInterlock, ...]) -> tuple[ActiveInterlock, ...]:
         """Return the interlock events that stop an axis."""
@@ -327,7 +310,10 @@ class Pipeline:
 
     def _set_points_of_body(self, known: AnySnapshot) -> Mapping[str, SetPoint]:
         """Return what the kinematic model makes of the commanded motion."""
-        return self._used(self._permission.rules.kinematics.set_points(self._commanded, known.body))
+        kinematics, body = self._permission.rules.kinematics, known.body
+        if (newest := self._led.newest(known.facts.axes)) is not known.facts.axes:
+            body = kinematics.sensed(newest, known.facts.sensors)
+        return self._used(kinematics.set_points(self._commanded, body))
 
     def _used(self, set_points: Mapping[str, SetPoint]) -> Mapping[str, SetPoint]:
         """Return the set-points; an axis that the mode excludes, or that is untrusted, has no power."""
@@ -390,8 +376,14 @@ class Pipeline:
             located=self._locating.located,
         )
         self.interlock_events = events
-        if self._path_follower is not None and any(event.interlock.stops != frozenset() for event in events):
-            self._path_follower.reset()
+        if any(event.interlock.stops != frozenset() for event in events):
+            self._guide.reset()
+
+    def _ramp(self, allowed: Any, body: Any, now: Nanoseconds) -> None:
+        """Take the commanded motion on towards the allowed one."""
+        elapsed = 0 if self._ramped_at is None else now - self._ramped_at
+        self._allowed, self._ramped_at = allowed, now
+        self._commanded = self._permission.rules.kinematics.ramped(self._commanded, allowed, body, elapsed)
 
     def _elapsed(self, now: Nanoseconds) -> Nanoseconds:
         before, self._ran_at = self._ran_at, now

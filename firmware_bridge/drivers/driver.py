@@ -6,7 +6,7 @@ No base class: a driver is anything that has these methods. The reason of a set-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import Final, Protocol, TypeAlias
+from typing import Final, NamedTuple, Protocol, TypeAlias
 
 from firmware_bridge import renamed
 from firmware_bridge.intent import NEVER_RECEIVED
@@ -21,6 +21,11 @@ class Speed:
     """Move at this speed, in the axis's unit a second; for axes that are commanded by speed."""
 
     value: float
+    braking: float = 1.0
+    """Share of its quick stop's deceleration, above 0 to 1, with which its device brakes by itself then.
+
+    Only where the robot file lets it be lowered; elsewhere it counts for nothing.
+    """
 
 
 @valueclass(frozen=True, slots=True)
@@ -159,6 +164,17 @@ class Feedback:
     """Foreign writes to its objects since it was set up; empty where none was received."""
 
 
+class Between(NamedTuple):
+    """A position that an axis has sent with a sample, or between two."""
+
+    at: Nanoseconds
+    """Its arrival."""
+    position: float
+    """In the axis's unit."""
+    ahead: float
+    """Where the axis will be when the axes that it leads have followed, by the robot file's lead."""
+
+
 @valueclass(frozen=True, slots=True)
 class SeenPose:
     """Pose of the robot as seen by a sensor, in axes of its own with z upwards."""
@@ -204,6 +220,10 @@ class Driver(Protocol):
     @property
     def sampled_at(self) -> Nanoseconds:
         """The same as in `feedback`; read after every packet."""
+
+    @property
+    def between(self) -> Between | None:
+        """Its newest position where it sends some between samples; None where it sends none."""
 
     @property
     def busy(self) -> bool:

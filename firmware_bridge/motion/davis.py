@@ -82,12 +82,12 @@ def steer_from_curvature(base: DavisBase, curvature_per_m: float) -> float:
     return math.copysign(angle, curvature_per_m)
 
 
-def wheel_speeds(base: DavisBase, speed_mps: float, steer_rad: float) -> tuple[float, float]:
-    """Return the left and right rear wheels' speeds in rad/s (4.10), (4.11), for the CURRENT steer angle.
+def wheel_speeds(base: DavisBase, speed_mps: float, curvature_per_m: float) -> tuple[float, float]:
+    """Return the left and right rear wheels' speeds in rad/s for a curvature (4.10), (4.11).
 
-    The inner wheel turns with (V/r)(1 - m/R), the outer with (V/r)(1 + m/R), m half the rear track; straight
-    ahead both are the limit V/r.
+    That is the CURRENT steer angle's. The inner wheel turns with (V/r)(1 - m/R), the outer one with
+    (V/r)(1 + m/R), m half the rear track.
     """
     rolling = speed_mps / base.wheel_radius_m
-    difference = base.rear_track_m / 2.0 * curvature(base, steer_rad)
+    difference = base.rear_track_m / 2.0 * curvature_per_m
     return rolling * (1.0 - difference), rolling * (1.0 + difference)

@@ -2,8 +2,7 @@
 
 Two bounds hold at once (thesis 2.3.1 for the limit): the vector sum of the acceleration along the path and
 the centripetal one, V^2/R; and the rim acceleration of the faster rear wheel, which is 1 + m/R times that of
-the base. The part that a moving steering adds to the wheels, V m d(1/R)/dt, is bounded by the drives' own
-profile acceleration alone.
+the base, and V m d(1/R)/dt more while the turn changes.
 """
 
 import math
@@ -21,6 +20,13 @@ BRAKING_SHARE: Final = 0.5
 """Share of the limit that braking may always use. If a turn tightens until V^2/R alone takes the whole
 limit, a robot that may not brake would be the greater danger."""
 
+CATCHES_UP: Final = 0.85
+"""Share of the limit with which a rim speeds up in a turn, or while the turn changes. A wheel falls behind
+its set-point by the 10 ms in which it breaks loose, or by a late frame: with the rest it catches up, and the
+ratio of both wheels with it."""
+TURN_PER_M: Final = 0.02
+"""Curvature from which on it counts as one."""
+
 
 @valueclass(frozen=True, slots=True)
 class Ramp:
@@ -32,10 +38,18 @@ class Ramp:
     longest_step: Nanoseconds
     """A late cycle counts as no more than this: a gap must not become a jump."""
 
-    def step(self, speed_mps: float, target_mps: float, bend_per_m: float, elapsed: Nanoseconds) -> float:
+    def step(
+        self,
+        speed_mps: float,
+        target_mps: float,
+        bend_per_m: float,
+        elapsed: Nanoseconds,
+        turning_per_m_s: float = 0.0,
+    ) -> float:
         """Return the next demanded base speed in m/s, `elapsed` after `speed_mps`.
 
-        `bend_per_m` is the curvature of the turn actually steered; its sign does not matter.
+        `bend_per_m` is the curvature of the turn actually steered, `turning_per_m_s` how fast it changes;
+        their signs do not matter.
         """
         bend = abs(bend_per_m)
         target = self._clipped(target_mps, bend)
@@ -45,9 +59,17 @@ class Ramp:
         # The faster end of the step has the larger centripetal acceleration.
         fastest = max(abs(speed_mps), abs(nearest))
         along = math.sqrt(max(self.limit_mps2**2 - (fastest**2 * bend) ** 2, 0.0))
-        if abs(nearest) < abs(speed_mps):
+        brakes = abs(nearest) < abs(speed_mps)
+        if brakes:
             along = max(along, BRAKING_SHARE * self.limit_mps2)
-        change = min(along, self.limit_mps2 / (1.0 + self.half_track_m * bend)) * seconds
+        rim = self.limit_mps2
+        if turning_per_m_s or (bend > TURN_PER_M and not brakes):
+            rim *= CATCHES_UP
+        rim -= fastest * self.half_track_m * abs(turning_per_m_s)
+        if brakes:
+            rim = max(rim, BRAKING_SHARE * self.limit_mps2)
+        rim = max(rim, 0.0) / (1.0 + self.half_track_m * bend)
+        change = min(along, rim) * seconds
         return min(max(target, speed_mps - change), speed_mps + change)
 
     def _clipped(self, target_mps: float, bend: float) -> float:

@@ -9,7 +9,7 @@ from firmware_bridge.motion.model import Moving
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.pilot.driver import NEUTRAL, Sight, Target
 from firmware_bridge.pilot.link import PilotLink
-from firmware_bridge.pilot.paths import Path
+from firmware_bridge.pilot.paths import Path, PathError
 from firmware_bridge.pilot.predictor import Predictor
 from firmware_bridge.pilot.pursuit import Pursuit
 from firmware_bridge.units import SECOND, Nanoseconds
@@ -21,6 +21,14 @@ STANDSTILL_FOR: Final[Nanoseconds] = 3 * SECOND
 """Time of standstill, beside a round trip, after which a commanded robot counts as held back."""
 NEUTRAL_FOR: Final[Nanoseconds] = SECOND
 """Time of a neutral stick then, and after arming, beside a round trip: the robot must see it."""
+SLOWEST: Final = 0.1
+"""Share of the speed with which it comes to the end of an open path; it slows down over one look-ahead."""
+GENTLE: Final = 0.25
+"""Share of the robot's tightest curvature up to which it keeps its speed; in tighter arcs the yaw rate stays.
+
+In its tightest turn at full speed a wheeled robot slips, by more than it may leave its path; and what steers
+gains the time to follow. It is known as regulated pure pursuit.
+"""
 
 
 class PathDriver:
@@ -55,6 +63,8 @@ class PathDriver:
         """Time when the robot was last seen to move, or without a command to drive."""
         self._neutral_until: Nanoseconds = 0
         self._armed = False
+        self.refused = ""
+        """The reason why no path leads where it shall; it does not drive then."""
         self.held_back = 0
         """Count of standstills despite a command to drive, since its last motion."""
 
@@ -90,13 +100,21 @@ class PathDriver:
         if seen is None:
             return NEUTRAL
         if self._pursuit is None:
-            self._pursuit = Pursuit(self._place(self._sight.moving.pose), self._look_ahead)
+            try:
+                path = self._place(self._sight.moving.pose)
+            except PathError as error:
+                self.refused = str(error)
+                return NEUTRAL
+            self._pursuit = Pursuit(path, self._look_ahead)
         bend = self._pursuit.arc(seen.pose).curvature_per_m
         if self._pursuit.ended:
             return NEUTRAL
         # A tighter arc than the robot can drive would only be clipped there, and be predicted wrongly here.
         bend = math.copysign(min(abs(bend), self._tightest), bend)
-        return Target(self._speed, self._speed * bend)
+        speed = self._speed * min(max(self._pursuit.left_m / self._look_ahead, SLOWEST), 1.0)
+        if abs(bend) > (gentle := GENTLE * self._tightest):
+            speed *= gentle / abs(bend)
+        return Target(speed, speed * bend)
 
     def _seen(self, sight: Sight, trip: Nanoseconds, now: Nanoseconds) -> Moving | None:
         if self.predictor is None:

@@ -59,6 +59,11 @@ class Pursuit:
         """True where the end of an open path is reached, to a step."""
         return not self.path.closed and self._along is not None and self._along >= self.path.length_m - STEP_M
 
+    @property
+    def left_m(self) -> float:
+        """The way along the path that is left; infinite on a closed one."""
+        return math.inf if self.path.closed else self.path.length_m - (self._along or 0.0)
+
     def arc(self, pose: Pose) -> Arc:
         """Return the arc from here to the goal."""
         low, high = -math.inf, math.inf

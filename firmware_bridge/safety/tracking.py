@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.drivers.driver import Feedback, Homed, Position, Power, SetPoint, Stop
+from firmware_bridge.drivers.driver import Feedback, Homed, Position, Power, SetPoint, Speed, Stop
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import AnyRobot, Axis
 from firmware_bridge.safety.snapshot import Tracking
@@ -86,6 +86,7 @@ class TrackingMonitor:
     __slots__ = (
         "_aim",
         "_bounds",
+        "_braking",
         "_changed_at",
         "_coasts_at",
         "_goal",
@@ -106,6 +107,8 @@ class TrackingMonitor:
         """The set-point in force, or its device's own stop; None while it has no torque."""
         self._positions = False
         """True where the aim is a position."""
+        self._braking = 1.0
+        """Share of its quick stop's deceleration that its newest speed has set."""
         self._goal = self._low = self._high = 0.0
         self.following = Tracking()
 
@@ -113,6 +116,8 @@ class TrackingMonitor:
         """Take the set-point of the axis from now on."""
         if set_point is not self._set_point and set_point != self._set_point:
             self._set_point, self._changed_at = set_point, now
+            if isinstance(set_point, Speed):
+                self._braking = set_point.braking
             if self._aim is not None:
                 self._take(set_point)
 
@@ -171,7 +176,8 @@ class TrackingMonitor:
             return
         # Of a first-order lag the share 1 - exp(-t/T) is gone after t; expm1 keeps the digits of a small t/T.
         share = -math.expm1(-seconds / self._bounds.lag_s)
-        reach = (self._bounds.cruise if self._positions else self._bounds.ramp) * seconds
+        ramp = self._bounds.ramp * (self._braking if self._aim is Stop.QUICK_STOP else 1.0)
+        reach = (self._bounds.cruise if self._positions else ramp) * seconds
         # The slower of lag and ramp counts: the range must not close faster than a healthy axis follows.
         self._low = goal - below + min(below * share, reach)
         self._high = goal + above - min(above * share, reach)

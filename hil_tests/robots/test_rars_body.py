@@ -54,8 +54,11 @@ def test_angle_and_height_are_of_their_axes_and_unknown_until_they_were_received
 def test_each_wheel_gets_its_own_speed_by_the_angle_that_is_steered(speed: float, steer: float) -> None:
     state = RarsState(steer, 0.1, 0.0, 0.0, 0.0)
     reported = BODY.set_points(RarsMotion(speed_mps=speed, steer_rad=0.1, lift_m=0.2), state)
-    left, right = davis.wheel_speeds(BASE, speed, steer)
-    assert (reported["left"], reported["right"]) == (Speed(left), Speed(right))
+    left, right = davis.wheel_speeds(BASE, speed, davis.curvature(BASE, steer))
+    outer = max(abs(left), abs(right))
+    # Each brakes by itself in proportion to its speed, so that a stop of the drives keeps the ratio.
+    assert reported["left"] == Speed(left, abs(left) / outer)
+    assert reported["right"] == Speed(right, abs(right) / outer)
     assert (left < right) == (steer * speed > 0.0)
     assert reported["steer"] == Position(davis.pinion_from_steer(BASE, 0.1))
     assert reported["lift"] == Position(scissor.screw_from_height(LIFT, 0.2))

@@ -6,13 +6,13 @@ from typing import Any, Final, cast
 
 import pytest
 
-from firmware_bridge.drivers.driver import Feedback
+from firmware_bridge.drivers.driver import Feedback, Speed
 from firmware_bridge.intent import USUAL_AGE_LIMIT
 from firmware_bridge.motion import davis
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars import ROBOT_TYPE
-from firmware_bridge.robots.rars.modes import STAYS_WITHIN_RAD
+from firmware_bridge.robots.rars.modes import STEERS_PER_M_S
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.safety.interlock import View
 from firmware_bridge.teleop import modes
@@ -52,9 +52,11 @@ def test_what_a_mode_does_without_is_reported_nothing_and_the_rest_is_as_ever(mo
     assert ROBOT_TYPE.rules(ROBOT)[mode].without == {name}
     state = RarsState(0.2, 0.0, 0.0, 0.1, 0.0)
     whole = WHOLE.set_points(ALL, state)
-    assert body(mode).set_points(ALL, state) == {
-        axis: reported for axis, reported in whole.items() if axis != name
-    }
+    left = {axis: reported for axis, reported in whole.items() if axis != name}
+    if name in ("left", "right"):
+        # A wheel that drives alone keeps no ratio: it brakes as hard as it may.
+        left = {axis: Speed(it.value) if isinstance(it, Speed) else it for axis, it in left.items()}
+    assert body(mode).set_points(ALL, state) == left
 
 
 @pytest.mark.parametrize("steer", [-0.4, 0.0, 0.4])
@@ -62,7 +64,9 @@ def test_what_a_mode_does_without_is_reported_nothing_and_the_rest_is_as_ever(mo
 def test_one_wheel_reports_how_the_robot_moves_in_the_turn_that_is_steered(
     mode: str, name: str, steer: float
 ) -> None:
-    whole = dict(zip(("left", "right"), davis.wheel_speeds(BASE, 0.15, steer), strict=True))
+    whole = dict(
+        zip(("left", "right"), davis.wheel_speeds(BASE, 0.15, davis.curvature(BASE, steer)), strict=True)
+    )
     state = body(mode).sensed(turned(steer, **{name: (0.0, whole[name])}), {})
     assert state.speed_mps == pytest.approx(0.15)
     assert state.yaw_rate_rad_s == pytest.approx(0.15 * davis.curvature(BASE, steer))
@@ -74,7 +78,9 @@ def test_one_wheel_reports_how_the_robot_moves_in_the_turn_that_is_steered(
 def test_one_wheel_carries_the_pose_along_the_turn_whatever_is_counted_of_the_other(
     mode: str, name: str, steer: float
 ) -> None:
-    rolled = dict(zip(("left", "right"), davis.wheel_speeds(BASE, 1.0, steer), strict=True))
+    rolled = dict(
+        zip(("left", "right"), davis.wheel_speeds(BASE, 1.0, davis.curvature(BASE, steer)), strict=True)
+    )
     before = axes(steer=(at(steer), 0.0))
     after = turned(steer, **{name: (rolled[name], 0.0)})
     whole = WHOLE.advanced(
@@ -136,9 +142,7 @@ DEGREE: Final = math.radians(1.0)
             RarsMotion(0.1, -30 * DEGREE),
             ["steer angle after a failure"],
         ),
-        ("steering_failed", RarsMotion(0.1, 0.1), RarsMotion(0.1), []),
-        ("steering_failed", RarsMotion(0.1, 0.1 + 0.9 * DEGREE), RarsMotion(0.1), []),
-        ("steering_failed", RarsMotion(0.1, 0.1 - 1.1 * DEGREE), RarsMotion(0.1), ["steering out of use"]),
+        ("steering_failed", RarsMotion(0.1, 0.1), RarsMotion(0.1, 0.1), []),
         ("steering_failed", RarsMotion(0.3), RarsMotion(0.2), ["speed limit"]),
         ("lift_failed", RarsMotion(0.1), RarsMotion(0.1), []),
         ("lift_failed", RarsMotion(0.1, 0.1, 0.3), RarsMotion(0.1, 0.1), ["lift out of use"]),
@@ -181,24 +185,6 @@ def test_the_modes_numbers_are_none_of_those_that_mean_something_else() -> None:
     assert event.driving_mode is modes.DrivingMode.HOLD
 
 
-@every(
-    ("command", "reported"),
-    [
-        (RarsMotion(steer_rad=0.2 + 1.005 * DEGREE), "the steering stays at 11 deg"),
-        (RarsMotion(steer_rad=0.2 - 1.005 * DEGREE), "the steering stays at 11 deg"),
-        (RarsMotion(steer_rad=0.2 + 0.995 * DEGREE), None),
-        (RarsMotion(steer_rad=0.2 - 0.995 * DEGREE), None),
-    ],
-)
-def test_who_wants_to_steer_a_degree_beside_the_angle_is_reported_the_angle(
-    command: RarsMotion, reported: str | None
-) -> None:
-    seen: Any = SimpleNamespace(body=RarsState(0.2, 0.0, 0.0, 0.0, 0.0))
-    view: Any = View(ROBOT, seen, command, frozenset(), None)
-    limits = {row.name: row for row in ROBOT_TYPE.rules(ROBOT)["steering_failed"].limits}
-    assert limits["steering out of use"].clip(view) == (RarsMotion(), reported)
-
-
 @every(("mode", "name"), [("left_failed", "right"), ("right_failed", "left")])
 def test_one_wheel_carries_the_pose_by_what_it_rolled_since_the_last_sample(mode: str, name: str) -> None:
     before = turned(0.0, **{name: (5.0, 0.0)})
@@ -207,10 +193,47 @@ def test_one_wheel_carries_the_pose_by_what_it_rolled_since_the_last_sample(mode
     assert (pose.x_m, pose.y_m, pose.heading_rad) == pytest.approx((0.5 * R, 0.0, 0.0))
 
 
-def test_an_angle_just_as_far_as_may_be_is_not_reported() -> None:
-    still = RarsState(0.0, 0.0, 0.0, 0.0, 0.0)
+MOST: Final = ROBOT.geometry.degraded.wheel_curvature_per_m
+
+
+@every(("beside", "reported"), [(0.999, False), (1.001, True), (-0.999, False), (-1.001, True)])
+def test_the_wheels_steer_within_the_files_range_about_the_stuck_rack(
+    beside: float, *, reported: bool
+) -> None:
+    rack = davis.curvature(BASE, 0.2)
+    wanted = RarsMotion(0.1, davis.steer_from_curvature(BASE, rack + beside * MOST))
+    seen: Any = SimpleNamespace(body=RarsState(0.2, 0.0, 0.0, 0.0, 0.0))
     row = ROBOT_TYPE.modes["steering_failed"].limits[0]
-    for beside, reported in ((STAYS_WITHIN_RAD, False), (math.nextafter(STAYS_WITHIN_RAD, 1.0), True)):
-        seen: Any = SimpleNamespace(body=still)
-        _, reason = row.clip(View(ROBOT, seen, RarsMotion(0.1, beside), frozenset(), None))
-        assert (reason is not None) is reported
+    allowed, reason = row.clip(View(ROBOT, seen, wanted, frozenset(), None))
+    assert (reason is not None) is reported
+    assert abs(davis.curvature(BASE, allowed.steer_rad or 0.0) - rack) <= MOST * (1.0 + 1e-9)
+    assert reason is None or "with the rack at 11 deg the wheels steer from 0.10 to 0.66 1/m" in reason
+
+
+@every("rack_deg", [-10.0, 0.0, 10.0])
+@every("goal_per_m", [-0.2, 0.0, 0.25])
+def test_wheels_that_steer_a_stuck_rack_are_commanded_more_by_the_share(
+    rack_deg: float, goal_per_m: float
+) -> None:
+    """The robot turns by the rack's curvature and a share of the difference (thesis 2.2)."""
+    share, failed = ROBOT.geometry.degraded.wheel_steering, body("steering_failed")
+    rack = davis.curvature(BASE, math.radians(rack_deg))
+    state = RarsState(math.radians(rack_deg), 0.0, 0.0, 0.1, 0.0)
+    goal = RarsMotion(0.1, davis.steer_from_curvature(BASE, goal_per_m))
+    left, right = (failed.set_points(goal, state)[name].value * R for name in ("left", "right"))
+    stated = (right - left) / BASE.rear_track_m / 0.1
+    assert rack + share * (stated - rack) == pytest.approx(goal_per_m)
+    # The yaw rate and the pose follow from the same share.
+    wheels = {"left": (left, left / R), "right": (right, right / R)}
+    seen = failed.sensed(turned(math.radians(rack_deg), **wheels), {})
+    assert seen.yaw_rate_rad_s == pytest.approx(0.1 * goal_per_m)
+    before = turned(math.radians(rack_deg), left=(0.0, 0.0), right=(0.0, 0.0))
+    after = turned(math.radians(rack_deg), left=(left / R, 0.0), right=(right / R, 0.0))
+    assert failed.advanced(Pose(), before, after, {}).heading_rad == pytest.approx(0.1 * goal_per_m)
+
+
+def test_the_wheels_come_to_a_curvature_at_a_rate() -> None:
+    failed, state = body("steering_failed"), RarsState(0.0, 0.0, 0.0, 0.1, 0.0)
+    goal = RarsMotion(0.1, davis.steer_from_curvature(BASE, 0.2))
+    next_one = failed.ramped(RarsMotion(0.1), goal, state, ROBOT.cycle)
+    assert davis.curvature(BASE, next_one.steer_rad) == pytest.approx(STEERS_PER_M_S * ROBOT.cycle / SECOND)

@@ -36,6 +36,7 @@ ADMITTED: Final = (
         for word in (0x0000, 0x0002, 0x0006, 0x0007, 0x000B, 0x000F, 0x003F, 0x0080, 0x010F)
         for counts in (low, low + 1, 0, high - 1, high)
     ),
+    *(frame(0x200 + node, braking) for node in (1, 2) for braking in ("3a070000", "18150000")),
     *(frame(0x600 + node, "4041600000000000") for node in (1, 2, 3, 4)),
     frame(0x601, "40ffff0000000000"),
     frame(0x601, "6000000000000000"),
@@ -44,6 +45,12 @@ ADMITTED: Final = (
 )
 
 REFUSED: Final = (
+    # Quick stop decelerations: 1850 to 5400 rpm/s.
+    (frame(0x201, "39070000"), "quick stop deceleration of 1849 rpm/s is not within 1850 to 5400 rpm/s"),
+    (frame(0x202, "19150000"), "quick stop deceleration of 5401 rpm/s is not within 1850 to 5400 rpm/s"),
+    (frame(0x201, "00000000"), "quick stop deceleration of 0 rpm/s is not within 1850 to 5400 rpm/s"),
+    (frame(0x201, "181500"), "3 bytes where 4 are mapped"),
+    (frame(0x201, ""), "0 bytes where 4 are mapped"),
     # Network management: stop, unknown commands, third parties, lengths.
     (frame(0x000, "0200"), "content '02 00' is not listed"),
     (frame(0x000, "0201"), "content '02 01' is not listed"),
@@ -61,9 +68,9 @@ REFUSED: Final = (
     *(
         (Packet(LINK, address, bytes(6)), f"identifier 0x{address:X} is not listed")
         for address in (
-            0x001, 0x07F, 0x081, 0x181, 0x201, 0x301, 0x401, 0x402, 0x403 | EXTENDED, 0x405, 0x500, 0x503,
-            0x504, 0x501 | EXTENDED, 0x501 | REMOTE, 0x501 | ERROR, 0x581, 0x600, 0x605, 0x701, 0x763, 0x765,
-            0x7E5,
+            0x001, 0x07F, 0x081, 0x181, 0x203, 0x204, 0x301, 0x401, 0x402, 0x403 | EXTENDED, 0x405, 0x500,
+            0x503, 0x504, 0x501 | EXTENDED, 0x501 | REMOTE, 0x501 | ERROR, 0x581, 0x600, 0x605, 0x701,
+            0x763, 0x765, 0x7E5,
         )
     ),
 )  # fmt: skip

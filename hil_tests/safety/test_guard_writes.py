@@ -42,12 +42,17 @@ WRITES: Final = (
     (4, 0x6081, 0, 4, (1, 6_994), (0, 6_995)),
     (1, 0x6083, 0, 4, (1, 5_700), (0, 5_701)),
     (1, 0x6084, 0, 4, (5_700,), (5_699, 5_701)),
-    (1, 0x6085, 0, 4, (5_400,), (5_399, 5_401)),
+    (1, 0x6085, 0, 4, (1_850, 5_400), (1_849, 5_401)),
+    (3, 0x6085, 0, 4, (50_000,), (49_999, 50_001)),
     (3, 0x607D, 1, 4, (-STEER_END - FOLLOWING, STEER_END + FOLLOWING), (-STEER_END - FOLLOWING - 1,)),
     (3, 0x607D, 2, 4, (-STEER_END - FOLLOWING, STEER_END + FOLLOWING), (STEER_END + FOLLOWING + 1,)),
     (4, 0x607D, 1, 4, (-FOLLOWING, LIFT_END + FOLLOWING), (-FOLLOWING - 1, LIFT_END + FOLLOWING + 1)),
-    # Receive PDOs: the wheels' fourth and the position axes' third carry set-points, the others are off.
-    *((1, 0x1400 + n, 1, 4, (0x8000_0201 + 0x100 * n,), (0x201 + 0x100 * n,)) for n in range(3)),
+    # Receive PDOs: the wheels' fourth and the position axes' third carry set-points, the wheels' first their
+    # quick stop deceleration; the others are off.
+    (1, 0x1400, 1, 4, (0x8000_0201, 0x201), (0x202, 0x301)),
+    (1, 0x1600, 0, 1, (0, 1), (2, 8)),
+    (1, 0x1600, 1, 4, (0x6085_0020,), (0x6083_0020, 0x6084_0020, 0x60FF_0020)),
+    *((1, 0x1400 + n, 1, 4, (0x8000_0201 + 0x100 * n,), (0x201 + 0x100 * n,)) for n in (1, 2)),
     (1, 0x1403, 1, 4, (0x8000_0501, 0x501), (0x502, 0x8000_0502, 0x500)),
     (3, 0x1402, 1, 4, (0x8000_0403, 0x403), (0x404, 0x503)),
     *((3, 0x1400 + n, 1, 4, (0x8000_0203 + 0x100 * n,), (0x203 + 0x100 * n,)) for n in (0, 1, 3)),
@@ -135,14 +140,20 @@ def test_a_refused_write_is_reported_with_its_bounds(bench: Bench, packet: Packe
     [
         (0x6083, (1, 1_000), (0, 1_001, 2_000, 3_000)),
         (0x6084, (2_000,), (1_000, 1_999, 2_001, 3_000)),
-        (0x6085, (3_000,), (1_000, 2_000, 2_999, 3_001)),
+        (0x6085, (3_000,), (1_000, 2_000, 2_399, 3_001)),
     ],
 )
 def test_acceleration_deceleration_and_quick_stop_have_a_bound_each(
     robot: AnyRobot, index: int, may: tuple[int, ...], beyond: tuple[int, ...]
 ) -> None:
     bench = Bench(
-        with_ramps(robot, acceleration_rpm_s=1_000, deceleration_rpm_s=2_000, quick_stop_rpm_s=3_000)
+        with_ramps(
+            robot,
+            acceleration_rpm_s=1_000,
+            deceleration_rpm_s=2_000,
+            quick_stop_rpm_s=3_000,
+            quick_stop_least_rpm_s=2_400,
+        )
     )
     for node in (1, 2, 3, 4):
         for value in may:
@@ -170,7 +181,7 @@ def test_gains_are_those_of_the_robot_file(robot: AnyRobot, index: int, subindex
     [
         (0x607A, 0), (0x60FF, 0), (0x2062, 0), (0x206B, 0), (0x2030, 0), (0x1010, 1), (0x1011, 1),
         (0x2000, 0), (0x1014, 0), (0x1016, 2), (0x60C5, 0), (0x6098, 0), (0x607D, 1), (0x607D, 2),
-        (0x1404, 1), (0x1600, 1), (0x1603, 3), (0x1804, 1), (0x1A00, 9), (0x6040, 1),
+        (0x1404, 1), (0x1600, 2), (0x1601, 1), (0x1603, 3), (0x1804, 1), (0x1A00, 9), (0x6040, 1),
     ],
 )  # fmt: skip
 def test_no_other_object_may_be_written(bench: Bench, index: int, subindex: int) -> None:

@@ -23,6 +23,7 @@ DIES_AT_S: Final = 6.0
 MODE_AT_S: Final = 9.0
 GOES_AT_S: Final = MODE_AT_S + 2.5
 GOAL_M: Final = 5.0
+MOST_PER_M: Final = RARS.geometry.degraded.wheel_curvature_per_m
 NARROW_MPS: Final = RARS.geometry.degraded.speed_mps
 DEAD: Final = {
     "left_failed": "left",
@@ -116,7 +117,7 @@ def test_a_wheel_that_drives_alone_takes_the_robot_on(rides: Ridden) -> None:
 
 
 @pytest.mark.long(beside="test_a_wheel_that_drives_alone_takes_the_robot_on")
-def test_a_failed_steering_leaves_the_arc_that_is_steered(rides: Ridden) -> None:
+def test_with_a_failed_steering_the_wheels_steer_as_straight_as_they_can(rides: Ridden) -> None:
     ride = rides(
         *goes_on("steering_failed", *drives(8.0), steer_deg=10.0),
         seconds=30,
@@ -125,10 +126,12 @@ def test_a_failed_steering_leaves_the_arc_that_is_steered(rides: Ridden) -> None
     ride.runs_until(22.5)
     rows = ride.rows(GOES_AT_S + 1.0, GOES_AT_S + 8.0)
     turned = rows[-1]["heading_rad"] - rows[0]["heading_rad"]
+    # The rack alone would turn it by 0.33 1/m; the wheels take 0.28 1/m from that.
     bend = davis.curvature(BASE, ride.now["steer_rad"])
-    assert turned / reached_in(rows) == pytest.approx(bend, rel=0.03)
+    assert bend == pytest.approx(0.331, rel=0.05)
+    assert turned / reached_in(rows) == pytest.approx(bend - MOST_PER_M, abs=0.03)
     assert ride.now["steer_rad"] == pytest.approx(math.radians(10.0), rel=0.05)
-    assert any("the steering stays at 10 deg" in reason for reason in ride.held("steering out of use"))
+    assert any("with the rack at 10 deg the wheels" in reason for reason in ride.held("steering out of use"))
 
 
 def reached_in(rows: list) -> float:  # type: ignore[type-arg]

@@ -122,7 +122,7 @@ def test_the_station_drives_over_the_link_and_both_sides_find_out_how_slow_it_is
 
 @pytest.mark.long(beside="test_a_point_that_follows_a_line_late_settles_below_it_and_swings_above")
 @pytest.mark.parametrize(
-    ("delay_s", "share", "settles"), [(0.36, 0.9, True), (0.42, 1.1, False)], ids=["below", "above"]
+    ("delay_s", "share", "settles"), [(0.40, 0.9, True), (0.50, 1.1, False)], ids=["below", "above"]
 )
 def test_from_10_mm_it_settles_below_the_critical_delay_and_swings_above(
     delay_s: float, share: float, *, settles: bool

@@ -1,6 +1,7 @@
 """Stories on the whole bench: operator, bridge, bus, four drives, plant."""
 
 import math
+from typing import Final
 
 import pytest
 
@@ -11,6 +12,10 @@ from firmware_bridge.units import from_seconds, to_seconds
 from firmware_bridge.wire.cia402 import PowerState, state_of
 from firmware_bridge.wire.epos2.address import STATUSWORD
 from hil_tests.scenarios.ride import ARMED, Ridden, step
+
+STEERED: Final = 0.03
+"""Largest error of the wheels' ratio while the rack crosses at 49 mm/s: at most 10 ms of its way, 1.2 % to
+1.6 %, and as much for a regulator that overshoots (docs/decisions/motion-limits.md)."""
 
 
 def test_the_robot_drives_where_the_operator_wants(rides: Ridden) -> None:
@@ -120,7 +125,7 @@ def test_the_wheels_follow_the_angle_that_is_steered(rides: Ridden, begin: float
     for row in ride.rows(9.9, 16.0):
         across = half * davis.curvature(base, row["steer_rad"])
         ratio = row["motor_speed_right_rad_s"] / row["motor_speed_left_rad_s"]
-        assert ratio == pytest.approx((1.0 + across) / (1.0 - across), rel=0.02), row.at
+        assert ratio == pytest.approx((1.0 + across) / (1.0 - across), rel=STEERED), row.at
     now = ride.now
     turn = now["speed_mps"] * davis.curvature(base, now["steer_rad"])
     assert now["yaw_rate_rad_s"] == pytest.approx(turn, rel=0.02, abs=1e-3)

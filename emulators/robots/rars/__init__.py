@@ -8,20 +8,26 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Final, Literal, Self, TypeAlias
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from emulators.bench.bench_setup import BenchSetup, Channel, StickAxes, TwistAxes
-from emulators.bench.columns import PLANAR, Column, Curve, Panel
+from emulators.bench.columns import PLANAR, SAMPLE_EVERY, Column, Curve, Panel, Samples
 from emulators.bench.step import Finite, Holds, NonNegative, Positive, Presses, Sends, Slope, Step
 from emulators.robots.rars.cases import cases
 from firmware_bridge.robot import Robot
 from firmware_bridge.robots.rars.geometry import RarsGeometry
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
 from firmware_bridge.safety.snapshot import Snapshot
+from firmware_bridge.units import to_seconds
 
 Rars: TypeAlias = Robot[RarsGeometry]
 BUTTONS: Final = {"detector": 1, "headlamp": 2, "emergency_stop": 4}
 LIFT_ENABLE: Final = 8
+STEERS_RAD_S: Final = 0.05
+"""Rate of the inner wheel from which on the rack counts as moving: 1.5 mm/s in the middle."""
+JUDGED_MPS: Final = 0.1
+"""Least speed at which the wheels' ratio is judged; below, a count of the encoders is a percent of it."""
 _ILLUMINATOR: Final = 405
 _RELAY: Final = 181
 _ACTUATOR: Final = 187
@@ -95,6 +101,24 @@ def _twist(values: Mapping[str, float], robot: Rars) -> TwistAxes:
     return TwistAxes(speed, yaw_rate=-speed * math.copysign(1.0 / radius, steer))
 
 
+def ratio_error(samples: Samples, robot: Rars) -> float | None:
+    """Return the largest error of the wheels' ratio while the rack moves, as a share; None without.
+
+    Against the ratio of the angle at that instant (4.10), (4.11), by the plant, at 0.1 m/s or more.
+    """
+    base = robot.geometry.base
+    steer, speed = samples.column("steer_rad"), samples.column("speed_mps")
+    inner = base.kingpin_distance_m / 2.0 * np.abs(np.sin(steer)) + base.wheelbase_m * np.cos(steer)
+    across = base.rear_track_m / 2.0 * np.sin(steer) / inner
+    moves = np.abs(np.gradient(steer, to_seconds(SAMPLE_EVERY))) if len(steer) > 1 else np.zeros(len(steer))
+    rows = (moves > STEERS_RAD_S) & (np.abs(speed) >= JUDGED_MPS)
+    left, right = (samples.column(f"motor_speed_{side}_rad_s")[rows] for side in ("left", "right"))
+    if not rows.any() or not left.all():
+        return None
+    error = right / left * (1.0 - across[rows]) / (1.0 + across[rows]) - 1.0
+    return float(np.abs(error).max())
+
+
 def _commanded(seen: Snapshot[RarsMotion, RarsState]) -> float:
     return seen.commanded.speed_mps
 
@@ -151,5 +175,6 @@ BENCH_SETUP: Final = BenchSetup(
         Panel("Lift", "height [mm]", (Curve("lift_m", "height above collapsed", scale=1000.0),), least=20.0),
     ),
     remarks=_remarks,
+    figures_by_file={"ratio_error_while_steering": ratio_error},
     cases=cases,
 )

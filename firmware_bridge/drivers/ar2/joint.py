@@ -121,6 +121,10 @@ class Ar2Joint:
         return self._sampled_at
 
     @property
+    def between(self) -> None:
+        """None: its device sends no position between samples."""
+
+    @property
     def busy(self) -> bool:
         """True while the board has tasks to do, or is receiving the joint's position."""
         return bool(self._board.under_way) or self.commanded is not None

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Final, Generic, TypeVar
 
-from firmware_bridge.drivers.driver import Feedback, Reports, StartupError
+from firmware_bridge.drivers.driver import Between, Feedback, Reports, StartupError
 from firmware_bridge.drivers.epos2.feedback import REPORTS, DriveFeedback
 from firmware_bridge.drivers.epos2.set_point import set_point
 from firmware_bridge.drivers.epos2.setup import SetupObject
@@ -55,6 +55,11 @@ class Epos2Drive(Generic[F]):
     def sampled_at(self) -> Nanoseconds:
         """Time of its newest sample."""
         return self._feedback.sampled_at
+
+    @property
+    def between(self) -> Between | None:
+        """Its newest position where it sends some between samples."""
+        return self._feedback.between
 
     @property
     def busy(self) -> bool:

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Final
 
-from firmware_bridge.drivers.driver import Feedback, Power, Reports
+from firmware_bridge.drivers.driver import Between, Feedback, Power, Reports
 from firmware_bridge.drivers.epos2.scale import Scale, wrapped
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
-from firmware_bridge.units import Nanoseconds, to_seconds
+from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 from firmware_bridge.wire.cia402 import PowerState, Status, state_of
 from firmware_bridge.wire.epos2.emergency import EMERGENCIES
 
@@ -41,6 +41,8 @@ _SHOWN: Final[Mapping[PowerState | None, tuple[Power, str]]] = {
     **{state: (_POWERS[state], state.title) for state in PowerState},
 }
 """Power and text of each state."""
+POSITIONS_APART: Final = (2 * MILLISECOND, 30 * MILLISECOND)
+"""Least and most time between two positions that give a speed: less is the bus' jitter, more is a gap."""
 MILLIAMPERES: Final = 1000.0
 _REFERENCED: Final = int(Status.REFERENCED)
 _ATTAINED: Final = int(Status.HOMING_ATTAINED)
@@ -59,6 +61,8 @@ class DriveFeedback:
     def __init__(self, axis: Axis) -> None:
         self._axis: Final = axis.name
         self._scale: Final = Scale.of(axis)
+        self._top_speed: Final = axis.top_speed
+        self._lead_s: Final = axis.epos2.position_lead_ms / 1000.0
         self.state: PowerState | None = None
         """None while it is unknown, or the drive does not listen to set-points."""
         self.statusword = 0
@@ -78,6 +82,8 @@ class DriveFeedback:
         """Counted on across the wrap of the drive's counter."""
         self.velocity = 0.0
         """In the axis's unit a second, the mean between the last two samples."""
+        self.between: Between | None = None
+        """The newest position, where it sends some between samples; None before the first."""
         self.current_ma = 0
         self.current_at: Nanoseconds = NEVER_RECEIVED
         """Time of its arrival."""
@@ -120,10 +126,27 @@ class DriveFeedback:
         """Take the mean velocity from a way and its time."""
         self.velocity = quadcounts / self._scale.quadcounts_per_unit / to_seconds(elapsed)
 
+    def passes(self, counter: int, now: Nanoseconds) -> None:
+        """Take a position between two samples."""
+        # Without a sample in the same count there is nothing to add it to.
+        if self.sampled_at != NEVER_RECEIVED and not self.zeroing:
+            position = self._scale.position(self.position_qc + self.moved_to(counter))
+            self.between = Between(now, position, position + self._lead(position, now))
+
+    def _lead(self, position: float, now: Nanoseconds) -> float:
+        """Return how far it will go in the robot file's lead, at its speed since the position before."""
+        before = self.between
+        if before is None or not POSITIONS_APART[0] <= now - before.at <= POSITIONS_APART[1]:
+            return 0.0
+        speed = (position - before.position) / to_seconds(now - before.at)
+        # A position that jumps leads the others no further than the axis can go.
+        return min(max(speed, -self._top_speed), self._top_speed) * self._lead_s
+
     def forget_motion(self) -> None:
         """Count again from the next sample on: no way and no velocity from before to after."""
         self.sampled_at = NEVER_RECEIVED
         self.velocity = 0.0
+        self.between = None
 
     def restart(self) -> None:
         """Learn that it has restarted: set-up and zero are lost, and its counter begins again."""

@@ -1,13 +1,15 @@
 """Process data between the bridge and one EPOS2; the same for every robot.
 
 A drive takes one set-point frame, sends its Statusword when it changes, and answers each SYNC with its
-Statusword, position and current, all sampled at that SYNC. The other PDOs are off.
+Statusword, position and current, all sampled at that SYNC. A drive whose position leads others sends it
+between the SYNCs, too; one whose own stop keeps a ratio takes its quick stop deceleration. The other PDOs are
+off.
 """
 
 from dataclasses import dataclass
 from typing import Final
 
-from firmware_bridge.robot import CommandForm
+from firmware_bridge.robot import Axis, CommandForm
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.epos2 import address as at
 from firmware_bridge.wire.epos2.rows import DataType
@@ -30,6 +32,8 @@ SAMPLE: Final = Layout(
     (at.POSITION_ACTUAL, DataType.INTEGER32),
     (at.CURRENT_AVERAGED, DataType.INTEGER16),
 )
+POSITION: Final = Layout((at.POSITION_ACTUAL, DataType.INTEGER32))
+BRAKING: Final = Layout((at.QUICK_STOP_DECELERATION, DataType.UNSIGNED32))
 
 SET_POINT_COB_ID: Final = {
     CommandForm.SPEED: canopen.RECEIVE_PDO[3],
@@ -38,6 +42,10 @@ SET_POINT_COB_ID: Final = {
 """Add the node's number."""
 STATUS_COB_ID: Final = canopen.TRANSMIT_PDO[0]
 SAMPLE_COB_ID: Final = canopen.TRANSMIT_PDO[1]
+POSITION_COB_ID: Final = canopen.TRANSMIT_PDO[2]
+BRAKING_COB_ID: Final = canopen.RECEIVE_PDO[0]
+INHIBIT_MS: Final = 1
+"""A chattering Statusword must not fill the bus."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +61,8 @@ class Pdo:
     layout: Layout | None
     """None: the PDO is off."""
     transmission: int = ON_CHANGE
+    inhibit_ms: int = INHIBIT_MS
+    """Least time between two frames that are sent on change."""
 
     def cob_id_entry(self, node: int, *, valid: bool) -> int:
         """Return the value of subindex 1 for this node: flags and identifier."""
@@ -63,10 +73,17 @@ class Pdo:
         return flags | (self.cob_id + node)
 
 
-def pdos(command: CommandForm) -> tuple[Pdo, ...]:
-    """Return the eight PDOs of a drive that is commanded like this."""
+def pdos(axis: Axis) -> tuple[Pdo, ...]:
+    """Return the eight PDOs of an axis' drive."""
+    command, every_ms = axis.command, axis.epos2.position_every_ms
     received = {SET_POINT_COB_ID[command]: SET_POINT[command]}
+    if axis.epos2.profile.quick_stop_least_rpm_s is not None:
+        received[BRAKING_COB_ID] = BRAKING
     sent = {STATUS_COB_ID: STATUS, SAMPLE_COB_ID: SAMPLE}
+    inhibited = {}
+    if every_ms is not None:
+        sent[POSITION_COB_ID] = POSITION
+        inhibited[POSITION_COB_ID] = every_ms
     timing = {SAMPLE_COB_ID: SYNCHRONOUS}
     return (
         *(
@@ -81,6 +98,7 @@ def pdos(command: CommandForm) -> tuple[Pdo, ...]:
                 transmits=True,
                 layout=sent.get(cob_id),
                 transmission=timing.get(cob_id, ON_CHANGE),
+                inhibit_ms=inhibited.get(cob_id, INHIBIT_MS),
             )
             for i, cob_id in enumerate(canopen.TRANSMIT_PDO)
         ),

@@ -30,7 +30,8 @@ MAXON: Final = 0xFB
 QUICK_STOP_ON_LOST_CONNECTION: Final = 3
 QUICK_STOP_ON_FAULT: Final = 2
 TRAPEZOID: Final = 0
-INHIBIT_100US: Final = 10
+INHIBIT_UNITS_PER_MS: Final = 10
+"""Of 100 us each."""
 MODE: Final = {
     CommandForm.SPEED: cia402.Mode.PROFILE_VELOCITY,
     CommandForm.POSITION: cia402.Mode.PROFILE_POSITION,
@@ -93,7 +94,7 @@ def general_purpose(pin: int) -> OutputFunction:
 
 def over_can(axis: Axis, link: Epos2Link) -> Traffic:
     """Return what flows where the bridge is on the CAN bus."""
-    return Traffic(pdos(axis.command), link.bridge_node, link.drive_heartbeat_ms)
+    return Traffic(pdos(axis), link.bridge_node, link.drive_heartbeat_ms)
 
 
 def through_gateway(axis: Axis, link: Epos2Link, nodes: Sequence[int]) -> Traffic:
@@ -102,7 +103,7 @@ def through_gateway(axis: Axis, link: Epos2Link, nodes: Sequence[int]) -> Traffi
     No node there would receive either; and a drive with a heartbeat of its own does not answer node guarding,
     which the gateway's watchdog depends on.
     """
-    off = tuple(replace(pdo, layout=None) for pdo in pdos(axis.command))
+    off = tuple(replace(pdo, layout=None) for pdo in pdos(axis))
     return Traffic(off, link.watched_by(axis.epos2.node, nodes), 0)
 
 
@@ -184,8 +185,9 @@ def _process_data(pdo: Pdo, node: int) -> Iterator[SetupObject]:
     yield SetupObject(kind, U8, pdo.transmission, f"{title} type", "1 with each SYNC, 255 on change")
     if pdo.transmits:
         inhibit = Address(pdo.communication, 3)
-        why = "a chattering statusword must not fill the bus; unit 100 us"
-        yield SetupObject(inhibit, U16, INHIBIT_100US, f"{title} inhibit time", why)
+        why = "what is sent on change must not fill the bus; unit 100 us"
+        units = INHIBIT_UNITS_PER_MS * pdo.inhibit_ms
+        yield SetupObject(inhibit, U16, units, f"{title} inhibit time", why)
     yield SetupObject(cob_id, U32, on, f"{title} COB-ID", "on", _MAPPING_SOURCE, read_back=True)
 
 

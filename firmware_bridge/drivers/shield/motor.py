@@ -126,6 +126,10 @@ class ShieldMotor:
         return self._sampled_at
 
     @property
+    def between(self) -> None:
+        """None: its device sends no position between samples."""
+
+    @property
     def busy(self) -> bool:
         """True while the board has tasks to do."""
         return bool(self._board.under_way)

@@ -198,6 +198,11 @@ class Profile(Table):
     acceleration_rpm_s: Moving
     deceleration_rpm_s: Moving
     quick_stop_rpm_s: Moving
+    quick_stop_least_rpm_s: Moving | None = None
+    """Down to this the bridge lowers it while driving: each axis of a ratio in proportion to its speed.
+
+    So the drives' own stops keep the ratio. None: it stays as it is. Only on CAN: a serial line is too slow.
+    """
     max_velocity_rpm: Annotated[int, Field(ge=1, le=25_000)]
     max_following_error_qc: Moving
 
@@ -240,6 +245,13 @@ class Epos2Axis(Table):
     thermal_time_constant_100ms: Annotated[int, Field(ge=1, le=5400)]
     profile: Profile
     gains: Gains
+    position_every_ms: Annotated[int, Field(ge=1, le=1_000)] | None = None
+    """The drive sends its position on change, at most this often: for an axis whose position leads others.
+
+    None: with each sample only. Only on CAN.
+    """
+    position_lead_ms: Annotated[int, Field(ge=0, le=1_000)] = 0
+    """The axes that it leads are commanded for where it will be so much later: their regulators' lag."""
 
     @model_validator(mode="after")
     def _the_peak_is_the_peak(self) -> Self:
@@ -259,6 +271,13 @@ class Epos2Axis(Table):
     def _brushes_have_no_poles(self) -> Self:
         if self.motor_type == BRUSHED and self.pole_pairs is not None:
             raise ValueError(f"pole_pairs = {self.pole_pairs}: motor_type {BRUSHED} is brushed, and has none")
+        return self
+
+    @model_validator(mode="after")
+    def _the_least_is_not_the_most(self) -> Self:
+        least, most = self.profile.quick_stop_least_rpm_s, self.profile.quick_stop_rpm_s
+        if least is not None and least > most:
+            raise ValueError(f"profile.quick_stop_least_rpm_s = {least} is above quick_stop_rpm_s = {most}")
         return self
 
     @model_validator(mode="after")

@@ -6,7 +6,7 @@ from typing import Final
 from firmware_bridge import renamed
 from firmware_bridge.robot_type import RobotType
 from firmware_bridge.robots.rars.geometry import RarsGeometry
-from firmware_bridge.robots.rars.kinematics import BASE, GROUPS, Rars, reach
+from firmware_bridge.robots.rars.kinematics import BASE, GROUPS, LED, Rars, reach
 from firmware_bridge.robots.rars.model import RarsModel
 from firmware_bridge.robots.rars.modes import MODES
 from firmware_bridge.robots.rars.motion import RarsMotion, RarsState
@@ -16,6 +16,7 @@ from firmware_bridge.robots.rars.station import STATION
 ROBOT_TYPE: Final[RobotType[RarsGeometry, RarsMotion, RarsState]] = RobotType(
     name="rars",
     file=Path(__file__).with_name("rars.toml"),
+    more={"cameras": Path(__file__).with_name("cameras.toml")},
     geometry=RarsGeometry,
     standstill=RarsMotion(),
     numbers={
@@ -26,6 +27,7 @@ ROBOT_TYPE: Final[RobotType[RarsGeometry, RarsMotion, RarsState]] = RobotType(
     },
     kinematics=Rars,
     groups=GROUPS,
+    led=LED,
     travelling=frozenset({BASE}),
     interlocks=INTERLOCKS,
     limits=LIMITS,

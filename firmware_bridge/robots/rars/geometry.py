@@ -40,6 +40,10 @@ class Degraded(Table):
     acceleration_g: Positive
     steer_angle_deg: Annotated[float, Field(gt=0, lt=90)]
     """Limit where one wheel drives alone."""
+    wheel_steering: Annotated[float, Field(gt=0, le=1)]
+    """With the rack stuck: share of the wheels' curvature, from the rack's on, that the robot turns by."""
+    wheel_curvature_per_m: Positive
+    """The largest curvature to either side of the rack's that the wheels steer to then."""
 
 
 class RarsGeometry(Table):

@@ -1,8 +1,9 @@
 """RARS after an actuator has failed (A. P. Das, PhD thesis, IIT Delhi, 2018, 2.2), a mode for each.
 
-The thesis names two: a failed steering leaves the two rear wheels, a failed traction motor the other one and
-the steering ("bicycle mode"). Here its rack stays where it is, held by a gear of 159: that leaves the arcs of
-one radius. To let the front wheels go would take a trail of the kingpins, which the thesis does not give.
+The thesis names two: a failed steering leaves the two rear wheels (differential drive), a failed traction
+motor the other one and the steering ("bicycle mode"). The rack stays where it is, held by a gear of 159: the
+wheels steer against it. To let the front wheels go would take a trail of the kingpins, which the thesis does
+not give.
 """
 
 import math
@@ -34,9 +35,10 @@ from firmware_bridge.robots.rars.rules import (
     clip_steer,
     limits_by,
 )
+from firmware_bridge.units import Nanoseconds, to_seconds
 
-STAYS_WITHIN_RAD: Final = math.radians(1.0)
-"""Largest difference of a command from the fixed angle without a report to the station in control."""
+STEERS_PER_M_S: Final = 0.5
+"""Rate of the curvature to which the wheels steer, 1/(m s): a step would pull the motors past their ramp."""
 
 
 class Failed(Rars):
@@ -60,15 +62,64 @@ class Failed(Rars):
 
 
 class SteeringFailed(Failed):
-    """The rack stays where it is: the wheels follow its angle, as ever, and nothing changes it."""
+    """The rack stays where it is, and the rear wheels steer against it (thesis 2.2, differential drive).
+
+    Wheels that drive another curvature than the rack's slip and drag the front wheels aside. The robot turns
+    by the rack's curvature and a share of the difference; pose and yaw rate follow from that share, too.
+    """
 
     role = STEERING
+
+    def __init__(self, robot: Robot[RarsGeometry]) -> None:
+        super().__init__(robot)
+        self._share: Final = robot.geometry.degraded.wheel_steering
 
     def sensed(self, axes: Mapping[str, Feedback], sensors: Mapping[str, Reading]) -> RarsState:
         """Return the state, with an angle as long as its drive has kept its zero."""
         state = super().sensed(axes, sensors)
         # A drive that has lost its reference may stand anywhere: unknown, the base does not move.
-        return replace(state, steer_rad=None) if axes[self._out].reference_lost else state
+        if axes[self._out].reference_lost:
+            return replace(state, steer_rad=None)
+        stuck = davis.curvature(self._base, steered(state)) * state.speed_mps
+        return replace(state, yaw_rate_rad_s=stuck + self._share * (state.yaw_rate_rad_s - stuck))
+
+    def set_points(self, motion: RarsMotion, state: RarsState) -> Mapping[str, SetPoint]:
+        """Return the wheels' set-points for the curvature that is commanded, and the lift's."""
+        rack = davis.curvature(self._base, steered(state))
+        goal = rack if motion.steer_rad is None else davis.curvature(self._base, motion.steer_rad)
+        wheels = rack + (goal - rack) / self._share
+        return {**super().set_points(motion, state), **self._wheels(motion.speed_mps, wheels)}
+
+    def ramped(
+        self, commanded: RarsMotion, allowed: RarsMotion, state: RarsState, elapsed: Nanoseconds
+    ) -> RarsMotion:
+        """Return the next set-point: the curvature goes to the commanded one at a rate, too."""
+        motion = super().ramped(commanded, allowed, state, elapsed)
+        if allowed.steer_rad is None:
+            return motion
+        rack = steered(state)
+        before = rack if commanded.steer_rad is None else commanded.steer_rad
+        bend, goal = (davis.curvature(self._base, angle) for angle in (before, allowed.steer_rad))
+        step = STEERS_PER_M_S * to_seconds(elapsed)
+        bend += min(max(goal - bend, -step), step)
+        return replace(motion, steer_rad=davis.steer_from_curvature(self._base, bend))
+
+    def advanced(
+        self,
+        pose: Pose,
+        before: Mapping[str, Feedback],
+        after: Mapping[str, Feedback],
+        _sensors: Mapping[str, Reading],
+    ) -> Pose:
+        """Return the pose after both rear wheels rolled on, turned by their share."""
+        base = self._base
+        left, right = (
+            (after[name].position - before[name].position) * base.wheel_radius_m for name in self.rolling
+        )
+        rack = davis.curvature(base, davis.steer_from_pinion(base, after[self._steering].position))
+        middle, stuck = (left + right) / 2.0, rack * (left + right) / 2.0 * base.rear_track_m
+        apart = (stuck + self._share * (right - left - stuck)) / 2.0
+        return moved(pose, middle - apart, middle + apart, base.rear_track_m)
 
 
 class LiftFailed(Failed):
@@ -156,16 +207,29 @@ def _little_steer(view: View) -> tuple[RarsMotion, str | None]:
     return clip_steer(view, math.radians(view.geometry.degraded.steer_angle_deg))
 
 
-def _steering_stays(view: View) -> tuple[RarsMotion, str | None]:
-    """Keep the steering angle; report that where another one is commanded."""
-    # None leaves the rack where it is: its drive is without power in this mode.
-    motion, angle = view.allowed, steered(view.body)
+def curvatures(robot: Robot[RarsGeometry], values: Mapping[str, float]) -> tuple[float, float]:
+    """Return the curvatures to which the wheels steer against the stuck rack, by its reported angle."""
+    stuck = davis.curvature(robot.geometry.base, math.radians(values["STEER"]))
+    most = robot.geometry.degraded.wheel_curvature_per_m
+    return stuck - most, stuck + most
+
+
+def _steers_by_wheels(view: View) -> tuple[RarsMotion, str | None]:
+    """Keep the curvature within what the rear wheels steer to; report that where another is commanded."""
+    motion, base = view.allowed, view.geometry.base
     if motion.steer_rad is None:
         return motion, None
-    kept = replace(motion, steer_rad=None)
-    if abs(motion.steer_rad - angle) <= STAYS_WITHIN_RAD:
-        return kept, None
-    return kept, f"the steering stays at {math.degrees(angle):.0f} deg"
+    rack, most = steered(view.body), view.geometry.degraded.wheel_curvature_per_m
+    stuck = davis.curvature(base, rack)
+    bend = davis.curvature(base, motion.steer_rad)
+    within = min(max(bend, stuck - most), stuck + most)
+    # A limit reports what is beyond it by more than a millionth.
+    if abs(within - bend) <= 1e-6 * most:
+        return motion, None
+    return replace(motion, steer_rad=davis.steer_from_curvature(base, within)), (
+        f"requested a curvature of {bend:.2f} 1/m; with the rack at {math.degrees(rack):.0f} deg the wheels "
+        f"steer from {stuck - most:.2f} to {stuck + most:.2f} 1/m"
+    )
 
 
 def _lift_stays(view: View) -> tuple[RarsMotion, str | None]:
@@ -181,7 +245,7 @@ def _limits(*more: Limit) -> tuple[Limit, ...]:
 
 
 STEERING_STAYS: Final = Limit(
-    "steering out of use", _steering_stays, "return the steering to neutral", clear_after=LIMIT_CLEARS_AFTER
+    "steering out of use", _steers_by_wheels, "steer less", clear_after=LIMIT_CLEARS_AFTER
 )
 LIFT_STAYS: Final = Limit(
     "lift out of use", _lift_stays, "return the lift's stick to neutral", clear_after=LIMIT_CLEARS_AFTER
@@ -196,6 +260,7 @@ MODES: Final[Mapping[str, RobotMode[RarsGeometry, RarsMotion, RarsState]]] = {
         kinematics=SteeringFailed,
         interlocks=INTERLOCKS,
         limits=_limits(STEERING_STAYS),
+        curvatures=curvatures,
     ),
     "left_failed": RobotMode(
         without=frozenset({LEFT_WHEEL}),

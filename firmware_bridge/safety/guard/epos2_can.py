@@ -20,7 +20,7 @@ from firmware_bridge.safety.guard.axis import GuardedAxis
 from firmware_bridge.safety.guard.epos2_words import CONTROLWORDS, LISTED_NMT, TARGET_UNIT, GuardedSetPoint
 from firmware_bridge.safety.guard.in_force import InForce, RequestedMotion
 from firmware_bridge.safety.guard.wire_rules import WireRules
-from firmware_bridge.safety.guard.writes import SAMPLE_PDO, STATUS_PDO, Writes, writes_on_can
+from firmware_bridge.safety.guard.writes import BRAKING_PDO, SAMPLE_PDO, STATUS_PDO, Writes, writes_on_can
 from firmware_bridge.units import Nanoseconds
 from firmware_bridge.wire import canopen
 from firmware_bridge.wire.canopen import NmtCommand, NmtState
@@ -32,6 +32,7 @@ _SET_POINT_ID: Final = {
     CommandForm.SPEED: canopen.RECEIVE_PDO[3],
     CommandForm.POSITION: canopen.RECEIVE_PDO[2],
 }
+_BRAKING: Final = struct.Struct("<I")
 _STATUSWORD: Final = struct.Struct("<H")
 _SAMPLE: Final = struct.Struct("<Hi")
 """Statusword and position, as the bridge maps them first."""
@@ -84,6 +85,23 @@ class AxisSetPoint:
             unit = TARGET_UNIT[self.command]
             return f"target {target} {unit} is not within {self.targets[0]} to {self.targets[-1]} {unit}"
         return None
+
+
+@dataclass(frozen=True, slots=True)
+class Braking:
+    """The quick stop deceleration of one axis, in rpm/s."""
+
+    least: int
+    most: int
+
+    def refuses(self, payload: bytes) -> str | None:
+        """Check length and value."""
+        if len(payload) != _BRAKING.size:
+            return f"{len(payload)} bytes where {_BRAKING.size} are mapped"
+        (value,) = _BRAKING.unpack(payload)
+        if self.least <= value <= self.most:
+            return None
+        return f"quick stop deceleration of {value} rpm/s is not within {self.least} to {self.most} rpm/s"
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,6 +269,9 @@ def _listed(robot: AnyRobot, link: str, axes: tuple[GuardedAxis, ...]) -> dict[i
     }
     for axis in axes:
         listed[_set_point_id(axis)] = AxisSetPoint(axis.axis.command, axis.targets)
+        profile = axis.axis.epos2.profile
+        if (least := profile.quick_stop_least_rpm_s) is not None:
+            listed[canopen.RECEIVE_PDO[BRAKING_PDO] + axis.node] = Braking(least, profile.quick_stop_rpm_s)
         listed[canopen.SDO_REQUEST + axis.node] = SdoRequest(writes_on_can(axis.axis, robot))
     return listed
 

@@ -37,6 +37,8 @@ TRANSMISSIONS: Final = (1, 255)
 _MAPPED: Final = {CommandForm.SPEED: 0x60FF_0020, CommandForm.POSITION: 0x607A_0020}
 _CONTROLWORD_MAPPED: Final = 0x6040_0010
 _SET_POINT_PDO: Final = {CommandForm.SPEED: 3, CommandForm.POSITION: 2}
+BRAKING_PDO: Final = 0
+_BRAKING_MAPPED: Final = 0x6085_0020
 STATUS_PDO, SAMPLE_PDO = 0, 1
 _READ: Final = {(STATUS_PDO, 1): 0x6041_0010, (SAMPLE_PDO, 1): 0x6041_0010, (SAMPLE_PDO, 2): 0x6064_0020}
 """Entries of transmit PDOs that the guard itself reads: statusword and position."""
@@ -137,19 +139,24 @@ def _within(kind: DataType, low: int, high: int) -> Values:
 
 
 def _process_data(axis: Axis) -> Iterator[tuple[Address, Values]]:
+    received: dict[int, tuple[int, ...]] = {
+        _SET_POINT_PDO[axis.command]: (_CONTROLWORD_MAPPED, _MAPPED[axis.command])
+    }
+    if axis.epos2.profile.quick_stop_least_rpm_s is not None:
+        received[BRAKING_PDO] = (_BRAKING_MAPPED,)
     for number in _PDOS:
         communication, mapping = (first + number for first in _RECEIVE)
         identifier = canopen.RECEIVE_PDO[number] + axis.epos2.node
         # CiA 301: a mapping may be changed only while bit 31 of the PDO's COB-ID marks it as invalid.
         off = canopen.COB_ID_INVALID | identifier
-        used = number == _SET_POINT_PDO[axis.command]
+        mapped = received.get(number, ())
         # The unused receive PDOs can only be switched off: set-points reach a drive by one identifier.
-        yield Address(communication, 1), _exactly(U32, *((off, identifier) if used else (off,)))
-        if used:
+        yield Address(communication, 1), _exactly(U32, *((off, identifier) if mapped else (off,)))
+        if mapped:
             yield Address(communication, 2), _exactly(U8, *TRANSMISSIONS)
-            yield Address(mapping, 0), _exactly(U8, 0, 2)
-            yield Address(mapping, 1), _exactly(U32, _CONTROLWORD_MAPPED)
-            yield Address(mapping, 2), _exactly(U32, _MAPPED[axis.command])
+            yield Address(mapping, 0), _exactly(U8, 0, len(mapped))
+            for entry, value in enumerate(mapped, 1):
+                yield Address(mapping, entry), _exactly(U32, value)
     for number in _PDOS:
         communication, mapping = (first + number for first in _TRANSMIT)
         identifier = canopen.COB_ID_NO_REMOTE | canopen.TRANSMIT_PDO[number] + axis.epos2.node
@@ -207,7 +214,8 @@ def _motion(axis: Axis) -> Iterator[tuple[Address, Values]]:
     yield at.PROFILE_ACCELERATION, _within(U32, 1, profile.acceleration_rpm_s)
     # Exactly, both: a weaker one would brake too late, a stronger one beyond the limit.
     yield at.PROFILE_DECELERATION, _exactly(U32, profile.deceleration_rpm_s)
-    yield at.QUICK_STOP_DECELERATION, _exactly(U32, profile.quick_stop_rpm_s)
+    least = profile.quick_stop_least_rpm_s or profile.quick_stop_rpm_s
+    yield at.QUICK_STOP_DECELERATION, _within(U32, least, profile.quick_stop_rpm_s)
 
 
 def _gains(axis: Axis) -> Iterator[tuple[Address, Values]]:

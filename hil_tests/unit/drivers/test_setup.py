@@ -43,7 +43,7 @@ def test_every_row_states_why_and_from_where(axis: Axis) -> None:
 
 @AXES
 def test_a_mapping_is_written_while_its_pdo_is_off_and_empty(axis: Axis) -> None:
-    for pdo in pdos(axis.command):
+    for pdo in pdos(axis):
         steps = [row for row in rows(axis) if row.address.index in (pdo.communication, pdo.mapping)]
         cob_ids = [row.value for row in steps if row.address == Address(pdo.communication, 1)]
         assert cob_ids[0] >> 31 == 1
@@ -57,10 +57,21 @@ def test_a_mapping_is_written_while_its_pdo_is_off_and_empty(axis: Axis) -> None
 
 
 @AXES
-def test_one_set_point_one_status_and_one_sample_are_on(axis: Axis) -> None:
-    on = {pdo.cob_id: (pdo.layout.size, pdo.transmission) for pdo in pdos(axis.command) if pdo.layout}
-    set_point = 0x500 if axis.command is CommandForm.SPEED else 0x400
-    assert on == {set_point: (6, 255), 0x180: (2, 255), 0x280: (8, 1)}
+def test_the_pdos_that_are_on(axis: Axis) -> None:
+    on = {pdo.cob_id: (pdo.layout.size, pdo.transmission) for pdo in pdos(axis) if pdo.layout}
+    wheel = axis.command is CommandForm.SPEED
+    set_point = 0x500 if wheel else 0x400
+    # The wheels take their quick stop deceleration; the steering sends its position between the samples.
+    braking = {0x200: (4, 255)} if wheel else {}
+    leads = {0x380: (4, 255)} if axis.name == "steer" else {}
+    assert on == {set_point: (6, 255), 0x180: (2, 255), 0x280: (8, 1), **braking, **leads}
+
+
+def test_a_position_between_the_samples_has_the_inhibit_time_of_the_file() -> None:
+    inhibit = {row.address: row.value for row in rows(RARS.axis("steering")) if row.address.subindex == 3}
+    # In units of 100 us (CiA 301): 10 ms, and 1 ms for what else is sent on change.
+    assert inhibit[Address(0x1802, 3)] == 100
+    assert inhibit[Address(0x1800, 3)] == 10
 
 
 def test_the_heartbeat_consumer_names_the_bridge_and_its_time_out() -> None:

@@ -34,8 +34,8 @@ def test_left_and_right_mirror_each_other(steer: float) -> None:
     assert davis.pinion_from_steer(BASE, -steer) == -davis.pinion_from_steer(BASE, steer)
     rack = davis.rack_from_steer(BASE, steer)
     assert davis.outer_from_rack(BASE, -rack) == -davis.outer_from_rack(BASE, rack)
-    left, right = davis.wheel_speeds(BASE, 0.3, steer)
-    assert davis.wheel_speeds(BASE, 0.3, -steer) == pytest.approx((right, left))
+    left, right = davis.wheel_speeds(BASE, 0.3, davis.curvature(BASE, steer))
+    assert davis.wheel_speeds(BASE, 0.3, davis.curvature(BASE, -steer)) == pytest.approx((right, left))
 
 
 @given(ANGLES)
@@ -65,13 +65,13 @@ def test_the_rack_moves_the_outer_wheel_less_than_the_inner_one(steer: float) ->
 
 def test_straight_ahead_both_wheels_turn_alike() -> None:
     assert davis.turn_radius(BASE, 0.0) == math.inf
-    assert davis.wheel_speeds(BASE, 0.5, 0.0) == (10.0, 10.0)
+    assert davis.wheel_speeds(BASE, 0.5, davis.curvature(BASE, 0.0)) == (10.0, 10.0)
 
 
 @given(st.floats(-0.5, 0.5), st.floats(math.radians(0.1), math.radians(60)))
 def test_the_wheels_roll_on_their_own_circles(speed: float, steer: float) -> None:
     # (4.10), (4.11) with m = 200 mm: a left turn is slower at the left.
     radius = davis.turn_radius(BASE, steer)
-    left, right = davis.wheel_speeds(BASE, speed, steer)
+    left, right = davis.wheel_speeds(BASE, speed, davis.curvature(BASE, steer))
     assert left == pytest.approx(speed / 0.05 * (1 - 0.2 / radius))
     assert right == pytest.approx(speed / 0.05 * (1 + 0.2 / radius))

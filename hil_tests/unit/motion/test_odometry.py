@@ -63,7 +63,7 @@ def test_the_body_carries_the_pose_on_from_its_two_rear_wheels() -> None:
 
 @given(st.floats(-0.5, 0.5), st.floats(-math.radians(60), math.radians(60)))
 def test_odometry_agrees_with_the_steering_geometry(speed: float, steer: float) -> None:
-    left, right = davis.wheel_speeds(ROBOT.geometry.base, speed, steer)
+    left, right = davis.wheel_speeds(ROBOT.geometry.base, speed, davis.curvature(ROBOT.geometry.base, steer))
     pose = moved(Pose(), left * 0.05, right * 0.05, 0.4)
     assert pose.heading_rad == pytest.approx(speed * davis.curvature(ROBOT.geometry.base, steer), abs=1e-12)
 

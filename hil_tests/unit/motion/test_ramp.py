@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from firmware_bridge.motion.ramp import BRAKING_SHARE, MARGIN, Ramp
+from firmware_bridge.motion.ramp import BRAKING_SHARE, CATCHES_UP, MARGIN, Ramp
 from firmware_bridge.robot_types import find
 from firmware_bridge.robots.rars.kinematics import ramp_of
 from firmware_bridge.units import MILLISECOND
@@ -49,7 +49,18 @@ def test_a_step_is_as_long_as_its_time_but_no_longer_than_a_cycle(elapsed: int, 
 def test_the_outer_wheel_stays_within_the_limit(bend: float) -> None:
     # From rest V^2/R is nothing yet: the outer wheel binds, 1 + m/R times the base.
     set_point = RAMP.step(0.0, 0.5, bend, CYCLE)
-    assert set_point * (1 + 0.2 / 0.415) == pytest.approx(STEP)
+    assert set_point * (1 + 0.2 / 0.415) == pytest.approx(CATCHES_UP * STEP)
+    braked = 0.5 - RAMP.step(0.5, 0.0, bend, CYCLE)
+    assert braked * (1 + 0.2 / 0.415) == pytest.approx(STEP), "it brakes by the whole limit"
+
+
+def test_a_turn_that_changes_takes_its_part_of_the_outer_wheels_limit() -> None:
+    # 3 1/(m s) at 0.2 m from the middle: at 0.3 m/s the outer wheel gains 0.18 m/s2 by the turn alone.
+    set_point = RAMP.step(0.3, 0.6, 0.0, CYCLE, 3.0)
+    assert set_point - 0.3 == pytest.approx(0.05 * (CATCHES_UP * 1.3 - 0.2 * 3.0 * (0.3 + STEP)))
+    assert RAMP.step(0.3, 0.6, 0.0, CYCLE, -3.0) == set_point
+    assert RAMP.step(0.3, 0.6, 0.0, CYCLE, 1e3) == 0.3, "nothing is left to speed up"
+    assert RAMP.step(0.3, 0.0, 0.0, CYCLE, 1e3) == pytest.approx(0.3 - BRAKING_SHARE * STEP)
 
 
 @pytest.mark.parametrize("bend", [1.0, -1.0])

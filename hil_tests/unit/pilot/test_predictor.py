@@ -83,8 +83,8 @@ def test_rars_steers_no_faster_than_its_rack_and_speeds_up_at_its_ramp() -> None
     model = RarsModel(robot)
     moving = model.step(Moving(Pose(), 0.5, 0.0, 0.0), 0.5, 0.5, 0.05)
     assert moving.steer_rad is not None
-    # 800 rpm over 159: 0.527 rad/s at the pinion, which is 26 mrad in a cycle and 7.9 mm/s at the rack.
-    assert 0.011 < moving.steer_rad < 0.014
+    # 5000 rpm over 159: 3.29 rad/s at the pinion, 49 mm/s at the rack, which is 2.5 mm in a cycle.
+    assert moving.steer_rad == pytest.approx(math.atan(2.47 / 30.0), rel=0.03)
     begins = model.step(Moving(Pose()), 0.5, 0.0, 0.05)
     assert begins.speed_mps == pytest.approx(0.80 * 0.144 * 9.81 * 0.05)
     assert model.tightest_per_m == pytest.approx(1.0 / 0.415)

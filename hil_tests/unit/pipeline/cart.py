@@ -14,6 +14,7 @@ from firmware_bridge.bridge.all_drivers import AllDrivers
 from firmware_bridge.bridge.permission import Permission
 from firmware_bridge.bridge.pipeline import Pipeline
 from firmware_bridge.drivers.driver import (
+    Between,
     Feedback,
     Power,
     Reading,
@@ -227,6 +228,7 @@ class FakeDriver:
     stopping = False
     unpowered = False
     wake_at: Nanoseconds = NEVER
+    between: Between | None = None
 
     def __init__(self, axis: Axis) -> None:
         self.axis: Final = axis

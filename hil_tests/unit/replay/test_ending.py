@@ -12,6 +12,7 @@ from emulators.replay.ending import end_requested_at
 from firmware_bridge.intent import ConfirmPosition
 from firmware_bridge.recording import EPOCH
 from firmware_bridge.renamed import RenamedWarning
+from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import MICROSECOND, MILLISECOND, SECOND
 
@@ -19,8 +20,22 @@ RUN = Path(__file__).with_name("end_requested_at")
 """3 s of `drive rars` at emulated drives in real time, no one driving, and its end by `--duration`."""
 KNOWN = Path(__file__).with_name("places_known")
 """3 s of `drive rars` after a run that had kept where lift and steering stood."""
+
+
+def as_it_was() -> AnyRobot:
+    """RARS of that day: the rack at 800 rpm, no position between the samples, one quick stop."""
+    robot, axes = find("rars"), []
+    for axis in robot.axes:
+        settings = axis.epos2
+        slow = {"velocity_rpm": 800} if axis.role == "steering" else {}
+        profile = settings.profile.model_copy(update={"quick_stop_least_rpm_s": None, **slow})
+        changed = settings.model_copy(update={"profile": profile, "position_every_ms": None})
+        axes.append(axis.model_copy(update={"settings": changed}))
+    return robot.model_copy(update={"axes": tuple(axes)})
+
+
 ORDER = ReplayOrder(
-    find("rars"),
+    as_it_was(),
     RUN,
     into=Into.BRIDGE,
     confirmed=(ConfirmPosition("lift", 0.0), ConfirmPosition("steer", 0.0)),
@@ -69,7 +84,7 @@ def test_it_is_just_before_the_bridge_s_own_time_of_it(
 
 
 def test_what_was_known_of_the_run_before_is_known_to_the_replay(tmp_path: Path) -> None:
-    order = ReplayOrder(find("rars"), KNOWN, into=Into.BRIDGE)
+    order = ReplayOrder(as_it_was(), KNOWN, into=Into.BRIDGE)
     assert play(order).difference is None
     shutil.copytree(KNOWN, tmp_path / "run")
     (tmp_path / "run" / "places.json").unlink()

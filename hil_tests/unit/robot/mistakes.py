@@ -185,7 +185,7 @@ MISTAKES = (
     ),
     Mistake(
         "a position's profile above the top speed",
-        ("velocity_rpm = 800 ", "velocity_rpm = 6_985 "),
+        ("velocity_rpm = 5_000 ", "velocity_rpm = 6_985 "),
         "axes[2].settings.profile.velocity_rpm",
         ("6985 is above top_speed", "6984.4 rpm of the motor"),
     ),
@@ -197,7 +197,7 @@ MISTAKES = (
     ),
     Mistake(
         "a profile that stands still",
-        ("velocity_rpm = 800 ", "velocity_rpm = 0 "),
+        ("velocity_rpm = 5_000 ", "velocity_rpm = 0 "),
         "axes[2].settings.profile.velocity_rpm",
         ("greater than or equal to 1",),
     ),

@@ -54,6 +54,7 @@ OTHERS: Final = (
     ),
     *(
         "axes.*.settings.node",
+        "axes.*.settings.position_",
         "axes.*.settings.joint",
         "axes.*.settings.product_code",
         "axes.*.settings.counts_from_deg",

@@ -3,10 +3,11 @@
 from collections import deque
 from typing import Final
 
-from firmware_bridge.drivers.driver import SetPoint, Task
+from firmware_bridge.drivers.driver import SetPoint, Speed, Task
 from firmware_bridge.drivers.epos2.can.feedback import CanFeedback
 from firmware_bridge.drivers.epos2.drive import Epos2Drive
 from firmware_bridge.drivers.epos2.inputs_outputs import ObjectRequest
+from firmware_bridge.drivers.epos2.process_data import BRAKING, BRAKING_COB_ID
 from firmware_bridge.drivers.epos2.setup import configuration
 from firmware_bridge.drivers.sdo_client import NodeClient
 from firmware_bridge.packet import Packet
@@ -19,7 +20,7 @@ from firmware_bridge.wire import canopen
 class Epos2OnCan(Epos2Drive[CanFeedback]):
     """One drive; a `firmware_bridge.drivers.driver.Driver`."""
 
-    __slots__ = ("_answers", "_client", "_requests", "wake_at")
+    __slots__ = ("_answers", "_braking", "_client", "_requests", "wake_at")
 
     def __init__(self, axis: Axis, link: Epos2Link, outputs: tuple[Output, ...] = ()) -> None:
         """Take the axis, its link, and what is switched at its drive."""
@@ -27,6 +28,7 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
         super().__init__(axis, CanFeedback(axis), self._client, configuration(axis, link, outputs))
         self._answers: Final = canopen.SDO_RESPONSE + axis.epos2.node
         """Identifier of its SDO server's answers."""
+        self._braking: Final = BRAKING_COB_ID + axis.epos2.node
         self.wake_at: Nanoseconds = NEVER
         """Time of its next wake-up. Read after every packet: so it is an attribute."""
         self._requests: deque[ObjectRequest] = deque()
@@ -58,7 +60,19 @@ class Epos2OnCan(Epos2Drive[CanFeedback]):
             if not self._tasks.stopping:
                 self._tasks.end()
             self.wake_at = self._scripts.wake_at
-        return (self._set_point.frame_for(self._tasks.meant(set_point)),)
+        return (*self._brakes(set_point), self._set_point.frame_for(self._tasks.meant(set_point)))
+
+    def _brakes(self, set_point: SetPoint) -> tuple[Packet, ...]:
+        """Return the frame of the quick stop deceleration that goes with a speed, where it may be lowered."""
+        least = self._axis.epos2.profile.quick_stop_least_rpm_s
+        # During a stop the last one stays: both axes of a ratio shall come to rest together.
+        if least is None or not isinstance(set_point, Speed):
+            return ()
+        most = self._axis.epos2.profile.quick_stop_rpm_s
+        wanted = set_point.braking * most
+        # Written so that a NaN brakes as hard as it may.
+        value = round(wanted) if least <= wanted <= most else least if wanted < least else most
+        return (Packet(self._axis.link, self._braking, BRAKING.pack(value)),)
 
     def release(self) -> tuple[Packet, ...]:
         """End the handshake of a new position, where one is open."""

@@ -1,7 +1,14 @@
 """One EPOS2's frames to what it has sent. Frames that make no sense are ignored: a bus is a public place."""
 
 from firmware_bridge.drivers.epos2.feedback import DriveFeedback
-from firmware_bridge.drivers.epos2.process_data import SAMPLE, SAMPLE_COB_ID, STATUS, STATUS_COB_ID
+from firmware_bridge.drivers.epos2.process_data import (
+    POSITION,
+    POSITION_COB_ID,
+    SAMPLE,
+    SAMPLE_COB_ID,
+    STATUS,
+    STATUS_COB_ID,
+)
 from firmware_bridge.intent import NEVER_RECEIVED
 from firmware_bridge.robot import Axis
 from firmware_bridge.units import Nanoseconds
@@ -18,6 +25,7 @@ class CanFeedback(DriveFeedback):
         self._readers = {
             STATUS_COB_ID: self._status,
             SAMPLE_COB_ID: self._sample,
+            POSITION_COB_ID: self._position,
             canopen.EMERGENCY: self._emergency,
             canopen.ERROR_CONTROL: self._heartbeat,
         }
@@ -52,9 +60,16 @@ class CanFeedback(DriveFeedback):
                 self.move(moved, elapsed)
             # Added up, as the drive's counter of 32 bits wraps.
             self.position_qc += moved
+        if self.between is not None:
+            self.passes(counter, now)
         self.current_ma = current
         self.sampled_at = self._synchronized_at
         self.received_at = self.current_at = now
+
+    def _position(self, payload: bytes, now: Nanoseconds) -> None:
+        if self.expected and len(payload) >= POSITION.size:
+            (counter,) = POSITION.unpack(payload)
+            self.passes(counter, now)
 
     def _state(self, statusword: int) -> None:
         # Process data comes in NMT operational only.
