@@ -9,7 +9,7 @@ from typing import Final
 import sympy as sp
 
 from fmu.climber.adhesion import Hold, Surroundings
-from fmu.climber.chassis import Chassis, Sizes
+from fmu.climber.chassis import Chassis, JointSide, Sizes
 from fmu.climber.contact import Contact, Torus
 from fmu.climber.parameters import AXES, PARAMETERS
 from fmu.climber.start import Given, Start
@@ -29,6 +29,7 @@ TANK: Final = torus(P["tank_radius"], P["ring_radius"])
 SIZES: Final = Sizes(
     P["half_track"], P["caster_distance"], P["wheel_radius"] - P["caster_radius"], P["caster_offset"]
 )
+SIDE: Final = JointSide.of(P["joint_side"])
 _WHEEL: Final = Torus(P["crown_radius"], P["wheel_radius"])
 TORI: Final = (_WHEEL, _WHEEL, Torus(P["caster_crown"], P["caster_radius"]))
 
@@ -50,7 +51,7 @@ class Climber:
             for side, wheel in zip(WHEELS, TORI, strict=True)
         )
         self.contacts = (left_contact, right_contact, caster_contact)
-        self.chassis = Chassis(self.contacts, symbol("pitch"), SIZES)
+        self.chassis = Chassis(self.contacts, symbol("pitch"), SIZES, SIDE)
         self.joint = symbol("joint")
         self._rolling = self.chassis.rolling(*self.spins)
         self.over, self.under = self.joint - P["joint_stop"], -P["joint_stop"] - self.joint
@@ -111,24 +112,24 @@ class Climber:
         motion = self._rolling.plus(self.chassis.sliding(*slides))
         turnings = self.chassis.turnings(motion, self.spins)
         given = Given(*(P[f"start_{name}"] for name in ("arc", "height", "heading", "swivel", "joint")))
-        starts = Start(self.surface, given, SIZES, TORI).rows
+        starts = Start(self.surface, given, SIZES, SIDE, TORI).rows
         on_wall = 1 - self.fallen
         self.yaw_rate = sp.S.Zero
         rows: list[StateVariable] = []
+        pitching: list[Expression] = []
         for side, contact, turning, slide in zip(WHEELS, self.contacts, turnings, slides, strict=True):
             rates = contact.rates(turning, slide)
             rows += [
                 StateVariable(name, UNITS[name.partition("_")[0]], starts[name], on_wall * rates[what])
                 for what, name in ((what, f"{what}_{side}") for what in CONTACTS)
             ]
-            # The wheel's spin against its half, less what it rolls on the surface, is the half's own pitch.
-            if side == "left":
-                pitching = on_wall * (self.spins[0] - rates["wheel"])
             if side != "caster":
+                # The wheel's spin against its half, less what it rolls on the surface: the half's pitch.
+                pitching.append(on_wall * (self.spins[len(pitching)] - rates["wheel"]))
                 self.yaw_rate += HALF * on_wall * rates["psi"]
         return (
             *rows,
-            StateVariable("pitch", "rad", starts["pitch"], pitching),
+            StateVariable("pitch", "rad", starts["pitch"], SIDE.fixed(*pitching)),
             StateVariable("joint", "rad", starts["joint"], on_wall * motion.joint),
             StateVariable("swivel", "rad", P["start_swivel"], on_wall * motion.swivel),
             *(hold.state() for hold in self.holds),
@@ -246,7 +247,7 @@ def model(surface: Surface = TANK) -> Model:
             *in_space(arc, height, heading),
             Output("yaw_rate", "rad/s", "how fast the heading turns", robot.yaw_rate, 1.0),
             *contacts,
-            Output("pitch", "rad", "left half about its axle, nose up positive", symbol("pitch"), 0.1),
+            Output("pitch", "rad", "chassis about its axle, nose up positive", symbol("pitch"), 0.1),
             Output("joint", "rad", "right half against the left", symbol("joint"), 0.1),
             Output(
                 "analogue_2_left",

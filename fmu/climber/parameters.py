@@ -85,6 +85,15 @@ ROBOT: Final[tuple[Parameter, ...]] = (
 )
 
 JOINT: Final[tuple[Parameter, ...]] = (
+    Parameter(
+        "joint_side",
+        1.0,
+        "1",
+        "half that the joint moves: 1 the left one, -1 the right one; chassis and caster are the other's",
+        "[C] 2.1: the suspension is part of the left wheel's chain",
+        least=-1.0,
+        most=1.0,
+    ),
     Parameter("joint_spring", 0.5, "N.m/rad", "joint's spring", "assumed", least=0.0),
     Parameter("joint_rest", 0.0, "rad", "joint's angle without load", "assumed"),
     Parameter("joint_damping", 0.02, "N.m.s/rad", "joint's damping", "assumed", least=0.0),
@@ -206,6 +215,7 @@ PLANT: Final = Plant(
         "geometry.base.track_m": ("half_track", 0.5),
         "geometry.base.crown_radius_m": ("crown_radius", 1.0),
         "geometry.base.coupling": ("coupled", 1.0),
+        "geometry.joint.place": ("joint_side", 1.0),
         "geometry.tank.radius_m": ("tank_radius", 1.0),
         "battery.nominal_v": ("battery_emf", 1.0),
         "sensors.joint.settings.per_volt": ("joint_sensor", 1.0),

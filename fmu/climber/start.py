@@ -1,7 +1,7 @@
 """Contacts of wheels and caster at the start: Newton's method, written out, for any place and heading.
 
 Given are the middle's place on the surface, heading, swivel and the joint's angle beyond upright wheels.
-Unknown are height, roll and pitch of the left half, the joint, and three places of contact.
+Unknown are height, roll and pitch of the chassis, the joint, and three places of contact.
 """
 
 from collections.abc import Sequence
@@ -10,7 +10,7 @@ from typing import Final
 
 import sympy as sp
 
-from fmu.climber.chassis import Sizes
+from fmu.climber.chassis import JointSide, Sizes
 from fmu.climber.contact import Torus
 from fmu.climber.surfaces import Surface, SurfacePoint
 from fmu.climber.vectors import Vector, cross, dot, kept, plus
@@ -38,7 +38,7 @@ class Given:
 
 @dataclass(frozen=True, slots=True)
 class _Pose:
-    """The left half: height over its place, roll, nose up; and the joint."""
+    """The chassis: height over its place, roll, nose up; and the joint."""
 
     lift: Expression
     roll: Expression
@@ -105,14 +105,19 @@ class _Body:
     ahead: Vector
     up: Vector
     middle: Vector
-    right_axle: Vector
+    axles: tuple[Vector, Vector]
+    """Of the left and the right wheel."""
+    joints: tuple[Vector, Vector]
+    """How the left and the right wheel turn with the joint."""
 
 
 class Start:
     """The contacts at the start: tube, arc, height, psi of left, right, caster; pitch, joint."""
 
-    def __init__(self, surface: Surface, given: Given, sizes: Sizes, wheels: Sequence[Torus]) -> None:
-        self._given, self._sizes = given, sizes
+    def __init__(
+        self, surface: Surface, given: Given, sizes: Sizes, side: JointSide, wheels: Sequence[Torus]
+    ) -> None:
+        self._given, self._sizes, self._side = given, sizes, side
         self._base = surface(given.arc, given.height)
         sine, cosine = named(sp.sin(given.heading)), named(sp.cos(given.heading))
         base = self._base
@@ -158,8 +163,12 @@ class Start:
         ahead = kept(plus((cosine, self._ahead), (sine, raised)))
         up = kept(plus((-sine, self._ahead), (cosine, raised)))
         middle = kept(plus((1, base.point), (pose.lift, base.normal)))
-        right = kept(plus((sp.cos(pose.joint), left), (sp.sin(pose.joint), up)))
-        return _Body(left, ahead, up, middle, right)
+        # The joint's angle is the right half's against the left; the chassis's half does not turn.
+        parts = -self._side.left, self._side.right
+        angles = [part * pose.joint for part in parts]
+        axles = [kept(plus((sp.cos(angle), left), (sp.sin(angle), up))) for angle in angles]
+        joints = [kept(plus((part, ahead))) for part in parts]
+        return _Body(left, ahead, up, middle, (axles[0], axles[1]), (joints[0], joints[1]))
 
     def _meet(self, pose: _Pose, feet: Sequence[_Foot]) -> _Body:
         body, sizes = self._body(pose), self._sizes
@@ -173,11 +182,11 @@ class Start:
             (-sizes.trail, way),
         )
         middles = (
-            plus((1, body.middle), (sizes.track, body.left)),
-            plus((1, body.middle), (-sizes.track, body.right_axle)),
+            plus((1, body.middle), (sizes.track, body.axles[0])),
+            plus((1, body.middle), (-sizes.track, body.axles[1])),
             caster,
         )
-        for foot, middle, each in zip(feet, middles, (body.left, body.right_axle, axle), strict=True):
+        for foot, middle, each in zip(feet, middles, (*body.axles, axle), strict=True):
             foot.meets(kept(middle), kept(each))
         return body
 
@@ -187,12 +196,12 @@ class Start:
         With three unknowns, the joint stays as it is.
 
         Gaps change as the material at the contacts moves along the normal: to lift, to roll about the way
-        ahead, to pitch about the axle, and at the right wheel to the joint.
+        ahead, to pitch about the axle, and at the wheel that it moves to the joint.
         """
         nothing = (sp.S.Zero, sp.S.Zero, sp.S.Zero)
         back = plus((-1, body.left))
         rows, offs, leans = [], [], []
-        for foot, joint in zip(feet, (nothing, body.ahead, nothing), strict=True):
+        for foot, joint in zip(feet, (*body.joints, nothing), strict=True):
             arm = plus((1, foot.touching), (-1, body.middle))
             turns = (nothing, self._ahead, back, joint)
             moves = [kept(cross(turn, arm)) for turn in turns]
@@ -204,7 +213,7 @@ class Start:
         rows.append([one - other for one, other in zip(leans[0], leans[1], strict=True)])
         left, right = feet[0].place.normal, feet[1].place.normal
         lean = -2 * sp.sin(self._given.joint / 2)
-        offs.append(lean - dot(left, body.left) + dot(right, body.right_axle))
+        offs.append(lean - dot(left, body.axles[0]) + dot(right, body.axles[1]))
         step = _solved([row[:unknown] for row in rows[:unknown]], offs[:unknown])
         step += [sp.S.Zero] * (4 - unknown)
         was = (pose.lift, pose.roll, pose.pitch, pose.joint)
@@ -226,8 +235,8 @@ class Start:
                 f"height_{side}": foot.at[1],
                 f"psi_{side}": near + angle(dot(foot.left, across), dot(foot.left, along)),
             }
-        upright = cross(feet[0].ahead, body.left)
-        self.rows["pitch"] = angle(dot(body.ahead, upright), dot(body.ahead, feet[0].ahead))
+        way = self._side.fixed_vector(feet[0].ahead, feet[1].ahead)
+        self.rows["pitch"] = angle(dot(body.ahead, cross(way, body.left)), dot(body.ahead, way))
         # No number where the wheels do not touch: the plant refuses to start. Else it adds nothing.
         refusal = sp.sqrt(TOLERANCE**2 - self._off)
         self.rows["joint"] = named(pose.joint) + TOLERANCE * TOLERANCE * refusal

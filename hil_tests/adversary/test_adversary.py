@@ -40,7 +40,7 @@ Over Firmata two wheels of three are counted, so that it needs the cameras.
 """
 FOUND: Final = sorted(Path(__file__).with_name("found").glob("*.toml"))
 """Missions that broke a rule once, or the bench."""
-TOUCHES: Final = (14, 16, 19, 28, 33)
+TOUCHES: Final = (7, 14, 19, 28, 33)
 """Random runs in which a climber without its rule touches its joint's stop, as in one of eight.
 
 A hair's breadth more or less decides if a run still does: one of them is enough.

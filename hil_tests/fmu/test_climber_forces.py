@@ -60,19 +60,21 @@ class Bench:
 
 @pytest.mark.parametrize("heading", [math.pi / 2, math.pi / 4, -2.0])
 @pytest.mark.parametrize("tilt", [math.pi / 2, 0.3])
-def test_forces_at_the_contacts_are_those_of_virtual_work(heading: float, tilt: float) -> None:
-    p = {**NUMBERS, "axis_tilt": tilt, "start_heading": heading, "start_joint": 0.05}
-    with Bench({name: p[name] for name in ("axis_tilt", "start_heading", "start_joint")}) as bench:
-        read = {side: bench.reads(f"pull_{side}", f"across_{side}") for side in WHEELS}
+@pytest.mark.parametrize("side", [1.0, -1.0], ids=["joint left", "joint right"])
+def test_forces_at_the_contacts_are_those_of_virtual_work(heading: float, tilt: float, side: float) -> None:
+    given = {"axis_tilt": tilt, "start_heading": heading, "start_joint": 0.05, "joint_side": side}
+    p = {**NUMBERS, **given}
+    with Bench(given) as bench:
+        read = {wheel: bench.reads(f"pull_{wheel}", f"across_{wheel}") for wheel in WHEELS}
     robot = Robot.standing(p, heading, 0.0, 0.05)
     weight = -p["mass"] * p["gravity"] * np.array([math.cos(tilt), 0.0, math.sin(tilt)])
     place = np.array([-p["mass_behind"], 0.0, p["mass_height"] - p["wheel_radius"]])
     forces = robot.forces(weight, place, -p["joint_spring"] * robot.joint)
     assert forces.sum(axis=0) == pytest.approx(-weight, abs=1e-9)
-    for side, force, each in zip(WHEELS, forces, robot.touches(), strict=True):
+    for wheel, force, each in zip(WHEELS, forces, robot.touches(), strict=True):
         pull = -float(force @ each.normal)
         across = float(np.linalg.norm(force + pull * each.normal))
-        assert read[side] == pytest.approx([pull, across], abs=2e-3), side
+        assert read[wheel] == pytest.approx([pull, across], abs=2e-3), wheel
 
 
 def test_at_rest_on_the_wall_nothing_creeps() -> None:
@@ -130,17 +132,18 @@ def test_it_slides_where_friction_does_not_hold_its_weight(share: float, slides:
     assert (moved < -1e-4) == slides
 
 
-@pytest.mark.long(keeps=["0.7853981633974483"])
-@pytest.mark.parametrize("heading", [math.pi / 2, math.pi / 4])
-def test_the_joint_meets_its_stop_and_goes_no_further(heading: float) -> None:
+@pytest.mark.long(keeps=["joint left-0.7853981633974483", "joint right-2.356194490192345"])
+@pytest.mark.parametrize("heading", [math.pi / 2, math.pi / 4, 3 * math.pi / 4])
+@pytest.mark.parametrize("side", [1.0, -1.0], ids=["joint left", "joint right"])
+def test_the_joint_meets_its_stop_and_goes_no_further(heading: float, side: float) -> None:
     """The caster trailing, it runs away; then wheels slide, and the stop holds it."""
-    with Bench({"start_heading": heading, "start_joint": 0.15}) as bench:
+    with Bench({"start_heading": heading, "start_joint": 0.15, "joint_side": side}) as bench:
         most = [bench.runs(0.25, 8.0, 8.0)["joint"] for _ in range(12)]
         now = bench.runs(0.0)
         assert now["fallen"] == 0.0
-        assert max(bench.reads(*(f"slide_{side}" for side in WHEELS))) > 0.0
-    # A sliding robot stays joined: left wheel, body, joint and swivel give the other wheels' contacts.
-    robot = Robot.behind_left(NUMBERS, now)
+        assert max(bench.reads(*(f"slide_{wheel}" for wheel in WHEELS))) > 0.0
+    # A sliding robot stays joined: the chassis's wheel, joint and swivel give the other wheels' contacts.
+    robot = Robot.placed({**NUMBERS, "joint_side": side}, now)
     assert [each.gap for each in robot.touches()] == pytest.approx([0.0] * 3, abs=1e-7)
     for name, value in robot.readings().items():
         assert math.remainder(now[name] - value, 2 * math.pi) == pytest.approx(0.0, abs=1e-6), name
@@ -167,7 +170,9 @@ def test_without_friction_the_weight_drives_it_down() -> None:
     assert now["speed"] == pytest.approx(-0.3 * 9.81 * p["mass"] / total, rel=1e-6)
 
 
-@pytest.mark.parametrize("more", [{}, {"axis_tilt": 0.3}, {"ring_radius": 0.0, "tank_radius": 1.0}])
+@pytest.mark.parametrize(
+    "more", [{}, {"axis_tilt": 0.3}, {"ring_radius": 0.0, "tank_radius": 1.0}, {"joint_side": -1.0}]
+)
 def test_without_losses_energy_stays(more: dict[str, float]) -> None:
     free = {**FREE, "resistance_wheel": 0.0, "joint_damping": 0.0, "start_heading": 0.8}
     moving = {"speed_left": 150.0, "speed_right": 300.0}

@@ -16,6 +16,7 @@ from validation.climber.constraints import Robot
 Maker = Callable[..., Rolled]
 UP, SLANT = math.pi / 2, math.pi / 4
 LEADING = {"start_swivel": math.pi}
+RIGHT = {"joint_side": -1.0}
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +52,8 @@ STARTS = {
     "down, joint turned": ("lab", {"start_heading": -2.0, "start_joint": 0.1}),
     "ratio 13": ("ratio_13", {"start_heading": 0.3}),
     "plane": ("plane", {"start_heading": 1.0}),
+    "slantwise, joint right": ("lab", {"start_heading": SLANT, **RIGHT}),
+    "down, joint right and turned": ("lab", {"start_heading": -2.0, "start_joint": 0.1, **RIGHT}),
 }
 
 
@@ -86,6 +89,7 @@ def wavy(sign: float) -> Callable[[float], float]:
         ("lab", {"start_heading": SLANT, **LEADING}, -1.0),
         ("lab", {}, 1.0),
         ("ratio_20", {"start_heading": 0.3}, 1.0),
+        ("lab", {"start_heading": SLANT, **RIGHT}, 1.0),
     ],
 )
 def test_both_formulations_agree(rolled: Maker, kind: str, more: dict[str, float], way: float) -> None:
@@ -132,10 +136,12 @@ def circle(rows: list[tuple[float, float]]) -> tuple[float, float]:
 @pytest.mark.parametrize("ratio", [13.3, 20.0, 500.0, 2000.0])
 def test_circles_deviate_as_the_independent_solution_does(rolled: Maker, ratio: float) -> None:
     """A circle by the wheels' speeds does not close and is oblong: by as much as in the other solution."""
-    plant = rolled({**SETS["ratio_20"], "tank_radius": ratio * SETS["ratio_20"]["half_track"]})
+    tank = ratio * SETS["ratio_20"]["half_track"]
+    # From upwards the joint runs away on the smallest one, where it turns to the left.
+    plant = rolled({**SETS["ratio_20"], "tank_radius": tank, "start_heading": 0.0})
     seconds = 4 * math.pi  # 0.5 rad/s in a plane
     ours = plant.driven(lambda _: 1.0, lambda _: 3.0, seconds, seconds / 200)
-    robot = Robot.standing(plant.numbers, UP)
+    robot = Robot.standing(plant.numbers, 0.0)
     others = robot.driven(lambda _: 1.0, lambda _: 3.0, seconds, seconds / 120)
     found = circle([middle(row) for row in ours])
     expected = circle([middle(each.readings()) for each in others])
@@ -156,10 +162,19 @@ def drift(rows: list[dict[str, float]]) -> tuple[float, float]:
     [
         ({"start_heading": SLANT}, 2.0, 2.4e-4),
         ({"start_heading": SLANT, **LEADING}, -2.0, 1.4e-4),
-        ({}, 2.0, -7e-6),
-        ({**LEADING}, -2.0, -9e-6),
+        ({}, 2.0, 7e-6),
+        ({**LEADING}, -2.0, 9e-6),
+        ({**RIGHT}, 2.0, -7e-6),
+        ({**LEADING, **RIGHT}, -2.0, -9e-6),
     ],
-    ids=["slantwise, trailing", "slantwise, leading", "up, trailing", "up, leading"],
+    ids=[
+        "slantwise, trailing",
+        "slantwise, leading",
+        "up, trailing",
+        "up, leading",
+        "up, trailing, joint right",
+        "up, leading, joint right",
+    ],
 )
 def test_equal_speeds_do_not_keep_it_straight(
     rolled: Maker, more: dict[str, float], speed: float, sideways: float

@@ -14,6 +14,8 @@ from emulators.testing.inherited.scripted import mission_of, scripted
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_types import find
 from firmware_bridge.units import from_seconds
+from validation.climber.constraints import Robot
+from validation.climber.plant import Way, sizes
 
 CLOSED = ("square", "triangle", "diamond")
 PAGE = Path(__file__).parents[2] / "docs" / "climber.md"
@@ -43,6 +45,15 @@ class Ridden:
         off_mm, closure_mm = 1e3 * self.path.same_instant, 1e3 * self.figures["closure_m"]
         joint_deg = self.figures["max_joint_deg"]
         return f"| {title} | {off_mm:.1f} mm | {closure_mm:.1f} mm | {joint_deg:.1f} degrees |"
+
+    def open_row(self, title: str, result: str) -> str:
+        """Return its row of the page's table of open loops."""
+        return f"| {title} | {result} | {self.figures['max_joint_deg']:.1f} degrees |"
+
+    def way(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return arc and height while the path follower drove."""
+        followed_by = np.isfinite(self.samples.column("path_offset_s"))
+        return self.samples.column("x_m")[followed_by], self.samples.column("y_m")[followed_by]
 
 
 def changed(table: str, **values: Any) -> AnyRobot:
@@ -104,3 +115,61 @@ def test_where_a_magnet_lets_go_it_states_so_and_the_drives_stop() -> None:
     assert ridden.figures["fell_m"] == pytest.approx(0.5 * 9.81 * 4.95**2, rel=0.05)
     speed = ridden.samples.column("speed_mps")
     assert np.abs(speed[-300:]).max() < 1e-3
+
+
+OPEN = {"open_vertical": ("vertical, 1 m", 90.0), "open_horizontal": ("horizontal, 1 m", 0.0)}
+OPEN |= {"open_spiral": ("at 45 degrees, 1 m", 45.0)}
+
+
+@pytest.mark.long(beside="test_where_a_magnet_lets_go_it_states_so_and_the_drives_stop")
+@pytest.mark.parametrize("name", OPEN)
+def test_straight_on_in_open_loop_it_drifts_by_what_the_page_states(name: str) -> None:
+    """Qualls et al., JAMRIS 10(3), 2016, case 1: the chassis's speed and turn rate are held."""
+    ridden, (title, heading_deg) = Ridden(find("climber"), name), OPEN[name]
+    assert set(ridden.held) == {"not armed"}
+    arc, height = ridden.way()
+    course = math.radians(heading_deg)
+    arc, height = arc - arc[0], height - height[0]
+    assert arc[-1] * math.cos(course) + height[-1] * math.sin(course) == pytest.approx(1.0, abs=0.03)
+    aside = 1e3 * float(height[-1] * math.cos(course) - arc[-1] * math.sin(course))
+    assert ridden.open_row(title, f"{aside:+.1f} mm to the left") in PAGE.read_text(encoding="utf-8")
+
+
+@pytest.mark.long(beside="test_where_a_magnet_lets_go_it_states_so_and_the_drives_stop")
+@pytest.mark.parametrize(
+    ("name", "heading_deg", "way", "title"),
+    [
+        ("open_circle", 0.0, 1.0, "circle, put on looking round the tank"),
+        ("open_circle_back", 90.0, -1.0, "circle tail first, put on looking up"),
+    ],
+)
+def test_a_circle_by_the_chassis_s_speeds_is_that_of_exact_rolling(
+    name: str, heading_deg: float, way: float, title: str
+) -> None:
+    """Case 1: as oblong as the constraints have it; it closes within a hundredth of its diameter."""
+    ridden = Ridden(changed("start", heading_deg=heading_deg), name)
+    assert set(ridden.held) == {"not armed"}
+    arc, height = ridden.way()
+    ratio = float(np.ptp(arc) / np.ptp(height))
+    p, seconds = sizes("driven"), 20.0 * math.pi
+    caster = math.pi if way < 0.0 else 0.0
+    robot = Robot.standing(p, math.radians(heading_deg), caster)
+    ways = robot.steered(way * 0.05, 0.1, seconds, seconds / 240)
+    exact = Way.of([each.readings() for each in ways], p["tank_radius"])
+    assert ratio == pytest.approx(exact.width_over_height(), abs=0.003)
+    closure = ridden.figures["closure_m"]
+    assert closure == pytest.approx(exact.gap(), abs=0.003)
+    assert closure < 0.01
+    joint = math.degrees(float(np.abs(exact.joint).max()))
+    assert ridden.figures["max_joint_deg"] == pytest.approx(joint, abs=0.1)
+    result = f"closes to {1e3 * closure:.1f} mm, width over height {ratio:.3f}"
+    assert ridden.open_row(title, result) in PAGE.read_text(encoding="utf-8")
+
+
+@pytest.mark.long(beside="test_where_a_magnet_lets_go_it_states_so_and_the_drives_stop")
+def test_nose_first_from_a_turned_joint_a_circle_ends_at_the_joint_limit() -> None:
+    """Put on looking up, it turns on the spot to the start, and its joint is turned already."""
+    ridden = Ridden(find("climber"), "open_circle")
+    assert "nose first" in ridden.held["joint limit"]
+    assert ridden.figures["max_joint_deg"] < STOP_DEG
+    assert ridden.figures["closure_m"] > 0.5

@@ -15,13 +15,19 @@ STUDIES: Final = (
     Study(
         "curvature",
         "A circle by the wheels' speeds: how far it is from closing, over the tank's radius",
-        f"{PAPER}, 4, case 2, Fig. 4, 8",
+        f"{PAPER}, 4, Fig. 4",
         f"{HERE}.curvature:curvature",
+    ),
+    Study(
+        "chassis_speeds",
+        "The chassis's speed and turn rate held, open loop: four maneuvers; circles over the tank's radius",
+        f"{PAPER}, cases 1 and 2, Fig. 7, 8",
+        f"{HERE}.chassis_speeds:chassis_speeds",
     ),
     Study(
         "equal_speeds",
         "Equal speeds do not keep it straight: ratio 20, and the laboratory's tank",
-        f"{PAPER}, 4, 5, cases 1 and 3",
+        f"{PAPER}, 4, Fig. 6",
         f"{HERE}.equal_speeds:equal_speeds",
     ),
     Study(

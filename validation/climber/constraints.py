@@ -2,7 +2,8 @@
 
 It shares no line with the plant: chassis twist, joint's rate, caster's swivel and spin follow from nine
 linear equations, the velocity of the material at each of three contacts; where a wheel touches is searched
-for at each instant. On cylinders.
+for at each instant. On cylinders. Given are both wheels' spins, or, as in the cases of the source, the speed
+ahead and the turn rate of the chassis, of which spins follow.
 """
 
 import math
@@ -61,7 +62,10 @@ def touch(middle: Vector, axle: Vector, crown: float, wheel: float, tank: float)
 
 @dataclass
 class Robot:
-    """Pose of the robot: middle, its three directions as rows (ahead, left, up), joint, swivel."""
+    """Pose of the robot: middle, the chassis's directions as rows (ahead, left, up), joint, swivel.
+
+    The joint is in the left wheel's chain, or with `joint_side` = -1 in the right one's.
+    """
 
     p: Mapping[str, float]
     middle: Vector
@@ -103,11 +107,12 @@ class Robot:
         return put(x)
 
     @classmethod
-    def behind_left(cls, p: Mapping[str, float], read: Mapping[str, float]) -> "Robot":
-        """Put it where its left wheel's contact and its angles say that it is; the other wheels follow."""
+    def placed(cls, p: Mapping[str, float], read: Mapping[str, float]) -> "Robot":
+        """Put it where the contact of the chassis's wheel and the angles place it; other wheels follow."""
+        side, to_left = ("right", 1.0) if p["joint_side"] > 0.0 else ("left", -1.0)
         turn, tube, psi, pitch = (
-            read["arc_left"] / p["tank_radius"],
-            *(read[each] for each in ("tube_left", "psi_left", "pitch")),
+            read[f"arc_{side}"] / p["tank_radius"],
+            *(read[each] for each in (f"tube_{side}", f"psi_{side}", "pitch")),
         )
         normal = np.array([math.cos(turn), math.sin(turn), 0.0])
         around, along = np.array([-normal[1], normal[0], 0.0]), np.array([0.0, 0.0, 1.0])
@@ -115,17 +120,24 @@ class Robot:
         way = math.sin(psi) * around - math.cos(psi) * along
         axle = math.cos(tube) * left - math.sin(tube) * normal
         spoke = math.cos(tube) * normal + math.sin(tube) * left
-        middle = (p["tank_radius"] + p["crown_radius"]) * normal + read["height_left"] * along
+        middle = (p["tank_radius"] + p["crown_radius"]) * normal + read[f"height_{side}"] * along
         middle = middle + (p["wheel_radius"] - p["crown_radius"]) * spoke
         ahead = math.cos(pitch) * way + math.sin(pitch) * np.cross(way, axle)
         frame = np.array([ahead, axle, np.cross(ahead, axle)])
-        return cls(p, middle - p["half_track"] * axle, frame, read["joint"], read["swivel"])
+        return cls(p, middle + to_left * p["half_track"] * axle, frame, read["joint"], read["swivel"])
+
+    @property
+    def joints(self) -> tuple[float, float]:
+        """How far the left and the right wheel's half turn with each rad of the joint."""
+        return (-1.0, 0.0) if self.p["joint_side"] > 0.0 else (0.0, 1.0)
 
     def touches(self) -> tuple[Touch, Touch, Touch]:
         """Return where left wheel, right wheel and caster are nearest to the cylinder."""
         p = self.p
         ahead, left, up = self.frame
-        right_axle = math.cos(self.joint) * left + math.sin(self.joint) * up
+        left_axle, right_axle = (
+            math.cos(part * self.joint) * left + math.sin(part * self.joint) * up for part in self.joints
+        )
         axle = math.cos(self.swivel) * left - math.sin(self.swivel) * ahead
         way = math.cos(self.swivel) * ahead + math.sin(self.swivel) * left
         behind = p["caster_distance"] * ahead + p["caster_offset"] * way
@@ -133,42 +145,54 @@ class Robot:
         wheel = p["crown_radius"], p["wheel_radius"], p["tank_radius"]
         small = p["caster_crown"], p["caster_radius"], p["tank_radius"]
         return (
-            touch(self.middle + p["half_track"] * left, left, *wheel),
+            touch(self.middle + p["half_track"] * left_axle, left_axle, *wheel),
             touch(self.middle - p["half_track"] * right_axle, right_axle, *wheel),
             touch(caster, axle, *small),
         )
 
     def rates(self, left_spin: float, right_spin: float) -> Vector:
         """Return the velocity of the middle, the angular velocity, the rates of joint, swivel, caster."""
-        return np.asarray(np.linalg.solve(*self._equations(left_spin, right_spin)))
+        matrix = self._contacts()
+        given = matrix[:, 9:] @ np.array([left_spin, right_spin])
+        return np.asarray(np.linalg.solve(matrix[:, :9], -given))
+
+    def held(self, speed: float, turn: float) -> Vector:
+        """Return the same and both spins for a speed ahead and a turn rate of the chassis, about its up."""
+        ahead, _, up = self.frame
+        inputs = np.zeros((2, 11))
+        inputs[0, :3], inputs[1, 3:6] = ahead, up
+        matrix = np.vstack([self._contacts(), inputs])
+        return np.asarray(np.linalg.solve(matrix, np.array([0.0] * 9 + [speed, turn])))
+
+    def spins(self, speed: float, turn: float) -> tuple[float, float]:
+        """Return the spins of the left and the right wheel for a motion of the chassis, rad/s."""
+        left, right = self.held(speed, turn)[9:]
+        return float(left), float(right)
 
     def forces(self, weight: Vector, place: Vector, joint: float) -> Vector:
         """Return the forces on left wheel, right wheel and caster, as rows, by virtual work.
 
         `weight` is a force at `place`, ahead, left and up of the middle; `joint` a torque on the right half.
         """
-        matrix, _ = self._equations(0.0, 0.0)
+        matrix = self._contacts()[:, :9]
         loads = np.concatenate([weight, np.cross(place @ self.frame, weight), [joint, 0.0, 0.0]])
         return np.asarray(np.linalg.solve(matrix.T, -loads)).reshape(3, 3)
 
-    def _equations(self, left_spin: float, right_spin: float) -> tuple[Vector, Vector]:
-        left, right, caster = self.touches()
+    def _contacts(self) -> Vector:
+        """Return the velocities of the material at the contacts, for each of eleven unknowns."""
+        touches = self.touches()
         ahead, _, up = self.frame
         pivot = self.middle - self.p["caster_distance"] * ahead
-        matrix, given = np.zeros((9, 9)), np.zeros(9)
-        for row, each in enumerate((left, right, caster)):
+        matrix = np.zeros((9, 11))
+        for row, (each, part) in enumerate(zip(touches, (*self.joints, 0.0), strict=True)):
             place = slice(3 * row, 3 * row + 3)
             matrix[place, :3] = np.eye(3)
             x, y, z = each.point - self.middle
             matrix[place, 3:6] = [[0, z, -y], [-z, 0, x], [y, -x, 0]]
-            spun = np.cross(each.axle, each.point - each.middle)
-            if each is caster:
-                matrix[place, 7] = np.cross(up, each.point - pivot)
-                matrix[place, 8] = spun
-            else:
-                given[place] = -(left_spin if each is left else right_spin) * spun
-        matrix[3:6, 6] = np.cross(ahead, right.point - self.middle)
-        return matrix, given
+            matrix[place, 6] = part * np.cross(ahead, each.point - self.middle)
+            matrix[place, (9, 10, 8)[row]] = np.cross(each.axle, each.point - each.middle)
+        matrix[6:9, 7] = np.cross(up, touches[2].point - pivot)
+        return matrix
 
     def _as_vector(self) -> Vector:
         return np.concatenate([self.middle, self.frame.ravel(), [self.joint, self.swivel]])
@@ -178,10 +202,18 @@ class Robot:
 
     def driven(self, left: Speed, right: Speed, seconds: float, step: float) -> list["Robot"]:
         """Return it at every step of a run at these wheel speeds in rad/s, by Runge's and Kutta's method."""
+        return self._carried(lambda t, robot: robot.rates(left(t), right(t)), seconds, step)
 
+    def steered(self, speed: float, turn: float, seconds: float, step: float) -> list["Robot"]:
+        """Return it at every step of a run at which the chassis has this speed ahead and this turn rate."""
+        return self._carried(lambda _, robot: robot.held(speed, turn), seconds, step)
+
+    def _carried(
+        self, rates_at: Callable[[float, "Robot"], Vector], seconds: float, step: float
+    ) -> list["Robot"]:
         def slope(t: float, at: Vector) -> Vector:
             robot = self._of(at)
-            rates = robot.rates(left(t), right(t))
+            rates = rates_at(t, robot)
             turned = np.cross(rates[3:6], robot.frame).ravel()
             return np.concatenate([rates[:3], turned, rates[6:8]])
 

@@ -23,7 +23,7 @@ DRIFT: Final = 0.01
 LEAST_M: Final = 2e-8
 ANGLE_DEG: Final = 0.001
 SLANT: Final = math.pi / 4.0
-HEADINGS: Final = {"up": UP, "at 45°": SLANT, "round": 0.0}
+HEADINGS: Final = {"up": UP, "at 45°": SLANT, "at 135°": 3.0 * SLANT, "round": 0.0}
 TANKS: Final = {"tank of the laboratory, ratio 7.5": "lab", "ratio 20": "ratio_20"}
 JOINT_STOP_DEG: Final = 25.0
 

@@ -239,8 +239,8 @@ def climber(robot: Robot[ClimberGeometry]) -> str:
             "Of the center of gravity only the height is given."
         ),
         (
-            f"Joint: path followers reverse at {joint.turns_round_deg:g}°, speed is reduced from "
-            f"{joint.slow_deg:g}° and 0 at {joint.bound_deg:g}°."
+            f"Joint: it turns the {joint.side} half. Path followers reverse at {joint.turns_round_deg:g}°, "
+            f"speed is reduced from {joint.slow_deg:g}° and 0 at {joint.bound_deg:g}°."
         ),
         f"{_axes(robot)} Purple: sensors, their places are schematic.",
         _sensors(robot),

@@ -9,6 +9,7 @@ from firmware_bridge.robot_type import RobotType
 from firmware_bridge.robots.climber.geometry import ClimberGeometry
 from firmware_bridge.robots.climber.kinematics import CLIMBER
 from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
+from firmware_bridge.robots.climber.open_loop import OPEN_LOOP, OpenLoopFollower
 from firmware_bridge.robots.climber.path_follower import ClimberPathFollower
 from firmware_bridge.robots.climber.paths import PATHS
 from firmware_bridge.robots.climber.rules import INTERLOCKS, LIMITS
@@ -31,7 +32,10 @@ ROBOT_TYPE: Final[RobotType[ClimberGeometry, ClimberMotion, ClimberState]] = Rob
     reach=CLIMBER.reach,
     station=STATION,
     unrolled=lambda robot: partial(unrolled, robot.geometry),
-    path_followers={name: partial(ClimberPathFollower, name=name) for name in PATHS},
+    path_followers={
+        **{name: partial(ClimberPathFollower, name=name) for name in PATHS},
+        **{name: partial(OpenLoopFollower, name=name) for name in OPEN_LOOP},
+    },
 )
 
 

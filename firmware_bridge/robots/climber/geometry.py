@@ -5,7 +5,7 @@ the arc round it, to the right of a robot that looks up, and the height along it
 """
 
 import math
-from typing import Annotated, Final, Self
+from typing import Annotated, Final, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -56,6 +56,8 @@ class Start(Table):
 class Joint(Table):
     """The joint between both halves, and how its angle is measured; angles either way from flat."""
 
+    side: Literal["left", "right"] = "left"
+    """The half that it moves, in [C] the left one; axle and caster of the other are fixed in the chassis."""
     sensor: str
     """The name of the sensor that measures it, in rad."""
     rest: Finite
@@ -69,6 +71,11 @@ class Joint(Table):
     """There it does not drive that way any more."""
     sensor_bound_deg: Positive
     """An angle beyond it, which is beyond the stops, is a sensor whose wire is off."""
+
+    @property
+    def place(self) -> float:
+        """The same as the plant has it: 1 left, -1 right."""
+        return 1.0 if self.side == "left" else -1.0
 
     @model_validator(mode="after")
     def _in_this_order(self) -> Self:

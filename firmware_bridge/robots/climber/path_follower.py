@@ -15,15 +15,16 @@ the other way that decays. No one steers a robot whose wheels are coupled, and i
 """
 
 import math
-from typing import Final
+from collections.abc import Callable, Mapping
+from typing import ClassVar, Final
 
 from firmware_bridge.differential.kinematics import ramp_of
 from firmware_bridge.motion.captured import Source
 from firmware_bridge.motion.pose import Pose
 from firmware_bridge.robot import Robot
-from firmware_bridge.robots.climber.geometry import ClimberGeometry
+from firmware_bridge.robots.climber.geometry import ClimberGeometry, Paths
 from firmware_bridge.robots.climber.motion import ClimberMotion, ClimberState
-from firmware_bridge.robots.climber.paths import PATHS, PathLeg
+from firmware_bridge.robots.climber.paths import PATHS, Path, PathLeg
 from firmware_bridge.robots.climber.surface import placed
 from firmware_bridge.safety.snapshot import Snapshot
 from firmware_bridge.units import Nanoseconds, to_seconds
@@ -45,12 +46,15 @@ TURN_SHARE: Final = 0.5
 class ClimberPathFollower:
     """A `firmware_bridge.robot_type.PathFollower` along one path."""
 
+    paths: ClassVar[Mapping[str, Callable[[Paths], Path]]] = PATHS
+    """By the names that it may be made for."""
+
     def __init__(self, robot: Robot[ClimberGeometry], name: str) -> None:
         geometry = robot.geometry
         self._geometry: Final = geometry
         self._control: Final = geometry.control
         self._limits: Final = geometry.limits
-        self._legs: Final = PATHS[name](geometry.paths)
+        self._legs: Final = self.paths[name](geometry.paths)
         self._axes: Final = tuple(axis.name for axis in robot.axes)
         self._ramp: Final = ramp_of(robot)
         self._commanded = 0.0, 0.0
