@@ -99,6 +99,7 @@ def drive(order: RunOrder, progress: Progress) -> Summary:
         trace_sha256=rig.world.trace_sha256,
         links_sha256=rig.world.links_sha256,
         guard_refusals=rig.guard.refused,
+        cycle=order.robot.cycle,
         lines=tuple(_carried(rig, order, link, line) for link, line in rig.lines.items()),
     )
     axes = electric(order.robot)

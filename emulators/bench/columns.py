@@ -70,6 +70,9 @@ class Panel:
 POSE: Final = ("x_m", "y_m", "heading_rad")
 ODOMETRY: Final = ("odometry_x_m", "odometry_y_m", "odometry_heading_rad")
 
+SIDEWAYS: Final = "speed_left_mps"
+"""The column of the speed to the left, of a robot that moves across its own x, too."""
+
 PLANAR: Final = (
     Column("x_m", "reference point, in the frame in which the run began", "m", plant="x"),
     Column("y_m", "left", "m", plant="y"),

@@ -39,7 +39,7 @@ def numbers(summary: Summary, remarks: Mapping[str, str]) -> Iterator[tuple[str,
         "largest acceleration",
         f"{summary.max_acceleration_mps2:.3f}",
         "m/s²",
-        "; ".join(filter(None, ("forward, over 50 ms", remarks.get("max_acceleration_mps2")))),
+        "; ".join(filter(None, (summary.acceleration_is, remarks.get("max_acceleration_mps2")))),
     )
     yield "largest motor current", f"{summary.max_current_a:.2f}", "A", ""
     yield "path length", f"{summary.path_length_m:.3f}", "m", ""

@@ -4,20 +4,21 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from emulators.bench.columns import ODOMETRY, POSE, SAMPLE_EVERY, Floats, Samples, current
+from emulators.bench.columns import ODOMETRY, POSE, SAMPLE_EVERY, SIDEWAYS, Floats, Samples, current
 from emulators.bench.path_error import PathError
 from emulators.bench.records import FaultRecord, InterlockEvent
 from firmware_bridge import renamed
 from firmware_bridge.units import MILLISECOND, Nanoseconds, to_seconds
 
+_Number = TypeVar("_Number", np.float64, np.complex128)
 NO_PATH: Final = PathError()
 NO_FIGURES: Final[Mapping[str, Callable[[Samples], float | None]]] = MappingProxyType({})
-ACCELERATION_WINDOW: Final[Nanoseconds] = 50 * MILLISECOND
-"""Acceleration is averaged over one cycle of the set-points: a motor's ripple does not move the platform."""
+USUAL_CYCLE: Final[Nanoseconds] = 50 * MILLISECOND
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +58,8 @@ class RunFigures:
     links_sha256: dict[str, str]
     guard_refusals: int = 0
     lines: tuple[LineRun, ...] = ()
+    cycle: Nanoseconds = USUAL_CYCLE
+    """Of the set-points."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,8 +96,9 @@ class Summary:
     wall_s: float
     realtime_factor: float
     max_speed_mps: float
+    """Forward; of a robot that moves sideways, too, in whichever direction."""
     max_acceleration_mps2: float
-    """Largest change of the forward speed over 50 ms, emergency stops included."""
+    """Largest change of the same over a cycle of the set-points, emergency stops included."""
     max_lateral_acceleration_mps2: float
     """Largest speed times yaw rate."""
     path_length_m: float
@@ -124,6 +128,8 @@ class Summary:
     faults: tuple[Faulted, ...] = ()
     lines: tuple[LineRun, ...] = ()
     """The serial lines between bridge and drives; none where the bridge is on the CAN bus itself."""
+    acceleration_is: str = "forward, over 50 ms"
+    """Direction and time over which the acceleration is the mean."""
     figures: dict[str, float | None] = field(default_factory=dict)
     """The robot's own numbers; in the file each is a key like the others."""
 
@@ -151,6 +157,8 @@ def summarize(
 ) -> Summary:
     """Turn a run's rows into its numbers; a run without rows has not moved."""
     speed = samples.column("speed_mps")
+    velocity = over_floor(samples) if samples.has(SIDEWAYS) else speed
+    direction = "in all directions" if samples.has(SIDEWAYS) else "forward"
     lateral = speed * samples.column("yaw_rate_rad_s")
     steps = np.hypot(np.diff(samples.column("x_m")), np.diff(samples.column("y_m")))
     errors = odometry_errors(samples)
@@ -164,8 +172,8 @@ def summarize(
         simulated_s=simulated_s,
         wall_s=round(run.wall_s, 3),
         realtime_factor=round(simulated_s / run.wall_s, 2) if run.wall_s > 0.0 else 0.0,
-        max_speed_mps=_largest(speed),
-        max_acceleration_mps2=_largest(mean_acceleration(speed)),
+        max_speed_mps=_largest(velocity),
+        max_acceleration_mps2=_largest(mean_acceleration(velocity, run.cycle)),
         max_lateral_acceleration_mps2=_largest(lateral),
         path_length_m=float(steps.sum()),
         odometry_error_m=float(errors[-1]) if errors.size else 0.0,
@@ -185,6 +193,7 @@ def summarize(
         interlock_events=tuple(map(entry_of, holds)),
         faults=tuple(Faulted(fault.kind, fault.title, fault.nodes, *_span(fault)) for fault in faults),
         lines=run.lines,
+        acceleration_is=f"{direction}, over {averaged_over(run.cycle) // MILLISECOND} ms",
         figures={name: figure(samples) for name, figure in figures.items()},
     )
 
@@ -194,10 +203,27 @@ def entry_of(hold: InterlockEvent) -> InterlockEntry:
     return InterlockEntry(hold.name, hold.reason, *_span(hold), hold.remedy)
 
 
-def mean_acceleration(speed_mps: Floats) -> Floats:
-    """Return the forward acceleration in m/s2, averaged over each window of 50 ms of rows 10 ms apart."""
-    window = ACCELERATION_WINDOW // SAMPLE_EVERY
-    return (speed_mps[window:] - speed_mps[:-window]) / to_seconds(ACCELERATION_WINDOW)
+def over_floor(samples: Samples) -> NDArray[np.complex128]:
+    """Return the velocity in m/s in the frame in which the run began, as complex numbers."""
+    own = samples.column("speed_mps") + 1j * samples.column(SIDEWAYS)
+    velocity: NDArray[np.complex128] = own * np.exp(1j * samples.column(POSE[2]))
+    return velocity
+
+
+def mean_acceleration(velocity: NDArray[_Number], cycle: Nanoseconds = USUAL_CYCLE) -> NDArray[_Number]:
+    """Return the acceleration in m/s2, averaged over each window of one cycle of rows 10 ms apart."""
+    window = averaged_over(cycle)
+    rows = window // SAMPLE_EVERY
+    change: NDArray[_Number] = (velocity[rows:] - velocity[:-rows]) / to_seconds(window)
+    return change
+
+
+def averaged_over(cycle: Nanoseconds) -> Nanoseconds:
+    """Return the time over which acceleration is averaged: a cycle of the set-points, in whole rows.
+
+    At least 50 ms: a motor's ripple does not move the platform.
+    """
+    return max(cycle // SAMPLE_EVERY * SAMPLE_EVERY, USUAL_CYCLE)
 
 
 def odometry_errors(samples: Samples) -> Floats:
@@ -235,7 +261,7 @@ def _span(record: InterlockEvent | FaultRecord) -> tuple[float, float | None]:
     return to_seconds(record.began), None if record.ended is None else to_seconds(record.ended)
 
 
-def _largest(values: Floats) -> float:
+def _largest(values: NDArray[Any]) -> float:
     return float(np.abs(values).max()) if values.size else 0.0
 
 

@@ -21,6 +21,25 @@ class UnknownAge(StrEnum):
     """It moves nothing; so it is where only signed commands are accepted."""
 
 
+class TelemetryProfile(StrEnum):
+    """Periods of the robot's telemetry."""
+
+    USUAL = "usual"
+    """Each message as often as a ground station needs it."""
+    THESIS = "thesis"
+    """Each field of the packet of A. P. Das, PhD thesis, IIT Delhi, 2018, Fig. 4.3, at its 20 Hz."""
+
+
+class Telemetry(Table):
+    """The telemetry to ground stations: how often each message is sent without a request."""
+
+    profile: Annotated[TelemetryProfile, Field(strict=False)] = TelemetryProfile.USUAL
+    """`thesis`: pose, the robot's own values, axis speeds, motor currents and battery, all at 20 Hz.
+
+    On a link too narrow for that, by `bandwidth_bit_s`, its slower periods count.
+    """
+
+
 class OperatorLink(Table):
     """The operator's link: its timeout, the age limit of commands, the identity on MAVLink."""
 
@@ -40,6 +59,7 @@ class OperatorLink(Table):
 
     Telemetry takes at most half of it.
     """
+    telemetry: Telemetry = Telemetry()
     system_id: Annotated[int, Field(ge=1, le=255)]
     component_id: Annotated[int, Field(ge=1, le=255)]
 

@@ -1,10 +1,12 @@
 """Period of each message: one row for each message, for a network and for a narrow link."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Final
 
 from firmware_bridge.robot import AnyRobot
+from firmware_bridge.robot.operator_link import TelemetryProfile
 from firmware_bridge.teleop.mavlink import Message, dialect
 from firmware_bridge.teleop.station import AnyStation, AnyValue
 from firmware_bridge.teleop.telemetry import (
@@ -36,6 +38,8 @@ _OVERHEAD: Final = 12
 _ARRAY_HEADER: Final = 20
 _BITS_A_BYTE: Final = 10
 """Line bits for one byte on a serial line: a radio's bandwidth is given as the line's rate."""
+PACKET: Final[Nanoseconds] = SECOND // 20
+"""Period of the packets of A. P. Das, PhD thesis, IIT Delhi, 2018, 4.1."""
 _SHARE: Final = 0.5
 """Of the bandwidth, for telemetry: half of it is left to commands, answers, lists and the other direction."""
 
@@ -54,6 +58,8 @@ class Stream:
     """Its period where the link is narrow."""
     watched: Callable[[TelemetryContext], object] | None = None
     """The value whose change makes it due at once."""
+    packet: bool = False
+    """True for a field of the packet that the profile `thesis` sends whole."""
 
 
 class Telemetry:
@@ -99,6 +105,7 @@ def _stream(
     size: int | None = None,
     times: int = 1,
     watched: Callable[[TelemetryContext], object] | None = None,
+    packet: bool = False,
 ) -> Stream:
     """Return a row: its period on a narrow link is five times as long, but not above a second for that.
 
@@ -107,7 +114,9 @@ def _stream(
     """
     each = _OVERHEAD + (dialect.mavlink_map[number].unpacker.size if size is None else size)
     usual = max(period, min(5 * period, SECOND))
-    return Stream(number, period, encode, title, times * each, usual if slow is None else slow, watched)
+    return Stream(
+        number, period, encode, title, times * each, usual if slow is None else slow, watched, packet
+    )
 
 
 def streams_of(robot: AnyRobot, station: AnyStation) -> tuple[Stream, ...]:
@@ -116,7 +125,7 @@ def streams_of(robot: AnyRobot, station: AnyStation) -> tuple[Stream, ...]:
     On a link too narrow for all of it, by the robot file, the rows' slow periods count; on one too narrow for
     those, too, all but the heartbeat wait so much longer that it fits.
     """
-    rows = _rows(robot, station)
+    rows = list(map(PROFILES[robot.operator.telemetry.profile], _rows(robot, station)))
     bandwidth = robot.operator.bandwidth_bit_s
     # Ten bits a byte: start bit, eight data bits, stop bit.
     if bandwidth is None or load(rows) <= (room := bandwidth / _BITS_A_BYTE * _SHARE):
@@ -128,9 +137,25 @@ def streams_of(robot: AnyRobot, station: AnyStation) -> tuple[Stream, ...]:
     return _ordered([slow[0], *stretched])
 
 
+def _as_packet(row: Stream) -> Stream:
+    """Return the row at the packet's rate, if it has a field of the packet."""
+    return replace(row, period=min(row.period, PACKET)) if row.packet else row
+
+
+PROFILES: Final[Mapping[TelemetryProfile, Callable[[Stream], Stream]]] = MappingProxyType(
+    {TelemetryProfile.USUAL: lambda row: row, TelemetryProfile.THESIS: _as_packet}
+)
+"""What each profile makes of a row."""
+
+
 def load(rows: Iterable[Stream]) -> float:
     """Return the bytes a second that these rows put on the link."""
     return sum(row.size * SECOND / row.period for row in rows if row.period < NEVER)
+
+
+def narrowest(bytes_s: float) -> float:
+    """Return the bandwidth, bit/s, from which on a link is wide enough for so many bytes of telemetry."""
+    return bytes_s / _SHARE * _BITS_A_BYTE
 
 
 def _ordered(rows: list[Stream]) -> tuple[Stream, ...]:
@@ -148,6 +173,7 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
             odometry,
             "pose, speed and yaw rate",
             slow=SECOND // 2,
+            packet=True,
         ),
         _stream(dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, SECOND // 20, position, "X, Y"),
         _stream(dialect.MAVLINK_MSG_ID_ATTITUDE, SECOND // 20, attitude, "heading"),
@@ -161,6 +187,7 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
             speeds,
             "wheels: units a second",
             size=_ARRAY_HEADER + 4 * axes,
+            packet=True,
         ),
         _stream(
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT,
@@ -168,6 +195,7 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
             currents,
             "I1, I2, ...: A, all axes",
             times=axes,
+            packet=True,
         ),
         _stream(
             dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT,
@@ -192,7 +220,13 @@ def _rows(robot: AnyRobot, station: AnyStation) -> list[Stream]:
             "in the air while armed, as an armed rover of PX4 reports",
             watched=lambda context: context.snapshot.facts.armed,
         ),
-        _stream(dialect.MAVLINK_MSG_ID_BATTERY_STATUS, 2 * SECOND, battery, "voltage, sum of the currents"),
+        _stream(
+            dialect.MAVLINK_MSG_ID_BATTERY_STATUS,
+            2 * SECOND,
+            battery,
+            "voltage, sum of the currents",
+            packet=True,
+        ),
         _stream(dialect.MAVLINK_MSG_ID_VFR_HUD, SECOND, hud, "speed, heading in degrees"),
         _stream(
             dialect.MAVLINK_MSG_ID_GLOBAL_POSITION_INT,
@@ -237,4 +271,4 @@ def _stream_of(value: AnyValue) -> Stream:
         return () if number is None else (named(context.boot_ms, value.name, number),)
 
     title = f"{value.name}: {value.title}"
-    return _stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, value.period, encode, title)
+    return _stream(dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT, value.period, encode, title, packet=True)

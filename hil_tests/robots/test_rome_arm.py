@@ -230,7 +230,8 @@ def test_by_stick_the_base_drives_and_the_tool_goes_up_and_down_alone() -> None:
         Stick(forward=0.5, left=-0.5, turn=1.0, up=0.25), RomeArmMotion(), ROBOT
     )
     limits, tool = ROBOT.geometry.base.limits, ROBOT.geometry.arm.limits
-    assert command.base.twist == (0.5 * limits.speed_mps, -0.5 * limits.speed_mps, limits.turn_rate_rad_s)
+    full = 0.98 * limits.speed_mps
+    assert command.base.twist == (0.5 * full, -0.5 * full, limits.turn_rate_rad_s)
     assert command.arm.twist == (0.0, 0.0, 0.25 * tool.speed_mps, 0.0, 0.0, 0.0)
     requested = ROBOT_TYPE.station.target(Velocity(0.1, 0.2, 0.3), command, ROBOT)
     assert isinstance(requested, RomeArmMotion)

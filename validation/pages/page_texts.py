@@ -113,6 +113,13 @@ is the rate of the link, ten bits a byte. Telemetry takes at most half of it: {f
 {slow:.0f} B/s at 57,600; on narrower links all but the heartbeat has a longer period. Each station may
 request its own intervals (SET_MESSAGE_INTERVAL), a station without control none shorter than these. Arming,
 landed state and mode are reported at once when they change."""
+PROFILE_TEXT: Final = """`profile = "thesis"` under `[operator.telemetry]` in the robot file sends each
+field of the packet of RARS's thesis (A. P. Das, 2018, Fig. 4.3) at its 20 Hz, without a request: pose, the
+robot's own values, axis speeds, motor currents, battery. `rars+thesis` is RARS with it: at most {whole:.0f}
+B/s to each station, in place of {usual:.0f} B/s. Below {least:.0f} bit/s by `bandwidth_bit_s` the slower
+periods count. A station may request the same of any robot: `firmware-bridge pilot --telemetry cycle`. The
+station's own packet (Fig. 4.2) is one MANUAL_CONTROL every 50 ms: velocity, steer angle, the platform's z
+as a rate, detector and headlamp as buttons."""
 LACKING_TEXT: Final = "Not supported, and refused at once by the protocol's own answer: {names}."
 STOP_TEXT: Final = """* **QGroundControl** takes the robot for a generic rover. It shows modes by name and
   arms; it cannot set modes of a generic autopilot. While the robot is armed its action *Emergency stop* is on

@@ -5,13 +5,14 @@ from typing import Final, TypeAlias
 
 from firmware_bridge.robot import AnyRobot
 from firmware_bridge.robot_type import AnyRobotType
+from firmware_bridge.robot_types import find, robot_type_of
 from firmware_bridge.teleop.commands import ROWS as COMMANDS
 from firmware_bridge.teleop.lacking import LACKING
 from firmware_bridge.teleop.manual_control import AXES
 from firmware_bridge.teleop.mavlink import dialect
 from firmware_bridge.teleop.modes import ROWS as MODES
 from firmware_bridge.teleop.station import USUAL_CHANNELS, AnyStation, Stick, StickAxis
-from firmware_bridge.teleop.streams import load, streams_of
+from firmware_bridge.teleop.streams import load, narrowest, streams_of
 from firmware_bridge.units import Nanoseconds, to_seconds
 from validation.pages.safety import shipped
 
@@ -105,6 +106,14 @@ def commands() -> Iterator[Cells]:
 def lacking() -> str:
     """Return the messages of protocols that there are not."""
     return ", ".join(dialect.mavlink_map[number].msgname for number in LACKING)
+
+
+def profile_loads() -> dict[str, float]:
+    """Return the bytes a second of RARS at most, usual and whole, and the least bit rate for the whole."""
+    usual, whole = (
+        load(streams_of(robot, robot_type_of(robot).station)) for robot in map(find, ("rars", "rars+thesis"))
+    )
+    return {"usual": usual, "whole": whole, "least": narrowest(whole)}
 
 
 def _of_whom(*, anyone: bool) -> str:

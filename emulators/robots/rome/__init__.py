@@ -12,7 +12,7 @@ from typing import Annotated, Final, Literal, TypeAlias
 import numpy as np
 
 from emulators.bench.bench_setup import BenchSetup, Channel, StickAxes, TwistAxes
-from emulators.bench.columns import PLANAR, Column, Curve, Panel
+from emulators.bench.columns import PLANAR, SIDEWAYS, Column, Curve, Panel
 from emulators.bench.path_error import OFFSET
 from emulators.bench.path_error import Path as FollowedPath
 from emulators.bench.step import Finite, Holds, Positive, Presses, Slope, Step
@@ -25,6 +25,8 @@ from firmware_bridge.units import to_seconds
 
 Rome: TypeAlias = Robot[RomeGeometry]
 Seen: TypeAlias = Snapshot[RomeMotion, RomeState]
+FULL_STICK: Final = 0.98
+"""Share of the speed limit that a set-point has at full stick."""
 BUTTONS: Final = {"emergency_stop": 4}
 
 
@@ -43,10 +45,11 @@ class RomeStep(Step):
 
 def _stick(values: Mapping[str, float], robot: Rome) -> StickAxes:
     limits = robot.geometry.limits
+    full = FULL_STICK * limits.speed_mps
     # MAVLink's y is to the right and its r clockwise; both are the other way here.
     return StickAxes(
-        x=values["speed"] / limits.speed_mps,
-        y=-values["left"] / limits.speed_mps,
+        x=values["speed"] / full,
+        y=-values["left"] / full,
         r=-values["turn"] / limits.turn_rate_rad_s,
     )
 
@@ -93,7 +96,7 @@ def _remarks(robot: Rome) -> Mapping[str, str]:
     limits = robot.geometry.limits
     return {
         "max_speed_mps": f"limit {limits.speed_mps:g}",
-        "max_acceleration_mps2": f"limit {limits.acceleration_mps2:g}",
+        "max_acceleration_mps2": f"limit {limits.acceleration_mps2:g} of set-points",
     }
 
 
@@ -101,15 +104,15 @@ BENCH_SETUP: Final = BenchSetup(
     step=RomeStep,
     missions=Path(__file__).with_name("missions"),
     channels=(
-        Channel("speed", lambda robot: robot.geometry.limits.speed_mps, trembles_with="speed"),
-        Channel("left", lambda robot: robot.geometry.limits.speed_mps, trembles_with="left"),
+        Channel("speed", lambda robot: FULL_STICK * robot.geometry.limits.speed_mps, trembles_with="speed"),
+        Channel("left", lambda robot: FULL_STICK * robot.geometry.limits.speed_mps, trembles_with="left"),
         Channel("turn", lambda robot: robot.geometry.limits.turn_rate_rad_s, trembles_with="turn"),
     ),
     stick=_stick,
     twist=lambda values, _: TwistAxes(values["speed"], -values["left"], -values["turn"]),
     columns=(
         *PLANAR,
-        Column("speed_left_mps", "speed to the left", "m/s", plant="speed_sideways"),
+        Column(SIDEWAYS, "speed to the left", "m/s", plant="speed_sideways"),
         Column("demanded_speed_mps", "the bridge's set-point, ahead", "m/s", seen=_commanded_ahead),
         Column("demanded_left_mps", "the bridge's set-point, to the left", "m/s", seen=_commanded_left),
         Column(OFFSET, "a path follower's clock less the run's", "s", seen=_path_offset),

@@ -91,7 +91,7 @@ def _lost() -> Iterator[Case]:
 
 def _limited(robot: Robot[RomeGeometry], side: float) -> Iterator[Case]:
     limits, distance = robot.geometry.limits, robot.geometry.base.wheel_distance_m
-    speed, turn = limits.speed_mps, side * limits.turn_rate_rad_s
+    speed, turn = 0.98 * limits.speed_mps, side * limits.turn_rate_rad_s
     straight = RomeMotion(side * DIAGONAL * speed, DIAGONAL * speed)
     faster = RomeMotion(JUST * straight.ahead_mps, JUST * straight.left_mps)
     yield _beyond("speed limit", straight, faster, f"{JUST * speed:.2f} m/s", f"{speed:.2f} m/s")

@@ -104,7 +104,7 @@ def reach(robot: Robot[RomeGeometry]) -> Iterator[tuple[RomeMotion, RomeState]]:
     for place in range(DIRECTIONS):
         course = math.tau * place / DIRECTIONS
         for turn in (-limits.turn_rate_rad_s, 0.0, limits.turn_rate_rad_s):
-            for speed in (0.0, limits.speed_mps):
+            for speed in (0.0, limits.setpoint_mps):
                 wanted = BodyTwist(speed * math.cos(course), speed * math.sin(course), turn)
                 # Driving and turning share the rims' speed: both at full is beyond what the wheels can do.
                 reached = shortened(wanted, base.wheel_distance_m, limits.rim_mps)

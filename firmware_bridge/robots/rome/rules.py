@@ -87,7 +87,7 @@ INTERLOCKS: Final = (
 
 def slowed(view: View, share: float) -> tuple[RomeMotion, str | None]:
     """Clip the speed to a share of its top; to turn takes the base nowhere."""
-    motion, high = view.allowed, share * view.geometry.limits.speed_mps
+    motion, high = view.allowed, share * view.geometry.limits.setpoint_mps
     speed = math.hypot(motion.ahead_mps, motion.left_mps)
     allowed, reason = bounded(speed, high, "m/s")
     # Both components by one share, so that the direction stays.

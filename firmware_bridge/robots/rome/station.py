@@ -1,6 +1,7 @@
 """ROME's rows on MAVLink: three degrees of freedom by stick and by velocity, and its telemetry.
 
-Full stick is the speed limit in its direction, and the turn rate's. Button 2 is the emergency stop.
+Full stick is the highest speed of a set-point in its direction, and the turn rate's limit. Button 2 is the
+emergency stop.
 """
 
 import math
@@ -20,8 +21,8 @@ def of_stick(stick: Stick, command: RomeMotion, robot: Robot[RomeGeometry]) -> R
     limits = robot.geometry.limits
     return replace(
         command,
-        ahead_mps=(stick.forward or 0.0) * limits.speed_mps,
-        left_mps=(stick.left or 0.0) * limits.speed_mps,
+        ahead_mps=(stick.forward or 0.0) * limits.setpoint_mps,
+        left_mps=(stick.left or 0.0) * limits.setpoint_mps,
         turn_rad_s=(stick.turn or 0.0) * limits.turn_rate_rad_s,
     )
 
@@ -38,7 +39,7 @@ def of_target(velocity: Velocity, command: RomeMotion, _robot: Robot[RomeGeometr
 
 def _largest(robot: Robot[RomeGeometry]) -> Twist:
     limits = robot.geometry.limits
-    return Twist(limits.speed_mps, limits.speed_mps, limits.turn_rate_rad_s)
+    return Twist(limits.setpoint_mps, limits.setpoint_mps, limits.turn_rate_rad_s)
 
 
 def _turn_deg_s(seen: Snapshot[RomeMotion, RomeState]) -> float:

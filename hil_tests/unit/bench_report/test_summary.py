@@ -3,12 +3,14 @@
 import json
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from io import StringIO
 
 import pytest
 from rich.console import Console
 
-from emulators.bench.columns import PLANAR, SAMPLE_EVERY, Column, Samples, columns_of
+from emulators.bench.bench_setup import bench_setup_of
+from emulators.bench.columns import PLANAR, SAMPLE_EVERY, SIDEWAYS, Column, Samples, columns_of
 from emulators.bench.records import FaultRecord, InterlockEvent
 from emulators.bench.report import show
 from emulators.bench.summary import RunFigures, Summary, as_json
@@ -80,6 +82,31 @@ def test_braking_counts_as_acceleration_and_so_does_driving_backwards() -> None:
 def test_a_step_within_the_window_is_averaged_over_50_ms() -> None:
     summary = summarize(RUN, rows(101, lambda t: 0.1 if t > 0.5 else 0.0), [])
     assert summary.max_acceleration_mps2 == pytest.approx(0.1 / 0.050)
+
+
+def test_a_base_that_moves_to_the_side_is_measured_in_all_directions_over_its_own_cycle() -> None:
+    """0.3 m/s ahead and 0.4 m/s to the left are 0.5 m/s; that step, in a cycle of 100 ms, 5 m/s2."""
+    own = (*PLANAR, Column(SIDEWAYS, "to the left", "m/s", plant="speed_sideways"))
+    samples = Samples(columns_of(AXES, own))
+    for index in range(101):
+        row = {"speed_mps": 0.3, SIDEWAYS: 0.4} if index > 50 else {}
+        samples.add(index * SAMPLE_EVERY, tuple(row.get(column.name, 0.0) for column in samples.columns))
+    summary = summarize(replace(RUN, cycle=100 * MILLISECOND), samples, [])
+    assert summary.max_speed_mps == pytest.approx(0.5)
+    assert summary.max_acceleration_mps2 == pytest.approx(5.0)
+    console = Console(width=120, record=True, file=StringIO())
+    show(console, summary, bench_setup_of(find("rome")).remarks(find("rome")))
+    assert "in all directions, over 100 ms; limit 0.6 of set-points" in console.export_text()
+
+
+def test_a_body_that_turns_while_it_slides_straight_on_does_not_accelerate() -> None:
+    own = (*PLANAR, Column(SIDEWAYS, "to the left", "m/s", plant="speed_sideways"))
+    samples = Samples(columns_of(AXES, own))
+    for index in range(101):
+        turned = 0.02 * index
+        row = {"speed_mps": math.cos(turned), SIDEWAYS: -math.sin(turned), "heading_rad": turned}
+        samples.add(index * SAMPLE_EVERY, tuple(row.get(column.name, 0.0) for column in samples.columns))
+    assert summarize(RUN, samples, []).max_acceleration_mps2 == pytest.approx(0.0, abs=1e-9)
 
 
 def test_turning_gives_lateral_acceleration() -> None:

@@ -60,7 +60,7 @@ def test_a_function_is_a_path() -> None:
 @pytest.mark.parametrize(
     ("robot", "points", "message"),
     [
-        ("rome", ((0, 0, 0, 0), (1, 1, 0, 0)), "the path points needs 1 m/s, limits.speed_mps is 0.58"),
+        ("rome", ((0, 0, 0, 0), (1, 1, 0, 0)), "the path points needs 1 m/s, limits.speed_mps leaves 0.568"),
         ("rars", ((0, 0, 0, 0), (9, 1, 0, 0)), "rars has no path follower that takes a path by points"),
     ],
 )
