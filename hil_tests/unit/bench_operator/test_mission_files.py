@@ -25,9 +25,10 @@ def steps(mission: Mission) -> list[RarsStep]:
     return [step for step in mission.step if isinstance(step, RarsStep)]
 
 
-def test_seven_missions_are_shipped() -> None:
+def test_nine_missions_are_shipped() -> None:
     assert list(BENCH_SETUP.shipped()) == [
-        "circles", "faults", "interlocks", "left_failed", "line", "pursuit", "steering_failed"
+        "circles", "faults", "interlocks", "left_failed", "line", "pursuit", "steering_failed", "stuck",
+        "thesis",
     ]  # fmt: skip
 
 
