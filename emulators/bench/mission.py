@@ -119,6 +119,11 @@ class Mission(Table):
             raise ValueError(
                 f"step '{self.step[-1].title}' is not before the end, duration_s = {self.duration_s:g}"
             )
+        if self.pilot is not None and self.pilot.begins_s >= self.duration_s:
+            raise ValueError(
+                f"pilot.begins_s = {self.pilot.begins_s:g} is not before the end,"
+                f" duration_s = {self.duration_s:g}"
+            )
         for fault in self.fault:
             if fault.at_s >= self.duration_s:
                 raise ValueError(

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path as FilePath
 from typing import Annotated, Final, Self, TypeAlias
 
@@ -16,7 +17,7 @@ from firmware_bridge.packet import Packet, Reaction
 from firmware_bridge.pilot import path_file
 from firmware_bridge.pilot.follower import PathDriver
 from firmware_bridge.pilot.goals import Curvatures, path_to
-from firmware_bridge.pilot.paths import PATHS, Path, placed
+from firmware_bridge.pilot.paths import PATHS, Path, PathError, Point, placed
 from firmware_bridge.pilot.predictor import Predictor
 from firmware_bridge.pilot.station import PilotStation
 from firmware_bridge.robot import AnyRobot
@@ -78,16 +79,20 @@ class Pilot(Table):
         turned = math.radians(self.turned_deg)
         return placed(self.shape(), at, offset_m=self.offset_m, turned_rad=turned)
 
+    def _to_goal(self, goal: Point, reach: Reach, at: Pose) -> Path:
+        return placed(path_to(goal, reach(), loop=self.loop), at)
+
     def follower(self, robot: AnyRobot, reach: Reach) -> PathDriver:
         """Return the driver along it, no faster than the session's agreed delay lets the robot go.
 
         PathError where its file is none.
         """
-        place, goal = self.placed, self.goal_m
+        place: Callable[[Pose], Path] = self.placed
+        goal = self.goal_m
         if goal is None:
             self.shape()  # a missing or wrong path file is reported before anything moves
         else:
-            place = lambda at: placed(path_to(goal, reach(), loop=self.loop), at)  # noqa: E731 - one line
+            place = partial(self._to_goal, goal, reach)
         robot_type = robot_type_of(robot)
         made = robot_type.model
         model: MotionModel = Unicycle() if made is None else made(robot)
@@ -140,7 +145,11 @@ class PilotedMission:
         robot_type = robot_type_of(self._robot)
         of_mode = robot_type.modes[self._mode].curvatures if self._mode in robot_type.modes else None
         if of_mode is not None:
-            return Curvatures(*of_mode(self._robot, self.station.shown.values))
+            try:
+                return Curvatures(*of_mode(self._robot, self.station.shown.values))
+            except KeyError as missing:
+                # The next command tries again: the value comes within a second.
+                raise PathError(f"the robot has not reported {missing.args[0]} yet") from missing
         made = robot_type.model
         most = (Unicycle() if made is None else made(self._robot)).tightest_per_m
         return Curvatures(-most, most)

@@ -105,7 +105,7 @@ class PathDriver:
             except PathError as error:
                 self.refused = str(error)
                 return NEUTRAL
-            self._pursuit = Pursuit(path, self._look_ahead)
+            self._pursuit, self.refused = Pursuit(path, self._look_ahead), ""
         bend = self._pursuit.arc(seen.pose).curvature_per_m
         if self._pursuit.ended:
             return NEUTRAL

@@ -212,7 +212,8 @@ def _motion(axis: Axis) -> Iterator[tuple[Address, Values]]:
     top_rpm = highest_rpm(axis) if axis.command is CommandForm.POSITION else profile.max_velocity_rpm
     yield at.PROFILE_VELOCITY, _within(U32, 1, top_rpm)
     yield at.PROFILE_ACCELERATION, _within(U32, 1, profile.acceleration_rpm_s)
-    # Exactly, both: a weaker one would brake too late, a stronger one beyond the limit.
+    # Exactly: a weaker one would brake too late, a stronger one beyond the limit. The quick stop may be
+    # weaker where the robot file allows it, down to the inner wheel's in the tightest turn.
     yield at.PROFILE_DECELERATION, _exactly(U32, profile.deceleration_rpm_s)
     least = profile.quick_stop_least_rpm_s or profile.quick_stop_rpm_s
     yield at.QUICK_STOP_DECELERATION, _within(U32, least, profile.quick_stop_rpm_s)

@@ -13,6 +13,7 @@ from hil_tests.unit.bench_operator.joined import RARS, find, parse
 HEAD = 'title = "t"\nduration_s = 10.0\n'
 ARM = "arm = true"
 STEP = '[[step]]\nat_s = 1.0\ntitle = "s"\n'
+LATE_PILOT = '[pilot]\npath = "line"\nbegins_s = 10.0\n'
 
 
 def refusal(text: str) -> str:
@@ -102,6 +103,7 @@ def test_a_mission_is_a_few_lines() -> None:
         (HEAD + STEP + "arm = true\n[noise]\nloss = 1.1", "noise.loss: "),
         (HEAD + STEP.replace("1.0", "-1.0") + "arm = true", "step[0].at_s: "),
         (HEAD + STEP.replace("1.0", "10.0") + "arm = true", "step 's' is not before the end"),
+        (HEAD + LATE_PILOT + STEP + "arm = true", "pilot.begins_s = 10 is not before the end"),
         (
             HEAD + STEP + "arm = true\n" + STEP.replace("1.0", "0.9") + "arm = true",
             "step 's' at 0.9 s stands behind",

@@ -8,7 +8,7 @@ from firmware_bridge.motion.pose import Pose
 from firmware_bridge.pilot.driver import NEUTRAL, Sight
 from firmware_bridge.pilot.follower import NEUTRAL_FOR, PathDriver
 from firmware_bridge.pilot.link import PilotLink
-from firmware_bridge.pilot.paths import PATHS, placed
+from firmware_bridge.pilot.paths import PATHS, Path, PathError, placed
 from firmware_bridge.units import MILLISECOND, SECOND, Nanoseconds
 
 PERIOD: Final = 50 * MILLISECOND
@@ -52,3 +52,21 @@ def test_a_robot_that_is_held_back_is_let_go_and_driven_again_and_again() -> Non
     assert held[-1] >= 4
     follower.sees(Sight(Moving(Pose(), 0.3, 0.0), None, 20 * SECOND))
     assert follower.held_back == 0
+
+
+def test_a_path_that_is_not_known_yet_is_tried_again_and_refuses_nothing_then() -> None:
+    path, link, known = PATHS["line"](5.0), PilotLink(), [False]
+
+    def place(pose: Pose) -> Path:
+        if not known[0]:
+            raise PathError("the robot has not reported STEER yet")
+        return placed(path, pose)
+
+    follower = PathDriver(place, speed_mps=0.3, look_ahead_m=0.5, tightest_per_m=2.0)
+    for now in range(0, 2 * NEUTRAL_FOR, PERIOD):
+        follower.sees(Sight(Moving(Pose(), 0.0, 0.0), None, now))
+        assert follower.command(link, now, armed=True) == NEUTRAL
+    assert "STEER" in follower.refused
+    known[0] = True
+    assert follower.command(link, 2 * NEUTRAL_FOR, armed=True) != NEUTRAL
+    assert follower.refused == ""
